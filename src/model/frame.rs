@@ -1,14 +1,34 @@
 //! The mounting frame.
 
+mod bars;
+mod clamp;
+
 use super::specimen::symmetry;
-use super::{Frame, Hold, Mistakes};
+use super::{Face, Frame, Hold, Mistakes, Specimen};
 use crate::mesh::Side;
 use crate::scenario::{self, EdgeChoice, Loading, Scenario, Shape};
 
 const PATH: &str = "frame.hold";
 
+/// The frame around `faces` of `specimen`, which are left out where there are mistakes in them.
+pub fn check(
+    scenario: &Scenario,
+    loading: &super::Loading,
+    specimen: Option<&Specimen>,
+    faces: Option<&[Face]>,
+    mistakes: &mut Mistakes<'_>,
+) -> Frame {
+    let hold = held(scenario, mistakes);
+    let shape = specimen.map(|specimen| &specimen.shape);
+    let of_bars = |bars| self::bars::check(bars, scenario, (loading, &hold), shape, faces, mistakes);
+    let bars = scenario.frame.bars.as_ref().and_then(of_bars);
+    let of_clamp = |clamp| self::clamp::check(clamp, scenario, loading, &hold, mistakes);
+    let clamp = scenario.frame.clamp.as_ref().and_then(of_clamp);
+    Frame { hold, bars, clamp }
+}
+
 /// The clamped edges; under a stretch the jaws.
-pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Frame {
+fn held(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Hold {
     let hold = match &scenario.frame.hold {
         Some(scenario::Hold::Word(EdgeChoice::All)) => Hold::All,
         Some(scenario::Hold::Word(EdgeChoice::None)) => Hold::None,
@@ -20,7 +40,18 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Frame {
         mistakes.report_with(PATH, "the jaws of a stretch test hold the sides x- and x+", "leave the key out");
     }
     unheld(&hold, scenario, mistakes);
-    Frame { hold }
+    hold
+}
+
+impl Hold {
+    /// Whether a side is held.
+    pub fn holds(&self, side: Side) -> bool {
+        match self {
+            Hold::All => true,
+            Hold::Sides(sides) => sides.contains(&side),
+            Hold::None => false,
+        }
+    }
 }
 
 /// Edges that a slow loading needs to be held.

@@ -66,7 +66,7 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>
         mistakes.report_with(&second.path, message, "give one `[impactor]`, or a `[loading.impact]`");
         return None;
     }
-    several::check(&all, loading, mistakes);
+    several::check(&all, loading, scenario.frame.bars.is_some(), mistakes);
     let checked: Vec<Option<Impactor>> = all.iter().map(|one| check_one(one, scenario, loading, mistakes)).collect();
     checked.into_iter().collect()
 }

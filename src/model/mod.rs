@@ -66,7 +66,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let specimen = specimen::check(&scenario.specimen, mistakes);
     let loading = loading::check(scenario, mistakes);
     let mut faces = layers::check(scenario, &loading, mistakes);
-    let frame = frame::check(scenario, mistakes);
+    let frame = frame::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
     let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
     let impactors = impactor::check(scenario, &loading, mistakes);
     let first = impactors.as_deref().unwrap_or_default().first();
@@ -233,6 +233,30 @@ pub struct Face {
 pub struct Frame {
     /// Edges that it clamps.
     pub hold: Hold,
+    /// Bars along these edges.
+    pub bars: Option<Bars>,
+    /// The clamp, where film may slip in it.
+    pub clamp: Option<Clamp>,
+}
+
+/// Bars along the held edges of film: below a single face; between two faces as high as these are apart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bars {
+    /// Radius over which film bends, m.
+    pub radius: f64,
+    /// Coulomb coefficient between bars and film.
+    pub friction: f64,
+}
+
+/// A clamp in which film slips.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clamp {
+    /// Force on each face of film along all of its held edges, N.
+    pub force: f64,
+    /// Coulomb coefficient between the clamp and each side of the film.
+    pub friction: f64,
+    /// Length of film within the clamp, m; `None` where it never slips out.
+    pub width: Option<f64>,
 }
 
 /// Clamped edges.

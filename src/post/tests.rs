@@ -42,7 +42,7 @@ pub(super) fn model() -> Model {
         title: "A half-sine pulse".into(),
         specimen: Specimen { shape: Outline::Circle { radius: 0.2 }, symmetry: Symmetry::None, damping: 0.0 },
         faces: vec![face],
-        frame: Frame { hold: Hold::All },
+        frame: Frame { hold: Hold::All, bars: None, clamp: None },
         impactors: vec![Impactor {
             name: None,
             shape: ImpactorShape::Sphere { radius: 0.15 },

@@ -14,7 +14,7 @@ pub(super) fn signals(results: &Results) -> Vec<Plot> {
         Measures::Indent(_) => indent(signals),
         Measures::Inflation(_) => inflation(signals),
     };
-    own.into_iter().chain(frame(signals)).collect()
+    own.into_iter().chain(frame(signals)).chain(slip(signals)).collect()
 }
 
 /// Share of the largest energy below which a term is named and not drawn; one that is zero throughout does not exist.
@@ -148,12 +148,23 @@ fn inflation(signals: &Recording) -> Vec<Plot> {
     ]
 }
 
-/// The force on the frame, where sides of a rectangle are held.
+/// The force on the frame, where sides of a rectangle are held, or where it has bars.
 fn frame(signals: &Recording) -> Option<Plot> {
     let force = |name: &str, column: Column| Some(over_time(name, &signals.series(column.name)?, column.factor));
-    let curves = [force("along x", column::FRAME_FORCE_X), force("along y", column::FRAME_FORCE_Y)];
+    let curves = [
+        force("along x", column::FRAME_FORCE_X),
+        force("along y", column::FRAME_FORCE_Y),
+        force("downwards, on the bars", column::FRAME_FORCE),
+    ];
     let any = curves.iter().any(Option::is_some);
     any.then(|| over_time_plot("Force of the film on the frame", column::FRAME_FORCE_X.axis, curves))
+}
+
+/// Slip in the frame's clamp, where film may slip there.
+fn slip(signals: &Recording) -> Option<Plot> {
+    let Column { name, axis, factor, .. } = column::CLAMP_SLIP;
+    let slip = over_time("simulated", &signals.series(name)?, factor);
+    Some(over_time_plot("Slip in the clamp of the frame", axis, [Some(slip)]))
 }
 
 /// One column over another.

@@ -34,11 +34,12 @@ pub struct Impactor {
     /// that of a recorded fall.
     #[serde(default)]
     pub guide_friction: Option<GuideFriction>,
-    /// Coulomb coefficient between impactor and film; between two impactors the smaller of theirs.
+    /// Coulomb coefficient between impactor and film; between two impactors, or an impactor and the frame's bars, the smaller
+    /// of theirs.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub friction: f64,
-    /// Coefficient of restitution where impactors meet, of which a pair has the smaller: 0 where they stay together, 1 where
-    /// no energy is lost.
+    /// Coefficient of restitution where impactors meet, of which a pair has the smaller, and where this one meets the
+    /// frame's bars: 0 where they stay together, 1 where no energy is lost.
     #[serde(default)]
     #[schemars(range(min = 0, max = 1))]
     pub restitution: f64,

@@ -37,7 +37,7 @@ pub use air::{Air, Compression};
 pub use assignment::Assignment;
 pub use contact::Contact;
 pub use document::Document;
-pub use frame::{EdgeChoice, Frame, Hold, Side};
+pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side};
 pub use impactor::{
     BodyShape, Compound, FrictionPoint, Guide, Hinge, Impactor, ImpactorShape, MeshFile, MeshTable, MeshUnit,
     Orientation, Part,

@@ -58,7 +58,7 @@ columns! {
     ACCELERATION_RESULTANT = "acceleration_resultant_m_s2", "acceleration_resultant", "m/s2", "acceleration" ("m/s²"), 1.0;
     /// Vertical force of the film on the impactor.
     CONTACT_FORCE = "contact_force_N", "contact_force", "N", "force" ("N"), 1.0;
-    /// Vertical force of the other impactors on one of several.
+    /// Vertical force of other impactors and of the frame's bars on an impactor.
     COLLISION_FORCE = "collision_force_N", "collision_force", "N", "force" ("N"), 1.0;
     /// Kinetic energy of the impactor, of its rotation too.
     KINETIC_ENERGY = "kinetic_energy_J", "kinetic_energy", "J", "energy" ("J"), 1.0;
@@ -76,6 +76,10 @@ columns! {
     FRAME_FORCE_X = "frame_force_x_N", "frame_force_x", "N", "force" ("N"), 1.0;
     /// Mean force on the held sides across y.
     FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force" ("N"), 1.0;
+    /// Vertical force on the frame's bars, of film, of the edge on their crest and of impactors, positive downwards.
+    FRAME_FORCE = "frame_force_N", "frame_force", "N", "force" ("N"), 1.0;
+    /// Largest slip of film in the frame's clamp.
+    CLAMP_SLIP = "clamp_slip_m", "clamp_slip", "m", "slip" ("mm"), 1e3;
     /// Pressure of the air between two faces over that of the surroundings.
     AIR_PRESSURE = "air_pressure_Pa", "air_pressure", "Pa", "air pressure" ("Pa"), 1.0;
     /// Least distance of the middle surfaces of two faces, up to that in which it is followed.

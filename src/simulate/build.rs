@@ -2,10 +2,11 @@
 
 use super::fault::RunError;
 use super::film::Film as FilmTopology;
+use super::frame;
 use super::frame_force::HeldSides;
 use super::loading::{self, Inertia, LoadCase, MassScaling};
 use super::mount::{self, BodyMounting, Mounting};
-use crate::engine::{self, Engine, Film, Impact, Loads, Nodes, ThreadPool};
+use crate::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, ThreadPool};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Model};
 
@@ -41,10 +42,12 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let mut films = vec![];
     let mut topologies = vec![];
     let mut added_mass = vec![];
+    let mut clamped = vec![];
     let multiplicity = model.specimen.symmetry.copies();
     let (damping, step_factor) = (loading.damping(), model.solver.step_factor);
     let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
     let mut held = if loading.has_frame_force() { HeldSides::of(model) } else { HeldSides::default() };
+    let mut crest = frame::Crest::of(model);
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
         let first = nodes.position.len();
@@ -57,8 +60,11 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         films.push(film);
         mount::mirror(&mut nodes, &mesh, first);
         held.mount(&mesh, first);
+        let topology = topology(&mesh, model);
+        crest.mount(&topology.held, first);
+        clamped.extend(frame::clamped(model, &nodes, &mesh, &topology.held, first));
         loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
-        topologies.push(topology(&mesh, model));
+        topologies.push(topology);
     }
     let impacts = loading.apply(&films, &nodes, &mut loads)?;
     let body = |impact: &Impact| BodyMounting {
@@ -72,8 +78,17 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let bodies = impacts.iter().map(body).collect();
     let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
     let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
-    let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held };
-    let engine = Engine::new(films, nodes, impacts, loads);
+    let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held, crest };
+    let clamp = model.frame.clamp.map(|clamp| {
+        let width = clamp.width.unwrap_or(f64::INFINITY);
+        Clamp::new(clamped, &nodes, width, multiplicity)
+    });
+    let bars = frame::bars(model, &films)?;
+    let engine = Engine::new(films, nodes, impacts.into_iter().chain(bars), loads);
+    let engine = match clamp {
+        Some(clamp) => engine.with_clamp(clamp),
+        None => engine,
+    };
     let between = model.contact.film_friction.or(model.impactors.first().map(|impactor| impactor.friction));
     let engine = match between.filter(|_| model.contact.film) {
         Some(friction) => engine.with_film_contact(friction),

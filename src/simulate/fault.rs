@@ -42,6 +42,17 @@ pub enum RunError {
         /// How deep, m.
         depth: f64,
     },
+    /// An impactor starts inside the frame's bars.
+    #[error(
+        "the impactor \"{name}\" starts {} mm inside the bars of the frame: change its `position`, or give a height",
+        number::significant(1e3 * depth, 3)
+    )]
+    InFrame {
+        /// Its name.
+        name: String,
+        /// How deep, m.
+        depth: f64,
+    },
     /// Several faces are met from below.
     #[error("an impactor below the first of several faces is not supported: the faces are stacked below it")]
     Below,
@@ -83,15 +94,15 @@ pub enum Fault {
         "the impactor \"{name}\" is released at {time:.6} s {} mm inside {}: change its `position`, or release it at \
          another time",
         number::significant(1e3 * .depth, 3),
-        .other.as_ref().map_or_else(|| "the film".to_owned(), |other| format!("the impactor \"{other}\""))
+        .inside
     )]
     ReleasedInside {
         /// Its name.
         name: String,
         /// Time of the release, s.
         time: f64,
-        /// Name of the impactor that it is inside; none where that is the film.
-        other: Option<String>,
+        /// What it is inside: the film, the bars of the frame, or an impactor with its name.
+        inside: String,
         /// How deep, m.
         depth: f64,
     },
@@ -136,10 +147,14 @@ impl Fault {
         let name = |number: usize| model.impactors.get(number - 1).map_or("impactor", Impactor::words).to_owned();
         match fault {
             engine::Fault::ReleasedInFilm { time, impactor, depth } => {
-                Fault::ReleasedInside { name: name(impactor), time, other: None, depth }
+                Fault::ReleasedInside { name: name(impactor), time, inside: "the film".to_owned(), depth }
             }
             engine::Fault::ReleasedInImpactor { time, impactor, other, depth } => {
-                Fault::ReleasedInside { name: name(impactor), time, other: Some(name(other)), depth }
+                let inside = match model.impactors.get(other - 1) {
+                    Some(other) => format!("the impactor \"{}\"", other.words()),
+                    None => "the bars of the frame".to_owned(),
+                };
+                Fault::ReleasedInside { name: name(impactor), time, inside, depth }
             }
             fault => fault.into(),
         }

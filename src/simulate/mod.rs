@@ -6,6 +6,7 @@ mod checkpoint;
 mod energy_check;
 mod fault;
 mod film;
+mod frame;
 mod frame_force;
 mod grid;
 mod image;
@@ -92,7 +93,7 @@ pub struct RunOptions<'a> {
 pub struct SnapshotEvent<'a> {
     /// Topology of the films, one entry a face.
     pub films: &'a [Film],
-    /// Surfaces of the impactors.
+    /// Surfaces of the impactors, and after them that of the frame's bars.
     pub impactors: &'a [Surface],
     /// The snapshot.
     pub snapshot: &'a Snapshot,
@@ -149,8 +150,12 @@ pub fn run_with(
     let lifted = scene.mounting.bodies.iter_mut().filter(|body| body.in_contact);
     lifted.for_each(|body| body.start += probe.lift());
     if let Some(([first, second], depth)) = engine.overlap_of_impactors().filter(|_| engine.steps() == 0) {
-        let name = |place: usize| model.impactors[place].words().to_owned();
-        return Err(RunError::ImpactorsOverlap { names: [first, second].map(name), depth });
+        let name = |place: usize| model.impactors.get(place).map(|impactor| impactor.words().to_owned());
+        return Err(match (name(first), name(second)) {
+            (Some(first), Some(second)) => RunError::ImpactorsOverlap { names: [first, second], depth },
+            (Some(name), None) | (None, Some(name)) => RunError::InFrame { name, depth },
+            (None, None) => RunError::InFrame { name: "frame".to_owned(), depth },
+        });
     }
     let wall = || before + begin.elapsed();
     let mut events = SnapshotEvents { on_snapshot, mounting: &scene.mounting, reported: 0 };

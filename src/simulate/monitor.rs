@@ -34,6 +34,11 @@ pub(super) struct Monitor {
     localised: Option<(f64, f64, usize)>,
     crossed: Option<(f64, f64)>,
     lost: Option<(f64, u64)>,
+    /// First time (s) and largest slip (m) of film in its clamp.
+    slip: Option<(f64, f64)>,
+    /// First time (s) and share of the held length of film that left its clamp.
+    left: Option<(f64, f64)>,
+    has_bars: bool,
 }
 
 /// The bounds on the contact of one impactor.
@@ -73,29 +78,51 @@ impl ContactMonitor {
         if depth > bounds::PENETRATION && self.penetration.is_none_or(|(_, worst)| depth > worst) {
             self.penetration = Some((self.penetration.map_or(time, |c| c.0), depth));
         }
-        if state.frame_hit && self.frame_hit.is_none() {
-            self.frame_hit = Some(time);
+        if state.frame_hit {
+            self.hits_frame(time);
         }
     }
 
-    /// The warnings of the impactor `name`.
-    fn warnings(&self, name: &ImpactorName) -> impl Iterator<Item = Warning> {
+    fn hits_frame(&mut self, time: f64) {
+        self.frame_hit.get_or_insert(time);
+    }
+
+    /// The warnings of the impactor `name`; whether the frame has bars.
+    fn warnings(&self, name: &ImpactorName, has_bars: bool) -> impl Iterator<Item = Warning> {
         let edge = self.edge.map(|(time, edge)| Warning::CoarseContact { impactor: name.clone(), time, edge });
         let depth = self.penetration.map(|(time, depth)| Warning::Penetration { impactor: name.clone(), time, depth });
-        let hit = self.frame_hit.map(|time| Warning::FrameHit { impactor: name.clone(), time });
+        let hit = self.frame_hit.map(|time| Warning::FrameHit { impactor: name.clone(), time, has_bars });
         [edge, depth, hit].into_iter().flatten()
     }
 }
 
 impl Monitor {
-    /// That of a run with so many `impactors`.
-    pub(super) fn new(impactors: usize) -> Monitor {
-        Monitor { contacts: vec![ContactMonitor::default(); impactors], localised: None, crossed: None, lost: None }
+    /// That of a run with so many `impactors`, and bars after them.
+    pub(super) fn new(impactors: usize, has_bars: bool) -> Monitor {
+        let contacts = vec![ContactMonitor::default(); impactors + usize::from(has_bars)];
+        Monitor { contacts, localised: None, crossed: None, lost: None, slip: None, left: None, has_bars }
     }
 
-    /// Records the state of contact at `time` (s) on the impactor of this index and `size` (m).
-    pub(super) fn contact(&mut self, impactor: usize, time: f64, size: f64, state: &ContactState) {
-        self.contacts[impactor].record(time, size, state);
+    /// Records the state of contact at `time` (s) on the body of this index and `size` (m).
+    pub(super) fn contact(&mut self, body: usize, time: f64, size: f64, state: &ContactState) {
+        // With bars, it is them that an impactor reaches.
+        let frame_hit = state.frame_hit && !self.has_bars;
+        self.contacts[body].record(time, size, &ContactState { frame_hit, ..*state });
+    }
+
+    /// Records that the impactor of this index met the frame's bars at `time` (s).
+    pub(super) fn frame_hit(&mut self, impactor: usize, time: f64) {
+        self.contacts[impactor].hits_frame(time);
+    }
+
+    /// Records the largest slip (m) in the clamp at `time` (s) and the share of its length that holds film no longer.
+    pub(super) fn clamp(&mut self, time: f64, [slip, left]: [f64; 2]) {
+        for (recorded, value) in [(&mut self.slip, slip), (&mut self.left, left)] {
+            if value > 0.0 {
+                let (first, most) = recorded.unwrap_or((time, 0.0));
+                *recorded = Some((first, value.max(most)));
+            }
+        }
     }
 
     /// Records the least `distance` (m) of two faces at `time` (s), and how often their contact was `lost` so far.
@@ -135,7 +162,8 @@ impl Monitor {
     pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film], names: &[Option<&str>]) -> Vec<Warning> {
         let Figures { missed, relaxation, balance, outside, kinetic, added_mass, snapshots, unfinished } = figures;
         let [wanted, taken] = snapshots;
-        let names: Vec<ImpactorName> = names.iter().map(|name| ImpactorName::named(*name)).collect();
+        let impactors = names.iter().map(|name| ImpactorName::named(*name));
+        let names: Vec<ImpactorName> = impactors.chain(self.has_bars.then(ImpactorName::bars)).collect();
         let of = |which: &[bool], warning: fn(ImpactorName) -> Warning| -> Vec<Warning> {
             let named = names.iter().zip(which).filter(|(_, is)| **is);
             named.map(|(name, _)| warning(name.clone())).collect()
@@ -152,7 +180,9 @@ impl Monitor {
         let heavy = added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
         out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
         out.extend(of(missed, Warning::NoContact));
-        out.extend(self.contacts.iter().zip(&names).flat_map(|(contact, name)| contact.warnings(name)));
+        out.extend(self.contacts.iter().zip(&names).flat_map(|(contact, name)| contact.warnings(name, self.has_bars)));
+        out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));
+        out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
         out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
         out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::fault::RunError;
 use super::film::Film as FilmTopology;
+use super::frame::Crest;
 use super::frame_force::HeldSides;
 use crate::engine::{self, AddedMass, Contact, Film, Freedom, Loads, Nodes, RigidBody, Section, Surface};
 use crate::mesh::{self, Element, Mesh};
@@ -23,6 +24,8 @@ pub(super) struct Mounting {
     pub(super) added_mass: Vec<AddedMass>,
     /// Sides whose force on the frame is recorded.
     pub(super) held: HeldSides,
+    /// The held edge on the crest of the frame's bars.
+    pub(super) crest: Crest,
 }
 
 /// How an impactor was mounted.

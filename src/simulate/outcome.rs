@@ -21,7 +21,7 @@ pub struct Outcome {
     pub snapshots: Vec<Snapshot>,
     /// Topology of the films, one entry a face.
     pub films: Vec<Film>,
-    /// Surfaces of the impactors that move in the snapshots.
+    /// Surfaces of the impactors that move in the snapshots, and after them that of the frame's bars, if there are any.
     pub impactors: Vec<Surface>,
     /// Strain increments by strain rate.
     pub rates: RateHistogram,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::energy_check::EnergyCheck;
 use super::fault::Fault;
+use super::frame::Crest;
 use super::frame_force::HeldSides;
 use super::loading::{self, Inertia, LoadCase};
 use super::monitor::{Figures, Monitor};
@@ -43,6 +44,7 @@ pub(super) struct Probe<'a> {
     detailed: bool,
     audit: f64,
     held: HeldSides,
+    crest: Crest,
     /// Strains of all elements, as last computed.
     faces: Vec<Vec<ElementStrain>>,
     record: Record,
@@ -79,7 +81,7 @@ impl<'a> Probe<'a> {
             snapshots: vec![],
             energy: EnergyCheck::new(mounting.energy_scale, checked_from),
             rates: RateAudit::new(measured),
-            monitor: Monitor::new(model.impactors.len()),
+            monitor: Monitor::new(model.impactors.len(), model.frame.bars.is_some()),
             rupture_time: None,
             penetration: None,
             lowest: vec![f64::INFINITY; model.impactors.len()],
@@ -93,6 +95,7 @@ impl<'a> Probe<'a> {
             snapshot_interval: duration / snapshots.saturating_sub(1).max(1) as f64,
             detailed,
             held: mounting.held.clone(),
+            crest: mounting.crest.clone(),
             audit: (duration / AUDITS).max(sample),
             faces: vec![],
             record,
@@ -195,6 +198,13 @@ impl<'a> Probe<'a> {
         if !self.held.is_empty() {
             self.record.tracks.frame.push(view.time, self.held.force(view.nodes));
         }
+        if !self.crest.is_empty() {
+            self.record.tracks.crest.push(view.time, [self.crest.force(view.nodes)]);
+        }
+        if let Some(slip) = view.clamp_slip() {
+            self.record.tracks.clamp.push(view.time, [slip[0]]);
+            self.record.monitor.clamp(view.time, slip);
+        }
         if let Some(pressure) = view.cushion_pressure() {
             self.record.tracks.air.push(view.time, [pressure]);
         }
@@ -228,7 +238,9 @@ impl<'a> Probe<'a> {
         self.record.monitor.strain(view, faces);
         for (body, (state, size)) in view.contact_states().enumerate() {
             self.record.monitor.contact(body, view.time, size, &state);
-            self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(state.penetration / size));
+            if body < self.model.impactors.len() {
+                self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(state.penetration / size));
+            }
         }
         self.record.energy.sample(view.time, energies).map_err(|_| engine::Fault::Stopped)
     }
@@ -292,6 +304,15 @@ impl<'a> Probe<'a> {
         let tracks = &self.record.tracks;
         let mut signals = self.loading.signals(tracks, mounting);
         self.held.add_columns(&tracks.frame.rows, &mut signals);
+        if let Some(bars) = &tracks.bars {
+            let on_bars = |(k, [crest]): (usize, &[f64; 1])| crest - bars.contact_force(k) - bars.collision_force(k);
+            let values = tracks.crest.rows.iter().take(signals.time.len()).enumerate().map(on_bars).collect();
+            signals.channels.push(Channel { name: column::FRAME_FORCE.name.into(), values });
+        }
+        if !tracks.clamp.rows.is_empty() {
+            let values = tracks.clamp.rows.iter().take(signals.time.len()).map(|[slip]| *slip).collect();
+            signals.channels.push(Channel { name: column::CLAMP_SLIP.name.into(), values });
+        }
         if !tracks.air.rows.is_empty() {
             let values = tracks.air.rows.iter().take(signals.time.len()).map(|[pressure]| *pressure).collect();
             signals.channels.push(Channel { name: column::AIR_PRESSURE.name.into(), values });
@@ -311,7 +332,8 @@ impl<'a> Probe<'a> {
 fn tracks(model: &Model, mounting: &Mounting, duration: f64, sample: f64) -> Tracks {
     let bodies = model.impactors.iter().zip(&mounting.bodies);
     let bodies = bodies.map(|(impactor, body)| BodyTracks::new(sample, body.approach, impactor.is_spatial()));
-    Tracks::new(duration, sample, bodies.collect())
+    let bars = model.frame.bars.map(|_| BodyTracks::new(sample, [0.0; 2], false));
+    Tracks::new(duration, sample, bodies.collect(), bars)
 }
 
 fn not_finite(time: f64, faces: &[Vec<ElementStrain>]) -> engine::Fault {
@@ -338,6 +360,9 @@ impl Observer for Probe<'_> {
     }
 
     fn track(&mut self, track: &Track<'_>) {
+        for (impactor, _) in track.bodies.iter().enumerate().filter(|(_, body)| body.meets_frame) {
+            self.record.monitor.frame_hit(impactor, track.time);
+        }
         self.record.tracks.follow(track);
     }
 }

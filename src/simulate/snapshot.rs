@@ -15,7 +15,7 @@ pub struct Snapshot {
     pub time: f64,
     /// The faces of film.
     pub films: Vec<FilmState>,
-    /// Position (m) and rotation (unit quaternion i, j, k, w) of the impactors.
+    /// Position (m) and rotation (unit quaternion i, j, k, w) of the impactors, and after them of the frame's bars.
     pub impactors: Vec<([f64; 3], [f64; 4])>,
 }
 
@@ -28,7 +28,7 @@ pub struct FilmState {
     pub strains: Vec<[f32; 3]>,
     /// Whether the MD or TD fibres of all layers are broken in an element, one entry an element.
     pub failed: Vec<bool>,
-    /// Nodes of the face in contact with an impactor, ascending.
+    /// Nodes of the face in contact with an impactor or the frame's bars, ascending.
     pub in_contact: Vec<u32>,
     /// Stresses and more, where the run takes detailed snapshots
     /// ([`RunOptions::detailed`](super::RunOptions::detailed)).

@@ -23,6 +23,12 @@ pub(super) struct Tracks {
     pub(super) strains: Grid<2>,
     /// Force of the film on the frame along x and y, N; only where a frame holds sides.
     pub(super) frame: Grid<2>,
+    /// The frame's bars; only where there are any.
+    pub(super) bars: Option<BodyTracks>,
+    /// Vertical force of the held edge on the crest of these bars, N; only where there are any.
+    pub(super) crest: Grid<1>,
+    /// Largest slip in the frame's clamp, m; only where film may slip in it.
+    pub(super) clamp: Grid<1>,
     /// Pressure of the air between two faces over that of the surroundings, Pa; only where it is computed.
     pub(super) air: Grid<1>,
     /// Least distance of two faces (m) and nodes in touch with another face; only where faces meet.
@@ -122,7 +128,7 @@ impl BodyTracks {
 
 impl Tracks {
     /// Tracks of a run of `duration` (s) with `sample` (s) between samples.
-    pub(super) fn new(duration: f64, sample: f64, bodies: Vec<BodyTracks>) -> Tracks {
+    pub(super) fn new(duration: f64, sample: f64, bodies: Vec<BodyTracks>, bars: Option<BodyTracks>) -> Tracks {
         Tracks {
             sample,
             samples: (duration / sample * (1.0 + 1e-12)).floor() as usize + 1,
@@ -131,6 +137,9 @@ impl Tracks {
             middle: 0.0,
             strains: Grid::new(0.0, sample),
             frame: Grid::new(0.0, sample),
+            bars,
+            crest: Grid::new(0.0, sample),
+            clamp: Grid::new(0.0, sample),
             air: Grid::new(0.0, sample),
             films: Grid::new(0.0, sample),
             rise: Grid::new(0.0, sample),
@@ -143,6 +152,9 @@ impl Tracks {
         self.jaws.push(track.time, [track.jaw_force]);
         for (tracks, body) in self.bodies.iter_mut().zip(track.bodies) {
             tracks.follow(body, [track.time, self.middle]);
+        }
+        if let (Some(tracks), Some(bars)) = (&mut self.bars, &track.frame) {
+            tracks.follow(bars, [track.time, self.middle]);
         }
     }
 
@@ -159,7 +171,7 @@ impl Tracks {
 
     /// Samples at which everything is known of the impactors and the strains.
     pub(super) fn whole(&self) -> usize {
-        let of_bodies = self.bodies.iter().map(BodyTracks::whole).min().unwrap_or(0);
+        let of_bodies = self.bodies.iter().chain(&self.bars).map(BodyTracks::whole).min().unwrap_or(0);
         self.samples.min(of_bodies).min(self.strains.rows.len())
     }
 

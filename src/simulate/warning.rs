@@ -36,9 +36,16 @@ codes! {
         "elements penetrate the impactor between nodes in contact",
         "use a smaller `specimen.mesh.size`";
     FRAME_HIT = "frame-hit", Warning,
-        "the impactor reached nodes that the frame clamps; the frame itself is not modelled, so that the motion from then \
-         on is not that of a test",
-        "shorten the test or use a stiffer film or a lower impact energy";
+        "the impactor hit the frame: with `frame.bars` it meets them with its own restitution, rigidly, so that peaks from \
+         then on are those of a rigid frame; without them the frame is not modelled, so that the motion from then on is not \
+         that of a test",
+        "shorten the test, use a stiffer film or a lower impact energy, or model the frame with `frame.bars`";
+    CLAMP_SLIP = "clamp-slip", Note,
+        "film slipped in the frame's clamp: its pull exceeded the force of friction there",
+        "nothing, where the clamp is known; a larger `frame.clamp.force` holds more";
+    CLAMP_LEFT = "clamp-left", Warning,
+        "film slipped out of the frame's clamp by more than `frame.clamp.width`: there nothing holds it any more",
+        "use a larger `frame.clamp.force`, or a stiffer film or a lower impact energy";
     STRAIN_LOCALISATION = "strain-localisation", Warning,
         "one element is strained much more than its neighbours; with a softening law or a coarse mesh the result from \
          then on depends on the mesh",
@@ -71,40 +78,63 @@ codes! {
         "load more slowly or set a lower `mass_scaling` where accuracy matters";
 }
 
-/// The impactor that a warning is about: the only one, or one of several by its name.
+/// The body that a warning is about: the only impactor, one of several by its name, or the bars of the frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ImpactorName(Option<String>);
+pub struct ImpactorName(Name);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Name {
+    Only,
+    OfSeveral(String),
+    Bars,
+}
 
 impl ImpactorName {
     /// The only one of a scene.
     pub fn only() -> ImpactorName {
-        ImpactorName(None)
+        ImpactorName(Name::Only)
+    }
+
+    /// The bars of the frame.
+    pub(super) fn bars() -> ImpactorName {
+        ImpactorName(Name::Bars)
     }
 
     /// The only one, or that of this name.
     pub(super) fn named(name: Option<&str>) -> ImpactorName {
-        ImpactorName(name.map(str::to_owned))
+        ImpactorName(name.map_or(Name::Only, |name| Name::OfSeveral(name.to_owned())))
     }
 
     /// Its name among the figures.
     fn figure(&self) -> Option<(&'static str, Value)> {
-        self.0.as_ref().map(|name| ("impactor", Value::from(name.as_str())))
+        match &self.0 {
+            Name::Only => None,
+            Name::OfSeveral(name) => Some(("impactor", Value::from(name.as_str()))),
+            Name::Bars => Some(("body", Value::from("frame.bars"))),
+        }
     }
 
     /// As the owner of something.
     fn possessive(&self) -> String {
         match &self.0 {
-            None => "the impactor's".to_owned(),
-            Some(name) => format!("the \"{name}\" impactor's"),
+            Name::Only => "the impactor's".to_owned(),
+            Name::OfSeveral(name) => format!("the \"{name}\" impactor's"),
+            Name::Bars => "the frame's bars'".to_owned(),
         }
+    }
+
+    /// In the possessive form of a pronoun.
+    fn its(&self) -> &'static str {
+        if self.0 == Name::Bars { "their" } else { "its" }
     }
 }
 
 impl fmt::Display for ImpactorName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.0 {
-            None => f.write_str("the impactor"),
-            Some(name) => write!(f, "the impactor \"{name}\""),
+            Name::Only => f.write_str("the impactor"),
+            Name::OfSeveral(name) => write!(f, "the impactor \"{name}\""),
+            Name::Bars => f.write_str("the frame's bars"),
         }
     }
 }
@@ -150,12 +180,28 @@ pub enum Warning {
         /// Largest penetration over the radius of the impactor.
         depth: f64,
     },
-    /// The impactor reached the clamped edge.
+    /// The impactor reached the frame.
     FrameHit {
         /// Which one.
         impactor: ImpactorName,
         /// When it did first, s.
         time: f64,
+        /// Whether the frame has bars, which it met.
+        has_bars: bool,
+    },
+    /// Film slipped in the clamp.
+    ClampSlip {
+        /// When it was seen first, s.
+        time: f64,
+        /// Largest slip, m.
+        slip: f64,
+    },
+    /// Film slipped out of the clamp.
+    ClampLeft {
+        /// When it was seen first, s.
+        time: f64,
+        /// Share of the held length.
+        share: f64,
     },
     /// One element is strained much more than its neighbours.
     StrainLocalisation {
@@ -276,15 +322,31 @@ impl fmt::Display for Warning {
             ),
             Warning::Penetration { impactor, time, depth } => write!(
                 f,
-                "penetration: from {} elements penetrate {impactor} by up to {} % of its radius (bound {} %)",
+                "penetration: from {} elements penetrate {impactor} by up to {} % of {} radius (bound {} %)",
                 number::duration(*time),
                 percent(depth),
+                impactor.its(),
                 percent(&bounds::PENETRATION)
             ),
-            Warning::FrameHit { impactor, time } => write!(
+            Warning::FrameHit { impactor, time, has_bars: false } => write!(
                 f,
                 "{impactor} reached the clamped edge at {}: the frame itself is not modelled",
                 number::duration(*time)
+            ),
+            Warning::FrameHit { impactor, time, has_bars: true } => {
+                write!(f, "{impactor} hit the bars of the frame at {}", number::duration(*time))
+            }
+            Warning::ClampSlip { time, slip } => write!(
+                f,
+                "clamp slip: from {} film slips in its clamp, by up to {} mm",
+                number::duration(*time),
+                number::figure(1e3 * slip, 3)
+            ),
+            Warning::ClampLeft { time, share } => write!(
+                f,
+                "film left its clamp: from {} on, in the end along {} % of the held length",
+                number::duration(*time),
+                percent(share)
             ),
             Warning::StrainLocalisation { time, strain, face } => write!(
                 f,
@@ -351,6 +413,8 @@ impl Report for Warning {
             Warning::CoarseContact { .. } => &COARSE_CONTACT,
             Warning::Penetration { .. } => &PENETRATION,
             Warning::FrameHit { .. } => &FRAME_HIT,
+            Warning::ClampSlip { .. } => &CLAMP_SLIP,
+            Warning::ClampLeft { .. } => &CLAMP_LEFT,
             Warning::StrainLocalisation { .. } => &STRAIN_LOCALISATION,
             Warning::FilmCrossing { .. } => &FILM_CROSSING,
             Warning::FilmContactLost { .. } => &FILM_CONTACT_LOST,
@@ -389,7 +453,9 @@ impl Report for Warning {
             Warning::Penetration { time, depth, .. } => {
                 &[("time_s", time.into()), ("penetration_over_radius", depth.into())]
             }
-            Warning::FrameHit { time, .. } => &[("time_s", time.into())],
+            Warning::FrameHit { time, has_bars, .. } => &[("time_s", time.into()), ("bars", has_bars.into())],
+            Warning::ClampSlip { time, slip } => &[("time_s", time.into()), ("slip_m", slip.into())],
+            Warning::ClampLeft { time, share } => &[("time_s", time.into()), ("share", share.into())],
             Warning::FilmCrossing { time, depth } => &[("time_s", time.into()), ("depth_m", depth.into())],
             Warning::FilmContactLost { time, times } => &[("time_s", time.into()), ("times", times.into())],
             Warning::StrainLocalisation { time, strain, face } => {
@@ -416,7 +482,7 @@ mod tests {
 
     #[test]
     fn a_warning_states_the_fact_and_its_figures() {
-        let finding = Finding::new(&Warning::CoarseContact { impactor: ImpactorName(None), time: 0.0123, edge: 0.4 });
+        let finding = Finding::new(&Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.0123, edge: 0.4 });
         let message =
             "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
         assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));

@@ -259,7 +259,7 @@ fn assert_same(one: &Outcome, other: &Outcome, what: &str) {
 }
 
 /// Every law, loading, element and kind of impactor that the golden cases have: rupture, a rotating sphere, faces of
-/// their own, triangles, a slow test whose mass is scaled, a graded mesh with added mass.
+/// their own, triangles, a slow test whose mass is scaled, a graded mesh with added mass, bars, film that leaves its clamp.
 #[test]
 fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [
@@ -285,6 +285,15 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("indent-disc", &[]),
         ("inflation-square", &[]),
         ("dart-polygon", &["output.frames=20"]),
+        ("drop-bars", &["output.frames=20", "loading.impact.duration=15ms"]),
+        (
+            "drop-bars",
+            &[
+                "output.frames=20",
+                "frame.clamp={ force = \"200 N\", friction = 0.5, width = \"2 mm\" }",
+                "loading.impact.duration=15ms",
+            ],
+        ),
     ] {
         let model = golden(case, changes);
         let every = 0.22 * model.run_time();

@@ -95,6 +95,7 @@ impl Engine {
                 work: work.on_film,
                 impulse: work.impulse,
                 collision: impact.collision_impulse,
+                meets_frame: impact.meets_frame,
             }
         };
         self.impacts.iter().map(of_body).collect()

@@ -38,6 +38,8 @@ struct Collision {
     normal_impulse: f64,
     /// On the second body, N s.
     tangential_impulse: Vector3<f64>,
+    /// Whether neither body can yield.
+    is_blocked: bool,
 }
 
 impl Collisions {
@@ -49,17 +51,18 @@ impl Collisions {
                 // Twice the travel: a collision may make a body faster.
                 let reach = 2.0 * (travel(a, dt) + travel(b, dt));
                 let tolerance = TOUCH * a.contact.surface().size().min(b.contact.surface().size());
-                let found = meetings(a, b, reach + tolerance);
+                let found = meetings(a, b, reach + tolerance + a.cover + b.cover);
                 points.extend(found.into_iter().map(|Meeting { point, normal, gap }| Collision {
                     bodies: [first, second],
                     normal,
                     arms: [a, b].map(|of| point - of.body.centre()),
-                    gap,
+                    gap: gap - a.cover - b.cover,
                     tolerance,
                     restitution: a.restitution.min(b.restitution),
                     friction: a.contact.friction().min(b.contact.friction()),
                     normal_impulse: 0.0,
                     tangential_impulse: Vector3::zeros(),
+                    is_blocked: false,
                 }));
             }
         }
@@ -96,9 +99,14 @@ impl Collisions {
         [behind + ahead, ahead]
     }
 
-    /// Adds the impulses of the step to those that the bodies have got.
+    /// Adds the impulses of the step to those that the bodies have got, and marks those that met the frame.
     pub(super) fn record(&self, impacts: &mut [Impact]) {
-        for Collision { bodies: [a, b], normal, normal_impulse, tangential_impulse, .. } in &self.points {
+        impacts.iter_mut().for_each(|impact| impact.meets_frame = false);
+        for Collision { bodies: [a, b], normal, normal_impulse, tangential_impulse, is_blocked, .. } in &self.points {
+            let with_frame = impacts[*a].is_frame || impacts[*b].is_frame;
+            if with_frame && (*normal_impulse > 0.0 || *is_blocked) {
+                (impacts[*a].meets_frame, impacts[*b].meets_frame) = (true, true);
+            }
             let along_z = normal.z * normal_impulse + tangential_impulse.z;
             impacts[*a].collision_impulse -= along_z;
             impacts[*b].collision_impulse += along_z;
@@ -130,6 +138,7 @@ impl Collision {
         let target = recovery.max(-self.restitution * velocity);
         let mass = self.inverse_effective_mass(&self.normal, a, b);
         if self.gap + velocity * dt >= -self.tolerance || velocity >= target || mass == 0.0 {
+            self.is_blocked = mass == 0.0 && self.gap + velocity * dt < -self.tolerance;
             return false;
         }
         let change = (target - velocity) / mass;
@@ -170,7 +179,8 @@ fn travel(impact: &Impact, dt: f64) -> f64 {
 /// Depth by which two bodies overlap, m; none where they do not.
 pub(super) fn overlap(a: &Impact, b: &Impact) -> Option<f64> {
     let tolerance = TOUCH * a.contact.surface().size().min(b.contact.surface().size());
-    let depth = meetings(a, b, 0.0).iter().map(|meeting| -meeting.gap).fold(0.0, f64::max);
+    let cover = a.cover + b.cover;
+    let depth = meetings(a, b, cover).iter().map(|meeting| cover - meeting.gap).fold(0.0, f64::max);
     (depth > tolerance).then_some(depth)
 }
 

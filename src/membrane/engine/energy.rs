@@ -21,12 +21,14 @@ pub struct Energies {
     pub hourglass: f64,
     /// Dissipated where nodes come into contact.
     pub contact: f64,
-    /// Dissipated by friction of film on the impactor and on film.
+    /// Dissipated by friction of film on the impactor, on the frame's bars and on film.
     pub friction: f64,
     /// Dissipated by friction of the impactor's guide.
     pub guide: f64,
-    /// Dissipated where impactors meet each other.
+    /// Dissipated where impactors meet each other or the frame's bars.
     pub collision: f64,
+    /// Dissipated by friction of film in the frame's clamp.
+    pub clamp: f64,
     /// Dissipated by mass-proportional damping.
     pub damping: f64,
     /// External work by jaws, pressure, an impactor with prescribed motion or what launches an impactor, counted negative.
@@ -35,7 +37,7 @@ pub struct Energies {
 
 impl Energies {
     /// Names of the terms as channels, in the order of [`Energies::terms`].
-    pub const NAMES: [&'static str; 13] = [
+    pub const NAMES: [&'static str; 14] = [
         "kinetic_film_J",
         "kinetic_impactor_J",
         "potential_J",
@@ -47,12 +49,13 @@ impl Energies {
         "friction_J",
         "guide_J",
         "collision_J",
+        "clamp_J",
         "damping_J",
         "external_J",
     ];
 
     /// The terms in order.
-    pub fn terms(&self) -> [f64; 13] {
+    pub fn terms(&self) -> [f64; 14] {
         [
             self.kinetic_film,
             self.kinetic_impactor,
@@ -65,6 +68,7 @@ impl Energies {
             self.friction,
             self.guide,
             self.collision,
+            self.clamp,
             self.damping,
             self.external,
         ]

@@ -1,6 +1,6 @@
 //! An impactor: its body, its contact with the film, and its release.
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::contact::{Contact, ContactHistory};
@@ -9,7 +9,7 @@ use super::rigid_body::{Motion, RigidBody};
 
 /// An impactor and its contact with the film.
 pub struct Impact {
-    /// The impactor. One that is held is at rest.
+    /// The body. One that is held is at rest.
     pub body: RigidBody,
     /// Its contact.
     pub contact: Contact,
@@ -17,8 +17,14 @@ pub struct Impact {
     pub in_contact: bool,
     /// Coefficient of restitution against other bodies, of which a pair has the smaller.
     pub restitution: f64,
+    /// Thickness of the film on it, through which it meets other bodies, m.
+    pub(super) cover: f64,
+    /// Whether it is the frame's bars.
+    pub(super) is_frame: bool,
     /// Impulse of other bodies on it along z so far, N s.
     pub(super) collision_impulse: f64,
+    /// Whether it met the frame's bars in the last step.
+    pub(super) meets_frame: bool,
     release: Release,
 }
 
@@ -56,7 +62,24 @@ pub(super) struct ImpactState {
 impl Impact {
     /// An impactor that moves from the start, beside the film, without restitution.
     pub fn new(body: RigidBody, contact: Contact) -> Impact {
-        Impact { body, contact, in_contact: false, restitution: 0.0, collision_impulse: 0.0, release: Release::Done }
+        Impact {
+            body,
+            contact,
+            in_contact: false,
+            restitution: 0.0,
+            cover: 0.0,
+            is_frame: false,
+            collision_impulse: 0.0,
+            meets_frame: false,
+            release: Release::Done,
+        }
+    }
+
+    /// The bars of the frame, which stand still at the height `z` (m) of the middle of their surface. Other bodies meet them
+    /// with their own restitution, through film of the thickness `cover` (m).
+    pub fn frame(contact: Contact, z: f64, cover: f64) -> Impact {
+        let body = RigidBody::prescribed(Isometry3::translation(0.0, 0.0, z), 0.0);
+        Impact { restitution: 1.0, cover, is_frame: true, ..Impact::new(body, contact) }
     }
 
     /// The same that starts in contact with the film, or not.

@@ -5,6 +5,7 @@
 //! shown a read-only [`View`].
 
 mod bodies;
+mod clamp;
 mod collision;
 mod colouring;
 mod contact;
@@ -39,6 +40,7 @@ mod thread_pool;
 mod thread_pool_tests;
 mod time_step;
 
+pub use clamp::{Clamp, ClampedNode};
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use cushion::{Cushion, area};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, UndefinedFibreDirection};
@@ -65,6 +67,7 @@ pub use time_step::add_mass;
 
 use std::ops::Range;
 
+use clamp::Clamping;
 use colouring::Colouring;
 use cushion::{CushionState, Enclosed};
 use disjoint::Disjoint;
@@ -81,6 +84,8 @@ pub struct Engine {
     impacts: Vec<Impact>,
     /// Contact between faces, where it is computed.
     film_contact: Option<FilmContact>,
+    /// The frame's clamp, where film may slip in it.
+    clamp: Option<Clamp>,
     loads: Loads,
     time_step: TimeStep,
     time: f64,
@@ -128,6 +133,10 @@ struct EnergyLedger {
     collision: f64,
     /// Part of `collision` that belongs to the half step after the full one.
     collision_ahead: f64,
+    /// Dissipated in the frame's clamp.
+    clamp: f64,
+    /// Part of `clamp` that belongs to the half step after the full one.
+    clamp_ahead: f64,
 }
 
 /// State of the full step, stored for an observer while the nodes move on.
@@ -141,7 +150,7 @@ struct PreviousStep {
 }
 
 impl Engine {
-    /// An engine at time zero with one thread; `impacts` are the impactors.
+    /// An engine at time zero with one thread; `impacts` are the impactors, and after them the frame's bars if there are any.
     ///
     /// # Panics
     /// Where `films` are not those mounted on `nodes`, in their order.
@@ -172,6 +181,7 @@ impl Engine {
             nodes,
             impacts,
             film_contact: None,
+            clamp: None,
             loads,
             time_step: TimeStep::default(),
             time: 0.0,
@@ -205,6 +215,16 @@ impl Engine {
         Engine { film_contact: Some(contact), ..self }
     }
 
+    /// The same engine with film that slips in `clamp`, whose nodes are held in every direction.
+    pub fn with_clamp(self, clamp: Clamp) -> Engine {
+        Engine { clamp: Some(clamp), ..self }
+    }
+
+    /// The frame's bars, where there are any.
+    fn bars(&self) -> Option<&Impact> {
+        self.impacts.last().filter(|impact| impact.is_frame)
+    }
+
     /// Whether faces that have not moved since they were mounted or settled lie in the order in which they were mounted;
     /// also where their contact is not computed.
     pub fn has_faces_in_order(&mut self) -> bool {
@@ -232,7 +252,7 @@ impl Engine {
         self.films.iter().map(Film::elements).sum()
     }
 
-    /// Surfaces of the impactors.
+    /// Surfaces of the impactors, and after them that of the frame's bars.
     pub fn impactors(&self) -> impl Iterator<Item = &Surface> {
         self.impacts.iter().map(|impact| impact.contact.surface())
     }
@@ -351,6 +371,7 @@ impl Engine {
     /// Kicks nodes and bodies over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the bodies and with
     /// each other. Returns the largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
+        let clamping = self.predict_clamp(over, dt);
         let Engine { films, nodes, impacts, film_contact, .. } = self;
         if let Some(contact) = film_contact {
             contact.prepare(films, nodes);
@@ -367,11 +388,25 @@ impl Engine {
             unsafe { *sums_of.at(part) = integration.advance(width, ranges[part].clone()) };
         });
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
-        let fastest = sums.largest_speed_squared.sqrt();
+        if self.clamp.as_mut().is_some_and(|clamp| clamp.advance(&mut self.nodes)) {
+            // Film that nothing holds any more snaps back as torn film does.
+            self.time_step.tear();
+        }
+        let fastest = sums.largest_speed_squared.max(clamping.fastest_squared).sqrt();
         let fastest = fastest.max(self.resolve_contact(over, dt, &mut sums));
         self.film_contact.iter_mut().for_each(|contact| contact.reduce_margin(fastest * dt));
         self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
         fastest
+    }
+
+    /// Finds how film moves in the clamp, and adds what is dissipated there to the ledger.
+    fn predict_clamp(&mut self, over: f64, dt: f64) -> Clamping {
+        let Some(mut clamp) = self.clamp.take() else { return Clamping::default() };
+        let clamping = clamp.predict(&self.nodes, self.bars(), self.loads.film_gravity(), [over, dt]);
+        self.clamp = Some(clamp);
+        self.ledger.clamp += clamping.loss;
+        self.ledger.clamp_ahead = clamping.ahead;
+        clamping
     }
 
     /// Shows the stored full step, with the velocities that follow it.
@@ -392,7 +427,11 @@ impl Engine {
     fn finish(&mut self, dt: f64, fastest: f64, jaw_force: f64, observer: &mut dyn Observer) {
         let bodies = self.track_bodies();
         self.drift_bodies(dt, fastest);
-        let track = Track { time: self.time, dt, bodies: &bodies, jaw_force };
+        let (bodies, frame) = match bodies.split_last() {
+            Some((frame, impactors)) if self.bars().is_some() => (impactors, Some(*frame)),
+            _ => (bodies.as_slice(), None),
+        };
+        let track = Track { time: self.time, dt, bodies, frame, jaw_force };
         observer.track(&track);
         self.time += dt;
         self.steps += 1;
@@ -415,6 +454,7 @@ impl Engine {
             impacts: &self.impacts,
             loads: &self.loads,
             film_contact: self.film_contact.as_ref(),
+            clamp: self.clamp.as_ref(),
             cushion: self.cushion,
             ledger: self.ledger,
             previous: &self.previous,

@@ -1,5 +1,6 @@
 //! Observers of a run, and the state that they are shown.
 
+use super::clamp::Clamp;
 use super::cushion::CushionState;
 use super::film_contact::{FilmContact, FilmContactState};
 use super::thread_pool::ThreadPool;
@@ -30,6 +31,8 @@ pub struct Track<'a> {
     pub dt: f64,
     /// The impactors.
     pub bodies: &'a [BodyTrack],
+    /// The frame's bars, where there are any.
+    pub frame: Option<BodyTrack>,
     /// Force of the film on the jaws, mean over all of them, N; zero where there is none.
     pub jaw_force: f64,
 }
@@ -47,8 +50,10 @@ pub struct BodyTrack {
     pub work: f64,
     /// Impulse of the film on the impactor along z so far, N s.
     pub impulse: f64,
-    /// Impulse of other impactors on it along z so far, N s.
+    /// Impulse of other impactors and of the frame's bars on it along z so far, N s.
     pub collision: f64,
+    /// Whether it meets the frame's bars in this step.
+    pub meets_frame: bool,
 }
 
 /// The state at a full step, read-only.
@@ -63,6 +68,7 @@ pub struct View<'a> {
     pub nodes: &'a Nodes,
     pub(super) impacts: &'a [Impact],
     pub(super) film_contact: Option<&'a FilmContact>,
+    pub(super) clamp: Option<&'a Clamp>,
     pub(super) loads: &'a Loads,
     pub(super) cushion: Option<CushionState>,
     pub(super) ledger: EnergyLedger,
@@ -80,6 +86,7 @@ impl View<'_> {
             absorbed: self.ledger.absorbed,
             guide: self.ledger.guide - self.ledger.guide_ahead,
             collision: self.ledger.collision - self.ledger.collision_ahead,
+            clamp: self.ledger.clamp - self.ledger.clamp_ahead,
             damping: self.ledger.damping,
             external: self.ledger.external - self.ledger.external_ahead,
             ..Energies::default()
@@ -131,19 +138,25 @@ impl View<'_> {
         Some(self.film_contact?.state(self.nodes, self.pool))
     }
 
-    /// The impactors, their velocities half a step after `time`.
+    /// Largest slip in the frame's clamp (m) and the share of its force that holds film no longer, where film may slip.
+    pub fn clamp_slip(&self) -> Option<[f64; 2]> {
+        self.clamp.map(|clamp| [clamp.slip(self.nodes), clamp.gone()])
+    }
+
+    /// The impactors, and after them the frame's bars, their velocities half a step after `time`.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = &RigidBody> {
         self.impacts.iter().map(|impact| &impact.body)
     }
 
-    /// State of contact of each impactor, and half its smallest extent, m.
+    /// State of contact of each impactor, and after them of the frame's bars, and half the smallest extent of each, m; the
+    /// radius of bars.
     pub fn contact_states(&self) -> impl Iterator<Item = (ContactState, f64)> {
         let state =
             |Impact { body, contact, .. }: &Impact| (contact.state(self.nodes, &body.pose), contact.surface().size());
         self.impacts.iter().map(state)
     }
 
-    /// Nodes in contact with an impactor in this step.
+    /// Nodes in contact with an impactor or the frame's bars in this step.
     pub fn nodes_in_contact(&self) -> Vec<usize> {
         let mut nodes: Vec<usize> = self.impacts.iter().flat_map(|impact| impact.contact.nodes_in_contact()).collect();
         if self.impacts.len() > 1 {

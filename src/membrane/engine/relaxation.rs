@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::film_contact::FilmContact;
-use super::{EnergyLedger, Engine, Fault, Film, TimeStep, Vectors, film};
+use super::{EnergyLedger, Engine, Fault, Film, Impact, TimeStep, Vectors, film};
 
 /// Residual below which film counts as mounted in equilibrium.
 const MOUNTED: f64 = 1e-3;
@@ -25,6 +25,9 @@ const VERTICAL_SHARE: f64 = 0.1;
 
 /// Largest factor by which mass against vertical motion is reduced.
 const MOST_LIGHTNESS: f64 = 1e3;
+
+/// Gap to a bar over its radius at which a node touches it.
+const TOUCHING: f64 = 1e-9;
 
 /// Steps after which it ends without equilibrium.
 const MOST_STEPS: u64 = 200_000;
@@ -66,7 +69,7 @@ impl Relaxation {
 
 impl Engine {
     /// Brings the films that are `wanted`, one entry each, to equilibrium with their pre-strain and their weight before
-    /// the first step; jaws stand still and nothing touches the film, above which the impactor stays. Where the residual
+    /// the first step; jaws stand still and nothing touches the film but the frame's bars, without friction; the impactor stays above it. Where the residual
     /// of these films as mounted is below 10⁻³, nothing is changed. Histories and energies count from the equilibrium;
     /// initial velocities stay as they are.
     ///
@@ -110,6 +113,7 @@ impl Engine {
             let drift =
                 |range: &Range<usize>| self.nodes.relax(range.clone(), over, dt, self.loads.film_gravity(), lightness);
             let now: f64 = ranges.iter().map(drift).sum();
+            self.settle_on_bars(&ranges);
             steps += 1;
             at_rest = now < kinetic;
             kinetic = if at_rest { 0.0 } else { now };
@@ -131,6 +135,34 @@ impl Engine {
         self.nodes.velocity = velocity;
         self.start_from_here();
         Ok(Relaxation { mounted, residual, steps, displacement, lift })
+    }
+
+    /// Puts nodes of these ranges that penetrate the frame's bars onto them, without velocity into them.
+    fn settle_on_bars(&mut self, ranges: &[Range<usize>]) {
+        let Some(Impact { body, contact, .. }) = self.impacts.last().filter(|impact| impact.is_frame) else { return };
+        for n in ranges.iter().flat_map(Range::clone) {
+            let (gap, normal) = contact.gap(&self.nodes, &body.pose, n);
+            if gap >= 0.0 || self.nodes.is_held(n) {
+                continue;
+            }
+            let velocity = self.nodes.velocity_of(n);
+            self.nodes.position.set(n, (self.nodes.position_of(n).coords - normal * gap).into());
+            self.nodes.velocity.set(n, (velocity - normal * velocity.dot(&normal).min(0.0)).into());
+        }
+    }
+
+    /// Squares of the forces (N²) that the frame's bars take of those on the nodes of `film`, in equilibrium without
+    /// friction.
+    fn squared_force_on_bars(&self, film: &Film) -> f64 {
+        let Some(Impact { body, contact, .. }) = self.bars() else { return 0.0 };
+        let touching = TOUCHING * contact.surface().size();
+        let of_node = |n: usize| {
+            let (gap, normal) = contact.gap(&self.nodes, &body.pose, n);
+            let weight = Vector3::z() * (self.nodes.mass[n] * self.loads.film_gravity());
+            let pressed = (Vector3::from(self.nodes.force.at(n)) - weight).dot(&normal);
+            if gap < touching { pressed.min(0.0).powi(2) } else { 0.0 }
+        };
+        film.nodes.clone().filter(|n| !self.nodes.is_held(*n)).map(of_node).sum()
     }
 
     /// Factor by which mass against vertical motion may be lower: film of small strain and slope has little vertical
@@ -164,6 +196,8 @@ impl Engine {
     fn residual(&self, wanted: &[bool]) -> f64 {
         let of_film = |film: &Film| {
             let [free, held] = self.nodes.squared_forces(film.nodes.clone(), self.loads.film_gravity());
+            let on_bars = self.squared_force_on_bars(film).min(free);
+            let (free, held) = (free - on_bars, held + on_bars);
             if free == 0.0 { 0.0 } else { (free / held.max(self.squared_round_off(film))).sqrt() }
         };
         let larger = |most: f64, residual: f64| if residual > most || residual.is_nan() { residual } else { most };

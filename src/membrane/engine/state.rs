@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::clamp::ClampHistory;
 use super::cushion::CushionState;
 use super::film_contact::FilmContactHistory;
 use super::film_history::FilmHistory;
@@ -26,6 +27,7 @@ pub struct State {
     films: Vec<FilmHistory>,
     impacts: Vec<ImpactState>,
     film_contact: Option<FilmContactHistory>,
+    clamp: Option<ClampHistory>,
 }
 
 /// A state of another scene.
@@ -57,6 +59,7 @@ impl Engine {
             films: films.iter().map(Film::save).collect(),
             impacts: impacts.iter().map(|impact| impact.save()).collect(),
             film_contact: film_contact.as_ref().map(|contact| contact.save()),
+            clamp: self.clamp.as_ref().map(|clamp| clamp.save()),
         }
     }
 
@@ -83,6 +86,9 @@ impl Engine {
         if let (Some(contact), Some(history)) = (&mut self.film_contact, state.film_contact) {
             contact.restore(history, &self.films);
         }
+        if let (Some(clamp), Some(history)) = (&mut self.clamp, state.clamp) {
+            clamp.restore(history, &mut self.nodes);
+        }
         Ok(())
     }
 
@@ -102,7 +108,13 @@ impl Engine {
         let (found, expected) = (&state.film_contact, &self.film_contact);
         same("contacts between faces", usize::from(found.is_some()), usize::from(expected.is_some()))?;
         let tracked = found.as_ref().zip(expected.as_ref()).is_none_or(|(history, contact)| history.fits(contact));
-        same("lists of near faces", usize::from(tracked), 1)
+        same("lists of near faces", usize::from(tracked), 1)?;
+        let (found, expected) = (&state.clamp, &self.clamp);
+        let fits = match (found, expected) {
+            (Some(history), Some(clamp)) => history.fits(clamp),
+            (found, expected) => found.is_some() == expected.is_some(),
+        };
+        same("clamps", usize::from(fits), 1)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::model::{Loading, Mistakes};
 use crate::scenario::Guide;
 
 /// Names that tell several impactors apart, and releases within the run.
-pub(super) fn check(all: &[Written<'_>], loading: &Loading, mistakes: &mut Mistakes<'_>) {
+pub(super) fn check(all: &[Written<'_>], loading: &Loading, has_bars: bool, mistakes: &mut Mistakes<'_>) {
     names(all, mistakes);
     all.iter().for_each(|one| released(one, loading, mistakes));
     let earliest = all.iter().min_by(|a, b| a.at.0.total_cmp(&b.at.0)).filter(|one| one.at.0 > 0.0);
@@ -15,8 +15,8 @@ pub(super) fn check(all: &[Written<'_>], loading: &Loading, mistakes: &mut Mista
     }
     if let [one] = all {
         let key = one.key("restitution");
-        if mistakes.is_written(&key) {
-            mistakes.out_of_place(&key, "there is no other impactor to meet");
+        if mistakes.is_written(&key) && !has_bars {
+            mistakes.out_of_place(&key, "there is no other impactor to meet, and the frame has no bars");
         }
     }
 }

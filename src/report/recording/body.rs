@@ -10,7 +10,7 @@ use crate::simulate::Snapshot;
 /// Sides of a round impactor.
 const SIDES: u32 = 64;
 
-/// The impactors of `model` in the snapshots.
+/// The impactors of `model` in the snapshots, and the bars of its frame.
 pub(super) fn tracks(model: &Model, impactors: &[Surface], snapshots: &[&Snapshot]) -> Vec<BodyTrack> {
     let track = |(index, (surface, name)): (usize, (&Surface, Option<&str>))| {
         let Body { points, triangles } = Body::of(surface, SIDES);
@@ -18,7 +18,13 @@ pub(super) fn tracks(model: &Model, impactors: &[Surface], snapshots: &[&Snapsho
         let name = name.map_or_else(|| "impactor".to_owned(), |name| format!("impactors/{name}"));
         BodyTrack { name, points, triangles, poses }
     };
-    impactors.iter().zip(model.names()).enumerate().map(track).collect()
+    let bars = model.frame.bars.map(|_| Some("frame"));
+    let mut tracks: Vec<BodyTrack> =
+        impactors.iter().zip(model.names().into_iter().chain(bars)).enumerate().map(track).collect();
+    if let Some(frame) = tracks.last_mut().filter(|_| bars.is_some()) {
+        frame.name = "frame".to_owned();
+    }
+    tracks
 }
 
 /// The poses of the impactors in a snapshot.

@@ -84,7 +84,7 @@ const FIRST: [Pane; 7] = [
 ];
 
 /// Charts in tabs.
-const MORE: [Pane; 7] = [
+const MORE: [Pane; 8] = [
     Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE, SIMULATED)], measured: &[] },
     Pane {
         title: "Force of the impactors on each other, N",
@@ -115,7 +115,16 @@ const MORE: [Pane; 7] = [
     },
     Pane {
         title: "Force on the frame, N",
-        channels: &[shown(column::FRAME_FORCE_X, "along x"), shown(column::FRAME_FORCE_Y, "along y")],
+        channels: &[
+            shown(column::FRAME_FORCE_X, "along x"),
+            shown(column::FRAME_FORCE_Y, "along y"),
+            shown(column::FRAME_FORCE, "downwards, on the bars"),
+        ],
+        measured: &[],
+    },
+    Pane {
+        title: "Slip in the clamp, mm",
+        channels: &[as_plotted(column::CLAMP_SLIP, "clamp_slip_mm", SIMULATED)],
         measured: &[],
     },
 ];

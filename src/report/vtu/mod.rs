@@ -149,7 +149,8 @@ fn collection(states: impl Iterator<Item = (String, f64)>) -> Result<Vec<u8>, qu
     Ok(writer.into_inner())
 }
 
-/// The impactors in a snapshot, where it has their poses; of several, each cell has the number of its impactor, from 1.
+/// The impactors in a snapshot, and after them the bars of the frame, where it has their poses; of several, each cell has
+/// the number of its body, from 1.
 fn posed(surfaces: &[Triangulation], snapshot: &Snapshot) -> Grid {
     let mut grid = Grid { points: vec![], cells: vec![], on_points: vec![], on_cells: vec![] };
     let mut of_cells = vec![];

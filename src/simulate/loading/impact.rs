@@ -128,7 +128,7 @@ impl Impact<'_> {
             tracks.table(&SPATIAL, &spatial).channels
         });
         let mut along_z = tracks.table(&NAMES, &rows).channels;
-        if self.model.impactors.len() > 1 {
+        if self.model.impactors.len() > 1 || self.model.frame.bars.is_some() {
             let values = (0..rows.len()).map(|k| body.collision_force(k)).collect();
             along_z.push(Channel { name: column::COLLISION_FORCE.name.into(), values });
         }

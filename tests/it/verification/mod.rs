@@ -16,6 +16,7 @@ mod convergence;
 mod drop;
 mod equilibrium;
 mod film_contact;
+mod frame_bars;
 mod frame_force;
 mod graded;
 mod gradient;

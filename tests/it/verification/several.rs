@@ -209,11 +209,11 @@ fn bodies_inside_each_other_are_refused() {
     assert!((depth - 0.04).abs() < 1e-9, "{depth}");
     let late =
         |z: f64| ball("late", 0.05, 1.0, &format!("position = [0.06, 0, {z}], velocity = [0, 0, -1], at = 0.005"));
-    for (z, into) in [(0.02, None), (0.06, Some("one"))] {
+    for (z, into) in [(0.02, "the film"), (0.06, "the impactor \"one\"")] {
         let released = fails(&[ball("one", 0.05, 1.0, "velocity = [0, 0, -1]"), late(z)]);
         let RunError::Failure(failure) = &released else { panic!("{released}") };
-        let Fault::ReleasedInside { name, other, time, .. } = &failure.cause else { panic!("{released}") };
-        assert_eq!((name.as_str(), other.as_deref()), ("late", into), "{released}");
+        let Fault::ReleasedInside { name, inside, time, .. } = &failure.cause else { panic!("{released}") };
+        assert_eq!((name.as_str(), inside.as_str()), ("late", into), "{released}");
         assert!((time - 0.005).abs() < 1e-4, "{released}");
     }
 }

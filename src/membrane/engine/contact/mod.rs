@@ -24,7 +24,7 @@ pub(super) use history::ContactHistory;
 pub(super) use surface::Meeting;
 pub use surface::{Surface, SurfaceError};
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::disjoint::Disjoint;
@@ -155,7 +155,12 @@ impl Contact {
 
     /// Gap between `node` and the body at `pose`, m, and the surface's normal there.
     pub(super) fn gap(&self, nodes: &Nodes, pose: &Isometry3<f64>, node: usize) -> (f64, Vector3<f64>) {
-        let projection = self.surface.project(pose, &nodes.position_of(node));
+        self.gap_at(&nodes.position_of(node), pose, node)
+    }
+
+    /// The same of a `node` that were at `point`.
+    pub(super) fn gap_at(&self, point: &Point3<f64>, pose: &Isometry3<f64>, node: usize) -> (f64, Vector3<f64>) {
+        let projection = self.surface.project(pose, point);
         (projection.distance - self.offset[node], projection.normal)
     }
 

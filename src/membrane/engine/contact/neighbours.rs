@@ -12,6 +12,9 @@ use crate::engine::nodes::Nodes;
 /// Skin of the neighbour list over the impactor's size.
 const SKIN: f64 = 0.04;
 
+/// The same of bars, which are thin and beside which much film lies: lists are rebuilt more rarely.
+const LONG_SKIN: f64 = 0.3;
+
 /// Nodes and elements within the skin around the impactor.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct NeighbourList {
@@ -45,7 +48,7 @@ impl Contact {
     /// Rebuilds the neighbour list for the present positions.
     pub(super) fn list_neighbours(&mut self, films: &[Film], nodes: &Nodes, pose: &Isometry3<f64>) {
         let size = self.surface.size();
-        let skin = SKIN * size;
+        let skin = if self.surface.is_long() { LONG_SKIN } else { SKIN } * size;
         let fine = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * size * size;
         let centre = Point3::from(pose.translation.vector);
         let distance_squared = |n: u32| nalgebra::distance_squared(&nodes.position_of(n as usize), &centre);

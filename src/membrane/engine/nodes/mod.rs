@@ -154,6 +154,21 @@ impl Nodes {
         nodes.iter().map(|n| self.force.at(*n as usize)[axis]).sum()
     }
 
+    /// Along which axes a node is neither held nor prescribed.
+    pub fn free_axes(&self, node: usize) -> [bool; 3] {
+        self.effective_inverse_mass.at(node).map(|inverse_mass| inverse_mass > 0.0)
+    }
+
+    /// Lets go of a node along the marked axes.
+    pub(super) fn release(&mut self, node: usize, axes: [bool; 3]) {
+        let (held, inverse_mass) = (self.effective_inverse_mass.at(node), self.inverse_mass[node]);
+        let free = [0, 1, 2].map(|axis| if axes[axis] { inverse_mass } else { held[axis] });
+        self.effective_inverse_mass.set(node, free);
+        if !free.contains(&0.0) {
+            self.constrained.retain(|n| *n as usize != node);
+        }
+    }
+
     /// Holds some nodes along the marked axes, where their velocity stays constant.
     pub fn hold(&mut self, nodes: impl IntoIterator<Item = usize>, axes: [bool; 3]) {
         for n in nodes {

@@ -50,7 +50,7 @@ fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
 
 impl Surface {
     /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to
-    /// the axis of a capsule, or the centre of a ball, than √(d² − l²/3), with the distance d of the nearest corner and
+    /// the axis of a capsule or a bar, or the centre of a ball, than √(d² − l²/3), with the distance d of the nearest corner and
     /// the longest line l; other shapes have no bound.
     pub(in crate::engine::contact) fn penetration_bound(
         &self,
@@ -67,7 +67,7 @@ impl Surface {
         self.size - larger(nearest.fold(f64::INFINITY, f64::min) - longest / 3.0, 0.0).sqrt()
     }
 
-    /// Squared distance of `point` from the axis of a capsule, from the centre of other shapes, m².
+    /// Squared distance of `point` from the axis of a capsule or a bar, from the centre of other shapes, m².
     fn axis_distance_squared(&self, pose: &Isometry3<f64>, point: &Point3<f64>) -> f64 {
         let arm = point.coords - pose.translation.vector;
         match &self.shape {
@@ -75,6 +75,7 @@ impl Surface {
                 let axis = pose.rotation * Vector3::z();
                 (arm - axis * nearest_on_axis(capsule, arm.dot(&axis))).norm_squared()
             }
+            Shape::Bars(bars) => bars.offset(&pose.rotation.inverse_transform_vector(&arm)).norm_squared(),
             Shape::Ball(_) | Shape::Solid(_) | Shape::Compound(_) => arm.norm_squared(),
         }
     }
@@ -138,6 +139,20 @@ fn deepest(
                     if let Ok(Some(contact)) = found {
                         offer(corner_weights(a, b, barycentric(&triangle, contact.point1)));
                     }
+                }
+            }
+        }
+        Shape::Bars(bars) => {
+            let extent = corners.iter().map(|corner| nalgebra::distance_squared(corner, &mean)).fold(0.0, f64::max);
+            let of_mean = shape.project(pose, &(mean.coords - pose.translation.vector));
+            if of_mean.distance - extent.sqrt() >= within {
+                return None;
+            }
+            for [a, b] in triangles {
+                let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
+                let onto = |point: Vector| triangle.project_local_point(point, false).point;
+                for start in bars.starts(&triangle) {
+                    offer(corner_weights(a, b, barycentric(&triangle, bars.nearest(start, onto))));
                 }
             }
         }

@@ -5,6 +5,8 @@ use parry3d_f64::math::{Pose, Rotation, Vector};
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d_f64::shape::Shape as ParryShape;
 
+use super::bars::{Bars, Piece};
+use super::projection::Projection;
 use super::{Part, Shape, Surface, vector};
 
 /// A point at which one body is near another.
@@ -20,7 +22,8 @@ pub(in crate::engine) struct Meeting {
 
 impl Surface {
     /// The points of the body at `pose` that are within `reach` (m) of the `other` one, at `other_pose`: one of each pair
-    /// of parts of which one is a ball, else those of parry's contact manifold.
+    /// of parts of which one is a ball, else those of parry's contact manifold. Bars meet a ball on each of their lines, other
+    /// bodies with their straight pieces.
     pub(in crate::engine) fn meetings(
         &self,
         pose: &Isometry3<f64>,
@@ -28,6 +31,13 @@ impl Surface {
         other_pose: &Isometry3<f64>,
         reach: f64,
     ) -> Vec<Meeting> {
+        if let Shape::Bars(bars) = &self.shape {
+            return on_bars(bars, pose, &other.shape, other_pose, reach);
+        }
+        if matches!(other.shape, Shape::Bars(_)) {
+            let turned = |meeting: Meeting| Meeting { normal: -meeting.normal, ..meeting };
+            return other.meetings(other_pose, self, pose, reach).into_iter().map(turned).collect();
+        }
         let mut found = vec![];
         self.shape.for_each_part(pose, &mut |first, at| {
             other.shape.for_each_part(other_pose, &mut |second, other_at| {
@@ -45,7 +55,7 @@ impl Shape {
             Shape::Compound(parts) => {
                 parts.iter().for_each(|Part { place, shape, .. }| shape.for_each_part(&(pose * place), act));
             }
-            Shape::Ball(_) | Shape::Capsule(_) | Shape::Solid(_) => act(self, pose),
+            Shape::Ball(_) | Shape::Capsule(_) | Shape::Solid(_) | Shape::Bars(_) => act(self, pose),
         }
     }
 
@@ -55,9 +65,37 @@ impl Shape {
             Shape::Ball(ball) => Some((ball, Pose::IDENTITY, 0.0)),
             Shape::Capsule(capsule) => Some((capsule, Pose::IDENTITY, 0.0)),
             Shape::Solid(solid) => Some((solid.core(), *solid.place(), solid.edge())),
-            Shape::Compound(_) => None,
+            Shape::Compound(_) | Shape::Bars(_) => None,
         }
     }
+}
+
+/// The points of `bars` at `pose` that are within `reach` (m) of the `other` shape.
+fn on_bars(bars: &Bars, pose: &Isometry3<f64>, other: &Shape, other_pose: &Isometry3<f64>, reach: f64) -> Vec<Meeting> {
+    let mut found = vec![];
+    other.for_each_part(other_pose, &mut |part, at| {
+        let arm = at.translation.vector - pose.translation.vector;
+        if let Shape::Ball(ball) = part {
+            let meetings = bars.project_on_each(pose, &arm).map(|Projection { distance, normal }| {
+                let gap = distance - ball.radius;
+                let point = Point3::from(at.translation.vector - normal * (ball.radius + 0.5 * gap));
+                Meeting { point, normal, gap }
+            });
+            found.extend(meetings.filter(|meeting| meeting.gap <= reach));
+            return;
+        }
+        let bound = part.bounding_radius() + reach;
+        if bars.project(pose, &arm).distance > bound {
+            return;
+        }
+        let local = pose.rotation.inverse_transform_vector(&arm);
+        for Piece { solid, centre, reach: extent } in bars.pieces() {
+            if (centre - local).norm_squared() <= (extent + bound) * (extent + bound) {
+                manifold([&Shape::Solid(solid.clone()), part], [pose, at], reach, &mut found);
+            }
+        }
+    });
+    found
 }
 
 /// Adds the points of two shapes at their poses.

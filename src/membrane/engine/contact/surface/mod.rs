@@ -1,6 +1,7 @@
 //! The impactor's surface: its shape, and the projection of points and elements of film onto it. This folder is the
 //! only place that names parry.
 
+mod bars;
 mod deepest_point;
 mod meeting;
 mod projection;
@@ -16,6 +17,7 @@ use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder, Shape as _, SharedShape, TriMesh, TriMeshFlags};
 use thiserror::Error;
 
+use bars::Bars;
 use solid::Solid;
 
 /// The impactor's surface about its centre of mass, body axes.
@@ -44,6 +46,8 @@ enum Shape {
     Solid(Solid),
     /// Parts at their poses.
     Compound(Vec<Part>),
+    /// Those of a frame.
+    Bars(Bars),
 }
 
 /// A part of a compound body.
@@ -170,6 +174,32 @@ impl Surface {
         Ok(Surface::with(Shape::Compound(shapes), centre, volume, inertia))
     }
 
+    /// Bars of `radius` (m) in the plane z = 0 along `lines` from point to point, with walls of `half_height` (m) above
+    /// and below that plane: all points within the radius of upright rectangles. They have a volume, but no inertia.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NoVolume`].
+    pub fn straight_bars(lines: &[[[f64; 2]; 2]], radius: f64, half_height: f64) -> Result<Surface, SurfaceError> {
+        Surface::bars(Bars::straight(lines, radius, half_height))
+    }
+
+    /// The same along the circle of the radius `opening` (m) about the origin.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NoVolume`].
+    pub fn round_bar(opening: f64, radius: f64, half_height: f64) -> Result<Surface, SurfaceError> {
+        Surface::bars(Bars::round(opening, radius, half_height))
+    }
+
+    fn bars(bars: Bars) -> Result<Surface, SurfaceError> {
+        let (volume, size) = (bars.volume(), bars.radius());
+        if !(volume.is_finite() && volume > 0.0) {
+            return Err(SurfaceError::NoVolume);
+        }
+        let surface = Surface::with(Shape::Bars(bars), Vector3::zeros(), volume, Matrix3::zeros());
+        Ok(Surface { size, ..surface })
+    }
+
     /// A convex body: everything within `edge` (m) of `core` at `place`, with the mass properties `outer`.
     fn solid(core: SharedShape, place: Pose, outer: MassProperties, edge: f64) -> Result<Surface, SurfaceError> {
         let shape = Shape::Solid(Solid::rounded(core, place.append_translation(-outer.local_com), edge));
@@ -234,10 +264,15 @@ impl Surface {
         matches!(self.shape, Shape::Compound(_))
     }
 
+    /// Whether it is much longer than its size.
+    pub(super) fn is_long(&self) -> bool {
+        matches!(self.shape, Shape::Bars(_))
+    }
+
     /// Whether its curvature is nowhere larger than that of a sphere of its size, so that node contact suffices for a
     /// fine mesh.
     pub fn is_round(&self) -> bool {
-        matches!(self.shape, Shape::Ball(_) | Shape::Capsule(_))
+        matches!(self.shape, Shape::Ball(_) | Shape::Capsule(_) | Shape::Bars(_))
     }
 }
 
@@ -266,6 +301,7 @@ impl Shape {
                 };
                 parts.iter().map(of_part).fold(f64::NEG_INFINITY, f64::max)
             }
+            Shape::Bars(bars) => bars.reach(direction),
         }
     }
 
@@ -280,6 +316,7 @@ impl Shape {
                     |Part { place, shape, .. }: &Part| place.translation.vector.norm() + shape.bounding_radius();
                 parts.iter().map(of_part).fold(0.0, f64::max)
             }
+            Shape::Bars(bars) => bars.bounding_radius(),
         }
     }
 }

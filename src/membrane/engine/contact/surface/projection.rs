@@ -62,7 +62,7 @@ impl Surface {
                     (0..3).for_each(|k| normal[k][l] = if length > 0.0 { radial[k] / length } else { lateral[k] });
                 }
             }
-            Shape::Solid(_) | Shape::Compound(_) => {
+            Shape::Solid(_) | Shape::Compound(_) | Shape::Bars(_) => {
                 for l in (0..LANES).filter(|l| close[*l] > 0.0) {
                     let projection = self.shape.project(pose, &Vector3::new(arm[0][l], arm[1][l], arm[2][l]));
                     distance[l] = projection.distance;
@@ -95,6 +95,7 @@ impl Shape {
             }
             Shape::Solid(solid) => solid.project(pose, arm),
             Shape::Compound(parts) => project_on_parts(parts, pose, arm),
+            Shape::Bars(bars) => bars.project(pose, arm),
         }
     }
 }

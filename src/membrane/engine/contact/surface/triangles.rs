@@ -5,6 +5,7 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{Ball, Shape as ParryShape, TypedShape};
 use parry3d_f64::transformation::try_convex_hull;
 
+use super::bars::Bars;
 use super::solid::Solid;
 use super::{Part, Shape, Surface};
 
@@ -27,6 +28,7 @@ fn triangulated(shape: &Shape, sides: u32) -> Triangles {
         Shape::Capsule(capsule) => points(capsule.to_trimesh(sides, sides / 2)),
         Shape::Solid(solid) => of_solid(solid, sides),
         Shape::Compound(parts) => joined(parts, sides),
+        Shape::Bars(bars) => tubes(bars, sides),
     }
 }
 
@@ -56,6 +58,32 @@ fn of_core(core: &dyn ParryShape, sides: u32) -> (Vec<Vector>, Vec<[u32; 3]>) {
         TypedShape::TriMesh(mesh) => (mesh.vertices().to_vec(), mesh.indices().to_vec()),
         _ => (vec![], vec![]),
     }
+}
+
+/// The bars as tubes with about half as many sides; straight ones have flat ends.
+fn tubes(bars: &Bars, sides: u32) -> Triangles {
+    // Of so many sides, corners lie at the crest and at the lowest line, and none where walls begin.
+    let sides = 4 * (sides / 8).max(1) + 2;
+    let (mut vertices, mut triangles) = (vec![], vec![]);
+    for (sections, is_ring) in bars.sections(sides) {
+        let (first, count) = (vertices.len() as u32, sections.len() as u32);
+        vertices.extend(sections.into_iter().flatten().map(Point3::from));
+        let at = |section: u32, side: u32| first + section % count * sides + side % sides;
+        for section in 0..if is_ring { count } else { count - 1 } {
+            for side in 0..sides {
+                let [a, b] = [at(section, side), at(section, side + 1)];
+                let [c, d] = [at(section + 1, side + 1), at(section + 1, side)];
+                triangles.extend([[a, c, b], [a, d, c]]);
+            }
+        }
+        if !is_ring {
+            for side in 1..sides - 1 {
+                triangles.push([at(0, 0), at(0, side), at(0, side + 1)]);
+                triangles.push([at(1, 0), at(1, side + 1), at(1, side)]);
+            }
+        }
+    }
+    (vertices, triangles)
 }
 
 /// The triangles of all parts.
@@ -91,6 +119,8 @@ mod tests {
             (Surface::cuboid([2.0 * radius; 3], 0.25 * radius), rounded_box(0.75 * radius, 0.25 * radius), -radius),
             // Its centre of mass is a quarter of its length above the flat end.
             (Surface::cone(radius, length, 0.0), shaft / 3.0, -0.75 * length),
+            (Surface::straight_bars(&[[[0.0, 0.0], [0.0, length]]], radius, 0.0), shaft, -radius),
+            (Surface::round_bar(length, radius, 0.0), 2.0 * PI * shaft, -radius),
         ] {
             let (vertices, triangles) = surface.unwrap().triangles(48);
             let six = |t: &[u32; 3]| {

@@ -1,0 +1,369 @@
+//! Bars along a frame: all points within a radius of upright walls over straight lines or over a circle.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
+use parry3d_f64::math::{Pose, Rotation, Vector};
+use parry3d_f64::shape::{Cuboid, SharedShape, Triangle};
+
+use super::projection::Projection;
+use super::solid::Solid;
+use super::vector;
+use crate::lane::{larger, smaller};
+
+/// Thickness of the box in a bar over its radius, where the bar meets a body that is no ball: its crest is flat over
+/// twice as much.
+const FLAT: f64 = 1e-3;
+
+/// Straight pieces of a circular bar where it meets a body that is no ball.
+const PIECES: usize = 128;
+
+/// Bars in the plane z = 0.
+#[derive(Clone, Debug)]
+pub(super) struct Bars {
+    axes: Vec<Axis>,
+    /// m.
+    radius: f64,
+    /// Half the height of the walls, m; zero where bars are round.
+    half_height: f64,
+    /// Straight convex pieces.
+    pieces: Vec<Piece>,
+}
+
+/// The axis of a bar.
+#[derive(Clone, Copy, Debug)]
+enum Axis {
+    /// A straight line.
+    Line {
+        /// Its beginning, m.
+        from: Vector2<f64>,
+        /// Its direction.
+        along: Vector2<f64>,
+        /// m.
+        length: f64,
+    },
+    /// A circle about the origin.
+    Circle {
+        /// m.
+        radius: f64,
+    },
+}
+
+/// A straight convex piece of a bar.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub(super) solid: Solid,
+    pub(super) centre: Vector3<f64>,
+    /// Radius of the sphere about its centre that holds it, m.
+    pub(super) reach: f64,
+}
+
+impl Axis {
+    /// The vector from the point of the axis nearest to `place` to it, m.
+    #[inline(always)]
+    fn offset(&self, place: &Vector2<f64>) -> Vector2<f64> {
+        match *self {
+            Axis::Line { from, along, length } => {
+                let arm = place - from;
+                arm - along * larger(smaller(arm.dot(&along), length), 0.0)
+            }
+            Axis::Circle { radius } => {
+                let distance = place.norm();
+                // Any point of the circle is nearest to its centre.
+                if distance > 0.0 { place * ((distance - radius) / distance) } else { Vector2::new(-radius, 0.0) }
+            }
+        }
+    }
+
+    /// Its length, m.
+    fn length(&self) -> f64 {
+        match *self {
+            Axis::Line { length, .. } => length,
+            Axis::Circle { radius } => TAU * radius,
+        }
+    }
+
+    /// Straight lines along it: middle, direction and half the length of each, m.
+    fn lines(&self) -> Vec<(Vector2<f64>, Vector2<f64>, f64)> {
+        match *self {
+            Axis::Line { from, along, length } => vec![(from + along * (0.5 * length), along, 0.5 * length)],
+            Axis::Circle { radius } => {
+                let half = PI / PIECES as f64;
+                // Corners lie outside the circle by as much as the middles of the lines lie inside.
+                let middle = radius * 2.0 * half.cos() / (1.0 + half.cos());
+                let line = |k: usize| {
+                    let (sin, cos) = (2.0 * half * k as f64).sin_cos();
+                    (Vector2::new(cos, sin) * middle, Vector2::new(-sin, cos), middle * half.tan())
+                };
+                (0..PIECES).map(line).collect()
+            }
+        }
+    }
+
+    /// How far it reaches along a direction, m.
+    fn reach(&self, direction: &Vector2<f64>) -> f64 {
+        match *self {
+            Axis::Line { from, along, length } => from.dot(direction).max((from + along * length).dot(direction)),
+            Axis::Circle { radius } => radius * direction.norm(),
+        }
+    }
+
+    /// Largest distance from the origin, m.
+    fn extent(&self) -> f64 {
+        match *self {
+            Axis::Line { from, along, length } => from.norm().max((from + along * length).norm()),
+            Axis::Circle { radius } => radius,
+        }
+    }
+}
+
+impl Bars {
+    /// Bars of `radius` and walls of `half_height` (m) over straight `lines` from point to point.
+    pub(super) fn straight(lines: &[[[f64; 2]; 2]], radius: f64, half_height: f64) -> Bars {
+        let line = |[from, to]: &[[f64; 2]; 2]| {
+            let [from, to] = [Vector2::from(*from), Vector2::from(*to)];
+            let length = (to - from).norm();
+            Axis::Line { from, along: (to - from) / length, length }
+        };
+        Bars::of(lines.iter().map(line).collect(), radius, half_height)
+    }
+
+    /// A bar of `radius` and walls of `half_height` (m) over the circle of the radius `opening` (m) about the origin.
+    pub(super) fn round(opening: f64, radius: f64, half_height: f64) -> Bars {
+        Bars::of(vec![Axis::Circle { radius: opening }], radius, half_height)
+    }
+
+    fn of(axes: Vec<Axis>, radius: f64, half_height: f64) -> Bars {
+        let flat = FLAT * radius;
+        let piece = |(middle, along, half): (Vector2<f64>, Vector2<f64>, f64)| {
+            let core = Cuboid::new(Vector::new(half, flat, half_height.max(flat)));
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), along.y.atan2(along.x));
+            let q = turn.coords;
+            let place = Pose::from_parts(Vector::new(middle.x, middle.y, 0.0), Rotation::from_xyzw(q.x, q.y, q.z, q.w));
+            Piece {
+                solid: Solid::rounded(SharedShape::new(core), place, radius - flat),
+                centre: Vector3::new(middle.x, middle.y, 0.0),
+                reach: half + half_height + radius,
+            }
+        };
+        let pieces = axes.iter().flat_map(Axis::lines).map(piece).collect();
+        Bars { axes, radius, half_height, pieces }
+    }
+
+    /// m.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Straight convex pieces of all bars.
+    pub(super) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Volume of all bars, without what is round at their ends, m³.
+    pub(super) fn volume(&self) -> f64 {
+        let section = PI * self.radius * self.radius + 4.0 * self.radius * self.half_height;
+        section * self.axes.iter().map(Axis::length).sum::<f64>()
+    }
+
+    /// The vectors to `place` (m, body axes) from the nearest point of the wall of each bar.
+    fn offsets(&self, place: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> + use<'_> {
+        let (flat, up) = (place.xy(), place.z - place.z.clamp(-self.half_height, self.half_height));
+        self.axes.iter().map(move |axis| {
+            let offset = axis.offset(&flat);
+            Vector3::new(offset.x, offset.y, up)
+        })
+    }
+
+    /// The vector to `place` (m, body axes) from the nearest point of all walls, the first of several.
+    #[inline]
+    pub(super) fn offset(&self, place: &Vector3<f64>) -> Vector3<f64> {
+        let flat = place.xy();
+        let (mut least, mut nearest) = (f64::INFINITY, Vector2::from_element(f64::INFINITY));
+        for axis in &self.axes {
+            let offset = axis.offset(&flat);
+            let squared = offset.x * offset.x + offset.y * offset.y;
+            if squared < least {
+                (least, nearest) = (squared, offset);
+            }
+        }
+        Vector3::new(nearest.x, nearest.y, place.z - larger(smaller(place.z, self.half_height), -self.half_height))
+    }
+
+    /// Signed distances and outward normals of the point at `arm` (m) from the origin of the bars at `pose`, from each.
+    pub(super) fn project_on_each(
+        &self,
+        pose: &Isometry3<f64>,
+        arm: &Vector3<f64>,
+    ) -> impl Iterator<Item = Projection> {
+        let offsets = self.offsets(&pose.rotation.inverse_transform_vector(arm));
+        offsets.map(|offset| self.projection(pose, &offset))
+    }
+
+    /// The same from the nearest of them.
+    pub(super) fn project(&self, pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Projection {
+        self.projection(pose, &self.offset(&pose.rotation.inverse_transform_vector(arm)))
+    }
+
+    #[inline]
+    fn projection(&self, pose: &Isometry3<f64>, offset: &Vector3<f64>) -> Projection {
+        let length = offset.norm();
+        let normal = if length > 0.0 { pose.rotation * (offset / length) } else { pose.rotation * Vector3::z() };
+        Projection { distance: length - self.radius, normal }
+    }
+
+    /// The point nearest to the walls of the bars of the points of a convex set, from `start` in it, by projections onto
+    /// the walls and onto the set in turn (all in body axes). Across a bar one turn is exact where the set is flat.
+    pub(super) fn nearest(&self, start: Vector, onto_set: impl Fn(Vector) -> Vector) -> Vector {
+        const TURNS: usize = 8;
+        const STILL: f64 = 1e-4;
+        let mut point = start;
+        for _ in 0..TURNS {
+            let place = Vector3::new(point.x, point.y, point.z);
+            let next = onto_set(point - vector(&self.offset(&place)));
+            let moved = (next - point).length_squared();
+            point = next;
+            if moved <= STILL * STILL * self.radius * self.radius {
+                break;
+            }
+        }
+        point
+    }
+
+    /// Points of a triangle (body axes) from which [`Bars::nearest`] is looked for: next to a round bar, a large triangle may
+    /// have several nearest points.
+    pub(super) fn starts(&self, triangle: &Triangle) -> impl Iterator<Item = Vector> + use<> {
+        let is_round = self.axes.iter().any(|axis| matches!(axis, Axis::Circle { .. }));
+        let is_large = (triangle.a - triangle.b).length_squared() > self.radius * self.radius;
+        let more = [triangle.a, triangle.b].into_iter().filter(move |_| is_round && is_large);
+        std::iter::once(triangle.center()).chain(more)
+    }
+
+    /// How far it reaches along the unit vector `direction`, m.
+    pub(super) fn reach(&self, direction: &Vector3<f64>) -> f64 {
+        let flat = self.axes.iter().map(|axis| axis.reach(&direction.xy())).fold(f64::NEG_INFINITY, f64::max);
+        flat + self.half_height * direction.z.abs() + self.radius
+    }
+
+    /// Radius of a sphere about the origin that holds all bars, m.
+    pub(super) fn bounding_radius(&self) -> f64 {
+        self.axes.iter().map(Axis::extent).fold(0.0, f64::max) + self.half_height + self.radius
+    }
+
+    /// Points of the surface of each bar and quadrilaterals between them, for pictures: `sides` points around the section;
+    /// a circle has twice as many sections. Of each bar whether its sections close a ring.
+    pub(super) fn sections(&self, sides: u32) -> Vec<(Vec<Vec<Vector3<f64>>>, bool)> {
+        let around = |centre: Vector2<f64>, across: Vector2<f64>| -> Vec<Vector3<f64>> {
+            let point = |k: u32| {
+                let (sin, cos) = (TAU * (f64::from(k) + 0.5) / f64::from(sides)).sin_cos();
+                let flat = centre + across * (self.radius * cos);
+                Vector3::new(flat.x, flat.y, self.radius * sin + self.half_height * sin.signum())
+            };
+            (0..sides).map(point).collect()
+        };
+        let of_axis = |axis: &Axis| match *axis {
+            Axis::Line { from, along, length } => {
+                let across = Vector2::new(along.y, -along.x);
+                (vec![around(from, across), around(from + along * length, across)], false)
+            }
+            Axis::Circle { radius } => {
+                let section = |k: u32| {
+                    let (sin, cos) = (TAU * f64::from(k) / f64::from(2 * sides)).sin_cos();
+                    let out = Vector2::new(cos, sin);
+                    around(out * radius, out)
+                };
+                ((0..2 * sides).map(section).collect(), true)
+            }
+        };
+        self.axes.iter().map(of_axis).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::contact::surface::Surface;
+
+    /// The distance from a torus is |(|xy| − a, z)| − r; its normal is the gradient.
+    #[test]
+    fn a_round_bar_is_a_torus() {
+        let (opening, radius) = (0.3, 0.01);
+        let surface = Surface::round_bar(opening, radius, 0.0).unwrap();
+        let pose = Isometry3::translation(0.0, 0.0, -0.2);
+        for point in [[0.29, 0.0, -0.19], [0.1, 0.25, -0.2], [-0.3, 0.02, -0.195], [0.0, 0.0, -0.2], [0.2, -0.3, 0.1]] {
+            let at = |p: Vector3<f64>| surface.project(&pose, &p.into());
+            let [x, y, z]: [f64; 3] = point;
+            let expected = ((x.hypot(y) - opening).powi(2) + (z + 0.2).powi(2)).sqrt() - radius;
+            let found = at(point.into());
+            assert!((found.distance - expected).abs() < 1e-15, "{found:?} {expected}");
+            assert!((found.normal.norm() - 1.0).abs() < 1e-14);
+            if x.hypot(y) == 0.0 {
+                continue;
+            }
+            let step = 1e-6;
+            let slope = |axis: Vector3<f64>| {
+                let to = Vector3::from(point) + axis * step;
+                (at(to).distance - at(to - axis * (2.0 * step)).distance) / (2.0 * step)
+            };
+            let gradient = Vector3::new(slope(Vector3::x()), slope(Vector3::y()), slope(Vector3::z()));
+            assert!((found.normal - gradient).norm() < 1e-7, "{found:?} {gradient}");
+        }
+    }
+
+    /// Four bars around a rectangle: round in section and at the corners, with a flat wall where they are high.
+    #[test]
+    fn straight_bars_are_round_about_their_lines() {
+        let corners = [[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1], [0.2, -0.1]];
+        let lines: Vec<[[f64; 2]; 2]> = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
+        for (half_height, point, expected) in [
+            (0.0, [0.0, 0.08, 0.0], 0.01),
+            (0.0, [0.0, 0.094, 0.008], 0.0),
+            (0.0, [0.203, 0.104, 0.0], -0.005),
+            (0.0, [0.0, 0.0, 0.0], 0.09),
+            (0.005, [0.197, 0.01, 0.009], -0.005),
+            (0.005, [0.19, 0.01, 0.003], 0.0),
+            (0.005, [0.19, 0.0, -0.005], 0.0),
+        ] {
+            let surface = Surface::straight_bars(&lines, 0.01, half_height).unwrap();
+            let found = surface.project(&Isometry3::identity(), &point.into());
+            assert!((found.distance - expected).abs() < 1e-15, "{found:?} {expected}");
+            assert_eq!(surface.size(), 0.01);
+        }
+    }
+
+    /// A triangle that spans the corner of a rectangle, one along a bar and one across it, against a fine search.
+    #[test]
+    fn the_deepest_point_on_bars_is_the_nearest_to_their_lines() {
+        let corners = [[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1], [0.2, -0.1]];
+        let lines: Vec<[[f64; 2]; 2]> = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
+        let frames =
+            [Surface::straight_bars(&lines, 0.01, 0.0), Surface::round_bar(0.2, 0.01, 0.004)].map(Result::unwrap);
+        let pose = Isometry3::translation(0.0, 0.0, -0.01);
+        for surface in &frames {
+            for [a, b, c, d] in [
+                [[0.2, 0.01, 0.0], [0.2, 0.02, 0.0], [0.188, 0.02, -0.012], [0.188, 0.01, -0.012]],
+                [[0.192, 0.05, -0.002], [0.192, 0.06, -0.003], [0.16, 0.06, -0.012], [0.16, 0.05, -0.011]],
+                [[-0.05, 0.193, 0.0], [0.05, 0.197, 0.0], [0.04, 0.189, -0.004], [-0.04, 0.189, -0.004]],
+            ] {
+                let corners = [a, b, c, d].map(nalgebra::Point3::from);
+                let Some(found) = surface.deepest_point(&pose, &corners, f64::INFINITY) else { panic!("none") };
+                let mean = (corners[0].coords + corners[1].coords + corners[2].coords + corners[3].coords) * 0.25;
+                let mut least = f64::INFINITY;
+                let parts = 200;
+                for a in 0..4 {
+                    let (p, q) = (corners[a].coords, corners[(a + 1) % 4].coords);
+                    for i in 0..=parts {
+                        for j in 0..=parts - i {
+                            let (u, v) = (f64::from(i) / f64::from(parts), f64::from(j) / f64::from(parts));
+                            let point = mean + (p - mean) * u + (q - mean) * v;
+                            least = least.min(surface.project(&pose, &point.into()).distance);
+                        }
+                    }
+                }
+                let distance = found.projection.distance;
+                assert!(distance - least < 2e-5 && least - distance < 1e-4, "{distance} {least}");
+                assert!(surface.penetration_bound(&pose, &corners) >= -distance - 1e-12);
+            }
+        }
+    }
+}
