@@ -24,6 +24,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::ClampSlip { .. }
         | Warning::FilmCrossing { .. }
         | Warning::FilmContactLost { .. }
+        | Warning::FilmContactUnresolved { .. }
         | Warning::StrainLocalisation { .. }
         | Warning::EnergyBalance { .. }
         | Warning::StrainRateOutside { .. } => return warning.to_string(),

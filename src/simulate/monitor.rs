@@ -34,6 +34,8 @@ pub(super) struct Monitor {
     localised: Option<(f64, f64, usize)>,
     crossed: Option<(f64, f64)>,
     lost: Option<(f64, u64)>,
+    /// Steps in which the impulses between faces did not converge, and all steps.
+    pub(super) unresolved: [u64; 2],
     /// First time (s) and largest slip (m) of film in its clamp.
     slip: Option<(f64, f64)>,
     /// First time (s) and share of the held length of film that left its clamp.
@@ -100,7 +102,16 @@ impl Monitor {
     /// That of a run with so many `impactors`, and bars after them.
     pub(super) fn new(impactors: usize, has_bars: bool) -> Monitor {
         let contacts = vec![ContactMonitor::default(); impactors + usize::from(has_bars)];
-        Monitor { contacts, localised: None, crossed: None, lost: None, slip: None, left: None, has_bars }
+        Monitor {
+            contacts,
+            localised: None,
+            crossed: None,
+            lost: None,
+            unresolved: [0; 2],
+            slip: None,
+            left: None,
+            has_bars,
+        }
     }
 
     /// Records the state of contact at `time` (s) on the body of this index and `size` (m).
@@ -186,6 +197,10 @@ impl Monitor {
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
         out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
         out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
+        let [steps, all] = self.unresolved;
+        if steps as f64 > bounds::UNRESOLVED * all as f64 {
+            out.push(Warning::FilmContactUnresolved { steps, of: all });
+        }
         out.extend(of(unfinished, Warning::Unfinished));
         let (wanted, taken, balance, outside) = (*wanted, *taken, *balance, *outside);
         let nothing_hit = !missed.is_empty() && missed.iter().all(|missed| *missed);

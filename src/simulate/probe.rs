@@ -208,9 +208,10 @@ impl<'a> Probe<'a> {
         if let Some(pressure) = view.cushion_pressure() {
             self.record.tracks.air.push(view.time, [pressure]);
         }
-        if let Some(FilmContactState { distance, nodes, lost }) = view.film_contact_state() {
+        if let Some(FilmContactState { distance, nodes, lost, unresolved }) = view.film_contact_state() {
             self.record.tracks.films.push(view.time, [distance, nodes as f64]);
             self.record.monitor.films(view.time, distance, lost);
+            self.record.monitor.unresolved = unresolved;
         }
         if self.loading.has_rise() {
             self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);

@@ -57,6 +57,9 @@ codes! {
         "contact between faces was given up at a node or at two edges and found again later: where film folds sharply or \
          leaves the outline of another face, its side is no longer known",
         "look at these places in the recording; a smaller `specimen.mesh.size` resolves folds";
+    FILM_CONTACT_UNRESOLVED = "film-contact-unresolved", Note,
+        "the impulses between faces did not converge in many steps, so that faces come closer there than their thickness",
+        "look at `film_distance_m`; a larger `specimen.mesh.size` or fewer faces on each other converge sooner";
     UNFINISHED = "unfinished", Warning,
         "the run ends while the impactor is still in contact, so that rebound and energy absorption are not final",
         "use a longer `loading.impact.duration`";
@@ -226,6 +229,13 @@ pub enum Warning {
         /// How often.
         times: u64,
     },
+    /// The impulses between faces did not converge in many steps.
+    FilmContactUnresolved {
+        /// In how many.
+        steps: u64,
+        /// All steps.
+        of: u64,
+    },
     /// The impactor is still in contact at the end.
     Unfinished(ImpactorName),
     /// Fewer snapshots than requested.
@@ -271,6 +281,9 @@ pub(super) mod bounds {
     pub(in crate::simulate) const PENETRATION: f64 = 0.01;
     /// Strain of one element over the mean of its neighbours.
     pub(in crate::simulate) const LOCALISATION: f64 = 2.0;
+
+    /// Share of the steps in which the impulses between faces may not converge.
+    pub(in crate::simulate) const UNRESOLVED: f64 = 0.01;
     /// Strain below which localisation is not looked for.
     pub(in crate::simulate) const LOCALISED_STRAIN: f64 = 0.5;
     /// Error of the energy balance.
@@ -367,6 +380,12 @@ impl fmt::Display for Warning {
                 "film contact lost: from {} contact between faces was given up {times} times at a node or at two edges",
                 number::duration(*time)
             ),
+            Warning::FilmContactUnresolved { steps, of } => {
+                write!(
+                    f,
+                    "film contact unresolved: the impulses between faces did not converge in {steps} of {of} steps"
+                )
+            }
             Warning::Unfinished(impactor) => write!(
                 f,
                 "the run ends while {impactor} is still in contact: rebound and energy absorption are not final",
@@ -418,6 +437,7 @@ impl Report for Warning {
             Warning::StrainLocalisation { .. } => &STRAIN_LOCALISATION,
             Warning::FilmCrossing { .. } => &FILM_CROSSING,
             Warning::FilmContactLost { .. } => &FILM_CONTACT_LOST,
+            Warning::FilmContactUnresolved { .. } => &FILM_CONTACT_UNRESOLVED,
             Warning::Unfinished(_) => &UNFINISHED,
             Warning::FewerSnapshots { .. } => &FEWER_SNAPSHOTS,
             Warning::EnergyBalance { .. } => &ENERGY_BALANCE,
@@ -458,6 +478,7 @@ impl Report for Warning {
             Warning::ClampLeft { time, share } => &[("time_s", time.into()), ("share", share.into())],
             Warning::FilmCrossing { time, depth } => &[("time_s", time.into()), ("depth_m", depth.into())],
             Warning::FilmContactLost { time, times } => &[("time_s", time.into()), ("times", times.into())],
+            Warning::FilmContactUnresolved { steps, of } => &[("steps", steps.into()), ("of", of.into())],
             Warning::StrainLocalisation { time, strain, face } => {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }

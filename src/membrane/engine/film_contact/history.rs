@@ -22,6 +22,7 @@ pub(crate) struct FilmContactHistory {
     pushed: f64,
     steps: u64,
     lost: u64,
+    unresolved: u64,
     work: FilmWork,
 }
 
@@ -51,6 +52,7 @@ impl FilmContact {
             pushed: self.pushed,
             steps: self.steps,
             lost: self.lost,
+            unresolved: self.unresolved,
             work: self.work,
         }
     }
@@ -71,6 +73,7 @@ impl FilmContact {
         self.pushed = history.pushed;
         self.steps = history.steps;
         self.lost = history.lost;
+        self.unresolved = history.unresolved;
         self.work = history.work;
     }
 }

@@ -83,6 +83,8 @@ pub struct FilmContact {
     steps: u64,
     /// Times that a node or a crossing was lost.
     lost: u64,
+    /// Steps whose sweeps did not converge.
+    unresolved: u64,
     /// Work since the start.
     pub(super) work: FilmWork,
 }
@@ -107,6 +109,8 @@ pub struct FilmContactState {
     /// Times so far that contact between two faces was given up at a node or two edges, because these lay beyond each
     /// other: where film folds sharply, or has passed through.
     pub lost: u64,
+    /// Steps so far in which the impulses between faces did not converge, and all steps.
+    pub unresolved: [u64; 2],
 }
 
 impl FilmContact {
@@ -141,6 +145,7 @@ impl FilmContact {
             last_motion: 0.0,
             steps: 0,
             lost: 0,
+            unresolved: 0,
             work: FilmWork::default(),
         }
     }
@@ -280,7 +285,12 @@ impl FilmContact {
             }
         }
         distance = self.least_of_crossings(position, distance, pool);
-        FilmContactState { distance, nodes: self.pressed_nodes(), lost: self.lost }
+        FilmContactState {
+            distance,
+            nodes: self.pressed_nodes(),
+            lost: self.lost,
+            unresolved: [self.unresolved, self.steps],
+        }
     }
 
     /// Whether `films` that have not moved yet lie on the sides of each other on which they were mounted.

@@ -25,6 +25,8 @@ const LARGEST_MARGIN: f64 = 0.02;
 /// Where the sweeps of a step are.
 #[derive(Default)]
 pub(super) struct Sweeps {
+    /// Whether the last one ended the sweeps.
+    has_converged: bool,
     /// Whether the next one is over those that have impulses only.
     skips: bool,
     /// Places of those of the last one, or of these.
@@ -123,7 +125,7 @@ impl FilmContact {
     /// One sweep over the constraints of a step of `dt` (s), and one back: over all of them first, then over those that have
     /// impulses until these do not change any more, then over all of them again. Returns whether all have converged.
     pub(in crate::engine) fn sweep(&mut self, nodes: &mut Nodes, dt: f64) -> bool {
-        let Sweeps { skips, active } = &mut self.sweeps;
+        let Sweeps { has_converged, skips, active } = &mut self.sweeps;
         let (friction, velocity) = (self.friction, &mut nodes.velocity);
         let is_whole = !*skips;
         if is_whole {
@@ -139,12 +141,13 @@ impl FilmContact {
             let moved = constraint.solve(friction, velocity) * dt;
             largest = largest.max(moved / constraint.bound);
         }
-        let has_converged = largest <= TOLERANCE;
-        *skips = !has_converged;
-        if is_whole && !has_converged {
+        let is_settled = largest <= TOLERANCE;
+        *skips = !is_settled;
+        if is_whole && !is_settled {
             active.retain(|place| self.constraints[*place].is_active());
         }
-        is_whole && has_converged
+        *has_converged = is_whole && is_settled;
+        *has_converged
     }
 
     /// Sweeps of a step without another body.
@@ -183,6 +186,7 @@ impl FilmContact {
             fastest = constraint.nodes.iter().map(squared).fold(fastest, f64::max);
         }
         self.carried.sort_unstable_by_key(|carried| carried.source);
+        self.unresolved += u64::from(!self.constraints.is_empty() && !self.sweeps.has_converged);
         fastest.sqrt()
     }
 
