@@ -5,7 +5,8 @@ use nalgebra::{Isometry3, Vector3};
 use super::friction::Friction;
 use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
-use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
+use super::surface::DeepestPoint;
+use super::{Contact, Impulse, SAGITTA_SHARE};
 use crate::engine::film_contact::{self, FilmContact};
 use crate::engine::nodes::Nodes;
 use crate::engine::rigid_body::RigidBody;
@@ -17,6 +18,8 @@ const RECOVERY: f64 = 0.02;
 
 /// Largest number of Gauss–Seidel sweeps in a step.
 const SWEEPS: usize = 10;
+fn sweeps() -> usize { static N: std::sync::OnceLock<usize> = std::sync::OnceLock::new(); *N.get_or_init(|| std::env::var("SW").ok().and_then(|s| s.parse().ok()).unwrap_or(10)) }
+fn recovery() -> f64 { static N: std::sync::OnceLock<f64> = std::sync::OnceLock::new(); *N.get_or_init(|| std::env::var("RE").ok().and_then(|s| s.parse().ok()).unwrap_or(0.02)) }
 
 /// Change of impulse in a sweep, over the largest impulse, below which the sweeps have converged.
 const TOLERANCE: f64 = 1e-3;
@@ -92,6 +95,12 @@ impl Constraint {
     }
 }
 
+/// Velocity of a node along `normal` per impulse, 1/kg; zero where it is held.
+fn yielding(nodes: &Nodes, node: usize, normal: &Vector3<f64>) -> f64 {
+    let free = nodes.effective_inverse_mass().at(node);
+    if free.contains(&0.0) { (0..3).map(|k| free[k] * normal[k] * normal[k]).sum() } else { 1.0 / nodes.mass[node] }
+}
+
 impl Contact {
     /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the
     /// constraints at the deepest point of each, at the nodes in contact, and `between` faces (theory.md, section 6).
@@ -107,9 +116,9 @@ impl Contact {
             return;
         }
         let pose = body.predicted(dt);
-        let candidates = self.neighbours.face_candidates.iter().filter(|element| !self.has_small_sagitta(element));
+        let candidates = self.neighbours.face_candidates.iter().filter(|element| !self.has_small_sagitta(element, nodes));
         let faces: Vec<Constraint> =
-            candidates.filter_map(|element| self.face_constraint(element.corners, nodes, body, &pose, dt)).collect();
+            candidates.flat_map(|element| self.face_constraints(element.corners, nodes, body, &pose, dt)).collect();
         let has_faces = !faces.is_empty();
         let mut between = between.take_if(|between| between.is_near());
         if !has_faces && between.is_none() {
@@ -126,7 +135,7 @@ impl Contact {
             constraints.extend(self.near_constraints(nodes, body, &pose, dt));
         }
         let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
-        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [SWEEPS, 1] };
+        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [sweeps(), 1] };
         for _ in 0..rounds {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -171,14 +180,15 @@ impl Contact {
 
     /// Whether the normals of the surface at the corners of an element differ so little that its sagitta, (longest
     /// line) times angle over 8, is well below the allowed penetration.
-    fn has_small_sagitta(&self, element: &NeighbourElement) -> bool {
-        // Between the corners there may be a smaller part.
-        if self.surface.has_parts() {
+    fn has_small_sagitta(&self, element: &NeighbourElement, nodes: &Nodes) -> bool {
+        // Between the corners there may be a smaller part, and a held corner is no contact of its own.
+        let at_support = || element.corners.iter().any(|n| nodes.is_held(*n as usize));
+        if self.surface.has_parts() || self.surface.is_convex_solid() || at_support() {
             return false;
         }
         let normals = element.corners.map(|n| self.normals[n as usize]);
         let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
-        let sagitta = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * self.surface.size();
+        let sagitta = 8.0 * SAGITTA_SHARE * self.neighbours.allowance;
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
     }
 
@@ -225,42 +235,45 @@ impl Contact {
         constraint
     }
 
-    /// The constraint at the deepest point of an element, if it would penetrate too far. None for an element with a
-    /// held corner: it cannot yield, and the frame behind it is not modelled.
-    fn face_constraint(
+    /// The constraints at points of an element that would penetrate too far. What supports a held corner takes
+    /// its part of the impulse; none where neither film nor body yields.
+    fn face_constraints(
         &self,
         corners: [u32; 4],
         nodes: &Nodes,
         body: &RigidBody,
         pose: &Isometry3<f64>,
         dt: f64,
-    ) -> Option<Constraint> {
+    ) -> Vec<Constraint> {
         let corners = corners.map(|n| n as usize);
-        if corners.iter().any(|n| nodes.is_held(*n)) {
-            return None;
-        }
         let positions = corners.map(|n| nodes.position_of(n));
-        let bound = self.offset[corners[0]] - FACE_PENETRATION * self.surface.size();
-        let found = self.surface.deepest_point(pose, &positions, bound)?;
-        let (weights, normal) = (found.weights, found.projection.normal);
-        let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
-        let arm = point - pose.translation.vector;
-        let inverse_mass = |a: usize| weights[a].powi(2) / nodes.mass[corners[a]];
-        let inverse_effective_mass =
-            (0..4).map(inverse_mass).sum::<f64>() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
-        let mut constraint = Constraint {
-            nodes: corners,
-            weights,
-            normal,
-            arm,
-            inverse_effective_mass,
-            target: 0.0,
-            normal_impulse: 0.0,
-            tangential_impulse: Vector3::zeros(),
+        let bound = self.offset[corners[0]] - self.neighbours.allowance;
+        let points = self.rounded.deep_points(pose, &positions, bound);
+        let constraint = |DeepestPoint { projection, weights, .. }: DeepestPoint| {
+            let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
+            let arm = point - pose.translation.vector;
+            let normal = projection.normal;
+            let inverse_mass = |a: usize| weights[a].powi(2) * yielding(nodes, corners[a], &normal);
+            let inverse_effective_mass =
+                (0..4).map(inverse_mass).sum::<f64>() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
+            if inverse_effective_mass <= 0.0 {
+                return None;
+            }
+            let mut constraint = Constraint {
+                nodes: corners,
+                weights,
+                normal,
+                arm,
+                inverse_effective_mass,
+                target: 0.0,
+                normal_impulse: 0.0,
+                tangential_impulse: Vector3::zeros(),
+            };
+            let to_bound =
+                constraint.relative_velocity(nodes, body).dot(&normal) + (bound - projection.distance) / dt;
+            constraint.target = if to_bound > 0.0 { recovery() * to_bound } else { to_bound };
+            Some(constraint)
         };
-        let to_bound =
-            constraint.relative_velocity(nodes, body).dot(&normal) + (bound - found.projection.distance) / dt;
-        constraint.target = if to_bound > 0.0 { RECOVERY * to_bound } else { to_bound };
-        Some(constraint)
+        points.into_iter().filter_map(constraint).collect()
     }
 }

@@ -11,6 +11,8 @@
 
 mod contact_state;
 mod damping;
+#[cfg(test)]
+mod edge_tests;
 mod face_contact;
 mod friction;
 mod history;
@@ -41,6 +43,8 @@ use node_contact::{Corrector, NodeContacts, Predictor};
 /// Contact of one impactor with all faces of film.
 pub struct Contact {
     surface: Surface,
+    /// The surface that elements meet between their nodes: its edges have a radius.
+    rounded: Surface,
     friction: Friction,
     /// Number of mirror images of the film.
     multiplicity: f64,
@@ -67,6 +71,12 @@ pub struct Contact {
 
 /// Allowed penetration of a face between its nodes over the impactor's size: below the one that gives a warning.
 const FACE_PENETRATION: f64 = 0.008;
+
+/// Radius of the body's edges where elements meet them, over the longest line of the smallest element.
+const EDGE_SHARE: f64 = 0.005;
+
+/// Allowed penetration of a face between its nodes, over the longest line of the smallest element; of shapes with edges.
+const FACE_SHARE: f64 = 0.002;
 
 /// Sagitta of an element over [`FACE_PENETRATION`] from which its deepest point is determined.
 const SAGITTA_SHARE: f64 = 0.7;
@@ -112,6 +122,7 @@ impl Contact {
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
         let nodes = offset.len();
         Contact {
+            rounded: surface.clone(),
             surface,
             friction: Friction { impactor: friction, film: friction, first_face: nodes },
             multiplicity,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{Contact, FACE_PENETRATION, NODES_PER_RANGE, SAGITTA_SHARE};
+use super::{Contact, EDGE_SHARE, FACE_PENETRATION, FACE_SHARE, NODES_PER_RANGE, SAGITTA_SHARE};
 use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
 
@@ -26,6 +26,10 @@ pub(super) struct NeighbourList {
     pub(super) elements: Vec<NeighbourElement>,
     /// Elements that may penetrate between their nodes by more than is allowed.
     pub(super) face_candidates: Vec<NeighbourElement>,
+    /// Radius that edges of the body have at least where elements meet them, m.
+    pub(super) edge: f64,
+    /// Allowed penetration of a face between its nodes, m.
+    pub(super) allowance: f64,
     /// Relative motion of film and impactor that is left until the list is rebuilt, m.
     pub(super) margin: f64,
     /// Bound on the relative motion in the last step, m.
@@ -64,6 +68,7 @@ impl Contact {
             list.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
         }
         self.normals.fill(Vector3::zeros());
+        let mut shortest = f64::INFINITY;
         for film in films {
             film.for_each_intact(|corners| {
                 let squared = longest_line_squared(corners, nodes);
@@ -74,13 +79,23 @@ impl Contact {
                 let corners = [corners[0], corners[1], corners[2], corners[corners.len() - 1]];
                 let element = NeighbourElement { corners, longest_squared: squared };
                 list.elements.push(element);
-                if !surface.is_round() || squared > fine {
+                shortest = shortest.min(squared);
+                // A corner that is held is no contact of its own.
+                let at_support = corners.iter().any(|n| nodes.is_held(*n as usize));
+                if !surface.is_round() || squared > fine || at_support {
                     list.face_candidates.push(element);
                 }
             });
         }
         list.partition(films);
         list.margin = skin;
+        let element = if shortest.is_finite() { shortest.sqrt() } else { 0.0 };
+        (list.edge, list.allowance) = if surface.is_round() {
+            (0.0, FACE_PENETRATION * size)
+        } else {
+            (EDGE_SHARE * element, (FACE_SHARE * element).max(FACE_PENETRATION * surface.edge_radius()))
+        };
+        self.rounded = self.surface.with_edges(self.neighbours.edge);
     }
 }
 

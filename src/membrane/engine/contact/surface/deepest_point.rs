@@ -7,6 +7,7 @@ use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
 
 use super::projection::{Projection, nearest_on_axis};
+use super::solid::Solid;
 use super::{Part, Shape, Surface, vector};
 use crate::lane::{larger, smaller};
 
@@ -17,35 +18,45 @@ pub(in crate::engine::contact) struct DeepestPoint {
     pub(in crate::engine::contact) projection: Projection,
     /// Weights of the element's corners in it.
     pub(in crate::engine::contact) weights: [f64; 4],
+    /// Its distance along the normal from the farthest point of the body (m), whose edges count as sharp as they are. No
+    /// point of the element is deeper inside the body than this is below zero.
+    pub(in crate::engine::contact) extent: f64,
 }
-
-/// Longest diagonal of an element over the impactor's size from which parry's contact of its triangles is queried.
-const COARSE: f64 = 0.25;
-
-/// Weights of the corners at the natural coordinates −⅔, 0, ⅔ of a bilinear element.
-const SAMPLE_WEIGHTS: [[f64; 4]; 9] = {
-    let mut samples = [[0.0; 4]; 9];
-    let mut k = 0;
-    while k < 9 {
-        let (x, y) = ((k % 3) as f64 * (2.0 / 3.0) - 2.0 / 3.0, (k / 3) as f64 * (2.0 / 3.0) - 2.0 / 3.0);
-        samples[k] = [
-            0.25 * (1.0 - x) * (1.0 - y),
-            0.25 * (1.0 + x) * (1.0 - y),
-            0.25 * (1.0 + x) * (1.0 + y),
-            0.25 * (1.0 - x) * (1.0 + y),
-        ];
-        k += 1;
-    }
-    samples
-};
 
 /// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the
 /// mean of all corners.
-fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
+pub(super) fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
     let mut weights = [0.25 * wm; 4];
     weights[a] += wa;
     weights[b] += wb;
     weights
+}
+
+/// The points of an element that are nearer to a body than a distance: the deepest one, or one of each triangle, corner and
+/// edge.
+pub(super) struct Search {
+    /// Distance below which a point counts, m.
+    pub(super) within: f64,
+    keeps_all: bool,
+    found: Vec<DeepestPoint>,
+}
+
+impl Search {
+    fn within(within: f64, keeps_all: bool) -> Search {
+        Search { within, keeps_all, found: vec![] }
+    }
+
+    /// Takes a point that is near enough.
+    pub(super) fn offer(&mut self, point: DeepestPoint) {
+        if point.projection.distance >= self.within {
+            return;
+        }
+        if !self.keeps_all {
+            self.within = point.projection.distance;
+            self.found.clear();
+        }
+        self.found.push(point);
+    }
 }
 
 impl Surface {
@@ -82,34 +93,42 @@ impl Surface {
     /// The point of an element with the least signed distance from the body at `pose`; `None` where that is not below
     /// `within` (m). The element is taken as the four triangles between its edges and the mean of its corners.
     ///
-    /// The point is exact for balls and capsules. For other shapes it is the deepest of nine points spread over the
-    /// element and, where the element is coarse relative to the shape, of parry's contact with each triangle.
+    /// The point is exact for all shapes but meshes, whose corners and edges each have one.
     pub(in crate::engine::contact) fn deepest_point(
         &self,
         pose: &Isometry3<f64>,
         corners: &[Point3<f64>; 4],
         within: f64,
     ) -> Option<DeepestPoint> {
-        deepest(&self.shape, self.size, pose, corners, within)
+        let mut search = Search::within(within, false);
+        deepest(&self.shape, pose, corners, &mut search);
+        search.found.pop()
+    }
+
+    /// The points of an element where its signed distance from the body at `pose` is below `within` (m): the deepest one of
+    /// balls and capsules, which admit no second one apart from it, else one for each part of the element and edge.
+    pub(in crate::engine::contact) fn deep_points(
+        &self,
+        pose: &Isometry3<f64>,
+        corners: &[Point3<f64>; 4],
+        within: f64,
+    ) -> Vec<DeepestPoint> {
+        let mut search = Search::within(within, !self.is_round());
+        deepest(&self.shape, pose, corners, &mut search);
+        search.found
     }
 }
 
-/// The deepest point in `shape` at `pose`, of a body of half the smallest extent `size` (m).
-fn deepest(
-    shape: &Shape,
-    size: f64,
-    pose: &Isometry3<f64>,
-    corners: &[Point3<f64>; 4],
-    within: f64,
-) -> Option<DeepestPoint> {
+/// Offers points in `shape` at `pose`.
+fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
     let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
     let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
     let mut best: Option<DeepestPoint> = None;
     let mut offer = |weights: [f64; 4]| {
         let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
         let projection = shape.project(pose, &(point - pose.translation.vector));
-        if projection.distance < best.map_or(within, |b| b.projection.distance) {
-            best = Some(DeepestPoint { projection, weights });
+        if projection.distance < best.map_or(search.within, |b| b.projection.distance) {
+            best = Some(DeepestPoint { projection, weights, extent: projection.distance });
         }
     };
     match shape {
@@ -127,28 +146,77 @@ fn deepest(
                 offer(corner_weights(a, b, barycentric(&triangle, nearest)));
             }
         }
-        Shape::Solid(solid) => {
-            SAMPLE_WEIGHTS.iter().for_each(|weights| offer(*weights));
-            let diagonals = [[0, 2], [1, 3]].map(|[a, b]| nalgebra::distance(&corners[a], &corners[b]));
-            if diagonals[0].max(diagonals[1]) > COARSE * size {
-                for [a, b] in triangles {
-                    let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
-                    let reach = within.max(0.0) + solid.edge();
-                    let found = query::contact(&Pose::IDENTITY, &triangle, solid.place(), solid.core(), reach);
-                    if let Ok(Some(contact)) = found {
-                        offer(corner_weights(a, b, barycentric(&triangle, contact.point1)));
-                    }
-                }
-            }
-        }
+        Shape::Solid(solid) => deepest_in_solid(solid, pose, corners, search),
         Shape::Compound(parts) => {
-            for Part { place, shape, size } in parts {
-                let within = best.map_or(within, |b| b.projection.distance);
-                best = deepest(shape, *size, &(pose * place), corners, within).or(best);
+            for Part { place, shape, .. } in parts {
+                deepest(shape, &(pose * place), corners, search);
             }
         }
     }
-    best
+    best.into_iter().for_each(|point| search.offer(point));
+}
+
+/// Offers points in `solid` at `pose`.
+fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
+    let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+    let points = [corners[0], corners[1], corners[2], corners[3], mean]
+        .map(|c| pose.rotation.inverse_transform_vector(&(c.coords - pose.translation.vector)));
+    let count = if corners[2] == corners[3] { 3 } else { 4 };
+    let mut own = Search::within(search.within, search.keeps_all);
+    match solid.features() {
+        Some(features) => features.deepest(solid, &points, count, &mut own),
+        None => deepest_in_convex(solid, &points, count, &mut own),
+    };
+    for point in own.found {
+        let Projection { distance, normal } = point.projection;
+        search.offer(DeepestPoint { projection: Projection { distance, normal: pose.rotation * normal }, ..point });
+    }
+}
+
+/// Weights of a corner alone, or of the mean.
+pub(super) fn weights_of(point: usize) -> [f64; 4] {
+    if point == 4 { [0.25; 4] } else { std::array::from_fn(|a| if a == point { 1.0 } else { 0.0 }) }
+}
+
+/// The corners at the ends of each side of an element of `count` corners, of which a triangle repeats its last.
+pub(super) fn sides(count: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..4).filter(move |a| count == 4 || *a != 2).map(|a| [a, (a + 1) % 4])
+}
+
+/// Offers the deepest of the `points` of an element, corners and mean in body axes, in a convex solid, and the deepest of
+/// each triangle between them. A signed distance from a convex body is a convex function, so that no point of a triangle
+/// is deeper than the tangents at known points say (theory.md, equation 162).
+fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
+    let known = points.each_ref().map(|point| solid.project_local(point));
+    let offer = |search: &mut Search, projection: Projection, weights: [f64; 4]| {
+        if projection.distance < search.within {
+            let point: Vector3<f64> = (0..4).map(|a| points[a] * weights[a]).sum();
+            let extent = projection.normal.dot(&point) - solid.sharp_reach(&projection.normal);
+            search.offer(DeepestPoint { projection, weights, extent });
+        }
+    };
+    if !search.keeps_all {
+        (0..5).for_each(|k| offer(search, known[k], weights_of(k)));
+    }
+    for [a, b] in sides(count) {
+        let of = [a, b, 4];
+        let tangent = |known: &Projection, at: &Vector3<f64>| {
+            let over = |k: usize| known.distance + known.normal.dot(&(points[k] - at));
+            over(of[0]).min(over(of[1])).min(over(of[2]))
+        };
+        let bound = of.map(|k| tangent(&known[k], &points[k])).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        if bound >= search.within {
+            continue;
+        }
+        let [p, q, m] = of.map(|k| vector(&points[k]));
+        let triangle = Triangle::new(p, q, m);
+        let reach = (search.within + solid.edge()).max(0.0);
+        let found = query::contact(&Pose::IDENTITY, &triangle, solid.place(), solid.core(), reach);
+        let Ok(Some(contact)) = found else { continue };
+        let normal = -Vector3::new(contact.normal1.x, contact.normal1.y, contact.normal1.z);
+        let projection = Projection { distance: contact.dist - solid.edge(), normal };
+        offer(search, projection, corner_weights(a, b, barycentric(&triangle, contact.point1)));
+    }
 }
 
 /// A triangle in body axes about the centre of mass; that of a ball is not rotated.
