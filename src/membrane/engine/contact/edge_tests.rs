@@ -320,3 +320,32 @@ fn edges_explore() {
         );
     }
 }
+
+#[test]
+fn edges_cost() {
+    let only = std::env::var("ONLY").unwrap_or_default();
+    let plain = |name, surface: Surface| Body { name, surface, core: SharedShape::ball(0.1), place: Pose::IDENTITY, edge: 0.0 };
+    let bodies = || vec![
+        plain("sphere", Surface::sphere(0.12).unwrap()),
+        plain("capsule", Surface::capsule(0.12, 0.24).unwrap()),
+        cylinder("cylinder", 0.12, 0.24, 0.0),
+        cylinder("cylinder edge 10", 0.12, 0.24, 0.01),
+        cuboid("box", [0.24, 0.24, 0.24], 0.0),
+        icosphere("5120 triangles", 0.12, 4),
+    ];
+    let mut reference = 0.0;
+    for body in bodies().into_iter().filter(|b| b.name == "sphere" || b.name.contains(&only)) {
+        let drop = Drop { mass: 4.0, velocity: 3.0, ..Drop::of(body) };
+        let mut best = f64::INFINITY;
+        let mut steps = 0;
+        for _ in 0..3 {
+            let mut engine = drop.engine();
+            let begin = std::time::Instant::now();
+            while engine.time() < 0.03 { engine.step(&mut Blind).unwrap(); }
+            best = best.min(begin.elapsed().as_secs_f64());
+            steps = engine.steps();
+        }
+        if reference == 0.0 { reference = best; }
+        println!("cost {:20} {:.3} s {} steps {:.1} us a step, times {:.2}", drop.body.name, best, steps, best * 1e6 / steps as f64, best / reference);
+    }
+}

@@ -6,7 +6,7 @@ use super::friction::Friction;
 use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
 use super::surface::DeepestPoint;
-use super::{Contact, Impulse, SAGITTA_SHARE};
+use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
 use crate::engine::film_contact::{self, FilmContact};
 use crate::engine::nodes::Nodes;
 use crate::engine::rigid_body::RigidBody;
@@ -16,10 +16,14 @@ use crate::engine::thread_pool::ThreadPool;
 /// deep when it is listed does not gain velocity.
 const RECOVERY: f64 = 0.02;
 
+/// The same on a body with edges: film that is lifted off an edge gains energy, which a slower recovery leaves to be small.
+const RECOVERY_AT_EDGES: f64 = 0.002;
+
 /// Largest number of Gauss–Seidel sweeps in a step.
 const SWEEPS: usize = 10;
-fn sweeps() -> usize { static N: std::sync::OnceLock<usize> = std::sync::OnceLock::new(); *N.get_or_init(|| std::env::var("SW").ok().and_then(|s| s.parse().ok()).unwrap_or(10)) }
-fn recovery() -> f64 { static N: std::sync::OnceLock<f64> = std::sync::OnceLock::new(); *N.get_or_init(|| std::env::var("RE").ok().and_then(|s| s.parse().ok()).unwrap_or(0.02)) }
+
+/// The same on a body with edges, where an element meets several at once.
+const SWEEPS_AT_EDGES: usize = 40;
 
 /// Change of impulse in a sweep, over the largest impulse, below which the sweeps have converged.
 const TOLERANCE: f64 = 1e-3;
@@ -135,7 +139,7 @@ impl Contact {
             constraints.extend(self.near_constraints(nodes, body, &pose, dt));
         }
         let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
-        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [sweeps(), 1] };
+        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [self.most_sweeps(), 1] };
         for _ in 0..rounds {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -162,6 +166,11 @@ impl Contact {
         self.replace_impulses(nodes, active.flat_map(Constraint::impulses));
     }
 
+    /// Largest number of sweeps in a step, without contact between faces.
+    fn most_sweeps(&self) -> usize {
+        if self.surface.is_round() { SWEEPS } else { SWEEPS_AT_EDGES }
+    }
+
     /// Replaces the impulses of the node contacts by `impulses`, of which a node may have several.
     fn replace_impulses(&mut self, nodes: &Nodes, impulses: impl Iterator<Item = Impulse>) {
         for contacts in &mut self.contacts {
@@ -181,9 +190,9 @@ impl Contact {
     /// Whether the normals of the surface at the corners of an element differ so little that its sagitta, (longest
     /// line) times angle over 8, is well below the allowed penetration.
     fn has_small_sagitta(&self, element: &NeighbourElement, nodes: &Nodes) -> bool {
-        // Between the corners there may be a smaller part, and a held corner is no contact of its own.
+        // Between the corners there may be a smaller part or an edge, and a held corner is no contact of its own.
         let at_support = || element.corners.iter().any(|n| nodes.is_held(*n as usize));
-        if self.surface.has_parts() || self.surface.is_convex_solid() || at_support() {
+        if self.surface.has_parts() || FACE_PENETRATION * self.surface.edge_radius() < self.neighbours.allowance || at_support() {
             return false;
         }
         let normals = element.corners.map(|n| self.normals[n as usize]);
@@ -249,6 +258,7 @@ impl Contact {
         let positions = corners.map(|n| nodes.position_of(n));
         let bound = self.offset[corners[0]] - self.neighbours.allowance;
         let points = self.rounded.deep_points(pose, &positions, bound);
+        let recovery = if self.surface.is_round() { RECOVERY } else { RECOVERY_AT_EDGES };
         let constraint = |DeepestPoint { projection, weights, .. }: DeepestPoint| {
             let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
             let arm = point - pose.translation.vector;
@@ -271,7 +281,7 @@ impl Contact {
             };
             let to_bound =
                 constraint.relative_velocity(nodes, body).dot(&normal) + (bound - projection.distance) / dt;
-            constraint.target = if to_bound > 0.0 { recovery() * to_bound } else { to_bound };
+            constraint.target = if to_bound > 0.0 { recovery * to_bound } else { to_bound };
             Some(constraint)
         };
         points.into_iter().filter_map(constraint).collect()

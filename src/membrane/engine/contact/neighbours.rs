@@ -46,8 +46,29 @@ pub(super) struct NeighbourElement {
 }
 
 impl Contact {
+    /// Sets the radius of edges and the allowed penetration by the elements as they first are: film that stretches does not
+    /// change them, which would do work.
+    fn set_allowance(&mut self, films: &[Film], nodes: &Nodes) {
+        let surface = &self.surface;
+        if surface.is_round() {
+            self.neighbours.allowance = FACE_PENETRATION * surface.size();
+            return;
+        }
+        let mut smallest = f64::INFINITY;
+        for film in films {
+            film.for_each_intact(|corners| smallest = smallest.min(longest_line_squared(corners, nodes)));
+        }
+        let element = if smallest.is_finite() { smallest.sqrt() } else { 0.0 };
+        self.neighbours.edge = EDGE_SHARE * element;
+        self.neighbours.allowance = (FACE_SHARE * element).max(FACE_PENETRATION * surface.edge_radius());
+        self.rounded = surface.with_edges(self.neighbours.edge);
+    }
+
     /// Rebuilds the neighbour list for the present positions.
     pub(super) fn list_neighbours(&mut self, films: &[Film], nodes: &Nodes, pose: &Isometry3<f64>) {
+        if self.neighbours.allowance == 0.0 {
+            self.set_allowance(films, nodes);
+        }
         let size = self.surface.size();
         let skin = SKIN * size;
         let fine = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * size * size;
@@ -68,7 +89,6 @@ impl Contact {
             list.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
         }
         self.normals.fill(Vector3::zeros());
-        let mut shortest = f64::INFINITY;
         for film in films {
             film.for_each_intact(|corners| {
                 let squared = longest_line_squared(corners, nodes);
@@ -79,7 +99,6 @@ impl Contact {
                 let corners = [corners[0], corners[1], corners[2], corners[corners.len() - 1]];
                 let element = NeighbourElement { corners, longest_squared: squared };
                 list.elements.push(element);
-                shortest = shortest.min(squared);
                 // A corner that is held is no contact of its own.
                 let at_support = corners.iter().any(|n| nodes.is_held(*n as usize));
                 if !surface.is_round() || squared > fine || at_support {
@@ -89,14 +108,8 @@ impl Contact {
         }
         list.partition(films);
         list.margin = skin;
-        let element = if shortest.is_finite() { shortest.sqrt() } else { 0.0 };
-        (list.edge, list.allowance) = if surface.is_round() {
-            (0.0, FACE_PENETRATION * size)
-        } else {
-            (EDGE_SHARE * element, (FACE_SHARE * element).max(FACE_PENETRATION * surface.edge_radius()))
-        };
-        self.rounded = self.surface.with_edges(self.neighbours.edge);
     }
+
 }
 
 impl NeighbourList {
