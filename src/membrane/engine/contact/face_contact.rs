@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::friction::Friction;
 use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
-use super::surface::DeepestPoint;
+use super::surface::{DeepestPoint, Followed, UNKNOWN};
 use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
 use crate::engine::film_contact::{self, FilmContact};
 use crate::engine::nodes::Nodes;
@@ -120,17 +120,36 @@ impl Contact {
             return;
         }
         let pose = body.predicted(dt);
-        let candidates = self.neighbours.face_candidates.iter().filter(|element| !self.has_small_sagitta(element, nodes));
-        let faces: Vec<Constraint> =
-            candidates.flat_map(|element| self.face_constraints(element.corners, nodes, body, &pose, dt)).collect();
+        let mut followed = std::mem::take(&mut self.neighbours.followed);
+        let mut faces: Vec<Constraint> = vec![];
+        for (place, element) in self.neighbours.face_candidates.iter().enumerate() {
+            if self.has_small_sagitta(element, nodes) || self.is_clear(element, nodes, &pose) {
+                continue;
+            }
+            let mut unknown = UNKNOWN;
+            let followed = followed.get_mut(place).unwrap_or(&mut unknown);
+            faces.extend(self.face_constraints(element.corners, nodes, body, &pose, dt, followed));
+        }
+        self.neighbours.followed = followed;
         let has_faces = !faces.is_empty();
         let mut between = between.take_if(|between| between.is_near());
         if !has_faces && between.is_none() {
             return;
         }
+        // Beside the elements that are too deep, nodes of a body with edges stay where their own contact put them.
+        let mut coupled: Vec<usize> = faces.iter().flat_map(|face| face.nodes).collect();
+        coupled.sort_unstable();
+        coupled.dedup();
+        let takes_all = between.is_some() || self.surface.is_round();
+        let is_coupled = |impulse: &&Impulse| takes_all || coupled.binary_search(&impulse.node).is_ok();
         let at_nodes = self.contacts.iter().flat_map(|contacts| &contacts.impulses);
-        let mut constraints: Vec<Constraint> =
-            at_nodes.map(|impulse| self.node_constraint(impulse, nodes, body)).chain(faces).collect();
+        let mut constraints: Vec<Constraint> = at_nodes
+            .clone()
+            .filter(is_coupled)
+            .map(|impulse| self.node_constraint(impulse, nodes, body))
+            .chain(faces)
+            .collect();
+        let kept: Vec<Impulse> = at_nodes.filter(|impulse| !is_coupled(impulse)).cloned().collect();
         let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
         if !has_faces && !films_meet {
             return;
@@ -163,7 +182,7 @@ impl Contact {
             }
         }
         let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
-        self.replace_impulses(nodes, active.flat_map(Constraint::impulses));
+        self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
     }
 
     /// Largest number of sweeps in a step, without contact between faces.
@@ -199,6 +218,22 @@ impl Contact {
         let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
         let sagitta = 8.0 * SAGITTA_SHARE * self.neighbours.allowance;
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
+    }
+
+    /// Whether the tangent plane of a convex body at one of the corners of an element tells that all of it is outside.
+    fn is_clear(&self, element: &NeighbourElement, nodes: &Nodes, pose: &Isometry3<f64>) -> bool {
+        if self.heights.is_empty() {
+            return false;
+        }
+        let turned = pose.rotation.coords - self.predicted_pose.rotation.coords;
+        let moved = (pose.translation.vector - self.predicted_pose.translation.vector).norm()
+            + 4.0 * turned.norm() * self.surface.bounding_radius();
+        let corners = element.corners.map(|n| nodes.position_of(n as usize).coords);
+        let bound = self.offset[element.corners[0] as usize] - self.neighbours.allowance + moved;
+        element.corners.iter().any(|n| {
+            let (normal, height) = (&self.normals[*n as usize], self.heights[*n as usize]);
+            height > f64::NEG_INFINITY && corners.iter().all(|corner| normal.dot(corner) - height >= bound)
+        })
     }
 
     /// Constraints of nodes that are not in contact, but near enough to be pressed onto the body at `pose` by other film.
@@ -253,11 +288,12 @@ impl Contact {
         body: &RigidBody,
         pose: &Isometry3<f64>,
         dt: f64,
+        followed: &mut Followed,
     ) -> Vec<Constraint> {
         let corners = corners.map(|n| n as usize);
         let positions = corners.map(|n| nodes.position_of(n));
         let bound = self.offset[corners[0]] - self.neighbours.allowance;
-        let points = self.rounded.deep_points(pose, &positions, bound);
+        let points = self.rounded.deep_points(pose, &positions, bound, followed);
         let recovery = if self.surface.is_round() { RECOVERY } else { RECOVERY_AT_EDGES };
         let constraint = |DeepestPoint { projection, weights, .. }: DeepestPoint| {
             let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();

@@ -53,6 +53,11 @@ pub struct Contact {
     neighbours: NeighbourList,
     /// The surface's normal at each node next to it, zero elsewhere.
     normals: Vec<Vector3<f64>>,
+    /// Distance of the plane through the surface's point next to each node from the origin along its normal, m: minus
+    /// infinity where there is none; for convex bodies with edges only.
+    heights: Vec<f64>,
+    /// Where the body was predicted to be when the nodes were projected.
+    predicted_pose: Isometry3<f64>,
     /// Velocity of the nodes of the list half a step earlier, m/s.
     previous_velocity: Vectors,
     /// Predicted velocity of each of the list's impulse nodes, m/s; with damping only.
@@ -100,6 +105,7 @@ pub(super) struct Work {
 }
 
 /// The impulse on a node in one step, N s.
+#[derive(Clone, Debug)]
 pub(super) struct Impulse {
     node: usize,
     /// From the body's centre of mass, m.
@@ -121,14 +127,17 @@ impl Contact {
     /// mirror images, with the coefficient `friction`.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
         let nodes = offset.len();
+        let rounded = surface.clone();
         Contact {
-            rounded: surface.clone(),
             surface,
             friction: Friction { impactor: friction, film: friction, first_face: nodes },
             multiplicity,
             offset,
             neighbours: NeighbourList::default(),
             normals: vec![Vector3::zeros(); nodes],
+            heights: vec![f64::NEG_INFINITY; if rounded.is_convex_solid() { nodes } else { 0 }],
+            predicted_pose: Isometry3::identity(),
+            rounded,
             previous_velocity: Vectors::zero(nodes),
             predicted: vec![],
             contacts: vec![],
@@ -266,12 +275,14 @@ impl Contact {
         let list = &self.neighbours;
         let mut body = body.clone();
         body.pose = body.predicted(dt);
+        self.predicted_pose = body.pose;
         let predictor = Predictor {
             surface: &self.surface,
             friction: self.friction,
             multiplicity: self.multiplicity,
             offset: &self.offset,
             normals: (!list.face_candidates.is_empty()).then(|| Disjoint::new(&mut self.normals)),
+            heights: (!self.heights.is_empty()).then(|| Disjoint::new(&mut self.heights)),
             nodes,
             body: &body,
             per_second: 1.0 / dt,

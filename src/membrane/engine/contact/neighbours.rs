@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{Contact, EDGE_SHARE, FACE_PENETRATION, FACE_SHARE, NODES_PER_RANGE, SAGITTA_SHARE};
+use super::surface::{Followed, UNKNOWN};
 use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
 
@@ -26,6 +27,8 @@ pub(super) struct NeighbourList {
     pub(super) elements: Vec<NeighbourElement>,
     /// Elements that may penetrate between their nodes by more than is allowed.
     pub(super) face_candidates: Vec<NeighbourElement>,
+    /// Of each of `face_candidates`.
+    pub(super) followed: Vec<Followed>,
     /// Radius that edges of the body have at least where elements meet them, m.
     pub(super) edge: f64,
     /// Allowed penetration of a face between its nodes, m.
@@ -71,7 +74,9 @@ impl Contact {
         }
         let size = self.surface.size();
         let skin = SKIN * size;
-        let fine = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * size * size;
+        let radius = if self.surface.is_round() { size } else { self.surface.edge_radius() };
+        let fine = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * radius * radius;
+        let is_smooth = self.surface.is_smooth();
         let centre = Point3::from(pose.translation.vector);
         let distance_squared = |n: u32| nalgebra::distance_squared(&nodes.position_of(n as usize), &centre);
         let surface = &self.surface;
@@ -101,10 +106,14 @@ impl Contact {
                 list.elements.push(element);
                 // A corner that is held is no contact of its own.
                 let at_support = corners.iter().any(|n| nodes.is_held(*n as usize));
-                if !surface.is_round() || squared > fine || at_support {
+                if !is_smooth || squared > fine || at_support {
                     list.face_candidates.push(element);
                 }
             });
+        }
+        list.followed.clear();
+        if self.surface.is_convex_solid() {
+            list.followed.resize(list.face_candidates.len(), UNKNOWN);
         }
         list.partition(films);
         list.margin = skin;
@@ -142,7 +151,8 @@ impl NeighbourList {
     pub(super) fn fits(&self, nodes: usize) -> bool {
         let corners = self.elements.iter().chain(&self.face_candidates).flat_map(|element| element.corners);
         let mut all = self.nodes.iter().copied().chain(corners);
-        self.nodes.is_sorted_by(|a, b| a < b) && all.all(|n| (n as usize) < nodes)
+        let has_all_followed = self.followed.is_empty() || self.followed.len() == self.face_candidates.len();
+        has_all_followed && self.nodes.is_sorted_by(|a, b| a < b) && all.all(|n| (n as usize) < nodes)
     }
 }
 

@@ -39,11 +39,33 @@ pub(super) struct Search {
     pub(super) within: f64,
     keeps_all: bool,
     found: Vec<DeepestPoint>,
+    /// Where the points of the triangles were in the last step.
+    followed: Option<Followed>,
 }
+
+/// The deepest point of each triangle of an element in the last step, as shares of the two sides from the mean of the
+/// corners; negative where it is not known.
+pub(in crate::engine::contact) type Followed = [[f64; 2]; 4];
+
+/// Deepest points that are not known.
+pub(in crate::engine::contact) const UNKNOWN: Followed = [[-1.0; 2]; 4];
+
+/// Depth (m) over the allowed one by which a point that is followed may be off the deepest.
+const FOLLOWED: f64 = 0.02;
+
+/// Largest number of moves by which a point is followed in a step.
+const MOVES: usize = 6;
 
 impl Search {
     fn within(within: f64, keeps_all: bool) -> Search {
-        Search { within, keeps_all, found: vec![] }
+        Search { within, keeps_all, found: vec![], followed: None }
+    }
+
+    /// Records where the deepest point of the triangle of the side from corner `side` is.
+    fn place(&mut self, side: usize, place: [f64; 2]) {
+        if let Some(followed) = &mut self.followed {
+            followed[side] = place;
+        }
     }
 
     /// Takes a point that is near enough.
@@ -106,15 +128,21 @@ impl Surface {
     }
 
     /// The points of an element where its signed distance from the body at `pose` is below `within` (m): the deepest one of
-    /// balls and capsules, which admit no second one apart from it, else one for each part of the element and edge.
+    /// balls and capsules, which admit no second one apart from it, else one for each part of the element and edge. Those
+    /// of a convex body are `followed` from step to step.
     pub(in crate::engine::contact) fn deep_points(
         &self,
         pose: &Isometry3<f64>,
         corners: &[Point3<f64>; 4],
         within: f64,
+        followed: &mut Followed,
     ) -> Vec<DeepestPoint> {
         let mut search = Search::within(within, !self.is_round());
+        search.followed = Some(*followed);
         deepest(&self.shape, pose, corners, &mut search);
+        if let Some(places) = search.followed {
+            *followed = places;
+        }
         search.found
     }
 }
@@ -148,6 +176,7 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
         }
         Shape::Solid(solid) => deepest_in_solid(solid, pose, corners, search),
         Shape::Compound(parts) => {
+            search.followed = None;
             for Part { place, shape, .. } in parts {
                 deepest(shape, &(pose * place), corners, search);
             }
@@ -162,11 +191,12 @@ fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>
     let points = [corners[0], corners[1], corners[2], corners[3], mean]
         .map(|c| pose.rotation.inverse_transform_vector(&(c.coords - pose.translation.vector)));
     let count = if corners[2] == corners[3] { 3 } else { 4 };
-    let mut own = Search::within(search.within, search.keeps_all);
+    let mut own = Search { followed: search.followed, ..Search::within(search.within, search.keeps_all) };
     match solid.features() {
         Some(features) => features.deepest(solid, &points, count, &mut own),
         None => deepest_in_convex(solid, &points, count, &mut own),
     };
+    search.followed = own.followed;
     for point in own.found {
         let Projection { distance, normal } = point.projection;
         search.offer(DeepestPoint { projection: Projection { distance, normal: pose.rotation * normal }, ..point });
@@ -187,7 +217,7 @@ pub(super) fn sides(count: usize) -> impl Iterator<Item = [usize; 2]> {
 /// each triangle between them. A signed distance from a convex body is a convex function, so that no point of a triangle
 /// is deeper than the tangents at known points say (theory.md, equation 162).
 fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
-    let known = points.each_ref().map(|point| solid.project_local(point));
+    let mut known: Option<[Projection; 5]> = None;
     let offer = |search: &mut Search, projection: Projection, weights: [f64; 4]| {
         if projection.distance < search.within {
             let point: Vector3<f64> = (0..4).map(|a| points[a] * weights[a]).sum();
@@ -196,10 +226,28 @@ fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, se
         }
     };
     if !search.keeps_all {
+        let known = known.insert(points.each_ref().map(|point| solid.project_local(point)));
         (0..5).for_each(|k| offer(search, known[k], weights_of(k)));
     }
     for [a, b] in sides(count) {
         let of = [a, b, 4];
+        if let Some(followed) = search.followed.map(|followed| followed[a]).filter(|place| place[0] >= 0.0) {
+            let tolerance = FOLLOWED * solid.edge();
+            match follow(solid, &of.map(|k| points[k]), followed, search.within, tolerance) {
+                Found::Outside(place) => {
+                    search.place(a, place);
+                    continue;
+                }
+                Found::Deepest(projection, place) => {
+                    search.place(a, place);
+                    let [u, v] = place;
+                    offer(search, projection, corner_weights(a, b, [u, v, 1.0 - u - v]));
+                    continue;
+                }
+                Found::Lost => {}
+            }
+        }
+        let known = known.get_or_insert_with(|| points.each_ref().map(|point| solid.project_local(point)));
         let tangent = |known: &Projection, at: &Vector3<f64>| {
             let over = |k: usize| known.distance + known.normal.dot(&(points[k] - at));
             over(of[0]).min(over(of[1])).min(over(of[2]))
@@ -215,8 +263,44 @@ fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, se
         let Ok(Some(contact)) = found else { continue };
         let normal = -Vector3::new(contact.normal1.x, contact.normal1.y, contact.normal1.z);
         let projection = Projection { distance: contact.dist - solid.edge(), normal };
-        offer(search, projection, corner_weights(a, b, barycentric(&triangle, contact.point1)));
+        let [u, v, w] = barycentric(&triangle, contact.point1);
+        search.place(a, [u, v]);
+        offer(search, projection, corner_weights(a, b, [u, v, w]));
     }
+}
+
+/// What becomes of a point that is followed.
+enum Found {
+    /// No point of the triangle is near enough.
+    Outside([f64; 2]),
+    /// The deepest point.
+    Deepest(Projection, [f64; 2]),
+    /// It has moved too far.
+    Lost,
+}
+
+/// Follows the deepest point of a triangle from its `place` in the last step: from a point to the nearest of the triangle
+/// to its projection on the core, until its tangent tells that no other point is deeper by `tolerance` (m).
+fn follow(solid: &Solid, triangle: &[Vector3<f64>; 3], place: [f64; 2], within: f64, tolerance: f64) -> Found {
+    let [p, q, m] = triangle;
+    let ([u, v], mut place) = ([p - m, q - m], place);
+    for _ in 0..MOVES {
+        let point = m + u * place[0] + v * place[1];
+        let projection = solid.project_local(&point);
+        let over = |corner: &Vector3<f64>| projection.distance + projection.normal.dot(&(corner - point));
+        let least = over(p).min(over(q)).min(over(m));
+        if least >= within {
+            return Found::Outside(place);
+        }
+        if projection.distance - least <= tolerance {
+            return Found::Deepest(projection, place);
+        }
+        let core = point - projection.normal * (projection.distance + solid.edge());
+        let nearest = Triangle::new(vector(p), vector(q), vector(m)).project_local_point(vector(&core), false).point;
+        let [a, b, _] = barycentric(&Triangle::new(vector(p), vector(q), vector(m)), nearest);
+        place = [a, b];
+    }
+    Found::Lost
 }
 
 /// A triangle in body axes about the centre of mass; that of a ball is not rotated.

@@ -9,7 +9,7 @@ mod projection;
 mod solid;
 mod triangles;
 
-pub(in crate::engine::contact) use deepest_point::DeepestPoint;
+pub(in crate::engine::contact) use deepest_point::{DeepestPoint, Followed, UNKNOWN};
 pub(in crate::engine) use meeting::Meeting;
 pub(crate) use triangles::Triangles;
 
@@ -243,7 +243,13 @@ impl Surface {
         matches!(self.shape, Shape::Compound(_))
     }
 
-    /// Whether [`Surface::deepest_point`] itself leaves out elements that are not deep.
+    /// Whether its nodes suffice for a fine mesh: a sphere, a capsule, or a mesh without sharp edges.
+    pub(super) fn is_smooth(&self) -> bool {
+        let is_mesh = matches!(&self.shape, Shape::Solid(solid) if solid.features().is_some());
+        self.is_round() || (is_mesh && self.edge_radius() > 0.0)
+    }
+
+    /// Whether it is a cylinder, a cone or a box, whose tangents bound its distance.
     pub(super) fn is_convex_solid(&self) -> bool {
         matches!(&self.shape, Shape::Solid(solid) if solid.features().is_none())
     }
