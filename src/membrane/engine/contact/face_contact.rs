@@ -28,6 +28,9 @@ const SWEEPS_AT_EDGES: usize = 40;
 /// Change of impulse in a sweep, over the largest impulse, below which the sweeps have converged.
 const TOLERANCE: f64 = 1e-3;
 
+/// Depth over the allowed one by which a point that is followed may be off the deepest.
+const FOLLOWED: f64 = 0.02;
+
 /// A contact constraint: the least normal velocity of a node, or of the deepest point of an element, over the surface.
 struct Constraint {
     nodes: [usize; 4],
@@ -42,6 +45,8 @@ struct Constraint {
     normal_impulse: f64,
     /// Sum over the sweeps, N s.
     tangential_impulse: Vector3<f64>,
+    /// Place of its element among the candidates, and corner from which the side of its triangle begins.
+    source: Option<[usize; 2]>,
 }
 
 /// Parameters of a sweep.
@@ -66,6 +71,15 @@ impl Constraint {
             nodes.apply_impulse(*n, &(impulse * weight), sweep.dt);
         }
         body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
+    }
+
+    /// Starts with the `impulse` (N s) that the same point had in the last step.
+    fn start_from(&mut self, impulse: &Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) {
+        self.normal_impulse = impulse.dot(&self.normal).max(0.0);
+        if self.normal_impulse > 0.0 {
+            self.tangential_impulse = impulse - self.normal * impulse.dot(&self.normal);
+            self.apply(self.normal * self.normal_impulse + self.tangential_impulse, nodes, body, sweep);
+        }
     }
 
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
@@ -128,12 +142,14 @@ impl Contact {
             }
             let mut unknown = UNKNOWN;
             let followed = followed.get_mut(place).unwrap_or(&mut unknown);
+            let first = faces.len();
             faces.extend(self.face_constraints(element.corners, nodes, body, &pose, dt, followed));
+            faces[first..].iter_mut().for_each(|face| face.source = face.source.map(|[_, side]| [place, side]));
         }
-        self.neighbours.followed = followed;
         let has_faces = !faces.is_empty();
         let mut between = between.take_if(|between| between.is_near());
         if !has_faces && between.is_none() {
+            self.neighbours.followed = followed;
             return;
         }
         // Beside the elements that are too deep, nodes of a body with edges stay where their own contact put them.
@@ -150,15 +166,25 @@ impl Contact {
             .chain(faces)
             .collect();
         let kept: Vec<Impulse> = at_nodes.filter(|impulse| !is_coupled(impulse)).cloned().collect();
+        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
         let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
         if !has_faces && !films_meet {
+            self.neighbours.followed = followed;
             return;
         }
+        for constraint in &mut constraints {
+            if let Some([place, side]) = constraint.source
+                && let Some(points) = followed.get(place)
+            {
+                constraint.start_from(&(Vector3::from(points[side].force) * dt), nodes, body, &sweep);
+            }
+        }
+        followed.iter_mut().flatten().for_each(|point| point.force = [0.0; 3]);
         if between.is_some() {
             constraints.extend(self.near_constraints(nodes, body, &pose, dt));
         }
-        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
-        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [self.most_sweeps(), 1] };
+        let [most, rounds] =
+            if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [self.most_sweeps(), 1] };
         for _ in 0..rounds {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -181,6 +207,15 @@ impl Contact {
                 break;
             }
         }
+        for constraint in &constraints {
+            if let Some([place, side]) = constraint.source
+                && let Some(points) = followed.get_mut(place)
+            {
+                let impulse = constraint.normal * constraint.normal_impulse + constraint.tangential_impulse;
+                points[side].force = (impulse / dt).into();
+            }
+        }
+        self.neighbours.followed = followed;
         let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
         self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
     }
@@ -211,7 +246,10 @@ impl Contact {
     fn has_small_sagitta(&self, element: &NeighbourElement, nodes: &Nodes) -> bool {
         // Between the corners there may be a smaller part or an edge, and a held corner is no contact of its own.
         let at_support = || element.corners.iter().any(|n| nodes.is_held(*n as usize));
-        if self.surface.has_parts() || FACE_PENETRATION * self.surface.edge_radius() < self.neighbours.allowance || at_support() {
+        if self.surface.has_parts()
+            || FACE_PENETRATION * self.surface.edge_radius() < self.neighbours.allowance
+            || at_support()
+        {
             return false;
         }
         let normals = element.corners.map(|n| self.normals[n as usize]);
@@ -274,6 +312,7 @@ impl Contact {
             target: 0.0,
             normal_impulse,
             tangential_impulse: impulse.tangential,
+            source: None,
         };
         constraint.target = constraint.relative_velocity(nodes, body).dot(&normal);
         constraint
@@ -293,9 +332,9 @@ impl Contact {
         let corners = corners.map(|n| n as usize);
         let positions = corners.map(|n| nodes.position_of(n));
         let bound = self.offset[corners[0]] - self.neighbours.allowance;
-        let points = self.rounded.deep_points(pose, &positions, bound, followed);
+        let points = self.rounded.deep_points(pose, &positions, bound, followed, FOLLOWED * self.neighbours.allowance);
         let recovery = if self.surface.is_round() { RECOVERY } else { RECOVERY_AT_EDGES };
-        let constraint = |DeepestPoint { projection, weights, .. }: DeepestPoint| {
+        let constraint = |DeepestPoint { projection, weights, side, .. }: DeepestPoint| {
             let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
             let arm = point - pose.translation.vector;
             let normal = projection.normal;
@@ -314,9 +353,9 @@ impl Contact {
                 target: 0.0,
                 normal_impulse: 0.0,
                 tangential_impulse: Vector3::zeros(),
+                source: Some([0, side]),
             };
-            let to_bound =
-                constraint.relative_velocity(nodes, body).dot(&normal) + (bound - projection.distance) / dt;
+            let to_bound = constraint.relative_velocity(nodes, body).dot(&normal) + (bound - projection.distance) / dt;
             constraint.target = if to_bound > 0.0 { recovery * to_bound } else { to_bound };
             Some(constraint)
         };

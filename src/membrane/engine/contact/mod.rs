@@ -24,6 +24,7 @@ mod surface;
 pub use contact_state::ContactState;
 pub(super) use history::ContactHistory;
 pub(super) use surface::Meeting;
+use surface::Nearest;
 pub use surface::{Surface, SurfaceError};
 
 use nalgebra::{Isometry3, Vector3};
@@ -56,6 +57,8 @@ pub struct Contact {
     /// Distance of the plane through the surface's point next to each node from the origin along its normal, m: minus
     /// infinity where there is none; for convex bodies with edges only.
     heights: Vec<f64>,
+    /// The nearest triangle of a mesh to each node.
+    nearest: Vec<Nearest>,
     /// Where the body was predicted to be when the nodes were projected.
     predicted_pose: Isometry3<f64>,
     /// Velocity of the nodes of the list half a step earlier, m/s.
@@ -136,6 +139,7 @@ impl Contact {
             neighbours: NeighbourList::default(),
             normals: vec![Vector3::zeros(); nodes],
             heights: vec![f64::NEG_INFINITY; if rounded.is_convex_solid() { nodes } else { 0 }],
+            nearest: vec![Nearest::default(); if rounded.is_mesh() { nodes } else { 0 }],
             predicted_pose: Isometry3::identity(),
             rounded,
             previous_velocity: Vectors::zero(nodes),
@@ -283,6 +287,7 @@ impl Contact {
             offset: &self.offset,
             normals: (!list.face_candidates.is_empty()).then(|| Disjoint::new(&mut self.normals)),
             heights: (!self.heights.is_empty()).then(|| Disjoint::new(&mut self.heights)),
+            nearest: (!self.nearest.is_empty()).then(|| Disjoint::new(&mut self.nearest)),
             nodes,
             body: &body,
             per_second: 1.0 / dt,

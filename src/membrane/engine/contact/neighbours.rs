@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{Contact, EDGE_SHARE, FACE_PENETRATION, FACE_SHARE, NODES_PER_RANGE, SAGITTA_SHARE};
 use super::surface::{Followed, UNKNOWN};
+use super::{Contact, EDGE_SHARE, FACE_PENETRATION, FACE_SHARE, NODES_PER_RANGE, SAGITTA_SHARE};
 use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
 
@@ -80,11 +80,24 @@ impl Contact {
         let centre = Point3::from(pose.translation.vector);
         let distance_squared = |n: u32| nalgebra::distance_squared(&nodes.position_of(n as usize), &centre);
         let surface = &self.surface;
-        let within = |n: u32, margin: f64| {
-            let margin = margin + self.offset[n as usize];
+        // Of each node, once it is asked for.
+        let mut distances = vec![f64::NAN; nodes.mass.len()];
+        let (offset, nearest) = (&self.offset, &mut self.nearest);
+        let mut within = |n: u32, margin: f64| {
+            let margin = margin + offset[n as usize];
             let radius = surface.bounding_radius() + margin;
-            distance_squared(n) < radius * radius
-                && surface.project(pose, &nodes.position_of(n as usize)).distance < margin
+            if distance_squared(n) >= radius * radius {
+                return false;
+            }
+            let distance = &mut distances[n as usize];
+            if distance.is_nan() {
+                let arm = nodes.position_of(n as usize).coords - pose.translation.vector;
+                *distance = match nearest.get_mut(n as usize) {
+                    Some(nearest) => surface.project_on_mesh(pose, &arm, None, nearest).distance,
+                    None => surface.project(pose, &nodes.position_of(n as usize)).distance,
+                };
+            }
+            *distance < margin
         };
         let list = &mut self.neighbours;
         list.nodes.clear();
@@ -118,7 +131,6 @@ impl Contact {
         list.partition(films);
         list.margin = skin;
     }
-
 }
 
 impl NeighbourList {

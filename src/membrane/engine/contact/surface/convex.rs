@@ -4,19 +4,11 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Convex {
     /// Of a radius and half a length, m.
-    Cylinder {
-        radius: f64,
-        half: f64,
-    },
+    Cylinder { radius: f64, half: f64 },
     /// Tip down, of the radius of its flat upper end and half a length, m.
-    Cone {
-        radius: f64,
-        half: f64,
-    },
+    Cone { radius: f64, half: f64 },
     /// Of half lengths, m.
-    Cuboid {
-        half: [f64; 3],
-    },
+    Cuboid { half: [f64; 3] },
 }
 
 impl Convex {

@@ -5,6 +5,7 @@ use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
 use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
+use serde::{Deserialize, Serialize};
 
 use super::projection::{Projection, nearest_on_axis};
 use super::solid::Solid;
@@ -18,6 +19,8 @@ pub(in crate::engine::contact) struct DeepestPoint {
     pub(in crate::engine::contact) projection: Projection,
     /// Weights of the element's corners in it.
     pub(in crate::engine::contact) weights: [f64; 4],
+    /// The corner from which the side of its triangle begins.
+    pub(in crate::engine::contact) side: usize,
     /// Its distance along the normal from the farthest point of the body (m), whose edges count as sharp as they are. No
     /// point of the element is deeper inside the body than this is below zero.
     pub(in crate::engine::contact) extent: f64,
@@ -41,36 +44,54 @@ pub(super) struct Search {
     found: Vec<DeepestPoint>,
     /// Where the points of the triangles were in the last step.
     followed: Option<Followed>,
+    /// By which these may be off the deepest, m.
+    tolerance: f64,
 }
 
-/// The deepest point of each triangle of an element in the last step, as shares of the two sides from the mean of the
-/// corners; negative where it is not known.
-pub(in crate::engine::contact) type Followed = [[f64; 2]; 4];
+/// The deepest point of each triangle of an element in the last step.
+pub(in crate::engine::contact) type Followed = [FollowedPoint; 4];
+
+/// The deepest point of a triangle in the last step.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(in crate::engine::contact) struct FollowedPoint {
+    /// Shares of the two sides from the mean of the corners; negative where it is not known.
+    place: [f64; 2],
+    /// Mean force on the film there, N.
+    pub(in crate::engine::contact) force: [f64; 3],
+}
 
 /// Deepest points that are not known.
-pub(in crate::engine::contact) const UNKNOWN: Followed = [[-1.0; 2]; 4];
+pub(in crate::engine::contact) const UNKNOWN: Followed = [FollowedPoint { place: [-1.0; 2], force: [0.0; 3] }; 4];
 
-/// Depth (m) over the allowed one by which a point that is followed may be off the deepest.
-const FOLLOWED: f64 = 0.02;
+/// Difference of the weights of corners and of the normals below which two points are one.
+const SAME: f64 = 1e-3;
 
 /// Largest number of moves by which a point is followed in a step.
 const MOVES: usize = 6;
 
 impl Search {
     fn within(within: f64, keeps_all: bool) -> Search {
-        Search { within, keeps_all, found: vec![], followed: None }
+        Search { within, keeps_all, found: vec![], followed: None, tolerance: 0.0 }
     }
 
     /// Records where the deepest point of the triangle of the side from corner `side` is.
     fn place(&mut self, side: usize, place: [f64; 2]) {
         if let Some(followed) = &mut self.followed {
-            followed[side] = place;
+            followed[side].place = place;
         }
     }
 
     /// Takes a point that is near enough.
     pub(super) fn offer(&mut self, point: DeepestPoint) {
         if point.projection.distance >= self.within {
+            return;
+        }
+        // Two triangles share the points of the line between them.
+        let is_same = |other: &DeepestPoint| {
+            (0..4).all(|a| (other.weights[a] - point.weights[a]).abs() < SAME)
+                && (other.projection.normal - point.projection.normal).norm_squared() < SAME * SAME
+        };
+        if self.keeps_all && self.found.iter().any(is_same) {
             return;
         }
         if !self.keeps_all {
@@ -129,16 +150,17 @@ impl Surface {
 
     /// The points of an element where its signed distance from the body at `pose` is below `within` (m): the deepest one of
     /// balls and capsules, which admit no second one apart from it, else one for each part of the element and edge. Those
-    /// of a convex body are `followed` from step to step.
+    /// of a convex body are `followed` from step to step, to within a `tolerance` (m) of the deepest.
     pub(in crate::engine::contact) fn deep_points(
         &self,
         pose: &Isometry3<f64>,
         corners: &[Point3<f64>; 4],
         within: f64,
         followed: &mut Followed,
+        tolerance: f64,
     ) -> Vec<DeepestPoint> {
         let mut search = Search::within(within, !self.is_round());
-        search.followed = Some(*followed);
+        (search.followed, search.tolerance) = (Some(*followed), tolerance);
         deepest(&self.shape, pose, corners, &mut search);
         if let Some(places) = search.followed {
             *followed = places;
@@ -156,7 +178,7 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
         let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
         let projection = shape.project(pose, &(point - pose.translation.vector));
         if projection.distance < best.map_or(search.within, |b| b.projection.distance) {
-            best = Some(DeepestPoint { projection, weights, extent: projection.distance });
+            best = Some(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
         }
     };
     match shape {
@@ -191,15 +213,18 @@ fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>
     let points = [corners[0], corners[1], corners[2], corners[3], mean]
         .map(|c| pose.rotation.inverse_transform_vector(&(c.coords - pose.translation.vector)));
     let count = if corners[2] == corners[3] { 3 } else { 4 };
-    let mut own = Search { followed: search.followed, ..Search::within(search.within, search.keeps_all) };
+    let mut own = Search {
+        followed: search.followed,
+        tolerance: search.tolerance,
+        ..Search::within(search.within, search.keeps_all)
+    };
     match solid.features() {
         Some(features) => features.deepest(solid, &points, count, &mut own),
         None => deepest_in_convex(solid, &points, count, &mut own),
     };
     search.followed = own.followed;
     for point in own.found {
-        let Projection { distance, normal } = point.projection;
-        search.offer(DeepestPoint { projection: Projection { distance, normal: pose.rotation * normal }, ..point });
+        search.offer(DeepestPoint { projection: point.projection.turned(pose), ..point });
     }
 }
 
@@ -218,22 +243,21 @@ pub(super) fn sides(count: usize) -> impl Iterator<Item = [usize; 2]> {
 /// is deeper than the tangents at known points say (theory.md, equation 162).
 fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
     let mut known: Option<[Projection; 5]> = None;
-    let offer = |search: &mut Search, projection: Projection, weights: [f64; 4]| {
+    let offer = |search: &mut Search, side: usize, projection: Projection, weights: [f64; 4]| {
         if projection.distance < search.within {
             let point: Vector3<f64> = (0..4).map(|a| points[a] * weights[a]).sum();
             let extent = projection.normal.dot(&point) - solid.sharp_reach(&projection.normal);
-            search.offer(DeepestPoint { projection, weights, extent });
+            search.offer(DeepestPoint { projection, weights, side, extent });
         }
     };
     if !search.keeps_all {
         let known = known.insert(points.each_ref().map(|point| solid.project_local(point)));
-        (0..5).for_each(|k| offer(search, known[k], weights_of(k)));
+        (0..5).for_each(|k| offer(search, 0, known[k], weights_of(k)));
     }
     for [a, b] in sides(count) {
         let of = [a, b, 4];
-        if let Some(followed) = search.followed.map(|followed| followed[a]).filter(|place| place[0] >= 0.0) {
-            let tolerance = FOLLOWED * solid.edge();
-            match follow(solid, &of.map(|k| points[k]), followed, search.within, tolerance) {
+        if let Some(followed) = search.followed.map(|followed| followed[a].place).filter(|place| place[0] >= 0.0) {
+            match follow(solid, &of.map(|k| points[k]), followed, search.within, search.tolerance) {
                 Found::Outside(place) => {
                     search.place(a, place);
                     continue;
@@ -241,7 +265,7 @@ fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, se
                 Found::Deepest(projection, place) => {
                     search.place(a, place);
                     let [u, v] = place;
-                    offer(search, projection, corner_weights(a, b, [u, v, 1.0 - u - v]));
+                    offer(search, a, projection, corner_weights(a, b, [u, v, 1.0 - u - v]));
                     continue;
                 }
                 Found::Lost => {}
@@ -265,7 +289,7 @@ fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, se
         let projection = Projection { distance: contact.dist - solid.edge(), normal };
         let [u, v, w] = barycentric(&triangle, contact.point1);
         search.place(a, [u, v]);
-        offer(search, projection, corner_weights(a, b, [u, v, w]));
+        offer(search, a, projection, corner_weights(a, b, [u, v, w]));
     }
 }
 

@@ -62,7 +62,8 @@ impl Features {
         }
         let mut ends: Vec<[u32; 2]> = edges.iter().flat_map(|edge| [edge.ends, [edge.ends[1], edge.ends[0]]]).collect();
         ends.sort_unstable();
-        let first = (0..=vertices.len()).map(|n| ends.partition_point(|[from, _]| (*from as usize) < n) as u32).collect();
+        let first =
+            (0..=vertices.len()).map(|n| ends.partition_point(|[from, _]| (*from as usize) < n) as u32).collect();
         let around = ends.into_iter().map(|[_, to]| to).collect();
         let mut features = Features { vertices, triangles, edges_of, edges, around, first, edge_radius: f64::INFINITY };
         let radii = features.edges.iter().filter_map(|edge| features.radius(edge));
@@ -110,7 +111,7 @@ impl Features {
     /// where its edges cross edges of the mesh.
     pub(super) fn deepest(&self, solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
         let mut offer = |projection: Projection, weights: [f64; 4]| {
-            search.offer(DeepestPoint { projection, weights, extent: projection.distance });
+            search.offer(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
             search.within
         };
         let mut within = f64::INFINITY;

@@ -2,15 +2,19 @@
 //! only place that names parry.
 
 mod convex;
+#[cfg(test)]
+mod convex_tests;
 mod deepest_point;
 mod features;
 mod meeting;
+mod nearest;
 mod projection;
 mod solid;
 mod triangles;
 
 pub(in crate::engine::contact) use deepest_point::{DeepestPoint, Followed, UNKNOWN};
 pub(in crate::engine) use meeting::Meeting;
+pub(in crate::engine::contact) use nearest::Nearest;
 pub(crate) use triangles::Triangles;
 
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};

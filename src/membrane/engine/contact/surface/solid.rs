@@ -33,9 +33,18 @@ impl Solid {
         let (core, rotation) = match convex {
             Convex::Cylinder { radius, half } => (SharedShape::new(Cylinder::new(half, radius)), y_to_z()),
             Convex::Cone { radius, half } => (SharedShape::new(Cone::new(half, radius)), y_to_minus_z()),
-            Convex::Cuboid { half: [x, y, z] } => (SharedShape::new(Cuboid::new(Vector::new(x, y, z))), Rotation::IDENTITY),
+            Convex::Cuboid { half: [x, y, z] } => {
+                (SharedShape::new(Cuboid::new(Vector::new(x, y, z))), Rotation::IDENTITY)
+            }
         };
-        Solid { core, place: Pose::from_parts(centre, rotation), edge, convex: Some(convex), features: None, sharp: None }
+        Solid {
+            core,
+            place: Pose::from_parts(centre, rotation),
+            edge,
+            convex: Some(convex),
+            features: None,
+            sharp: None,
+        }
     }
 
     /// A closed mesh, moved `by` a vector (m).
@@ -79,8 +88,7 @@ impl Solid {
 
     /// Signed distance and outward normal of the point at `arm` (m) from the body's centre, at `pose`.
     pub(super) fn project(&self, pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Projection {
-        let Projection { distance, normal } = self.project_local(&pose.rotation.inverse_transform_vector(arm));
-        Projection { distance, normal: pose.rotation * normal }
+        self.project_local(&pose.rotation.inverse_transform_vector(arm)).turned(pose)
     }
 
     /// The same of a point in body axes.
@@ -91,14 +99,8 @@ impl Solid {
             let (distance, normal) = convex.project([local.x - centre.x, local.y - centre.y, local.z - centre.z]);
             return Projection { distance: distance - self.edge, normal: normal.into() };
         }
-        let local = vector(local);
-        let projection = self.core.project_point(&self.place, local, false);
-        let arm = local - projection.point;
-        let distance = arm.length();
-        let side = if projection.is_inside { -1.0 } else { 1.0 };
-        let normal = if distance > 0.0 { arm * (side / distance) } else { local.normalize_or(Vector::NEG_Z) };
-        let normal = Vector3::new(normal.x, normal.y, normal.z);
-        Projection { distance: side * distance - self.edge, normal }
+        let projection = self.core.project_point(&self.place, vector(local), false);
+        signed(local, projection.point, projection.is_inside)
     }
 
     /// How far it reaches along the unit vector `direction`, m.
@@ -106,7 +108,9 @@ impl Solid {
         let farthest = match &self.convex {
             Some(convex) => vector(direction).dot(self.place.translation) + convex.reach((*direction).into()),
             None => {
-                let along = |mesh: &TriMesh| mesh.vertices().iter().map(|v| v.dot(vector(direction))).fold(f64::NEG_INFINITY, f64::max);
+                let along = |mesh: &TriMesh| {
+                    mesh.vertices().iter().map(|v| v.dot(vector(direction))).fold(f64::NEG_INFINITY, f64::max)
+                };
                 self.core.as_trimesh().map_or(f64::NAN, along)
             }
         };
@@ -123,6 +127,15 @@ impl Solid {
         let sphere = self.core.compute_bounding_sphere(&self.place);
         sphere.center().length() + sphere.radius() + self.edge
     }
+}
+
+/// Signed distance and outward normal of a point of which `on_surface` is the nearest.
+pub(super) fn signed(point: &Vector3<f64>, on_surface: Vector, is_inside: bool) -> Projection {
+    let arm = vector(point) - on_surface;
+    let distance = arm.length();
+    let side = if is_inside { -1.0 } else { 1.0 };
+    let normal = if distance > 0.0 { arm * (side / distance) } else { vector(point).normalize_or(Vector::NEG_Z) };
+    Projection { distance: side * distance, normal: Vector3::new(normal.x, normal.y, normal.z) }
 }
 
 /// The rotation that turns the axis of parry's cylinders up.
