@@ -25,6 +25,7 @@ fn main() {
     parts();
     sizes();
     faces();
+    impactors();
     threads();
 }
 
@@ -305,6 +306,67 @@ fn faces() {
         println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
     }
     println!();
+}
+
+/// The drop test with other impactors of the same size, mass and speed against that with the sphere, run by run in turn.
+fn impactors() {
+    println!("## Impactors, one thread: 1008 over 40 ms, 40 × 40 × 2 elements\n");
+    println!("| impactor | steps | s | times the sphere |\n|---|---|---|---|");
+    let folder = std::env::temp_dir().join(format!("droptower-bench-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("sphere.obj");
+    std::fs::write(&path, sphere_of_triangles()).expect("a file");
+    let shapes = [
+        ("sphere", "sphere = { radius = \"120 mm\" }".to_owned()),
+        ("hemisphere", "hemisphere = { radius = \"120 mm\" }".to_owned()),
+        ("capsule", "capsule = { radius = \"120 mm\", length = \"240 mm\" }".to_owned()),
+        ("cylinder", "cylinder = { radius = \"120 mm\", length = \"240 mm\" }".to_owned()),
+        ("mesh of 4 900 triangles", format!("mesh = '{}'", path.display())),
+    ];
+    let models = shapes.map(|(name, shape)| {
+        let shape = format!("impactor.shape={{ {shape} }}");
+        (name, shipped(&["specimen.symmetry=none", "loading.impact.duration=40ms", &shape]))
+    });
+    let mut runs = vec![vec![]; models.len()];
+    for _ in 0..REPEATS {
+        for ((_, model), runs) in models.iter().zip(&mut runs) {
+            let options = RunOptions { pool: Some(ThreadPool::new(1)), ..RunOptions::default() };
+            let outcome = simulate::run_with(model, options, &mut |_| {}).expect("a run");
+            runs.push((outcome.wall.as_secs_f64(), outcome.steps));
+        }
+    }
+    let times: Vec<f64> = runs.iter().map(|runs| median(runs.iter().map(|(time, _)| *time).collect())).collect();
+    for (((name, _), runs), time) in models.iter().zip(&runs).zip(&times) {
+        println!("| {name} | {} | {time:.2} | {:.2} |", runs[0].1, time / times[0]);
+    }
+    println!();
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
+/// A sphere of 120 mm radius as an OBJ file of 4 900 triangles, in m.
+fn sphere_of_triangles() -> String {
+    const AROUND: usize = 50;
+    const DOWN: usize = 50;
+    let mut text = String::from("v 0 0 0.12\n");
+    for ring in 1..DOWN {
+        let (sin, cos) = (std::f64::consts::PI * ring as f64 / DOWN as f64).sin_cos();
+        for k in 0..AROUND {
+            let (y, x) = (std::f64::consts::TAU * k as f64 / AROUND as f64).sin_cos();
+            text += &format!("v {} {} {}\n", 0.12 * sin * x, 0.12 * sin * y, 0.12 * cos);
+        }
+    }
+    text += "v 0 0 -0.12\n";
+    let at = |ring: usize, k: usize| 2 + (ring - 1) * AROUND + k % AROUND;
+    let last = 2 + (DOWN - 1) * AROUND;
+    for k in 0..AROUND {
+        text += &format!("f 1 {} {}\n", at(1, k), at(1, k + 1));
+        for ring in 1..DOWN - 1 {
+            let (a, b, c, d) = (at(ring, k), at(ring + 1, k), at(ring + 1, k + 1), at(ring, k + 1));
+            text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+        }
+        text += &format!("f {last} {} {}\n", at(DOWN - 1, k + 1), at(DOWN - 1, k));
+    }
+    text
 }
 
 /// Two threads against one.
