@@ -1,4 +1,5 @@
-//! What a step costs, and how far that is from what this machine can do: `cargo bench --bench step`.
+//! What a step costs, and how far that is from what this machine can do: `cargo bench --bench step`, or one section of it:
+//! `cargo bench --bench step -- impactors`.
 //!
 //! Prints the tables of docs/performance.md. Every figure is the median of several measurements in this one process.
 
@@ -19,14 +20,19 @@ use droptower::simulate::{self, RunOptions};
 const REPEATS: usize = 5;
 
 fn main() {
-    let machine = machine();
-    kernel();
-    drop_test(&machine);
-    parts();
-    sizes();
-    faces();
-    impactors();
-    threads();
+    // The name of one section, which is then run alone.
+    let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    let is_wanted = |name: &str| only.as_deref().is_none_or(|only| only == name);
+    let sections: [(&str, fn()); 7] = [
+        ("kernel", kernel),
+        ("drop", || drop_test(&machine())),
+        ("parts", parts),
+        ("sizes", sizes),
+        ("faces", faces),
+        ("impactors", impactors),
+        ("threads", threads),
+    ];
+    sections.iter().filter(|(name, _)| is_wanted(name)).for_each(|(_, section)| section());
 }
 
 fn shipped(changes: &[&str]) -> Model {

@@ -7,7 +7,8 @@
 //! does not creep.
 //!
 //! Between its nodes an element penetrates by the sagitta of its edges. Where that may exceed [`FACE_PENETRATION`] of
-//! the impactor's size, or the impactor has edges of its own, the deepest point of the element is constrained as well.
+//! the impactor's size, the deepest point of the element is constrained as well; an impactor with edges of its own is met at
+//! the deepest point of each of the element's triangles, or where corners and edges of a mesh meet it.
 
 mod contact_state;
 mod damping;
@@ -80,7 +81,8 @@ pub struct Contact {
 /// Allowed penetration of a face between its nodes over the impactor's size: below the one that gives a warning.
 const FACE_PENETRATION: f64 = 0.008;
 
-/// Radius of the body's edges where elements meet them, over the longest line of the smallest element.
+/// Radius of the body's edges where elements meet them, over the longest line of the smallest element (theory.md, equation
+/// 211).
 const EDGE_SHARE: f64 = 0.005;
 
 /// Allowed penetration of a face between its nodes, over the longest line of the smallest element; of shapes with edges.

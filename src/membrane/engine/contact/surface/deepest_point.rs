@@ -240,7 +240,7 @@ pub(super) fn sides(count: usize) -> impl Iterator<Item = [usize; 2]> {
 
 /// Offers the deepest of the `points` of an element, corners and mean in body axes, in a convex solid, and the deepest of
 /// each triangle between them. A signed distance from a convex body is a convex function, so that no point of a triangle
-/// is deeper than the tangents at known points say (theory.md, equation 162).
+/// is deeper than the tangents at known points say (theory.md, equation 212).
 fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
     let mut known: Option<[Projection; 5]> = None;
     let offer = |search: &mut Search, side: usize, projection: Projection, weights: [f64; 4]| {

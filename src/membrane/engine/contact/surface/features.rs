@@ -76,7 +76,7 @@ impl Features {
     }
 
     /// Radius of the surface that the triangles of an edge stand for, m: the mean of their heights over the angle
-    /// between them; zero where that is sharp.
+    /// between them (theory.md, equation 213); zero where that is sharp.
     fn radius(&self, edge: &Edge) -> Option<f64> {
         let ([a, b], [c, d]) = (edge.ends.map(|n| self.at(n)), edge.opposite.map(|n| self.at(n)));
         let along = (b - a).try_normalize(0.0)?;
