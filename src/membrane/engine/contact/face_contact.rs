@@ -113,10 +113,9 @@ impl Constraint {
     }
 }
 
-/// Velocity of a node along `normal` per impulse, 1/kg; zero where it is held.
-fn yielding(nodes: &Nodes, node: usize, normal: &Vector3<f64>) -> f64 {
-    let free = nodes.effective_inverse_mass().at(node);
-    if free.contains(&0.0) { (0..3).map(|k| free[k] * normal[k] * normal[k]).sum() } else { 1.0 / nodes.mass[node] }
+/// Velocity of a node per impulse, 1/kg; zero where it is held in every direction.
+fn yielding(nodes: &Nodes, node: usize) -> f64 {
+    if nodes.is_held(node) { 0.0 } else { 1.0 / nodes.mass[node] }
 }
 
 impl Contact {
@@ -338,7 +337,7 @@ impl Contact {
             let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
             let arm = point - pose.translation.vector;
             let normal = projection.normal;
-            let inverse_mass = |a: usize| weights[a].powi(2) * yielding(nodes, corners[a], &normal);
+            let inverse_mass = |a: usize| weights[a].powi(2) * yielding(nodes, corners[a]);
             let inverse_effective_mass =
                 (0..4).map(inverse_mass).sum::<f64>() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
             if inverse_effective_mass <= 0.0 {
