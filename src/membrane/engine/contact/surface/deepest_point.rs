@@ -5,102 +5,15 @@ use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
 use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
-use serde::{Deserialize, Serialize};
 
+use super::element_points::{DeepestPoint, Followed, Search, corner_weights, sides, weights_of};
 use super::projection::{Projection, nearest_on_axis};
 use super::solid::Solid;
 use super::{Part, Shape, Surface, vector};
 use crate::lane::{larger, smaller};
 
-/// The point of an element with the least signed distance.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::engine::contact) struct DeepestPoint {
-    /// Its projection.
-    pub(in crate::engine::contact) projection: Projection,
-    /// Weights of the element's corners in it.
-    pub(in crate::engine::contact) weights: [f64; 4],
-    /// The corner from which the side of its triangle begins.
-    pub(in crate::engine::contact) side: usize,
-    /// Its distance along the normal from the farthest point of the body (m), whose edges count as sharp as they are. No
-    /// point of the element is deeper inside the body than this is below zero.
-    pub(in crate::engine::contact) extent: f64,
-}
-
-/// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the
-/// mean of all corners.
-pub(super) fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
-    let mut weights = [0.25 * wm; 4];
-    weights[a] += wa;
-    weights[b] += wb;
-    weights
-}
-
-/// The points of an element that are nearer to a body than a distance: the deepest one, or one of each triangle, corner and
-/// edge.
-pub(super) struct Search {
-    /// Distance below which a point counts, m.
-    pub(super) within: f64,
-    keeps_all: bool,
-    found: Vec<DeepestPoint>,
-    /// Where the points of the triangles were in the last step.
-    followed: Option<Followed>,
-    /// By which these may be off the deepest, m.
-    tolerance: f64,
-}
-
-/// The deepest point of each triangle of an element in the last step.
-pub(in crate::engine::contact) type Followed = [FollowedPoint; 4];
-
-/// The deepest point of a triangle in the last step.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(in crate::engine::contact) struct FollowedPoint {
-    /// Shares of the two sides from the mean of the corners; negative where it is not known.
-    place: [f64; 2],
-    /// Mean force on the film there, N.
-    pub(in crate::engine::contact) force: [f64; 3],
-}
-
-/// Deepest points that are not known.
-pub(in crate::engine::contact) const UNKNOWN: Followed = [FollowedPoint { place: [-1.0; 2], force: [0.0; 3] }; 4];
-
-/// Difference of the weights of corners and of the normals below which two points are one.
-const SAME: f64 = 1e-3;
-
 /// Largest number of moves by which a point is followed in a step.
 const MOVES: usize = 6;
-
-impl Search {
-    fn within(within: f64, keeps_all: bool) -> Search {
-        Search { within, keeps_all, found: vec![], followed: None, tolerance: 0.0 }
-    }
-
-    /// Records where the deepest point of the triangle of the side from corner `side` is.
-    fn place(&mut self, side: usize, place: [f64; 2]) {
-        if let Some(followed) = &mut self.followed {
-            followed[side].place = place;
-        }
-    }
-
-    /// Takes a point that is near enough.
-    pub(super) fn offer(&mut self, point: DeepestPoint) {
-        if point.projection.distance >= self.within {
-            return;
-        }
-        // Two triangles share the points of the line between them.
-        let is_same = |other: &DeepestPoint| {
-            (0..4).all(|a| (other.weights[a] - point.weights[a]).abs() < SAME)
-                && (other.projection.normal - point.projection.normal).norm_squared() < SAME * SAME
-        };
-        if self.keeps_all && self.found.iter().any(is_same) {
-            return;
-        }
-        if !self.keeps_all {
-            self.within = point.projection.distance;
-            self.found.clear();
-        }
-        self.found.push(point);
-    }
-}
 
 impl Surface {
     /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to
@@ -218,24 +131,17 @@ fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>
         tolerance: search.tolerance,
         ..Search::within(search.within, search.keeps_all)
     };
-    match solid.features() {
-        Some(features) => features.deepest(solid, &points, count, &mut own),
-        None => deepest_in_convex(solid, &points, count, &mut own),
+    match (solid.features(), solid.core().as_trimesh()) {
+        (Some(features), Some(mesh)) => {
+            let projected = points.each_ref().map(|point| solid.project_local(point));
+            features.deepest(mesh, &points, &projected, count, &mut own);
+        }
+        _ => deepest_in_convex(solid, &points, count, &mut own),
     };
     search.followed = own.followed;
     for point in own.found {
         search.offer(DeepestPoint { projection: point.projection.turned(pose), ..point });
     }
-}
-
-/// Weights of a corner alone, or of the mean.
-pub(super) fn weights_of(point: usize) -> [f64; 4] {
-    if point == 4 { [0.25; 4] } else { std::array::from_fn(|a| if a == point { 1.0 } else { 0.0 }) }
-}
-
-/// The corners at the ends of each side of an element of `count` corners, of which a triangle repeats its last.
-pub(super) fn sides(count: usize) -> impl Iterator<Item = [usize; 2]> {
-    (0..4).filter(move |a| count == 4 || *a != 2).map(|a| [a, (a + 1) % 4])
 }
 
 /// Offers the deepest of the `points` of an element, corners and mean in body axes, in a convex solid, and the deepest of

@@ -4,9 +4,8 @@ use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::shape::TriMesh;
 
-use super::deepest_point::{DeepestPoint, Search, corner_weights, sides, weights_of};
+use super::element_points::{DeepestPoint, Search, corner_weights, sides, weights_of};
 use super::projection::Projection;
-use super::solid::Solid;
 use super::vector;
 
 /// Angle between two faces above which their edge counts as sharp, rad: below it they stand for a curved surface.
@@ -107,18 +106,24 @@ impl Features {
         })
     }
 
-    /// Offers the `points` of an element, corners and mean in body axes, its points under corners of the mesh and those
-    /// where its edges cross edges of the mesh.
-    pub(super) fn deepest(&self, solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
+    /// Offers the `points` of an element, corners and mean in body axes with their projections on `mesh`, its points under
+    /// corners of the mesh and those where its edges cross edges of the mesh.
+    pub(super) fn deepest(
+        &self,
+        mesh: &TriMesh,
+        points: &[Vector3<f64>; 5],
+        projected: &[Projection; 5],
+        count: usize,
+        search: &mut Search,
+    ) {
         let mut offer = |projection: Projection, weights: [f64; 4]| {
             search.offer(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
             search.within
         };
         let mut within = f64::INFINITY;
         for k in (0..count).chain([4]) {
-            within = offer(solid.project_local(&points[k]), weights_of(k));
+            within = offer(projected[k], weights_of(k));
         }
-        let Some(mesh) = solid.core().as_trimesh() else { return };
         let (mut low, mut high) = (points[4], points[4]);
         for point in &points[..count] {
             (low, high) = (low.inf(point), high.sup(point));

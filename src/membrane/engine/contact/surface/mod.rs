@@ -5,6 +5,7 @@ mod convex;
 #[cfg(test)]
 mod convex_tests;
 mod deepest_point;
+mod element_points;
 mod features;
 mod meeting;
 mod nearest;
@@ -12,7 +13,7 @@ mod projection;
 mod solid;
 mod triangles;
 
-pub(in crate::engine::contact) use deepest_point::{DeepestPoint, Followed, UNKNOWN};
+pub(in crate::engine::contact) use element_points::{DeepestPoint, Followed, UNKNOWN};
 pub(in crate::engine) use meeting::Meeting;
 pub(in crate::engine::contact) use nearest::Nearest;
 pub(crate) use triangles::Triangles;
