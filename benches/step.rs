@@ -22,7 +22,6 @@ const REPEATS: usize = 5;
 fn main() {
     // The name of one section, which is then run alone.
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let is_wanted = |name: &str| only.as_deref().is_none_or(|only| only == name);
     let sections: [(&str, fn()); 7] = [
         ("kernel", kernel),
         ("drop", || drop_test(&machine())),
@@ -32,7 +31,16 @@ fn main() {
         ("impactors", impactors),
         ("threads", threads),
     ];
-    sections.iter().filter(|(name, _)| is_wanted(name)).for_each(|(_, section)| section());
+    if let Some(only) = only {
+        let section = sections.iter().find(|(name, _)| *name == only);
+        let names = sections.map(|(name, _)| name).join(", ");
+        let (_, section) = section.unwrap_or_else(|| panic!("no section {only}: there are {names}"));
+        return section();
+    }
+    let machine = machine();
+    for (name, section) in sections {
+        if name == "drop" { drop_test(&machine) } else { section() }
+    }
 }
 
 fn shipped(changes: &[&str]) -> Model {
