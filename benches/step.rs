@@ -1,4 +1,5 @@
-//! What a step costs, and how far that is from what this machine can do: `cargo bench --bench step`.
+//! What a step costs, and how far that is from what this machine can do: `cargo bench --bench step`, or one section of it:
+//! `cargo bench --bench step -- impactors`.
 //!
 //! Prints the tables of docs/performance.md. Every figure is the median of several measurements in this one process.
 
@@ -19,13 +20,27 @@ use droptower::simulate::{self, RunOptions};
 const REPEATS: usize = 5;
 
 fn main() {
+    // The name of one section, which is then run alone.
+    let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    let sections: [(&str, fn()); 7] = [
+        ("kernel", kernel),
+        ("drop", || drop_test(&machine())),
+        ("parts", parts),
+        ("sizes", sizes),
+        ("faces", faces),
+        ("impactors", impactors),
+        ("threads", threads),
+    ];
+    if let Some(only) = only {
+        let section = sections.iter().find(|(name, _)| *name == only);
+        let names = sections.map(|(name, _)| name).join(", ");
+        let (_, section) = section.unwrap_or_else(|| panic!("no section {only}: there are {names}"));
+        return section();
+    }
     let machine = machine();
-    kernel();
-    drop_test(&machine);
-    parts();
-    sizes();
-    faces();
-    threads();
+    for (name, section) in sections {
+        if name == "drop" { drop_test(&machine) } else { section() }
+    }
 }
 
 fn shipped(changes: &[&str]) -> Model {
@@ -305,6 +320,85 @@ fn faces() {
         println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
     }
     println!();
+}
+
+/// The drop test with other impactors of the same size, mass and speed against that with the sphere, run by run in turn.
+fn impactors() {
+    println!("## Impactors, one thread: 1008 over 40 ms, 40 × 40 × 2 elements\n");
+    println!("| impactor | steps | s | times the sphere |\n|---|---|---|---|");
+    let folder = std::env::temp_dir().join(format!("droptower-bench-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("sphere.obj");
+    std::fs::write(&path, sphere_of_triangles()).expect("a file");
+    let shapes = [
+        ("sphere", "sphere = { radius = \"120 mm\" }".to_owned()),
+        ("hemisphere", "hemisphere = { radius = \"120 mm\" }".to_owned()),
+        ("capsule", "capsule = { radius = \"120 mm\", length = \"240 mm\" }".to_owned()),
+        ("cylinder", "cylinder = { radius = \"120 mm\", length = \"240 mm\" }".to_owned()),
+        ("mesh of 5 120 triangles", format!("mesh = '{}'", path.display())),
+    ];
+    let models = shapes.map(|(name, shape)| {
+        let shape = format!("impactor.shape={{ {shape} }}");
+        (name, shipped(&["specimen.symmetry=none", "loading.impact.duration=40ms", &shape]))
+    });
+    let mut runs = vec![vec![]; models.len()];
+    // Runs of tens of seconds need fewer measurements.
+    for _ in 0..3 {
+        for ((_, model), runs) in models.iter().zip(&mut runs) {
+            let options = RunOptions { pool: Some(ThreadPool::new(1)), ..RunOptions::default() };
+            let outcome = simulate::run_with(model, options, &mut |_| {}).expect("a run");
+            runs.push((outcome.wall.as_secs_f64(), outcome.steps));
+        }
+    }
+    let times: Vec<f64> = runs.iter().map(|runs| median(runs.iter().map(|(time, _)| *time).collect())).collect();
+    for (((name, _), runs), time) in models.iter().zip(&runs).zip(&times) {
+        println!("| {name} | {} | {time:.2} | {:.2} |", runs[0].1, time / times[0]);
+    }
+    println!();
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
+/// A sphere of 120 mm radius as an OBJ file of 5 120 triangles, in m: an icosahedron, every triangle cut in four four times
+/// over.
+fn sphere_of_triangles() -> String {
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    let mut corners: Vec<[f64; 3]> = vec![];
+    for (a, b) in [(-1.0, -golden), (1.0, -golden), (-1.0, golden), (1.0, golden)] {
+        corners.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]].map(on_sphere));
+    }
+    let near = |p: [f64; 3], q: [f64; 3]| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>() < 1.2;
+    let mut triangles: Vec<[[f64; 3]; 3]> = vec![];
+    for (k, p) in corners.iter().enumerate() {
+        for (l, q) in corners.iter().enumerate().skip(k + 1) {
+            for r in corners[l + 1..].iter().filter(|r| near(*p, *q) && near(*q, **r) && near(**r, *p)) {
+                let volume = p[0] * (q[1] * r[2] - q[2] * r[1])
+                    + p[1] * (q[2] * r[0] - q[0] * r[2])
+                    + p[2] * (q[0] * r[1] - q[1] * r[0]);
+                triangles.push(if volume > 0.0 { [*p, *q, *r] } else { [*p, *r, *q] });
+            }
+        }
+    }
+    for _ in 0..4 {
+        let middle = |p: [f64; 3], q: [f64; 3]| on_sphere([0, 1, 2].map(|k| p[k] + q[k]));
+        let quarters = |[p, q, r]: [[f64; 3]; 3]| {
+            let (pq, qr, rp) = (middle(p, q), middle(q, r), middle(r, p));
+            [[p, pq, rp], [pq, q, qr], [rp, qr, r], [pq, qr, rp]]
+        };
+        triangles = triangles.into_iter().flat_map(quarters).collect();
+    }
+    let mut vertices: Vec<[f64; 3]> = triangles.iter().flatten().copied().collect();
+    let in_order = |p: &[f64; 3], q: &[f64; 3]| p.partial_cmp(q).expect("numbers");
+    vertices.sort_by(in_order);
+    vertices.dedup();
+    let number = |p: &[f64; 3]| vertices.binary_search_by(|q| in_order(q, p)).expect("a vertex") + 1;
+    let faces = triangles.iter().map(|[p, q, r]| format!("f {} {} {}\n", number(p), number(q), number(r)));
+    vertices.iter().map(|[x, y, z]| format!("v {} {} {}\n", 0.12 * x, 0.12 * y, 0.12 * z)).chain(faces).collect()
+}
+
+/// The point of the unit sphere in the same direction.
+fn on_sphere(point: [f64; 3]) -> [f64; 3] {
+    let length = point.iter().map(|x| x * x).sum::<f64>().sqrt();
+    point.map(|x| x / length)
 }
 
 /// Two threads against one.

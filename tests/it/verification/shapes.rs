@@ -97,16 +97,20 @@ fn penetration_is_small() {
     let cylinder = r#"impactor.shape={ cylinder = { radius = "60 mm", length = "120 mm" } }"#;
     let light = ["impactor.mass=1kg", "loading.impact.velocity=2m/s", "layers.faces=[\"0 mm\"]"];
     let on = |shape, size| [&light[..], &[shape, size]].concat();
-    let cases: [(&str, &[&str], f64); 3] = [
+    // Of a sphere over its radius; of a sharp edge over the element.
+    let sharp = |element: f64| 1e-2 * element / 0.06;
+    let cases: [(&str, &[&str], f64); 5] = [
         ("1008, 10 mm", &[], 1e-2),
         ("dart of 60 mm, 15 mm", &on(dart, "specimen.mesh.size=15mm"), 1e-2),
-        ("cylinder of 60 mm, 20 mm", &on(cylinder, "specimen.mesh.size=20mm"), 1e-2),
+        ("cylinder of 60 mm, 20 mm", &on(cylinder, "specimen.mesh.size=20mm"), sharp(0.02)),
+        ("cylinder of 60 mm, 10 mm", &on(cylinder, "specimen.mesh.size=10mm"), sharp(0.01)),
+        ("cylinder of 60 mm, 50 mm", &on(cylinder, "specimen.mesh.size=50mm"), sharp(0.05)),
     ];
     for (what, changes, bound) in cases {
         let model = loading_of_1008(changes);
         let outcome = run(&model);
         claims.at_most(&format!("{what}, depth over radius"), outcome.penetration.expect("a depth"), bound);
-        claims.at_most(&format!("{what}, energy balance error"), outcome.energy_balance_error, 1e-2);
+        claims.at_most(&format!("{what}, energy balance error"), outcome.energy_balance_error, 1e-3);
         let rebound = measured(&model, &outcome).first().rebound_velocity_m_s;
         claims.holds(&format!("{what}, rebound"), &format!("{rebound:.3?} m/s"), rebound.is_some_and(|v| v > 0.0));
     }

@@ -32,12 +32,15 @@ impl Contact {
             let positions = corners.map(|n| nodes.position_of(n as usize));
             let offset = self.offset[corners[0] as usize];
             let edge = longest_edge(&positions);
-            if edge <= out.longest_edge && self.surface.penetration_bound(pose, &positions) <= out.penetration - offset
-            {
-                continue;
+            let mut within = offset + tolerance + self.neighbours.edge;
+            if edge <= out.longest_edge {
+                if self.surface.penetration_bound(pose, &positions) <= out.penetration - offset {
+                    continue;
+                }
+                within = within.min(offset - out.penetration + self.neighbours.edge);
             }
-            let Some(found) = self.surface.deepest_point(pose, &positions, offset + tolerance) else { continue };
-            out.penetration = out.penetration.max(offset - found.projection.distance);
+            let Some(found) = self.rounded.deepest_point(pose, &positions, within) else { continue };
+            out.penetration = out.penetration.max(offset - found.extent);
             out.longest_edge = out.longest_edge.max(edge);
         }
         let held = |n: &&u32| nodes.is_held(**n as usize);

@@ -5,6 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::friction::Friction;
 use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
+use super::surface::{DeepestPoint, Followed, UNKNOWN};
 use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
 use crate::engine::film_contact::{self, FilmContact};
 use crate::engine::nodes::Nodes;
@@ -15,11 +16,20 @@ use crate::engine::thread_pool::ThreadPool;
 /// deep when it is listed does not gain velocity.
 const RECOVERY: f64 = 0.02;
 
+/// The same on a body with edges: film that is lifted off an edge gains energy, which a slower recovery leaves to be small.
+const RECOVERY_AT_EDGES: f64 = 0.002;
+
 /// Largest number of Gauss–Seidel sweeps in a step.
 const SWEEPS: usize = 10;
 
+/// The same on a body with edges, where an element meets several at once.
+const SWEEPS_AT_EDGES: usize = 40;
+
 /// Change of impulse in a sweep, over the largest impulse, below which the sweeps have converged.
 const TOLERANCE: f64 = 1e-3;
+
+/// Depth over the allowed one by which a point that is followed may be off the deepest.
+const FOLLOWED: f64 = 0.02;
 
 /// A contact constraint: the least normal velocity of a node, or of the deepest point of an element, over the surface.
 struct Constraint {
@@ -35,6 +45,8 @@ struct Constraint {
     normal_impulse: f64,
     /// Sum over the sweeps, N s.
     tangential_impulse: Vector3<f64>,
+    /// Place of its element among the candidates, and corner from which the side of its triangle begins.
+    source: Option<[usize; 2]>,
 }
 
 /// Parameters of a sweep.
@@ -59,6 +71,15 @@ impl Constraint {
             nodes.apply_impulse(*n, &(impulse * weight), sweep.dt);
         }
         body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
+    }
+
+    /// Starts with the `impulse` (N s) that the same point had in the last step.
+    fn start_from(&mut self, impulse: &Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) {
+        self.normal_impulse = impulse.dot(&self.normal).max(0.0);
+        if self.normal_impulse > 0.0 {
+            self.tangential_impulse = impulse - self.normal * impulse.dot(&self.normal);
+            self.apply(self.normal * self.normal_impulse + self.tangential_impulse, nodes, body, sweep);
+        }
     }
 
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
@@ -97,6 +118,11 @@ impl Constraint {
     }
 }
 
+/// Velocity of a node per impulse, 1/kg; zero where it is held in every direction.
+fn yielding(nodes: &Nodes, node: usize) -> f64 {
+    if nodes.is_held(node) { 0.0 } else { 1.0 / nodes.mass[node] }
+}
+
 impl Contact {
     /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the
     /// constraints at the deepest point of each, at the nodes in contact, and `between` faces (theory.md, section 6).
@@ -112,25 +138,56 @@ impl Contact {
             return;
         }
         let pose = body.predicted(dt);
-        let candidates = self.neighbours.face_candidates.iter().filter(|element| !self.has_small_sagitta(element));
-        let faces: Vec<Constraint> =
-            candidates.filter_map(|element| self.face_constraint(element.corners, nodes, body, &pose, dt)).collect();
+        let mut followed = std::mem::take(&mut self.neighbours.followed);
+        let mut faces: Vec<Constraint> = vec![];
+        for (place, element) in self.neighbours.face_candidates.iter().enumerate() {
+            if self.has_small_sagitta(element, nodes) || self.is_clear(element, nodes, &pose) {
+                continue;
+            }
+            let mut unknown = UNKNOWN;
+            let followed = followed.get_mut(place).unwrap_or(&mut unknown);
+            let first = faces.len();
+            faces.extend(self.face_constraints(element.corners, nodes, body, &pose, dt, followed));
+            faces[first..].iter_mut().for_each(|face| face.source = face.source.map(|[_, side]| [place, side]));
+        }
         let has_faces = !faces.is_empty();
         if !has_faces && between.is_none() {
+            self.neighbours.followed = followed;
             return;
         }
+        // Beside the elements that are too deep, nodes of a body with edges stay where their own contact put them.
+        let mut coupled: Vec<usize> = faces.iter().flat_map(|face| face.nodes).collect();
+        coupled.sort_unstable();
+        coupled.dedup();
+        let takes_all = between.is_some() || self.surface.is_round();
+        let is_coupled = |impulse: &&Impulse| takes_all || coupled.binary_search(&impulse.node).is_ok();
         let at_nodes = self.contacts.iter().flat_map(|contacts| &contacts.impulses);
-        let mut constraints: Vec<Constraint> =
-            at_nodes.map(|impulse| self.node_constraint(impulse, nodes, body)).chain(faces).collect();
+        let mut constraints: Vec<Constraint> = at_nodes
+            .clone()
+            .filter(is_coupled)
+            .map(|impulse| self.node_constraint(impulse, nodes, body))
+            .chain(faces)
+            .collect();
+        let kept: Vec<Impulse> = at_nodes.filter(|impulse| !is_coupled(impulse)).cloned().collect();
+        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
         let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
         if !has_faces && !films_meet {
+            self.neighbours.followed = followed;
             return;
         }
+        for constraint in &mut constraints {
+            if let Some([place, side]) = constraint.source
+                && let Some(points) = followed.get(place)
+            {
+                constraint.start_from(&(Vector3::from(points[side].force) * dt), nodes, body, &sweep);
+            }
+        }
+        followed.iter_mut().flatten().for_each(|point| point.force = [0.0; 3]);
         if let Some(between) = &between {
             self.add_near_constraints(&mut constraints, [dt, between.detected_within()], nodes, body, &pose);
         }
-        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
-        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [SWEEPS, 1] };
+        let [most, rounds] =
+            if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [self.most_sweeps(), 1] };
         for _ in 0..rounds {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -155,8 +212,22 @@ impl Contact {
             }
             self.add_near_constraints(&mut constraints, [dt, between.detected_within()], nodes, body, &pose);
         }
+        for constraint in &constraints {
+            if let Some([place, side]) = constraint.source
+                && let Some(points) = followed.get_mut(place)
+            {
+                let impulse = constraint.normal * constraint.normal_impulse + constraint.tangential_impulse;
+                points[side].force = (impulse / dt).into();
+            }
+        }
+        self.neighbours.followed = followed;
         let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
-        self.replace_impulses(nodes, active.flat_map(Constraint::impulses));
+        self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
+    }
+
+    /// Largest number of sweeps in a step, without contact between faces.
+    fn most_sweeps(&self) -> usize {
+        if self.surface.is_round() { SWEEPS } else { SWEEPS_AT_EDGES }
     }
 
     /// Replaces the impulses of the node contacts by `impulses`, of which a node may have several.
@@ -177,15 +248,35 @@ impl Contact {
 
     /// Whether the normals of the surface at the corners of an element differ so little that its sagitta, (longest
     /// line) times angle over 8, is well below the allowed penetration.
-    fn has_small_sagitta(&self, element: &NeighbourElement) -> bool {
-        // Between the corners there may be a smaller part.
-        if self.surface.has_parts() {
+    fn has_small_sagitta(&self, element: &NeighbourElement, nodes: &Nodes) -> bool {
+        // Between the corners there may be a smaller part or an edge, and a held corner is no contact of its own.
+        let at_support = || element.corners.iter().any(|n| nodes.is_held(*n as usize));
+        if self.surface.has_parts()
+            || FACE_PENETRATION * self.surface.edge_radius() < self.neighbours.allowance
+            || at_support()
+        {
             return false;
         }
         let normals = element.corners.map(|n| self.normals[n as usize]);
         let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
-        let sagitta = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * self.surface.size();
+        let sagitta = 8.0 * SAGITTA_SHARE * self.neighbours.allowance;
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
+    }
+
+    /// Whether the tangent plane of a convex body at one of the corners of an element tells that all of it is outside.
+    fn is_clear(&self, element: &NeighbourElement, nodes: &Nodes, pose: &Isometry3<f64>) -> bool {
+        if self.heights.is_empty() {
+            return false;
+        }
+        let turned = pose.rotation.coords - self.predicted_pose.rotation.coords;
+        let moved = (pose.translation.vector - self.predicted_pose.translation.vector).norm()
+            + 4.0 * turned.norm() * self.surface.bounding_radius();
+        let corners = element.corners.map(|n| nodes.position_of(n as usize).coords);
+        let bound = self.offset[element.corners[0] as usize] - self.neighbours.allowance + moved;
+        element.corners.iter().any(|n| {
+            let (normal, height) = (&self.normals[*n as usize], self.heights[*n as usize]);
+            height > f64::NEG_INFINITY && corners.iter().all(|corner| normal.dot(corner) - height >= bound)
+        })
     }
 
     /// Adds constraints of nodes that are not in contact, but less than `margin` (m) from the body at `pose`, so that other
@@ -230,47 +321,53 @@ impl Contact {
             target: 0.0,
             normal_impulse,
             tangential_impulse: impulse.tangential,
+            source: None,
         };
         constraint.target = constraint.relative_velocity(nodes, body).dot(&normal);
         constraint
     }
 
-    /// The constraint at the deepest point of an element, if it would penetrate too far. None for an element with a
-    /// held corner: it cannot yield, and the frame behind it is not modelled.
-    fn face_constraint(
+    /// The constraints at points of an element that would penetrate too far. What supports a held corner takes
+    /// its part of the impulse; none where neither film nor body yields.
+    fn face_constraints(
         &self,
         corners: [u32; 4],
         nodes: &Nodes,
         body: &RigidBody,
         pose: &Isometry3<f64>,
         dt: f64,
-    ) -> Option<Constraint> {
+        followed: &mut Followed,
+    ) -> Vec<Constraint> {
         let corners = corners.map(|n| n as usize);
-        if corners.iter().any(|n| nodes.is_held(*n)) {
-            return None;
-        }
         let positions = corners.map(|n| nodes.position_of(n));
-        let bound = self.offset[corners[0]] - FACE_PENETRATION * self.surface.size();
-        let found = self.surface.deepest_point(pose, &positions, bound)?;
-        let (weights, normal) = (found.weights, found.projection.normal);
-        let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
-        let arm = point - pose.translation.vector;
-        let inverse_mass = |a: usize| weights[a].powi(2) / nodes.mass[corners[a]];
-        let inverse_effective_mass =
-            (0..4).map(inverse_mass).sum::<f64>() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
-        let mut constraint = Constraint {
-            nodes: corners,
-            weights,
-            normal,
-            arm,
-            inverse_effective_mass,
-            target: 0.0,
-            normal_impulse: 0.0,
-            tangential_impulse: Vector3::zeros(),
+        let bound = self.offset[corners[0]] - self.neighbours.allowance;
+        let points = self.rounded.deep_points(pose, &positions, bound, followed, FOLLOWED * self.neighbours.allowance);
+        let recovery = if self.surface.is_round() { RECOVERY } else { RECOVERY_AT_EDGES };
+        let constraint = |DeepestPoint { projection, weights, side, .. }: DeepestPoint| {
+            let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
+            let arm = point - pose.translation.vector;
+            let normal = projection.normal;
+            let inverse_mass = |a: usize| weights[a].powi(2) * yielding(nodes, corners[a]);
+            let inverse_effective_mass =
+                (0..4).map(inverse_mass).sum::<f64>() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
+            if inverse_effective_mass <= 0.0 {
+                return None;
+            }
+            let mut constraint = Constraint {
+                nodes: corners,
+                weights,
+                normal,
+                arm,
+                inverse_effective_mass,
+                target: 0.0,
+                normal_impulse: 0.0,
+                tangential_impulse: Vector3::zeros(),
+                source: Some([0, side]),
+            };
+            let to_bound = constraint.relative_velocity(nodes, body).dot(&normal) + (bound - projection.distance) / dt;
+            constraint.target = if to_bound > 0.0 { recovery * to_bound } else { to_bound };
+            Some(constraint)
         };
-        let to_bound =
-            constraint.relative_velocity(nodes, body).dot(&normal) + (bound - found.projection.distance) / dt;
-        constraint.target = if to_bound > 0.0 { RECOVERY * to_bound } else { to_bound };
-        Some(constraint)
+        points.into_iter().filter_map(constraint).collect()
     }
 }

@@ -40,18 +40,25 @@ impl Contact {
             self.normals[*node as usize] = Vector3::from(*normal);
         }
         self.neighbours = history.neighbours;
+        self.rounded = self.surface.with_edges(self.neighbours.edge);
         self.neighbours.partition(films);
         self.work = history.work;
     }
 
     /// Bytes of the arrays that grow with the mesh.
     pub(in crate::engine) fn bytes(&self) -> usize {
-        let NeighbourList { nodes, ranges, impulse_nodes, elements, face_candidates, margin: _, last_motion: _ } =
-            &self.neighbours;
-        let listed = bytes(nodes) + bytes(ranges) + bytes(impulse_nodes) + bytes(elements) + bytes(face_candidates);
+        let NeighbourList { nodes, ranges, impulse_nodes, elements, face_candidates, followed, .. } = &self.neighbours;
+        let listed = bytes(nodes)
+            + bytes(ranges)
+            + bytes(impulse_nodes)
+            + bytes(elements)
+            + bytes(face_candidates)
+            + bytes(followed);
         listed
             + bytes(&self.offset)
             + bytes(&self.normals)
+            + bytes(&self.heights)
+            + bytes(&self.nearest)
             + self.previous_velocity.bytes()
             + bytes(&self.predicted)
             + self.swept.as_deref().map_or(0, bytes)

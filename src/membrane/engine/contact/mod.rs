@@ -7,10 +7,13 @@
 //! does not creep.
 //!
 //! Between its nodes an element penetrates by the sagitta of its edges. Where that may exceed [`FACE_PENETRATION`] of
-//! the impactor's size, or the impactor has edges of its own, the deepest point of the element is constrained as well.
+//! the impactor's size, the deepest point of the element is constrained as well; an impactor with edges of its own is met at
+//! the deepest point of each of the element's triangles, or where corners and edges of a mesh meet it.
 
 mod contact_state;
 mod damping;
+#[cfg(test)]
+mod edge_tests;
 mod face_contact;
 mod friction;
 mod history;
@@ -22,6 +25,7 @@ mod surface;
 pub use contact_state::ContactState;
 pub(super) use history::ContactHistory;
 pub(super) use surface::Meeting;
+use surface::Nearest;
 pub use surface::{Surface, SurfaceError};
 
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -41,6 +45,8 @@ use node_contact::{Corrector, NodeContacts, Predictor};
 /// Contact of one impactor with all faces of film.
 pub struct Contact {
     surface: Surface,
+    /// The surface that elements meet between their nodes: its edges have a radius.
+    rounded: Surface,
     friction: Friction,
     /// Number of mirror images of the film.
     multiplicity: f64,
@@ -49,6 +55,13 @@ pub struct Contact {
     neighbours: NeighbourList,
     /// The surface's normal at each node next to it, zero elsewhere.
     normals: Vec<Vector3<f64>>,
+    /// Distance of the plane through the surface's point next to each node from the origin along its normal, m: minus
+    /// infinity where there is none; for convex bodies with edges only.
+    heights: Vec<f64>,
+    /// The nearest triangle of a mesh to each node.
+    nearest: Vec<Nearest>,
+    /// Where the body was predicted to be when the nodes were projected.
+    predicted_pose: Isometry3<f64>,
     /// Velocity of the nodes of the list half a step earlier, m/s.
     previous_velocity: Vectors,
     /// Predicted velocity of each of the list's impulse nodes, m/s; with damping only.
@@ -67,6 +80,13 @@ pub struct Contact {
 
 /// Allowed penetration of a face between its nodes over the impactor's size: below the one that gives a warning.
 const FACE_PENETRATION: f64 = 0.008;
+
+/// Radius of the body's edges where elements meet them, over the longest line of the smallest element (theory.md, equation
+/// 211).
+const EDGE_SHARE: f64 = 0.005;
+
+/// Allowed penetration of a face between its nodes, over the longest line of the smallest element; of shapes with edges.
+const FACE_SHARE: f64 = 0.002;
 
 /// Sagitta of an element over [`FACE_PENETRATION`] from which its deepest point is determined.
 const SAGITTA_SHARE: f64 = 0.7;
@@ -90,6 +110,7 @@ pub(super) struct Work {
 }
 
 /// The impulse on a node in one step, N s.
+#[derive(Clone, Debug)]
 pub(super) struct Impulse {
     node: usize,
     /// From the body's centre of mass, m.
@@ -111,6 +132,7 @@ impl Contact {
     /// mirror images, with the coefficient `friction`.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
         let nodes = offset.len();
+        let rounded = surface.clone();
         Contact {
             surface,
             friction: Friction { impactor: friction, film: friction, first_face: nodes },
@@ -118,6 +140,10 @@ impl Contact {
             offset,
             neighbours: NeighbourList::default(),
             normals: vec![Vector3::zeros(); nodes],
+            heights: vec![f64::NEG_INFINITY; if rounded.is_convex_solid() { nodes } else { 0 }],
+            nearest: vec![Nearest::default(); if rounded.is_mesh() { nodes } else { 0 }],
+            predicted_pose: Isometry3::identity(),
+            rounded,
             previous_velocity: Vectors::zero(nodes),
             predicted: vec![],
             contacts: vec![],
@@ -260,12 +286,15 @@ impl Contact {
         let list = &self.neighbours;
         let mut body = body.clone();
         body.pose = body.predicted(dt);
+        self.predicted_pose = body.pose;
         let predictor = Predictor {
             surface: &self.surface,
             friction: self.friction,
             multiplicity: self.multiplicity,
             offset: &self.offset,
             normals: (!list.face_candidates.is_empty()).then(|| Disjoint::new(&mut self.normals)),
+            heights: (!self.heights.is_empty()).then(|| Disjoint::new(&mut self.heights)),
+            nearest: (!self.nearest.is_empty()).then(|| Disjoint::new(&mut self.nearest)),
             nodes,
             body: &body,
             per_second: 1.0 / dt,

@@ -5,7 +5,8 @@ use std::ops::Range;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{Contact, FACE_PENETRATION, NODES_PER_RANGE, SAGITTA_SHARE};
+use super::surface::{Followed, UNKNOWN};
+use super::{Contact, EDGE_SHARE, FACE_PENETRATION, FACE_SHARE, NODES_PER_RANGE, SAGITTA_SHARE};
 use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
 
@@ -29,6 +30,12 @@ pub(super) struct NeighbourList {
     pub(super) elements: Vec<NeighbourElement>,
     /// Elements that may penetrate between their nodes by more than is allowed.
     pub(super) face_candidates: Vec<NeighbourElement>,
+    /// Of each of `face_candidates`.
+    pub(super) followed: Vec<Followed>,
+    /// Radius that edges of the body have at least where elements meet them, m.
+    pub(super) edge: f64,
+    /// Allowed penetration of a face between its nodes, m.
+    pub(super) allowance: f64,
     /// Relative motion of film and impactor that is left until the list is rebuilt, m.
     pub(super) margin: f64,
     /// Bound on the relative motion in the last step, m.
@@ -45,19 +52,55 @@ pub(super) struct NeighbourElement {
 }
 
 impl Contact {
+    /// Sets the radius of edges and the allowed penetration by the elements as they first are: film that stretches does not
+    /// change them, which would do work.
+    fn set_allowance(&mut self, films: &[Film], nodes: &Nodes) {
+        let surface = &self.surface;
+        if surface.is_round() {
+            self.neighbours.allowance = FACE_PENETRATION * surface.size();
+            return;
+        }
+        let mut smallest = f64::INFINITY;
+        for film in films {
+            film.for_each_intact(|corners| smallest = smallest.min(longest_line_squared(corners, nodes)));
+        }
+        let element = if smallest.is_finite() { smallest.sqrt() } else { 0.0 };
+        self.neighbours.edge = EDGE_SHARE * element;
+        self.neighbours.allowance = (FACE_SHARE * element).max(FACE_PENETRATION * surface.edge_radius());
+        self.rounded = surface.with_edges(self.neighbours.edge);
+    }
+
     /// Rebuilds the neighbour list for the present positions.
     pub(super) fn list_neighbours(&mut self, films: &[Film], nodes: &Nodes, pose: &Isometry3<f64>) {
+        if self.neighbours.allowance == 0.0 {
+            self.set_allowance(films, nodes);
+        }
         let size = self.surface.size();
-        let skin = if self.surface.is_long() { LONG_SKIN } else { SKIN } * size;
-        let fine = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * size * size;
+        let (is_smooth, is_long) = (self.surface.is_smooth(), self.surface.is_long());
+        let skin = if is_long { LONG_SKIN } else { SKIN } * size;
+        let radius = if self.surface.is_round() { size } else { self.surface.edge_radius() };
+        let fine = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * radius * radius;
         let centre = Point3::from(pose.translation.vector);
         let distance_squared = |n: u32| nalgebra::distance_squared(&nodes.position_of(n as usize), &centre);
         let surface = &self.surface;
-        let within = |n: u32, margin: f64| {
-            let margin = margin + self.offset[n as usize];
+        // Of each node, once it is asked for.
+        let mut distances = vec![f64::NAN; nodes.mass.len()];
+        let (offset, nearest) = (&self.offset, &mut self.nearest);
+        let mut within = |n: u32, margin: f64| {
+            let margin = margin + offset[n as usize];
             let radius = surface.bounding_radius() + margin;
-            distance_squared(n) < radius * radius
-                && surface.project(pose, &nodes.position_of(n as usize)).distance < margin
+            if distance_squared(n) >= radius * radius {
+                return false;
+            }
+            let distance = &mut distances[n as usize];
+            if distance.is_nan() {
+                let arm = nodes.position_of(n as usize).coords - pose.translation.vector;
+                *distance = match nearest.get_mut(n as usize) {
+                    Some(nearest) => surface.project_on_mesh(pose, &arm, None, nearest).distance,
+                    None => surface.project(pose, &nodes.position_of(n as usize)).distance,
+                };
+            }
+            *distance < margin
         };
         let list = &mut self.neighbours;
         list.nodes.clear();
@@ -77,10 +120,19 @@ impl Contact {
                 let corners = [corners[0], corners[1], corners[2], corners[corners.len() - 1]];
                 let element = NeighbourElement { corners, longest_squared: squared };
                 list.elements.push(element);
-                if !surface.is_round() || squared > fine {
+                // A corner that is held is no contact of its own.
+                let at_support = corners.iter().any(|n| nodes.is_held(*n as usize));
+                // The edge of film that bars hold lies on them.
+                let is_candidate =
+                    if is_long { squared > fine && !at_support } else { !is_smooth || squared > fine || at_support };
+                if is_candidate {
                     list.face_candidates.push(element);
                 }
             });
+        }
+        list.followed.clear();
+        if self.surface.is_convex_solid() {
+            list.followed.resize(list.face_candidates.len(), UNKNOWN);
         }
         list.partition(films);
         list.margin = skin;
@@ -117,7 +169,8 @@ impl NeighbourList {
     pub(super) fn fits(&self, nodes: usize) -> bool {
         let corners = self.elements.iter().chain(&self.face_candidates).flat_map(|element| element.corners);
         let mut all = self.nodes.iter().copied().chain(corners);
-        self.nodes.is_sorted_by(|a, b| a < b) && all.all(|n| (n as usize) < nodes)
+        let has_all_followed = self.followed.is_empty() || self.followed.len() == self.face_candidates.len();
+        has_all_followed && self.nodes.is_sorted_by(|a, b| a < b) && all.all(|n| (n as usize) < nodes)
     }
 }
 

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::Impulse;
 use super::friction::Friction;
 use super::impulse_sums::{ImpulseSums, LaneImpulseSums};
-use super::surface::Surface;
+use super::surface::{Nearest, Surface};
 use crate::engine::disjoint::Disjoint;
 use crate::engine::footprint::bytes;
 use crate::engine::nodes::{Correction, Nodes, Vectors, gather};
@@ -55,6 +55,10 @@ pub(super) struct Predictor<'a> {
     pub(super) offset: &'a [f64],
     /// Where the surface's normals are stored, if face contact needs them.
     pub(super) normals: Option<Disjoint<'a, Vector3<f64>>>,
+    /// Where the heights of the planes through the surface are stored, if face contact needs them.
+    pub(super) heights: Option<Disjoint<'a, f64>>,
+    /// The nearest triangle of a mesh to each node.
+    pub(super) nearest: Option<Disjoint<'a, Nearest>>,
     pub(super) nodes: &'a Nodes,
     /// The body at its pose at the end of the step.
     pub(super) body: &'a RigidBody,
@@ -129,10 +133,22 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
         close[group.len()..].fill(0.0);
         if close == splat(0.0) {
             store_normals(at, group, &[splat(0.0); 3], &close);
+            store_heights(at, group, &splat(f64::NEG_INFINITY));
             continue;
         }
-        let (distance, normal) = at.surface.project_lanes(&at.body.pose, &arm, &close);
+        let (distance, normal) = match &at.nearest {
+            Some(nearest) => project_on_mesh(at, nearest, group, &arm, &close),
+            None => at.surface.project_lanes(&at.body.pose, &arm, &close),
+        };
         store_normals(at, group, &normal, &close);
+        if at.heights.is_some() {
+            let (along, from) = (dot(&arm, &normal), dot(&[0, 1, 2].map(|axis| splat(centre[axis])), &normal));
+            let mut heights: Lane = splat(f64::NEG_INFINITY);
+            for l in (0..LANES).filter(|l| close[*l] > 0.0) {
+                heights[l] = from[l] + along[l] - distance[l];
+            }
+            store_heights(at, group, &heights);
+        }
         let block = &mut contacts.blocks[contacts.count];
         block.mass = gather(&at.nodes.mass, &nodes);
         let free = at.nodes.effective_inverse_mass().gather(&nodes);
@@ -168,6 +184,29 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
     contacts.coupled_film.add_along_z(mass, momentum);
 }
 
+/// Signed distances and outward normals of a group of nodes at `arm` (m) from the centre of a mesh.
+fn project_on_mesh(
+    at: &Predictor<'_>,
+    nearest: &Disjoint<'_, Nearest>,
+    group: &[u32],
+    arm: &Lane3,
+    close: &Lane,
+) -> (Lane, Lane3) {
+    let (mut distance, mut normal): (Lane, Lane3) = (splat(0.0), [splat(0.0); 3]);
+    for (l, n) in group.iter().enumerate().filter(|(l, _)| close[*l] > 0.0) {
+        let node = *n as usize;
+        // Normals are exact where they are stored.
+        let beyond = at.normals.is_none().then(|| at.offset[node]);
+        let arm = Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
+        // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
+        let nearest = unsafe { nearest.at(node) };
+        let projection = at.surface.project_on_mesh(&at.body.pose, &arm, beyond, nearest);
+        distance[l] = projection.distance;
+        (0..3).for_each(|axis| normal[axis][l] = projection.normal[axis]);
+    }
+    (distance, normal)
+}
+
 /// Stores the normals at a group of nodes, zero where they are not close.
 #[inline(always)]
 fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane) {
@@ -176,6 +215,16 @@ fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane
         let stored = if close[l] > 0.0 { [0, 1, 2].map(|axis| normal[axis][l]) } else { [0.0; 3] };
         // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
         unsafe { *normals.at(*n as usize) = stored.into() };
+    }
+}
+
+/// Stores the heights of the planes at a group of nodes.
+#[inline(always)]
+fn store_heights(at: &Predictor<'_>, group: &[u32], height: &Lane) {
+    let Some(heights) = &at.heights else { return };
+    for (l, n) in group.iter().enumerate() {
+        // SAFETY: as for the normals.
+        unsafe { *heights.at(*n as usize) = height[l] };
     }
 }
 

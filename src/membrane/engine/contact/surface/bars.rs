@@ -3,9 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
-use parry3d_f64::math::{Pose, Rotation, Vector};
-use parry3d_f64::shape::{Cuboid, SharedShape, Triangle};
+use parry3d_f64::math::Vector;
+use parry3d_f64::shape::Triangle;
 
+use super::convex::Convex;
 use super::projection::Projection;
 use super::solid::Solid;
 use super::vector;
@@ -52,8 +53,9 @@ enum Axis {
 /// A straight convex piece of a bar.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
+    /// About its centre.
     pub(super) solid: Solid,
-    pub(super) centre: Vector3<f64>,
+    pub(super) place: Isometry3<f64>,
     /// Radius of the sphere about its centre that holds it, m.
     pub(super) reach: f64,
 }
@@ -136,13 +138,11 @@ impl Bars {
     fn of(axes: Vec<Axis>, radius: f64, half_height: f64) -> Bars {
         let flat = FLAT * radius;
         let piece = |(middle, along, half): (Vector2<f64>, Vector2<f64>, f64)| {
-            let core = Cuboid::new(Vector::new(half, flat, half_height.max(flat)));
+            let core = Convex::Cuboid { half: [half, flat, half_height.max(flat)] };
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), along.y.atan2(along.x));
-            let q = turn.coords;
-            let place = Pose::from_parts(Vector::new(middle.x, middle.y, 0.0), Rotation::from_xyzw(q.x, q.y, q.z, q.w));
             Piece {
-                solid: Solid::rounded(SharedShape::new(core), place, radius - flat),
-                centre: Vector3::new(middle.x, middle.y, 0.0),
+                solid: Solid::rounded(core, Vector::ZERO, radius - flat),
+                place: Isometry3::from_parts(Vector3::new(middle.x, middle.y, 0.0).into(), turn),
                 reach: half + half_height + radius,
             }
         };

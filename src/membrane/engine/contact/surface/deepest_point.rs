@@ -6,47 +6,14 @@ use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
 use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
 
+use super::element_points::{DeepestPoint, Followed, Search, corner_weights, sides, weights_of};
 use super::projection::{Projection, nearest_on_axis};
+use super::solid::Solid;
 use super::{Part, Shape, Surface, vector};
 use crate::lane::{larger, smaller};
 
-/// The point of an element with the least signed distance.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::engine::contact) struct DeepestPoint {
-    /// Its projection.
-    pub(in crate::engine::contact) projection: Projection,
-    /// Weights of the element's corners in it.
-    pub(in crate::engine::contact) weights: [f64; 4],
-}
-
-/// Longest diagonal of an element over the impactor's size from which parry's contact of its triangles is queried.
-const COARSE: f64 = 0.25;
-
-/// Weights of the corners at the natural coordinates −⅔, 0, ⅔ of a bilinear element.
-const SAMPLE_WEIGHTS: [[f64; 4]; 9] = {
-    let mut samples = [[0.0; 4]; 9];
-    let mut k = 0;
-    while k < 9 {
-        let (x, y) = ((k % 3) as f64 * (2.0 / 3.0) - 2.0 / 3.0, (k / 3) as f64 * (2.0 / 3.0) - 2.0 / 3.0);
-        samples[k] = [
-            0.25 * (1.0 - x) * (1.0 - y),
-            0.25 * (1.0 + x) * (1.0 - y),
-            0.25 * (1.0 + x) * (1.0 + y),
-            0.25 * (1.0 - x) * (1.0 + y),
-        ];
-        k += 1;
-    }
-    samples
-};
-
-/// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the
-/// mean of all corners.
-fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
-    let mut weights = [0.25 * wm; 4];
-    weights[a] += wa;
-    weights[b] += wb;
-    weights
-}
+/// Largest number of moves by which a point is followed in a step.
+const MOVES: usize = 6;
 
 impl Surface {
     /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to
@@ -83,34 +50,49 @@ impl Surface {
     /// The point of an element with the least signed distance from the body at `pose`; `None` where that is not below
     /// `within` (m). The element is taken as the four triangles between its edges and the mean of its corners.
     ///
-    /// The point is exact for balls and capsules. For other shapes it is the deepest of nine points spread over the
-    /// element and, where the element is coarse relative to the shape, of parry's contact with each triangle.
+    /// The point is exact for all shapes but meshes, whose corners and edges each have one.
     pub(in crate::engine::contact) fn deepest_point(
         &self,
         pose: &Isometry3<f64>,
         corners: &[Point3<f64>; 4],
         within: f64,
     ) -> Option<DeepestPoint> {
-        deepest(&self.shape, self.size, pose, corners, within)
+        let mut search = Search::within(within, false);
+        deepest(&self.shape, pose, corners, &mut search);
+        search.found.pop()
+    }
+
+    /// The points of an element where its signed distance from the body at `pose` is below `within` (m): the deepest one of
+    /// balls and capsules, which admit no second one apart from it, else one for each part of the element and edge. Those
+    /// of a convex body are `followed` from step to step, to within a `tolerance` (m) of the deepest.
+    pub(in crate::engine::contact) fn deep_points(
+        &self,
+        pose: &Isometry3<f64>,
+        corners: &[Point3<f64>; 4],
+        within: f64,
+        followed: &mut Followed,
+        tolerance: f64,
+    ) -> Vec<DeepestPoint> {
+        let mut search = Search::within(within, !self.is_round());
+        (search.followed, search.tolerance) = (Some(*followed), tolerance);
+        deepest(&self.shape, pose, corners, &mut search);
+        if let Some(places) = search.followed {
+            *followed = places;
+        }
+        search.found
     }
 }
 
-/// The deepest point in `shape` at `pose`, of a body of half the smallest extent `size` (m).
-fn deepest(
-    shape: &Shape,
-    size: f64,
-    pose: &Isometry3<f64>,
-    corners: &[Point3<f64>; 4],
-    within: f64,
-) -> Option<DeepestPoint> {
+/// Offers points in `shape` at `pose`.
+fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
     let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
     let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
     let mut best: Option<DeepestPoint> = None;
     let mut offer = |weights: [f64; 4]| {
         let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
         let projection = shape.project(pose, &(point - pose.translation.vector));
-        if projection.distance < best.map_or(within, |b| b.projection.distance) {
-            best = Some(DeepestPoint { projection, weights });
+        if projection.distance < best.map_or(search.within, |b| b.projection.distance) {
+            best = Some(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
         }
     };
     match shape {
@@ -128,25 +110,12 @@ fn deepest(
                 offer(corner_weights(a, b, barycentric(&triangle, nearest)));
             }
         }
-        Shape::Solid(solid) => {
-            SAMPLE_WEIGHTS.iter().for_each(|weights| offer(*weights));
-            let diagonals = [[0, 2], [1, 3]].map(|[a, b]| nalgebra::distance(&corners[a], &corners[b]));
-            if diagonals[0].max(diagonals[1]) > COARSE * size {
-                for [a, b] in triangles {
-                    let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
-                    let reach = within.max(0.0) + solid.edge();
-                    let found = query::contact(&Pose::IDENTITY, &triangle, solid.place(), solid.core(), reach);
-                    if let Ok(Some(contact)) = found {
-                        offer(corner_weights(a, b, barycentric(&triangle, contact.point1)));
-                    }
-                }
-            }
-        }
+        Shape::Solid(solid) => deepest_in_solid(solid, pose, corners, search),
         Shape::Bars(bars) => {
             let extent = corners.iter().map(|corner| nalgebra::distance_squared(corner, &mean)).fold(0.0, f64::max);
             let of_mean = shape.project(pose, &(mean.coords - pose.translation.vector));
-            if of_mean.distance - extent.sqrt() >= within {
-                return None;
+            if of_mean.distance - extent.sqrt() >= search.within {
+                return;
             }
             for [a, b] in triangles {
                 let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
@@ -157,13 +126,126 @@ fn deepest(
             }
         }
         Shape::Compound(parts) => {
-            for Part { place, shape, size } in parts {
-                let within = best.map_or(within, |b| b.projection.distance);
-                best = deepest(shape, *size, &(pose * place), corners, within).or(best);
+            search.followed = None;
+            for Part { place, shape, .. } in parts {
+                deepest(shape, &(pose * place), corners, search);
             }
         }
     }
-    best
+    best.into_iter().for_each(|point| search.offer(point));
+}
+
+/// Offers points in `solid` at `pose`.
+fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
+    let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+    let points = [corners[0], corners[1], corners[2], corners[3], mean]
+        .map(|c| pose.rotation.inverse_transform_vector(&(c.coords - pose.translation.vector)));
+    let count = if corners[2] == corners[3] { 3 } else { 4 };
+    let mut own = Search {
+        followed: search.followed,
+        tolerance: search.tolerance,
+        ..Search::within(search.within, search.keeps_all)
+    };
+    match (solid.features(), solid.core().as_trimesh()) {
+        (Some(features), Some(mesh)) => {
+            let projected = points.each_ref().map(|point| solid.project_local(point));
+            features.deepest(mesh, &points, &projected, count, &mut own);
+        }
+        _ => deepest_in_convex(solid, &points, count, &mut own),
+    };
+    search.followed = own.followed;
+    for point in own.found {
+        search.offer(DeepestPoint { projection: point.projection.turned(pose), ..point });
+    }
+}
+
+/// Offers the deepest of the `points` of an element, corners and mean in body axes, in a convex solid, and the deepest of
+/// each triangle between them. A signed distance from a convex body is a convex function, so that no point of a triangle
+/// is deeper than the tangents at known points say (theory.md, equation 212).
+fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
+    let mut known: Option<[Projection; 5]> = None;
+    let offer = |search: &mut Search, side: usize, projection: Projection, weights: [f64; 4]| {
+        if projection.distance < search.within {
+            let point: Vector3<f64> = (0..4).map(|a| points[a] * weights[a]).sum();
+            let extent = projection.normal.dot(&point) - solid.sharp_reach(&projection.normal);
+            search.offer(DeepestPoint { projection, weights, side, extent });
+        }
+    };
+    if !search.keeps_all {
+        let known = known.insert(points.each_ref().map(|point| solid.project_local(point)));
+        (0..5).for_each(|k| offer(search, 0, known[k], weights_of(k)));
+    }
+    for [a, b] in sides(count) {
+        let of = [a, b, 4];
+        if let Some(followed) = search.followed.map(|followed| followed[a].place).filter(|place| place[0] >= 0.0) {
+            match follow(solid, &of.map(|k| points[k]), followed, search.within, search.tolerance) {
+                Found::Outside(place) => {
+                    search.place(a, place);
+                    continue;
+                }
+                Found::Deepest(projection, place) => {
+                    search.place(a, place);
+                    let [u, v] = place;
+                    offer(search, a, projection, corner_weights(a, b, [u, v, 1.0 - u - v]));
+                    continue;
+                }
+                Found::Lost => {}
+            }
+        }
+        let known = known.get_or_insert_with(|| points.each_ref().map(|point| solid.project_local(point)));
+        let tangent = |known: &Projection, at: &Vector3<f64>| {
+            let over = |k: usize| known.distance + known.normal.dot(&(points[k] - at));
+            over(of[0]).min(over(of[1])).min(over(of[2]))
+        };
+        let bound = of.map(|k| tangent(&known[k], &points[k])).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        if bound >= search.within {
+            continue;
+        }
+        let [p, q, m] = of.map(|k| vector(&points[k]));
+        let triangle = Triangle::new(p, q, m);
+        let reach = (search.within + solid.edge()).max(0.0);
+        let found = query::contact(&Pose::IDENTITY, &triangle, solid.place(), solid.core(), reach);
+        let Ok(Some(contact)) = found else { continue };
+        let normal = -Vector3::new(contact.normal1.x, contact.normal1.y, contact.normal1.z);
+        let projection = Projection { distance: contact.dist - solid.edge(), normal };
+        let [u, v, w] = barycentric(&triangle, contact.point1);
+        search.place(a, [u, v]);
+        offer(search, a, projection, corner_weights(a, b, [u, v, w]));
+    }
+}
+
+/// What becomes of a point that is followed.
+enum Found {
+    /// No point of the triangle is near enough.
+    Outside([f64; 2]),
+    /// The deepest point.
+    Deepest(Projection, [f64; 2]),
+    /// It has moved too far.
+    Lost,
+}
+
+/// Follows the deepest point of a triangle from its `place` in the last step: from a point to the nearest of the triangle
+/// to its projection on the core, until its tangent tells that no other point is deeper by `tolerance` (m).
+fn follow(solid: &Solid, triangle: &[Vector3<f64>; 3], place: [f64; 2], within: f64, tolerance: f64) -> Found {
+    let [p, q, m] = triangle;
+    let ([u, v], mut place) = ([p - m, q - m], place);
+    for _ in 0..MOVES {
+        let point = m + u * place[0] + v * place[1];
+        let projection = solid.project_local(&point);
+        let over = |corner: &Vector3<f64>| projection.distance + projection.normal.dot(&(corner - point));
+        let least = over(p).min(over(q)).min(over(m));
+        if least >= within {
+            return Found::Outside(place);
+        }
+        if projection.distance - least <= tolerance {
+            return Found::Deepest(projection, place);
+        }
+        let core = point - projection.normal * (projection.distance + solid.edge());
+        let nearest = Triangle::new(vector(p), vector(q), vector(m)).project_local_point(vector(&core), false).point;
+        let [a, b, _] = barycentric(&Triangle::new(vector(p), vector(q), vector(m)), nearest);
+        place = [a, b];
+    }
+    Found::Lost
 }
 
 /// A triangle in body axes about the centre of mass; that of a ball is not rotated.

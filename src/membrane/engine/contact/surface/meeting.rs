@@ -89,9 +89,9 @@ fn on_bars(bars: &Bars, pose: &Isometry3<f64>, other: &Shape, other_pose: &Isome
             return;
         }
         let local = pose.rotation.inverse_transform_vector(&arm);
-        for Piece { solid, centre, reach: extent } in bars.pieces() {
-            if (centre - local).norm_squared() <= (extent + bound) * (extent + bound) {
-                manifold([&Shape::Solid(solid.clone()), part], [pose, at], reach, &mut found);
+        for Piece { solid, place, reach: extent } in bars.pieces() {
+            if (place.translation.vector - local).norm_squared() <= (extent + bound) * (extent + bound) {
+                manifold([&Shape::Solid(solid.clone()), part], [&(pose * place), at], reach, &mut found);
             }
         }
     });

@@ -2,22 +2,31 @@
 //! only place that names parry.
 
 mod bars;
+mod convex;
+#[cfg(test)]
+mod convex_tests;
 mod deepest_point;
+mod element_points;
+mod features;
 mod meeting;
+mod nearest;
 mod projection;
 mod solid;
 mod triangles;
 
+pub(in crate::engine::contact) use element_points::{DeepestPoint, Followed, UNKNOWN};
 pub(in crate::engine) use meeting::Meeting;
+pub(in crate::engine::contact) use nearest::Nearest;
 pub(crate) use triangles::Triangles;
 
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 use parry3d_f64::mass_properties::MassProperties;
 use parry3d_f64::math::{Pose, Vector};
-use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder, Shape as _, SharedShape, TriMesh, TriMeshFlags};
+use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder, Shape as _, TriMesh, TriMeshFlags};
 use thiserror::Error;
 
 use bars::Bars;
+use convex::Convex;
 use solid::Solid;
 
 /// The impactor's surface about its centre of mass, body axes.
@@ -55,8 +64,6 @@ enum Shape {
 struct Part {
     place: Isometry3<f64>,
     shape: Shape,
-    /// Half the smallest extent, m.
-    size: f64,
 }
 
 /// Why a shape cannot be an impactor.
@@ -102,9 +109,9 @@ impl Surface {
     /// [`SurfaceError::NoVolume`], [`SurfaceError::NoFaces`].
     pub fn cylinder(radius: f64, length: f64, edge: f64) -> Result<Surface, SurfaceError> {
         let outer = Cylinder::new(0.5 * length, radius).mass_properties(1.0);
-        let core = Cylinder::new(positive(0.5 * length - edge)?, positive(radius - edge)?);
-        let upright = solid::y_to_z();
-        Surface::solid(SharedShape::new(core), upright, outer.transform_by(&upright), edge)
+        let core = Convex::Cylinder { radius: positive(radius - edge)?, half: positive(0.5 * length - edge)? };
+        let upright = Pose::from_parts(Vector::ZERO, solid::y_to_z());
+        Surface::solid(core, Vector::ZERO, outer.transform_by(&upright), edge)
     }
 
     /// A cone along z of `length` (m) with its tip down and a flat upper end of `radius` (m), between which z is zero;
@@ -114,13 +121,11 @@ impl Surface {
     /// [`SurfaceError::NoVolume`], [`SurfaceError::NoFaces`].
     pub fn cone(radius: f64, length: f64, edge: f64) -> Result<Surface, SurfaceError> {
         let outer = Cone::new(0.5 * length, radius).mass_properties(1.0);
-        let slope = radius / length;
-        // The tip moves up by the radius over the sine of half its angle, the flat end down by the radius.
-        let length_of_core = positive(length - edge - edge * slope.hypot(1.0) / slope)?;
-        let core = Cone::new(0.5 * length_of_core, slope * length_of_core);
-        let tip_down = solid::y_to_minus_z();
-        let place = Pose::from_parts(Vector::new(0.0, 0.0, 0.5 * (length - length_of_core) - edge), tip_down.rotation);
-        Surface::solid(SharedShape::new(core), place, outer.transform_by(&tip_down), edge)
+        let sharp = Convex::Cone { radius, half: 0.5 * length };
+        positive(sharp.inradius() - edge)?;
+        let (core, up) = sharp.shrunk(edge);
+        let tip_down = Pose::from_parts(Vector::ZERO, solid::y_to_minus_z());
+        Surface::solid(core, Vector::new(0.0, 0.0, up), outer.transform_by(&tip_down), edge)
     }
 
     /// A box of the lengths `size` (m) along x, y and z whose edges are rounded with the radius `edge` (m). Its inertia is
@@ -129,10 +134,9 @@ impl Surface {
     /// # Errors
     /// [`SurfaceError::NoVolume`], [`SurfaceError::NoFaces`].
     pub fn cuboid(size: [f64; 3], edge: f64) -> Result<Surface, SurfaceError> {
-        let half = Vector::new(0.5 * size[0], 0.5 * size[1], 0.5 * size[2]);
-        let outer = Cuboid::new(half).mass_properties(1.0);
-        let core = Vector::new(positive(half.x - edge)?, positive(half.y - edge)?, positive(half.z - edge)?);
-        Surface::solid(SharedShape::new(Cuboid::new(core)), Pose::IDENTITY, outer, edge)
+        let outer = Cuboid::new(Vector::new(0.5 * size[0], 0.5 * size[1], 0.5 * size[2])).mass_properties(1.0);
+        let [x, y, z] = size.map(|size| positive(0.5 * size - edge));
+        Surface::solid(Convex::Cuboid { half: [x?, y?, z?] }, Vector::ZERO, outer, edge)
     }
 
     /// A closed, orientable surface of `triangles`.
@@ -169,7 +173,7 @@ impl Surface {
             let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
             inertia += (own + steiner) * (part.volume / volume);
             let place = Isometry3::from_parts(arm.into(), pose.rotation);
-            shapes.push(Part { place, shape: part.shape.clone(), size: part.size });
+            shapes.push(Part { place, shape: part.shape.clone() });
         }
         Ok(Surface::with(Shape::Compound(shapes), centre, volume, inertia))
     }
@@ -200,10 +204,14 @@ impl Surface {
         Ok(Surface { size, ..surface })
     }
 
-    /// A convex body: everything within `edge` (m) of `core` at `place`, with the mass properties `outer`.
-    fn solid(core: SharedShape, place: Pose, outer: MassProperties, edge: f64) -> Result<Surface, SurfaceError> {
-        let shape = Shape::Solid(Solid::rounded(core, place.append_translation(-outer.local_com), edge));
-        Surface::about_centre(shape, outer)
+    /// A convex body: everything within `edge` (m) of `core` with its centre at `centre`, with the mass properties `outer`.
+    fn solid(core: Convex, centre: Vector, outer: MassProperties, edge: f64) -> Result<Surface, SurfaceError> {
+        Surface::about_centre(Shape::Solid(Solid::rounded(core, centre - outer.local_com, edge)), outer)
+    }
+
+    /// The same body, of which convex parts have edges of at least the radius `edge` (m) inside the same faces.
+    pub(super) fn with_edges(&self, edge: f64) -> Surface {
+        Surface { shape: self.shape.with_edges(edge), ..self.clone() }
     }
 
     /// `shape` about its centre of mass, with its mass properties of density one.
@@ -259,6 +267,12 @@ impl Surface {
         self.inertia_per_mass
     }
 
+    /// Radius of the sharpest edge, m: zero where one is sharp, that of the sphere or capsule where there is none. That of
+    /// a mesh is of the curved surface that its triangles stand for.
+    pub(super) fn edge_radius(&self) -> f64 {
+        self.shape.edge_radius()
+    }
+
     /// Whether it consists of several parts, which may be smaller than its size.
     pub(super) fn has_parts(&self) -> bool {
         matches!(self.shape, Shape::Compound(_))
@@ -267,6 +281,17 @@ impl Surface {
     /// Whether it is much longer than its size.
     pub(super) fn is_long(&self) -> bool {
         matches!(self.shape, Shape::Bars(_))
+    }
+
+    /// Whether its nodes suffice for a fine mesh: a sphere, a capsule, or a mesh without sharp edges.
+    pub(super) fn is_smooth(&self) -> bool {
+        let is_mesh = matches!(&self.shape, Shape::Solid(solid) if solid.features().is_some());
+        self.is_round() || (is_mesh && self.edge_radius() > 0.0)
+    }
+
+    /// Whether it is a cylinder, a cone or a box, whose tangents bound its distance.
+    pub(super) fn is_convex_solid(&self) -> bool {
+        matches!(&self.shape, Shape::Solid(solid) if solid.features().is_none())
     }
 
     /// Whether its curvature is nowhere larger than that of a sphere of its size, so that node contact suffices for a
@@ -288,6 +313,29 @@ fn vector(v: &Vector3<f64>) -> Vector {
 }
 
 impl Shape {
+    /// The same, of which convex parts have edges of at least the radius `edge` (m).
+    fn with_edges(&self, edge: f64) -> Shape {
+        match self {
+            Shape::Ball(_) | Shape::Capsule(_) | Shape::Bars(_) => self.clone(),
+            Shape::Solid(solid) => Shape::Solid(solid.with_edges(edge)),
+            Shape::Compound(parts) => {
+                let rounded = |part: &Part| Part { shape: part.shape.with_edges(edge), ..part.clone() };
+                Shape::Compound(parts.iter().map(rounded).collect())
+            }
+        }
+    }
+
+    /// Radius of the sharpest edge, m.
+    fn edge_radius(&self) -> f64 {
+        match self {
+            Shape::Ball(ball) => ball.radius,
+            Shape::Capsule(capsule) => capsule.radius,
+            Shape::Solid(solid) => solid.edge_radius(),
+            Shape::Bars(bars) => bars.radius(),
+            Shape::Compound(parts) => parts.iter().map(|part| part.shape.edge_radius()).fold(f64::INFINITY, f64::min),
+        }
+    }
+
     /// How far the shape reaches along the unit vector `direction`, m.
     fn reach(&self, direction: &Vector3<f64>) -> f64 {
         match self {

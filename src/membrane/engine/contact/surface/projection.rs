@@ -16,6 +16,13 @@ pub(in crate::engine::contact) struct Projection {
     pub(in crate::engine::contact) normal: Vector3<f64>,
 }
 
+impl Projection {
+    /// The same with its normal turned as `pose` is.
+    pub(super) fn turned(self, pose: &Isometry3<f64>) -> Projection {
+        Projection { normal: pose.rotation * self.normal, ..self }
+    }
+}
+
 impl Surface {
     /// Projection of `point` onto the body at `pose`.
     #[inline(always)]

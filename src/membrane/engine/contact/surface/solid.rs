@@ -1,9 +1,13 @@
 //! Convex bodies with rounded edges, and closed meshes.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry3, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector};
-use parry3d_f64::shape::{Shape as ParryShape, SharedShape, SupportMap, TriMesh};
+use parry3d_f64::shape::{Cone, Cuboid, Cylinder, Shape as ParryShape, SharedShape, TriMesh};
 
+use super::convex::Convex;
+use super::features::Features;
 use super::projection::Projection;
 use super::vector;
 
@@ -15,18 +19,59 @@ pub(super) struct Solid {
     place: Pose,
     /// Radius of the edges, m.
     edge: f64,
+    /// The core in closed form about its place, but for a mesh.
+    convex: Option<Convex>,
+    /// Of a mesh.
+    features: Option<Arc<Features>>,
+    /// The body with the edges that it was given, where these have a larger radius.
+    sharp: Option<Arc<Solid>>,
 }
 
 impl Solid {
-    /// Everything within `edge` (m) of a convex `core` at `place`.
-    pub(super) fn rounded(core: SharedShape, place: Pose, edge: f64) -> Solid {
-        Solid { core, place, edge }
+    /// Everything within `edge` (m) of a convex core with its centre at `centre` (m).
+    pub(super) fn rounded(convex: Convex, centre: Vector, edge: f64) -> Solid {
+        let (core, rotation) = match convex {
+            Convex::Cylinder { radius, half } => (SharedShape::new(Cylinder::new(half, radius)), y_to_z()),
+            Convex::Cone { radius, half } => (SharedShape::new(Cone::new(half, radius)), y_to_minus_z()),
+            Convex::Cuboid { half: [x, y, z] } => {
+                (SharedShape::new(Cuboid::new(Vector::new(x, y, z))), Rotation::IDENTITY)
+            }
+        };
+        Solid {
+            core,
+            place: Pose::from_parts(centre, rotation),
+            edge,
+            convex: Some(convex),
+            features: None,
+            sharp: None,
+        }
     }
 
     /// A closed mesh, moved `by` a vector (m).
     pub(super) fn mesh(mut mesh: TriMesh, by: Vector) -> Solid {
         mesh.transform_vertices(&Pose::from_translation(by));
-        Solid { core: SharedShape::new(mesh), place: Pose::IDENTITY, edge: 0.0 }
+        let features = Some(Arc::new(Features::of(&mesh)));
+        Solid { core: SharedShape::new(mesh), place: Pose::IDENTITY, edge: 0.0, convex: None, features, sharp: None }
+    }
+
+    /// The same, of which convex shapes have edges of at least the radius `edge` (m), or of half of what leaves nothing of
+    /// it, inside the same faces.
+    pub(super) fn with_edges(&self, edge: f64) -> Solid {
+        let Some(convex) = self.convex.filter(|_| edge > self.edge) else { return self.clone() };
+        let by = (edge - self.edge).min(0.5 * convex.inradius());
+        let (convex, up) = convex.shrunk(by);
+        let centre = self.place.translation + Vector::new(0.0, 0.0, up);
+        Solid { sharp: Some(Arc::new(self.clone())), ..Solid::rounded(convex, centre, self.edge + by) }
+    }
+
+    /// Corners and edges of a mesh.
+    pub(super) fn features(&self) -> Option<&Features> {
+        self.features.as_deref()
+    }
+
+    /// Radius of the sharpest edge, m.
+    pub(super) fn edge_radius(&self) -> f64 {
+        self.features().map_or(self.edge, Features::edge_radius)
     }
 
     pub(super) fn core(&self) -> &dyn ParryShape {
@@ -43,24 +88,38 @@ impl Solid {
 
     /// Signed distance and outward normal of the point at `arm` (m) from the body's centre, at `pose`.
     pub(super) fn project(&self, pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Projection {
-        let local = vector(&pose.rotation.inverse_transform_vector(arm));
-        let projection = self.core.project_point(&self.place, local, false);
-        let arm = local - projection.point;
-        let distance = arm.length();
-        let side = if projection.is_inside { -1.0 } else { 1.0 };
-        let normal = if distance > 0.0 { arm * (side / distance) } else { local.normalize_or(Vector::NEG_Z) };
-        let normal = pose.rotation * Vector3::new(normal.x, normal.y, normal.z);
-        Projection { distance: side * distance - self.edge, normal }
+        self.project_local(&pose.rotation.inverse_transform_vector(arm)).turned(pose)
+    }
+
+    /// The same of a point in body axes.
+    #[inline(always)]
+    pub(super) fn project_local(&self, local: &Vector3<f64>) -> Projection {
+        if let Some(convex) = &self.convex {
+            let centre = self.place.translation;
+            let (distance, normal) = convex.project([local.x - centre.x, local.y - centre.y, local.z - centre.z]);
+            return Projection { distance: distance - self.edge, normal: normal.into() };
+        }
+        let projection = self.core.project_point(&self.place, vector(local), false);
+        signed(local, projection.point, projection.is_inside)
     }
 
     /// How far it reaches along the unit vector `direction`, m.
     pub(super) fn reach(&self, direction: &Vector3<f64>) -> f64 {
-        let direction = vector(direction);
-        let of_mesh =
-            |mesh: &TriMesh| mesh.vertices().iter().map(|v| v.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
-        let of_convex = |core: &dyn SupportMap| core.support_point(&self.place, direction).dot(direction);
-        let farthest = self.core.as_trimesh().map(of_mesh).or_else(|| self.core.as_support_map().map(of_convex));
-        farthest.unwrap_or(f64::NAN) + self.edge
+        let farthest = match &self.convex {
+            Some(convex) => vector(direction).dot(self.place.translation) + convex.reach((*direction).into()),
+            None => {
+                let along = |mesh: &TriMesh| {
+                    mesh.vertices().iter().map(|v| v.dot(vector(direction))).fold(f64::NEG_INFINITY, f64::max)
+                };
+                self.core.as_trimesh().map_or(f64::NAN, along)
+            }
+        };
+        farthest + self.edge
+    }
+
+    /// How far the body with the edges that it was given reaches along the unit vector `direction`, m.
+    pub(super) fn sharp_reach(&self, direction: &Vector3<f64>) -> f64 {
+        self.sharp.as_deref().unwrap_or(self).reach(direction)
     }
 
     /// Radius of the sphere about the body's centre that holds it, m.
@@ -70,12 +129,21 @@ impl Solid {
     }
 }
 
+/// Signed distance and outward normal of a point of which `on_surface` is the nearest.
+pub(super) fn signed(point: &Vector3<f64>, on_surface: Vector, is_inside: bool) -> Projection {
+    let arm = vector(point) - on_surface;
+    let distance = arm.length();
+    let side = if is_inside { -1.0 } else { 1.0 };
+    let normal = if distance > 0.0 { arm * (side / distance) } else { vector(point).normalize_or(Vector::NEG_Z) };
+    Projection { distance: side * distance, normal: Vector3::new(normal.x, normal.y, normal.z) }
+}
+
 /// The rotation that turns the axis of parry's cylinders up.
-pub(super) fn y_to_z() -> Pose {
-    Pose::from_parts(Vector::ZERO, Rotation::from_rotation_arc(Vector::Y, Vector::Z))
+pub(super) fn y_to_z() -> Rotation {
+    Rotation::from_rotation_arc(Vector::Y, Vector::Z)
 }
 
 /// The rotation that turns the tip of parry's cones down.
-pub(super) fn y_to_minus_z() -> Pose {
-    Pose::from_parts(Vector::ZERO, Rotation::from_rotation_arc(Vector::Y, Vector::NEG_Z))
+pub(super) fn y_to_minus_z() -> Rotation {
+    Rotation::from_rotation_arc(Vector::Y, Vector::NEG_Z)
 }

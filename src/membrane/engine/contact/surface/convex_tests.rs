@@ -1,0 +1,85 @@
+//! Closed forms and caches of the surface against parry's queries.
+
+use nalgebra::{Isometry3, Vector3};
+use parry3d_f64::shape::{Ball, TriMesh};
+
+use super::*;
+
+/// Points around a body, inside and outside, from a sequence that fills space.
+fn points(reach: f64, count: u32) -> impl Iterator<Item = Vector3<f64>> {
+    let share = |k: u32, step: f64| (f64::from(k) * step).fract() * 2.0 - 1.0;
+    (1..=count).map(move |k| Vector3::new(share(k, 0.819_172), share(k, 0.671_043), share(k, 0.549_700)) * reach)
+}
+
+/// Distances are parry's; normals are those of the nearest point, and the derivative of the distance inside.
+#[test]
+fn closed_forms_are_the_projections_of_parry() {
+    let shapes = [
+        Surface::cylinder(0.03, 0.2, 0.0),
+        Surface::cylinder(0.03, 0.02, 0.002),
+        Surface::cone(0.04, 0.1, 0.0),
+        Surface::cone(0.04, 0.03, 0.004),
+        Surface::cuboid([0.1, 0.08, 0.12], 0.01),
+    ];
+    for (k, surface) in shapes.into_iter().map(Result::unwrap).enumerate() {
+        let Shape::Solid(solid) = &surface.shape else { panic!("a solid") };
+        for point in points(1.3 * surface.bounding_radius(), 4000) {
+            let found = solid.project_local(&point);
+            let parry = solid.core().project_point(solid.place(), vector(&point), false);
+            let expected = solid::signed(&point, parry.point, parry.is_inside);
+            let distance = expected.distance - solid.edge();
+            assert!((found.distance - distance).abs() < 1e-12, "{k}: {found:?} {expected:?} at {point}");
+            assert!((found.normal.norm() - 1.0).abs() < 1e-12, "{k}: {found:?}");
+            if expected.distance.abs() > 1e-6 {
+                let step = 1e-9;
+                let ahead = solid.project_local(&(point + found.normal * step)).distance;
+                assert!((ahead - found.distance - step).abs() < 1e-3 * step, "{k}: {found:?} at {point}");
+            }
+        }
+    }
+}
+
+/// Rounding leaves the flat faces where they are, and everything inside the sharp body.
+#[test]
+fn rounded_bodies_lie_inside_with_their_faces() {
+    for sharp in [Surface::cylinder(0.03, 0.1, 0.0), Surface::cone(0.04, 0.05, 0.0), Surface::cuboid([0.1; 3], 0.0)] {
+        let sharp = sharp.unwrap();
+        let rounded = sharp.with_edges(0.003);
+        let mut on_faces = 0;
+        for point in points(1.2 * sharp.bounding_radius(), 3000) {
+            let [outer, inner] = [&sharp, &rounded].map(|s| s.project(&Isometry3::identity(), &point.into()).distance);
+            assert!(inner > outer - 1e-15 && inner - outer < 0.003 * 2.0, "{inner} {outer}");
+            on_faces += u32::from((inner - outer).abs() < 1e-15);
+        }
+        assert!(on_faces > 300, "{on_faces}");
+    }
+}
+
+/// What is known of the nearest triangle never changes a projection, on a path that jumps now and then.
+#[test]
+fn a_projection_that_follows_its_triangle_is_that_of_the_whole_mesh() {
+    let (vertices, triangles) = Ball::new(0.1).to_trimesh(14, 9);
+    let mesh = TriMesh::new(vertices, triangles).unwrap();
+    let vertices = mesh.vertices().iter().map(|v| Point3::new(v.x, v.y, v.z * 0.7)).collect();
+    let surface = Surface::closed_mesh((vertices, mesh.indices().to_vec())).unwrap();
+    let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
+    let mut nearest = Nearest::default();
+    let mut kept = 0;
+    for k in 0..6000_u32 {
+        let turn = f64::from(k) * 2e-4 + if k % 500 == 0 { 1.0 } else { 0.0 };
+        let (sin, cos) = turn.sin_cos();
+        let arm = pose.rotation
+            * (Vector3::new(0.097 * cos, 0.097 * sin * 0.8, 0.03 * sin) * (1.0 + 0.02 * (3.1 * turn).sin()));
+        let before = nearest;
+        let found = surface.project_on_mesh(&pose, &arm, None, &mut nearest);
+        let whole = surface.shape.project(&pose, &arm);
+        kept += u32::from(before.is_kept(&nearest));
+        assert_eq!((found.distance, found.normal), (whole.distance, whole.normal), "step {k}");
+        let bound = surface.project_on_mesh(&pose, &arm, Some(1e-4), &mut nearest.clone());
+        assert!(
+            bound.distance <= whole.distance + 1e-15 && (whole.distance < 1e-4 || bound.distance > 1e-4),
+            "step {k}"
+        );
+    }
+    assert!(kept > 4000, "{kept}");
+}

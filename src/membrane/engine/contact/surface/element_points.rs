@@ -1,0 +1,105 @@
+//! Points of an element that are nearer to a body than a distance, and where they were in the last step.
+
+use serde::{Deserialize, Serialize};
+
+use super::projection::Projection;
+
+/// The point of an element with the least signed distance.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::engine::contact) struct DeepestPoint {
+    /// Its projection.
+    pub(in crate::engine::contact) projection: Projection,
+    /// Weights of the element's corners in it.
+    pub(in crate::engine::contact) weights: [f64; 4],
+    /// The corner from which the side of its triangle begins.
+    pub(in crate::engine::contact) side: usize,
+    /// Its distance along the normal from the farthest point of the body (m), whose edges count as sharp as they are. No
+    /// point of the element is deeper inside the body than this is below zero.
+    pub(in crate::engine::contact) extent: f64,
+}
+
+/// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the
+/// mean of all corners.
+pub(super) fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
+    let mut weights = [0.25 * wm; 4];
+    weights[a] += wa;
+    weights[b] += wb;
+    weights
+}
+
+/// The points of an element that are nearer to a body than a distance: the deepest one, or one of each triangle, corner and
+/// edge.
+pub(super) struct Search {
+    /// Distance below which a point counts, m.
+    pub(super) within: f64,
+    /// Whether all of them are kept, or the deepest alone.
+    pub(super) keeps_all: bool,
+    /// Those found.
+    pub(super) found: Vec<DeepestPoint>,
+    /// Where the points of the triangles were in the last step.
+    pub(super) followed: Option<Followed>,
+    /// By which these may be off the deepest, m.
+    pub(super) tolerance: f64,
+}
+
+/// The deepest point of each triangle of an element in the last step.
+pub(in crate::engine::contact) type Followed = [FollowedPoint; 4];
+
+/// The deepest point of a triangle in the last step.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(in crate::engine::contact) struct FollowedPoint {
+    /// Shares of the two sides from the mean of the corners; negative where it is not known.
+    pub(super) place: [f64; 2],
+    /// Mean force on the film there, N.
+    pub(in crate::engine::contact) force: [f64; 3],
+}
+
+/// Deepest points that are not known.
+pub(in crate::engine::contact) const UNKNOWN: Followed = [FollowedPoint { place: [-1.0; 2], force: [0.0; 3] }; 4];
+
+/// Difference of the weights of corners and of the normals below which two points are one.
+const SAME: f64 = 1e-3;
+
+impl Search {
+    /// A search that has found nothing yet.
+    pub(super) fn within(within: f64, keeps_all: bool) -> Search {
+        Search { within, keeps_all, found: vec![], followed: None, tolerance: 0.0 }
+    }
+
+    /// Records where the deepest point of the triangle of the side from corner `side` is.
+    pub(super) fn place(&mut self, side: usize, place: [f64; 2]) {
+        if let Some(followed) = &mut self.followed {
+            followed[side].place = place;
+        }
+    }
+
+    /// Takes a point that is near enough.
+    pub(super) fn offer(&mut self, point: DeepestPoint) {
+        if point.projection.distance >= self.within {
+            return;
+        }
+        // Two triangles share the points of the line between them.
+        let is_same = |other: &DeepestPoint| {
+            (0..4).all(|a| (other.weights[a] - point.weights[a]).abs() < SAME)
+                && (other.projection.normal - point.projection.normal).norm_squared() < SAME * SAME
+        };
+        if self.keeps_all && self.found.iter().any(is_same) {
+            return;
+        }
+        if !self.keeps_all {
+            self.within = point.projection.distance;
+            self.found.clear();
+        }
+        self.found.push(point);
+    }
+}
+
+/// Weights of a corner alone, or of the mean.
+pub(super) fn weights_of(point: usize) -> [f64; 4] {
+    if point == 4 { [0.25; 4] } else { std::array::from_fn(|a| if a == point { 1.0 } else { 0.0 }) }
+}
+
+/// The corners at the ends of each side of an element of `count` corners, of which a triangle repeats its last.
+pub(super) fn sides(count: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..4).filter(move |a| count == 4 || *a != 2).map(|a| [a, (a + 1) % 4])
+}
