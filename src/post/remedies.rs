@@ -14,6 +14,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::NotInEquilibrium(_)
         | Warning::NoContact(_)
         | Warning::ClampLeft { .. }
+        | Warning::ClampSlip { .. }
         | Warning::Unfinished(_)
         | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
@@ -21,7 +22,6 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         Warning::Settled(_)
         | Warning::MisshapenElements { .. }
         | Warning::FrameHit { .. }
-        | Warning::ClampSlip { .. }
         | Warning::FilmCrossing { .. }
         | Warning::FilmContactLost { .. }
         | Warning::FilmContactUnresolved { .. }

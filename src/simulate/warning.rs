@@ -40,9 +40,11 @@ codes! {
          then on are those of a rigid frame; without them the frame is not modelled, so that the motion from then on is not \
          that of a test",
         "shorten the test, use a stiffer film or a lower impact energy, or model the frame with `frame.bars`";
-    CLAMP_SLIP = "clamp-slip", Note,
-        "film slipped in the frame's clamp: its pull exceeded the force of friction there",
-        "nothing, where the clamp is known; a larger `frame.clamp.force` holds more";
+    CLAMP_SLIP = "clamp-slip", Warning,
+        "film slipped in the frame's clamp: its pull exceeded the force of friction there; its edge stays at its height, \
+         or on its bar, wherever it slips to, so that the run holds for a slip that is small against the opening and the \
+         arc on the bar",
+        "use a larger `frame.clamp.force`, or `frame.clamp.width`, after which film is free";
     CLAMP_LEFT = "clamp-left", Warning,
         "film slipped out of the frame's clamp by more than `frame.clamp.width`: there nothing holds it any more",
         "use a larger `frame.clamp.force`, or a stiffer film or a lower impact energy";

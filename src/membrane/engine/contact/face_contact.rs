@@ -16,7 +16,8 @@ use crate::engine::thread_pool::ThreadPool;
 /// deep when it is listed does not gain velocity.
 const RECOVERY: f64 = 0.02;
 
-/// The same on a body with edges: film that is lifted off an edge gains energy, which a slower recovery leaves to be small.
+/// The same on a body with edges, and of elements beside what holds them: film that is lifted there gains energy, which a slower
+/// recovery leaves to be small.
 const RECOVERY_AT_EDGES: f64 = 0.002;
 
 /// Largest number of Gauss–Seidel sweeps in a step.
@@ -327,7 +328,14 @@ impl Contact {
         constraint
     }
 
-    /// The constraints at points of an element that would penetrate too far. What supports a held corner takes
+    /// Whether the body at `pose` has reached what holds some corners of an element: such a corner is inside, or all are held.
+    fn reaches_support(&self, corners: [usize; 4], nodes: &Nodes, pose: &Isometry3<f64>) -> bool {
+        let is_inside = |n: usize| self.surface.project(pose, &nodes.position_of(n)).distance < self.offset[n];
+        corners.iter().all(|n| nodes.is_held(*n)) || corners.iter().any(|n| nodes.is_held(*n) && is_inside(*n))
+    }
+
+    /// The constraints at points of an element that would penetrate too far; none of one that is held at a corner which
+    /// the body has not reached: coarse elements beside the support would else be a stiff edge. What supports a held corner takes
     /// its part of the impulse; none where neither film nor body yields.
     fn face_constraints(
         &self,
@@ -340,9 +348,13 @@ impl Contact {
     ) -> Vec<Constraint> {
         let corners = corners.map(|n| n as usize);
         let positions = corners.map(|n| nodes.position_of(n));
+        let is_supported = corners.iter().any(|n| nodes.is_held(*n));
+        if is_supported && !self.reaches_support(corners, nodes, pose) {
+            return vec![];
+        }
         let bound = self.offset[corners[0]] - self.neighbours.allowance;
         let points = self.rounded.deep_points(pose, &positions, bound, followed, FOLLOWED * self.neighbours.allowance);
-        let recovery = if self.surface.is_round() { RECOVERY } else { RECOVERY_AT_EDGES };
+        let recovery = if self.surface.is_round() && !is_supported { RECOVERY } else { RECOVERY_AT_EDGES };
         let constraint = |DeepestPoint { projection, weights, side, .. }: DeepestPoint| {
             let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
             let arm = point - pose.translation.vector;
