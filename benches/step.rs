@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use droptower::diagnostic;
-use droptower::engine::{Engine, Fault, Observer, Patch, StressFree, ThreadPool, Vectors, View};
+use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Unobserved, Vectors};
 use droptower::lane::Width;
 use droptower::material::Law;
 use droptower::mesh;
@@ -19,27 +19,30 @@ use droptower::simulate::{self, RunOptions};
 /// Measurements of which the median is taken.
 const REPEATS: usize = 5;
 
+/// Prints a section.
+type Section = fn(&Machine);
+
 fn main() {
     // The name of one section, which is then run alone.
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let sections: [(&str, fn()); 7] = [
-        ("kernel", kernel),
-        ("drop", || drop_test(&machine())),
-        ("parts", parts),
-        ("sizes", sizes),
-        ("faces", faces),
-        ("impactors", impactors),
-        ("threads", threads),
+    let sections: [(&str, Section); 7] = [
+        ("kernel", |_| kernel()),
+        ("drop", drop_test),
+        ("parts", |_| parts()),
+        ("sizes", |_| sizes()),
+        ("faces", |_| faces()),
+        ("impactors", |_| impactors()),
+        ("threads", |_| threads()),
     ];
-    if let Some(only) = only {
-        let section = sections.iter().find(|(name, _)| *name == only);
-        let names = sections.map(|(name, _)| name).join(", ");
-        let (_, section) = section.unwrap_or_else(|| panic!("no section {only}: there are {names}"));
-        return section();
-    }
+    let is_wanted = |name: &str| only.as_deref().is_none_or(|only| only == name);
+    assert!(
+        sections.iter().any(|(name, _)| is_wanted(name)),
+        "there are the sections {}",
+        sections.map(|(name, _)| name).join(", ")
+    );
     let machine = machine();
-    for (name, section) in sections {
-        if name == "drop" { drop_test(&machine) } else { section() }
+    for (_, section) in sections.iter().filter(|(name, _)| is_wanted(name)) {
+        section(&machine);
     }
 }
 
@@ -226,24 +229,12 @@ fn whole(model: &Model, threads: usize, width: Width) -> (f64, f64) {
     runs[1]
 }
 
-struct Blind;
-
-impl Observer for Blind {
-    fn needs_state(&self, _time: f64) -> bool {
-        false
-    }
-
-    fn observe(&mut self, _view: &View<'_>) -> Result<(), Fault> {
-        Ok(())
-    }
-}
-
 /// ns an element step of `steps` steps.
 fn stepping(engine: &mut Engine, steps: usize) -> f64 {
     let elements = engine.elements();
     let all = seconds(|| {
         for _ in 0..steps {
-            engine.step(&mut Blind).expect("a step");
+            engine.step(&mut Unobserved).expect("a step");
         }
     });
     all * 1e9 / (steps * elements) as f64

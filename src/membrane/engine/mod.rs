@@ -54,7 +54,7 @@ pub use impact::Impact;
 pub use loads::{Jaw, Loads};
 pub use mesh::Mesh;
 pub use nodes::{Nodes, Vectors};
-pub use observer::{BodyTrack, Observer, Track, View};
+pub use observer::{BodyTrack, Observer, Track, Unobserved, View};
 pub use patch::Patch;
 pub use pressure::Inflation;
 pub use relaxation::{Relaxation, Settling};

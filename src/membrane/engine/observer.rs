@@ -5,8 +5,8 @@ use super::cushion::CushionState;
 use super::film_contact::{FilmContact, FilmContactState};
 use super::thread_pool::ThreadPool;
 use super::{
-    ContactState, ElementStrain, Energies, EnergyLedger, Fault, Film, Impact, Loads, Nodes, PreviousStep, RigidBody,
-    film,
+    ContactState, ElementStrain, Energies, EnergyLedger, Engine, Fault, Film, Impact, Loads, Nodes, PreviousStep,
+    RigidBody, film,
 };
 
 /// Follows a run without changing it.
@@ -20,6 +20,52 @@ pub trait Observer {
     fn observe(&mut self, view: &View<'_>) -> Result<(), Fault>;
     /// Is shown impactors and jaws at every step.
     fn track(&mut self, _track: &Track<'_>) {}
+}
+
+/// An observer that needs no state.
+#[derive(Clone, Copy, Debug)]
+pub struct Unobserved;
+
+impl Observer for Unobserved {
+    fn needs_state(&self, _: f64) -> bool {
+        false
+    }
+
+    fn observe(&mut self, _: &View<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+/// Stores what `read` returns for the state at a step.
+struct Reading<F, T> {
+    read: F,
+    result: Option<T>,
+}
+
+impl<T, F: FnMut(&View<'_>) -> T> Observer for Reading<F, T> {
+    fn needs_state(&self, _: f64) -> bool {
+        true
+    }
+
+    fn observe(&mut self, view: &View<'_>) -> Result<(), Fault> {
+        self.result = Some((self.read)(view));
+        Ok(())
+    }
+}
+
+impl Engine {
+    /// Advances by one step. Returns what `read` returns for its state.
+    ///
+    /// # Errors
+    /// A [`Fault`] of the step.
+    ///
+    /// # Panics
+    /// Never: a step shows its state to an observer that needs it.
+    pub fn read_step<T>(&mut self, read: impl FnMut(&View<'_>) -> T) -> Result<T, Fault> {
+        let mut reading = Reading { read, result: None };
+        self.step(&mut reading)?;
+        Ok(reading.result.expect("a step shows its state"))
+    }
 }
 
 /// The impactors and the jaws at one step.

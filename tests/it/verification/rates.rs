@@ -1,13 +1,12 @@
 //! Film whose curves depend on the strain rate.
 
-use droptower::engine::{Engine, StateMismatch, ThreadPool};
+use droptower::engine::{Engine, StateMismatch, ThreadPool, Unobserved};
 use droptower::lane::Width;
 use droptower::model::Model;
 use droptower::simulate::{self, Outcome};
 
 use super::claims::Claims;
 use super::same_bits::after;
-use super::scene::NoObserver;
 use super::tower::{channel, impact, peaks, run, shipped};
 
 const MATERIAL: &str = "specimen.material=scenarios/materials/lldpe-rates.toml";
@@ -135,7 +134,7 @@ fn the_same_bits_with_any_threads_and_vector_instructions() {
 #[test]
 fn a_restored_state_gives_the_same_bits() {
     let steps = |engine: &mut Engine, count: usize| {
-        (0..count).for_each(|_| assert_eq!(engine.step(&mut NoObserver).expect("a step"), 0))
+        (0..count).for_each(|_| assert_eq!(engine.step(&mut Unobserved).expect("a step"), 0))
     };
     let text = |engine: &Engine| serde_json::to_string(&engine.state()).expect("a state");
     let model = tower(&[]);

@@ -1,13 +1,13 @@
 //! The same bits with any number of threads, lanes and vector instructions.
 
-use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Vectors};
+use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Unobserved, Vectors};
 use droptower::lane::Width;
 use droptower::material::{Law, MembraneLaw};
 use droptower::mesh::Mesh;
 use droptower::model::Model;
 use droptower::simulate;
 
-use super::scene::{NoObserver, build};
+use super::scene::build;
 use super::tower::shipped;
 
 /// Coarse, so that a few hundred steps take film and impactor far: a quarter of 1008 with both of its faces.
@@ -18,7 +18,7 @@ fn small() -> Model {
 pub fn after(model: &Model, pool: ThreadPool, steps: usize) -> Vec<u64> {
     let mut engine: Engine = simulate::engine(model).expect("an engine").with_pool(pool);
     for _ in 0..steps {
-        engine.step(&mut NoObserver).expect("a step");
+        engine.step(&mut Unobserved).expect("a step");
     }
     let state = serde_json::to_value(engine.state()).expect("a state");
     let mut bits = vec![];

@@ -1,6 +1,6 @@
 //! Engines built without a run, and observers of single steps.
 
-use droptower::engine::{Contact, Energies, Engine, Fault, Film, Impact, Jaw, Loads, Nodes, Observer, View};
+use droptower::engine::{Contact, Energies, Engine, Film, Impact, Jaw, Loads, Nodes, Unobserved, View};
 use droptower::mesh::{self, Mesh, MeshError, Side};
 use droptower::model::{Face, Hold, Impactor, Loading, Model, Symmetry};
 use droptower::simulate::{falling, section, surface};
@@ -70,45 +70,13 @@ impl Scene {
 
     /// Advances by one step. Returns the number of elements that failed in it.
     pub fn step(&mut self) -> usize {
-        self.engine.step(&mut NoObserver).expect("a step")
-    }
-}
-
-/// An observer that needs no state.
-pub struct NoObserver;
-
-impl Observer for NoObserver {
-    fn needs_state(&self, _time: f64) -> bool {
-        false
-    }
-
-    fn observe(&mut self, _view: &View<'_>) -> Result<(), Fault> {
-        Ok(())
-    }
-}
-
-/// Stores what `read` returns for one step.
-struct StepObserver<F, T> {
-    read: F,
-    result: Option<T>,
-}
-
-impl<T, F: FnMut(&View<'_>) -> T> Observer for StepObserver<F, T> {
-    fn needs_state(&self, _time: f64) -> bool {
-        true
-    }
-
-    fn observe(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        self.result = Some((self.read)(view));
-        Ok(())
+        self.engine.step(&mut Unobserved).expect("a step")
     }
 }
 
 /// Advances by one step and returns what `read` returns for its state.
 pub fn observe_step<T>(engine: &mut Engine, read: impl FnMut(&View<'_>) -> T) -> T {
-    let mut observer = StepObserver { read, result: None };
-    engine.step(&mut observer).expect("a step");
-    observer.result.expect("the step was observed")
+    engine.read_step(read).expect("a step")
 }
 
 /// Positions of all nodes, m.
@@ -133,7 +101,7 @@ pub fn relaxed(film: Film, nodes: Nodes, damping: f64, time: f64) -> (Vec<[f64; 
     let loads = Loads { damping, ..Loads::default() };
     let mut engine = Engine::new(vec![film], nodes, [], loads);
     while engine.time() < time {
-        engine.step(&mut NoObserver).expect("a step");
+        engine.step(&mut Unobserved).expect("a step");
     }
     observe_step(&mut engine, |view| (positions(view.nodes), view.energies()))
 }

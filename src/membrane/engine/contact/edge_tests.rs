@@ -6,7 +6,7 @@ use parry3d_f64::shape::{Cone, Cuboid, Cylinder, SharedShape, TriMesh, TriMeshFl
 
 use super::*;
 use crate::engine::{
-    Contact, Energies, Engine, Fault, Impact, Loads, Mesh, Nodes, Observer, RigidBody, Section, Surface, View,
+    Contact, Energies, Engine, Impact, Loads, Mesh, Nodes, RigidBody, Section, Surface, Unobserved, View,
 };
 use crate::material::{Elastic, Law};
 
@@ -173,34 +173,6 @@ impl Drop {
     }
 }
 
-struct Reader<F, T> {
-    read: F,
-    result: Option<T>,
-}
-
-impl<T, F: FnMut(&View<'_>) -> T> Observer for Reader<F, T> {
-    fn needs_state(&self, _: f64) -> bool {
-        true
-    }
-
-    fn observe(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        self.result = Some((self.read)(view));
-        Ok(())
-    }
-}
-
-struct Blind;
-
-impl Observer for Blind {
-    fn needs_state(&self, _: f64) -> bool {
-        false
-    }
-
-    fn observe(&mut self, _: &View<'_>) -> Result<(), Fault> {
-        Ok(())
-    }
-}
-
 /// Samples along an edge of an element.
 const SAMPLES: usize = 24;
 
@@ -255,16 +227,14 @@ impl Drop {
         while engine.time() < self.time {
             count += 1;
             if count % 25 != 1 {
-                engine.step(&mut Blind).unwrap();
+                engine.step(&mut Unobserved).unwrap();
                 continue;
             }
             let read = |view: &View<'_>| {
                 let body = view.bodies().next().unwrap();
                 (view.energies(), penetration(view, &self.body), body.pose.translation.z)
             };
-            let mut observer = Reader { read, result: None };
-            engine.step(&mut observer).unwrap();
-            let (energies, depth, z) = observer.result.unwrap();
+            let (energies, depth, z) = engine.read_step(read).unwrap();
             let start = *start.get_or_insert(energies);
             let losses = [energies.contact, energies.friction];
             most = [0, 1].map(|k| most[k].max(losses[k]));
@@ -374,9 +344,7 @@ fn held_elements_push_the_body_alone() {
                 let [sampled, _] = penetration(view, &drop.body);
                 (sampled, view.bodies().next().unwrap().velocity.z, view.energies().contact)
             };
-            let mut observer = Reader { read, result: None };
-            engine.step(&mut observer).unwrap();
-            let (sampled, velocity, loss) = observer.result.unwrap();
+            let (sampled, velocity, loss) = engine.read_step(read).unwrap();
             depth = depth.max(sampled);
             if velocity.abs() < 1e-9 {
                 assert!((loss - 4.0).abs() < 1e-6, "{}: {loss} J of 4", drop.body.name);
@@ -398,14 +366,14 @@ fn a_restored_run_goes_on_bit_by_bit() {
     for drop in bodies.map(Drop::of).map(|drop| Drop { cells: 20, ..drop }) {
         let mut engine = drop.engine();
         for _ in 0..150 {
-            engine.step(&mut Blind).unwrap();
+            engine.step(&mut Unobserved).unwrap();
         }
         let state = engine.state();
         let mut restored = drop.engine();
         restored.restore(state).unwrap();
         for _ in 0..100 {
-            engine.step(&mut Blind).unwrap();
-            restored.step(&mut Blind).unwrap();
+            engine.step(&mut Unobserved).unwrap();
+            restored.step(&mut Unobserved).unwrap();
         }
         let positions =
             |engine: &Engine| (0..engine.nodes.mass.len()).map(|n| engine.nodes.position.at(n)).collect::<Vec<_>>();

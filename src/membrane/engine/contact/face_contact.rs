@@ -147,9 +147,7 @@ impl Contact {
             }
             let mut unknown = UNKNOWN;
             let followed = followed.get_mut(place).unwrap_or(&mut unknown);
-            let first = faces.len();
-            faces.extend(self.face_constraints(element.corners, nodes, body, &pose, dt, followed));
-            faces[first..].iter_mut().for_each(|face| face.source = face.source.map(|[_, side]| [place, side]));
+            faces.extend(self.face_constraints((place, element.corners), nodes, body, &pose, dt, followed));
         }
         let has_faces = !faces.is_empty();
         if !has_faces && between.is_none() {
@@ -334,12 +332,12 @@ impl Contact {
         corners.iter().all(|n| nodes.is_held(*n)) || corners.iter().any(|n| nodes.is_held(*n) && is_inside(*n))
     }
 
-    /// The constraints at points of an element that would penetrate too far; none of one that is held at a corner which
+    /// The constraints at points of an element, the candidate at this place, that would penetrate too far; none of one that is held at a corner which
     /// the body has not reached: coarse elements beside the support would else be a stiff edge. What supports a held corner takes
     /// its part of the impulse; none where neither film nor body yields.
     fn face_constraints(
         &self,
-        corners: [u32; 4],
+        (place, corners): (usize, [u32; 4]),
         nodes: &Nodes,
         body: &RigidBody,
         pose: &Isometry3<f64>,
@@ -374,7 +372,7 @@ impl Contact {
                 target: 0.0,
                 normal_impulse: 0.0,
                 tangential_impulse: Vector3::zeros(),
-                source: Some([0, side]),
+                source: Some([place, side]),
             };
             let to_bound = constraint.relative_velocity(nodes, body).dot(&normal) + (bound - projection.distance) / dt;
             constraint.target = if to_bound > 0.0 { recovery * to_bound } else { to_bound };

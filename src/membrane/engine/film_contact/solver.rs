@@ -6,6 +6,7 @@ use super::FilmContact;
 use super::constraint::Source;
 use crate::engine::nodes::{Nodes, Vectors};
 use crate::engine::thread_pool::ThreadPool;
+use crate::lane::{LANES, Lane, larger, splat};
 
 /// Largest number of Gauss–Seidel sweeps in a step.
 pub(in crate::engine) const SWEEPS: usize = 128;
@@ -62,7 +63,6 @@ impl FilmContact {
         let least = self.half.iter().copied().fold(f64::INFINITY, f64::min);
         self.detected_within = (MARGIN * self.pushed).min(LARGEST_MARGIN * 2.0 * least);
         self.pushed = 0.0;
-        self.constraints.clear();
         self.keep_carried(f64::INFINITY);
         self.detect(nodes, [dt, 2.0 * self.detected_within], pool);
         self.keep_carried(0.0);
@@ -203,16 +203,15 @@ impl FilmContact {
 /// Largest distance between the positions of a node, m.
 fn largest_motion(before: &Vectors, after: &Vectors) -> f64 {
     let ([x, y, z], [u, v, w]) = (before.axes(), after.axes());
-    let mut largest = [0.0_f64; 8];
+    let mut largest: Lane = splat(0.0);
     let squared = |n: usize| {
         let [a, b, c] = [u[n] - x[n], v[n] - y[n], w[n] - z[n]];
         a * a + b * b + c * c
     };
-    let whole = x.len() - x.len() % 8;
-    for first in (0..whole).step_by(8) {
-        for l in 0..8 {
-            let of = squared(first + l);
-            largest[l] = if of > largest[l] { of } else { largest[l] };
+    let whole = x.len() - x.len() % LANES;
+    for first in (0..whole).step_by(LANES) {
+        for l in 0..LANES {
+            largest[l] = larger(squared(first + l), largest[l]);
         }
     }
     (whole..x.len()).map(squared).chain(largest).fold(0.0, f64::max).sqrt()

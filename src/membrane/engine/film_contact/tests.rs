@@ -3,9 +3,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::*;
-use crate::engine::{
-    Contact, Energies, Engine, Fault, Impact, Loads, Mesh, Observer, RigidBody, Section, Surface, View,
-};
+use crate::engine::{Contact, Energies, Engine, Impact, Loads, Mesh, RigidBody, Section, Surface, Unobserved, View};
 use crate::material::{Elastic, Law};
 
 const THICKNESS: f64 = 1e-4;
@@ -87,25 +85,7 @@ struct Run {
 
 impl Run {
     fn observe<T>(&mut self, read: impl FnMut(&View<'_>) -> T) -> T {
-        let mut observer = Reader { read, result: None };
-        self.engine.step(&mut observer).unwrap();
-        observer.result.unwrap()
-    }
-}
-
-struct Reader<F, T> {
-    read: F,
-    result: Option<T>,
-}
-
-impl<T, F: FnMut(&View<'_>) -> T> Observer for Reader<F, T> {
-    fn needs_state(&self, _: f64) -> bool {
-        true
-    }
-
-    fn observe(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        self.result = Some((self.read)(view));
-        Ok(())
+        self.engine.read_step(read).unwrap()
     }
 }
 
@@ -187,7 +167,7 @@ impl Run {
     /// Takes `steps` and returns the figures of the last one.
     fn after(&mut self, steps: usize) -> Figures {
         for _ in 1..steps {
-            self.engine.step(&mut Nothing).unwrap();
+            self.engine.step(&mut Unobserved).unwrap();
         }
         self.observe(|view| Figures {
             momentum: momentum(view),
@@ -269,19 +249,6 @@ fn cloths_come_to_rest_on_a_ball_without_crossing() {
     let fallen = start.energies.potential - last.energies.potential;
     assert!(last.energies.kinetic_film < 1e-5 * fallen, "{:?}", last.energies);
     assert!(last.contact.nodes > 600, "{:?}", last.contact);
-}
-
-/// An observer that needs no state.
-struct Nothing;
-
-impl Observer for Nothing {
-    fn needs_state(&self, _: f64) -> bool {
-        false
-    }
-
-    fn observe(&mut self, _: &View<'_>) -> Result<(), Fault> {
-        Ok(())
-    }
 }
 
 /// A quarter of two stretched films that a ball presses on each other: at the mirror planes pairs of edges have normals
