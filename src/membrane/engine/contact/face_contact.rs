@@ -119,11 +119,6 @@ impl Constraint {
     }
 }
 
-/// Velocity of a node per impulse, 1/kg; zero where it is held in every direction.
-fn yielding(nodes: &Nodes, node: usize) -> f64 {
-    if nodes.is_held(node) { 0.0 } else { 1.0 / nodes.mass[node] }
-}
-
 impl Contact {
     /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the
     /// constraints at the deepest point of each, at the nodes in contact, and `between` faces (theory.md, section 6).
@@ -357,9 +352,11 @@ impl Contact {
             let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
             let arm = point - pose.translation.vector;
             let normal = projection.normal;
-            let inverse_mass = |a: usize| weights[a].powi(2) * yielding(nodes, corners[a]);
-            let inverse_effective_mass =
-                (0..4).map(inverse_mass).sum::<f64>() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
+            // What holds a corner takes its part.
+            let yields = |a: &usize| !nodes.is_held(corners[*a]);
+            let inverse_mass = |a: usize| weights[a].powi(2) / nodes.mass[corners[a]];
+            let inverse_effective_mass = (0..4).filter(yields).map(inverse_mass).sum::<f64>()
+                + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
             if inverse_effective_mass <= 0.0 {
                 return None;
             }
