@@ -39,6 +39,7 @@ mod thread_pool;
 #[cfg(test)]
 mod thread_pool_tests;
 mod time_step;
+mod weighted_nodes;
 
 pub use clamp::{Clamp, ClampedNode};
 pub use contact::{Contact, ContactState, Surface, SurfaceError};

@@ -5,12 +5,13 @@ use nalgebra::{Isometry3, Vector3};
 use super::friction::Friction;
 use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
-use super::surface::{DeepestPoint, Followed, UNKNOWN};
+use super::surface::{Clearance, DeepestPoint, Followed, UNKNOWN};
 use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
 use crate::engine::film_contact::{self, FilmContact};
-use crate::engine::nodes::Nodes;
+use crate::engine::nodes::{Nodes, Vectors};
 use crate::engine::rigid_body::RigidBody;
 use crate::engine::thread_pool::ThreadPool;
+use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
 
 /// Share of a penetration beyond the allowed one that is recovered in one step, so that an element which is already too
 /// deep when it is listed does not gain velocity.
@@ -34,8 +35,7 @@ const FOLLOWED: f64 = 0.02;
 
 /// A contact constraint: the least normal velocity of a node, or of the deepest point of an element, over the surface.
 struct Constraint {
-    nodes: [usize; 4],
-    weights: [f64; 4],
+    film: WeightedNodes,
     normal: Vector3<f64>,
     arm: Vector3<f64>,
     /// Relative velocity per impulse, 1/kg.
@@ -46,6 +46,8 @@ struct Constraint {
     normal_impulse: f64,
     /// Sum over the sweeps, N s.
     tangential_impulse: Vector3<f64>,
+    /// The part of the impulse by which the nodes have been moved already, N s.
+    moved: Vector3<f64>,
     /// Place of its element among the candidates, and corner from which the side of its triangle begins.
     source: Option<[usize; 2]>,
 }
@@ -54,67 +56,72 @@ struct Constraint {
 struct Sweep {
     multiplicity: f64,
     friction: Friction,
-    /// s.
-    dt: f64,
 }
 
 impl Constraint {
     /// Velocity of the point over the surface, m/s.
-    fn relative_velocity(&self, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
-        let film = (0..4).filter(|a| self.weights[*a] > 0.0);
-        let film: Vector3<f64> = film.map(|a| nodes.velocity_of(self.nodes[a]) * self.weights[a]).sum();
-        film - body.velocity_at(&self.arm)
+    fn relative_velocity(&self, velocity: &Vectors, body: &RigidBody) -> Vector3<f64> {
+        self.film.sum(velocity) - body.velocity_at(&self.arm)
     }
 
-    /// Applies `impulse` (N s) to the film, whose positions follow, and its opposite to the body.
-    fn apply(&self, impulse: Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) {
-        for (n, weight) in self.nodes.iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0) {
-            nodes.apply_impulse(*n, &(impulse * weight), sweep.dt);
-        }
+    /// Applies `impulse` (N s) to the film and its opposite to the body.
+    fn apply(&self, impulse: &Vector3<f64>, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) {
+        self.film.apply(impulse, velocity);
         body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
     }
 
+    /// Sum over the sweeps, N s.
+    fn impulse(&self) -> Vector3<f64> {
+        self.normal * self.normal_impulse + self.tangential_impulse
+    }
+
     /// Starts with the `impulse` (N s) that the same point had in the last step.
-    fn start_from(&mut self, impulse: &Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) {
+    fn start_from(&mut self, impulse: &Vector3<f64>, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) {
         self.normal_impulse = impulse.dot(&self.normal).max(0.0);
         if self.normal_impulse > 0.0 {
             self.tangential_impulse = impulse - self.normal * impulse.dot(&self.normal);
-            self.apply(self.normal * self.normal_impulse + self.tangential_impulse, nodes, body, sweep);
+            self.apply(&self.impulse(), velocity, body, sweep);
         }
     }
 
-    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
+    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, and the tangential one, which
     /// stays within Coulomb's cone. Returns the size of the change, N s.
-    fn solve(&mut self, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) -> f64 {
-        let violation = self.target - self.relative_velocity(nodes, body).dot(&self.normal);
-        let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
-        let normal_change = normal_impulse - self.normal_impulse;
-        self.apply(self.normal * normal_change, nodes, body, sweep);
-        self.normal_impulse = normal_impulse;
-
-        let relative = self.relative_velocity(nodes, body);
-        let slip = relative - self.normal * relative.dot(&self.normal);
+    fn solve(&mut self, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) -> f64 {
+        let relative = self.relative_velocity(velocity, body);
+        let along = relative.dot(&self.normal);
+        let normal_impulse = (self.normal_impulse + (self.target - along) / self.inverse_effective_mass).max(0.0);
+        let slip = relative - self.normal * along;
         let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
-        let bound = sweep.friction.at(self.nodes[0]) * normal_impulse;
-        let tangential_impulse = if sticking.norm() <= bound { sticking } else { sticking * (bound / sticking.norm()) };
-        let tangential_change = tangential_impulse - self.tangential_impulse;
-        self.apply(tangential_change, nodes, body, sweep);
-        self.tangential_impulse = tangential_impulse;
+        let tangential = within_cone(sticking, sweep.friction.at(self.film.nodes[0] as usize) * normal_impulse);
+        let (normal_change, tangential_change) =
+            (normal_impulse - self.normal_impulse, tangential - self.tangential_impulse);
+        (self.normal_impulse, self.tangential_impulse) = (normal_impulse, tangential);
+        let impulse = self.normal * normal_change + tangential_change;
+        if impulse != Vector3::zeros() {
+            self.apply(&impulse, velocity, body, sweep);
+        }
         normal_change.abs().max(tangential_change.norm())
+    }
+
+    /// Moves the nodes by the change of their velocity since the last call times `dt` (s).
+    fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
+        let impulse = self.impulse();
+        self.film.apply(&((impulse - self.moved) * dt), position);
+        self.moved = impulse;
     }
 
     /// The node, where it belongs to one.
     fn node(&self) -> Option<usize> {
-        (self.weights[0] == 1.0).then_some(self.nodes[0])
+        (self.film.weights[0] == 1.0).then_some(self.film.nodes[0] as usize)
     }
 
     /// The impulses on its nodes.
     fn impulses(self) -> impl Iterator<Item = Impulse> {
-        (0..4).filter(move |a| self.weights[*a] > 0.0).map(move |a| Impulse {
-            node: self.nodes[a],
+        (0..4).filter(move |a| self.film.weights[*a] > 0.0).map(move |a| Impulse {
+            node: self.film.nodes[a] as usize,
             arm: self.arm,
-            normal: self.normal * (self.normal_impulse * self.weights[a]),
-            tangential: self.tangential_impulse * self.weights[a],
+            normal: self.normal * (self.normal_impulse * self.film.weights[a]),
+            tangential: self.tangential_impulse * self.film.weights[a],
         })
     }
 }
@@ -135,26 +142,20 @@ impl Contact {
         }
         let pose = body.predicted(dt);
         let mut followed = std::mem::take(&mut self.neighbours.followed);
-        let mut faces: Vec<Constraint> = vec![];
-        for (place, element) in self.neighbours.face_candidates.iter().enumerate() {
-            if self.has_small_sagitta(element, nodes) || self.is_clear(element, nodes, &pose) {
-                continue;
-            }
-            let mut unknown = UNKNOWN;
-            let followed = followed.get_mut(place).unwrap_or(&mut unknown);
-            faces.extend(self.face_constraints((place, element.corners), nodes, body, &pose, dt, followed));
-        }
+        let mut clearances = std::mem::take(&mut self.neighbours.clearances);
+        let faces = self.faces(nodes, body, (&pose, dt), &mut followed, &mut clearances);
+        self.neighbours.clearances = clearances;
         let has_faces = !faces.is_empty();
         if !has_faces && between.is_none() {
             self.neighbours.followed = followed;
             return;
         }
         // Beside the elements that are too deep, nodes of a body with edges stay where their own contact put them.
-        let mut coupled: Vec<usize> = faces.iter().flat_map(|face| face.nodes).collect();
+        let mut coupled: Vec<u32> = faces.iter().flat_map(|face| face.film.nodes).collect();
         coupled.sort_unstable();
         coupled.dedup();
         let takes_all = between.is_some() || self.surface.is_round();
-        let is_coupled = |impulse: &&Impulse| takes_all || coupled.binary_search(&impulse.node).is_ok();
+        let is_coupled = |impulse: &&Impulse| takes_all || coupled.binary_search(&(impulse.node as u32)).is_ok();
         let at_nodes = self.contacts.iter().flat_map(|contacts| &contacts.impulses);
         let mut constraints: Vec<Constraint> = at_nodes
             .clone()
@@ -163,7 +164,7 @@ impl Contact {
             .chain(faces)
             .collect();
         let kept: Vec<Impulse> = at_nodes.filter(|impulse| !is_coupled(impulse)).cloned().collect();
-        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
+        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction };
         let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
         if !has_faces && !films_meet {
             self.neighbours.followed = followed;
@@ -173,7 +174,8 @@ impl Contact {
             if let Some([place, side]) = constraint.source
                 && let Some(points) = followed.get(place)
             {
-                constraint.start_from(&(Vector3::from(points[side].force) * dt), nodes, body, &sweep);
+                let impulse = Vector3::from(points[side].force) * dt;
+                constraint.start_from(&impulse, &mut nodes.velocity, body, &sweep);
             }
         }
         followed.iter_mut().flatten().for_each(|point| point.force = [0.0; 3]);
@@ -186,11 +188,11 @@ impl Contact {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
                 for constraint in &mut constraints {
-                    let of_this = constraint.solve(nodes, body, &sweep);
+                    let of_this = constraint.solve(&mut nodes.velocity, body, &sweep);
                     change = change.max(of_this);
                     largest = largest.max(constraint.normal_impulse);
-                    moved =
-                        moved.max(of_this * constraint.inverse_effective_mass * dt / self.offset[constraint.nodes[0]]);
+                    let offset = self.offset[constraint.film.nodes[0] as usize];
+                    moved = moved.max(of_this * constraint.inverse_effective_mass * dt / offset);
                 }
                 let is_converged = match &mut between {
                     Some(between) => between.sweep(nodes, dt) && (moved <= film_contact::TOLERANCE || done >= SWEEPS),
@@ -200,6 +202,7 @@ impl Contact {
                     break;
                 }
             }
+            constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
             let Some(between) = &mut between else { break };
             if !between.extend(nodes, dt, pool) {
                 break;
@@ -210,13 +213,42 @@ impl Contact {
             if let Some([place, side]) = constraint.source
                 && let Some(points) = followed.get_mut(place)
             {
-                let impulse = constraint.normal * constraint.normal_impulse + constraint.tangential_impulse;
-                points[side].force = (impulse / dt).into();
+                points[side].force = (constraint.impulse() / dt).into();
             }
         }
         self.neighbours.followed = followed;
         let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
         self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
+    }
+
+    /// The constraints of all candidates over a step of `dt` (s), with the body at `pose`.
+    fn faces(
+        &self,
+        nodes: &Nodes,
+        body: &RigidBody,
+        (pose, dt): (&Isometry3<f64>, f64),
+        followed: &mut [Followed],
+        clearances: &mut [Clearance],
+    ) -> Vec<Constraint> {
+        let to_body = pose.rotation.inverse().to_rotation_matrix();
+        let in_body = |n: u32| to_body * (nodes.position_of(n as usize).coords - pose.translation.vector);
+        let mut faces = vec![];
+        for (place, element) in self.neighbours.face_candidates.iter().enumerate() {
+            if self.has_small_sagitta(element, nodes) {
+                continue;
+            }
+            let corners = element.corners.map(in_body);
+            if clearances[place].holds(&corners) {
+                continue;
+            }
+            let mut unknown = UNKNOWN;
+            let followed = followed.get_mut(place).unwrap_or(&mut unknown);
+            let known = faces.len();
+            let margin =
+                self.add_face_constraints((place, element.corners), nodes, body, (pose, dt), followed, &mut faces);
+            clearances[place] = if faces.len() > known { Clearance::NONE } else { Clearance::new(&corners, margin) };
+        }
+        faces
     }
 
     /// Largest number of sweeps in a step, without contact between faces.
@@ -257,22 +289,6 @@ impl Contact {
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
     }
 
-    /// Whether the tangent plane of a convex body at one of the corners of an element tells that all of it is outside.
-    fn is_clear(&self, element: &NeighbourElement, nodes: &Nodes, pose: &Isometry3<f64>) -> bool {
-        if self.heights.is_empty() {
-            return false;
-        }
-        let turned = pose.rotation.coords - self.predicted_pose.rotation.coords;
-        let moved = (pose.translation.vector - self.predicted_pose.translation.vector).norm()
-            + 4.0 * turned.norm() * self.surface.bounding_radius();
-        let corners = element.corners.map(|n| nodes.position_of(n as usize).coords);
-        let bound = self.offset[element.corners[0] as usize] - self.neighbours.allowance + moved;
-        element.corners.iter().any(|n| {
-            let (normal, height) = (&self.normals[*n as usize], self.heights[*n as usize]);
-            height > f64::NEG_INFINITY && corners.iter().all(|corner| normal.dot(corner) - height >= bound)
-        })
-    }
-
     /// Adds constraints of nodes that are not in contact, but less than `margin` (m) from the body at `pose`, so that other
     /// film may press them onto it.
     fn add_near_constraints(
@@ -295,7 +311,7 @@ impl Contact {
             let arm = nodes.position_of(n).coords - pose.translation.vector;
             let impulse = Impulse { node: n, arm, normal: found.normal, tangential: Vector3::zeros() };
             let mut constraint = self.node_constraint(&impulse, nodes, body);
-            constraint.normal_impulse = 0.0;
+            (constraint.normal_impulse, constraint.moved) = (0.0, Vector3::zeros());
             constraint.target -= gap / dt;
             constraints.push(constraint);
         }
@@ -305,9 +321,9 @@ impl Contact {
     fn node_constraint(&self, impulse: &Impulse, nodes: &Nodes, body: &RigidBody) -> Constraint {
         let normal_impulse = impulse.normal.norm();
         let normal = impulse.normal / normal_impulse;
+        let film = WeightedNodes::new([impulse.node as u32; 4], [1.0, 0.0, 0.0, 0.0], nodes);
         let mut constraint = Constraint {
-            nodes: [impulse.node; 4],
-            weights: [1.0, 0.0, 0.0, 0.0],
+            film,
             normal,
             arm: impulse.arm,
             inverse_effective_mass: 1.0 / nodes.mass[impulse.node]
@@ -315,66 +331,67 @@ impl Contact {
             target: 0.0,
             normal_impulse,
             tangential_impulse: impulse.tangential,
+            moved: impulse.normal + impulse.tangential,
             source: None,
         };
-        constraint.target = constraint.relative_velocity(nodes, body).dot(&normal);
+        constraint.target = constraint.relative_velocity(&nodes.velocity, body).dot(&normal);
         constraint
     }
 
     /// Whether the body at `pose` has reached what holds some corners of an element: such a corner is inside, or all are held.
-    fn reaches_support(&self, corners: [usize; 4], nodes: &Nodes, pose: &Isometry3<f64>) -> bool {
+    fn reaches_support(&self, corners: [u32; 4], nodes: &Nodes, pose: &Isometry3<f64>) -> bool {
+        let mut held = corners.map(|n| n as usize).into_iter().filter(|n| nodes.is_held(*n));
         let is_inside = |n: usize| self.surface.project(pose, &nodes.position_of(n)).distance < self.offset[n];
-        corners.iter().all(|n| nodes.is_held(*n)) || corners.iter().any(|n| nodes.is_held(*n) && is_inside(*n))
+        held.clone().count() == corners.len() || held.any(is_inside)
     }
 
-    /// The constraints at points of an element, the candidate at this place, that would penetrate too far; none of one that is held at a corner which
-    /// the body has not reached: coarse elements beside the support would else be a stiff edge. What supports a held corner takes
-    /// its part of the impulse; none where neither film nor body yields.
-    fn face_constraints(
+    /// Adds the constraints at points of an element, the candidate at this place, that would penetrate too far; none of one
+    /// that is held at a corner which the body has not reached: coarse elements beside the support would else be a stiff edge.
+    /// What supports a held corner takes its part of the impulse; none where neither film nor body yields. Returns how far the
+    /// element may move until a point of it penetrates so far, m; negative where that is not known.
+    fn add_face_constraints(
         &self,
         (place, corners): (usize, [u32; 4]),
         nodes: &Nodes,
         body: &RigidBody,
-        pose: &Isometry3<f64>,
-        dt: f64,
+        (pose, dt): (&Isometry3<f64>, f64),
         followed: &mut Followed,
-    ) -> Vec<Constraint> {
-        let corners = corners.map(|n| n as usize);
-        let positions = corners.map(|n| nodes.position_of(n));
-        let is_supported = corners.iter().any(|n| nodes.is_held(*n));
+        to: &mut Vec<Constraint>,
+    ) -> f64 {
+        let positions = corners.map(|n| nodes.position_of(n as usize));
+        let is_supported = corners.iter().any(|n| nodes.is_held(*n as usize));
         if is_supported && !self.reaches_support(corners, nodes, pose) {
-            return vec![];
+            return -1.0;
         }
-        let bound = self.offset[corners[0]] - self.neighbours.allowance;
-        let points = self.rounded.deep_points(pose, &positions, bound, followed, FOLLOWED * self.neighbours.allowance);
+        let bound = self.offset[corners[0] as usize] - self.neighbours.allowance;
+        let found = self.rounded.deep_points(pose, &positions, bound, followed, FOLLOWED * self.neighbours.allowance);
         let recovery = if self.surface.is_round() && !is_supported { RECOVERY } else { RECOVERY_AT_EDGES };
-        let constraint = |DeepestPoint { projection, weights, side, .. }: DeepestPoint| {
+        for DeepestPoint { projection, weights, side, .. } in found.points {
             let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
             let arm = point - pose.translation.vector;
             let normal = projection.normal;
-            // What holds a corner takes its part.
-            let yields = |a: &usize| !nodes.is_held(corners[*a]);
-            let inverse_mass = |a: usize| weights[a].powi(2) / nodes.mass[corners[a]];
-            let inverse_effective_mass = (0..4).filter(yields).map(inverse_mass).sum::<f64>()
-                + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
+            let film = WeightedNodes::new(corners, weights, nodes);
+            let inverse_effective_mass =
+                film.inverse_free_mass() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
             if inverse_effective_mass <= 0.0 {
-                return None;
+                continue;
             }
             let mut constraint = Constraint {
-                nodes: corners,
-                weights,
+                film,
                 normal,
                 arm,
                 inverse_effective_mass,
                 target: 0.0,
                 normal_impulse: 0.0,
                 tangential_impulse: Vector3::zeros(),
+                moved: Vector3::zeros(),
                 source: Some([place, side]),
             };
-            let to_bound = constraint.relative_velocity(nodes, body).dot(&normal) + (bound - projection.distance) / dt;
+            let along = constraint.relative_velocity(&nodes.velocity, body).dot(&normal);
+            let to_bound = along + (bound - projection.distance) / dt;
             constraint.target = if to_bound > 0.0 { recovery * to_bound } else { to_bound };
-            Some(constraint)
-        };
-        points.into_iter().filter_map(constraint).collect()
+            to.push(constraint);
+        }
+        found.least - bound
     }
 }

@@ -47,17 +47,18 @@ impl Contact {
 
     /// Bytes of the arrays that grow with the mesh.
     pub(in crate::engine) fn bytes(&self) -> usize {
-        let NeighbourList { nodes, ranges, impulse_nodes, elements, face_candidates, followed, .. } = &self.neighbours;
+        let NeighbourList { nodes, ranges, impulse_nodes, elements, face_candidates, followed, clearances, .. } =
+            &self.neighbours;
         let listed = bytes(nodes)
             + bytes(ranges)
             + bytes(impulse_nodes)
             + bytes(elements)
             + bytes(face_candidates)
-            + bytes(followed);
+            + bytes(followed)
+            + bytes(clearances);
         listed
             + bytes(&self.offset)
             + bytes(&self.normals)
-            + bytes(&self.heights)
             + bytes(&self.nearest)
             + self.previous_velocity.bytes()
             + bytes(&self.predicted)

@@ -53,15 +53,10 @@ pub struct Contact {
     /// Distance of each node's mid-surface from the impactor in contact, m: the film in between.
     offset: Vec<f64>,
     neighbours: NeighbourList,
-    /// The surface's normal at each node next to it, zero elsewhere.
+    /// The surface's normal at each node in contact or next to it, zero elsewhere.
     normals: Vec<Vector3<f64>>,
-    /// Distance of the plane through the surface's point next to each node from the origin along its normal, m: minus
-    /// infinity where there is none; for convex bodies with edges only.
-    heights: Vec<f64>,
     /// The nearest triangle of a mesh to each node.
     nearest: Vec<Nearest>,
-    /// Where the body was predicted to be when the nodes were projected.
-    predicted_pose: Isometry3<f64>,
     /// Velocity of the nodes of the list half a step earlier, m/s.
     previous_velocity: Vectors,
     /// Predicted velocity of each of the list's impulse nodes, m/s; with damping only.
@@ -140,9 +135,7 @@ impl Contact {
             offset,
             neighbours: NeighbourList::default(),
             normals: vec![Vector3::zeros(); nodes],
-            heights: vec![f64::NEG_INFINITY; if rounded.is_convex_solid() { nodes } else { 0 }],
             nearest: vec![Nearest::default(); if rounded.is_mesh() { nodes } else { 0 }],
-            predicted_pose: Isometry3::identity(),
             rounded,
             previous_velocity: Vectors::zero(nodes),
             predicted: vec![],
@@ -286,14 +279,12 @@ impl Contact {
         let list = &self.neighbours;
         let mut body = body.clone();
         body.pose = body.predicted(dt);
-        self.predicted_pose = body.pose;
         let predictor = Predictor {
             surface: &self.surface,
             friction: self.friction,
             multiplicity: self.multiplicity,
             offset: &self.offset,
             normals: (!list.face_candidates.is_empty()).then(|| Disjoint::new(&mut self.normals)),
-            heights: (!self.heights.is_empty()).then(|| Disjoint::new(&mut self.heights)),
             nearest: (!self.nearest.is_empty()).then(|| Disjoint::new(&mut self.nearest)),
             nodes,
             body: &body,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::surface::{Followed, UNKNOWN};
+use super::surface::{Clearance, Followed, UNKNOWN};
 use super::{Contact, EDGE_SHARE, FACE_PENETRATION, FACE_SHARE, NODES_PER_RANGE, SAGITTA_SHARE};
 use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
@@ -30,8 +30,10 @@ pub(super) struct NeighbourList {
     pub(super) elements: Vec<NeighbourElement>,
     /// Elements that may penetrate between their nodes by more than is allowed.
     pub(super) face_candidates: Vec<NeighbourElement>,
-    /// Of each of `face_candidates`.
+    /// Of each of `face_candidates`, on a convex body with edges.
     pub(super) followed: Vec<Followed>,
+    /// Of each of `face_candidates`.
+    pub(super) clearances: Vec<Clearance>,
     /// Radius that edges of the body have at least where elements meet them, m.
     pub(super) edge: f64,
     /// Allowed penetration of a face between its nodes, m.
@@ -130,6 +132,8 @@ impl Contact {
                 }
             });
         }
+        list.clearances.clear();
+        list.clearances.resize(list.face_candidates.len(), Clearance::NONE);
         list.followed.clear();
         if self.surface.is_convex_solid() {
             list.followed.resize(list.face_candidates.len(), UNKNOWN);
@@ -169,8 +173,12 @@ impl NeighbourList {
     pub(super) fn fits(&self, nodes: usize) -> bool {
         let corners = self.elements.iter().chain(&self.face_candidates).flat_map(|element| element.corners);
         let mut all = self.nodes.iter().copied().chain(corners);
-        let has_all_followed = self.followed.is_empty() || self.followed.len() == self.face_candidates.len();
-        has_all_followed && self.nodes.is_sorted_by(|a, b| a < b) && all.all(|n| (n as usize) < nodes)
+        let candidates = self.face_candidates.len();
+        let has_all_followed = self.followed.is_empty() || self.followed.len() == candidates;
+        self.clearances.len() == candidates
+            && has_all_followed
+            && self.nodes.is_sorted_by(|a, b| a < b)
+            && all.all(|n| (n as usize) < nodes)
     }
 }
 

@@ -55,8 +55,6 @@ pub(super) struct Predictor<'a> {
     pub(super) offset: &'a [f64],
     /// Where the surface's normals are stored, if face contact needs them.
     pub(super) normals: Option<Disjoint<'a, Vector3<f64>>>,
-    /// Where the heights of the planes through the surface are stored, if face contact needs them.
-    pub(super) heights: Option<Disjoint<'a, f64>>,
     /// The nearest triangle of a mesh to each node.
     pub(super) nearest: Option<Disjoint<'a, Nearest>>,
     pub(super) nodes: &'a Nodes,
@@ -133,7 +131,6 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
         close[group.len()..].fill(0.0);
         if close == splat(0.0) {
             store_normals(at, group, &[splat(0.0); 3], &close);
-            store_heights(at, group, &splat(f64::NEG_INFINITY));
             continue;
         }
         let (distance, normal) = match &at.nearest {
@@ -141,14 +138,6 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
             None => at.surface.project_lanes(&at.body.pose, &arm, &close),
         };
         store_normals(at, group, &normal, &close);
-        if at.heights.is_some() {
-            let (along, from) = (dot(&arm, &normal), dot(&[0, 1, 2].map(|axis| splat(centre[axis])), &normal));
-            let mut heights: Lane = splat(f64::NEG_INFINITY);
-            for l in (0..LANES).filter(|l| close[*l] > 0.0) {
-                heights[l] = from[l] + along[l] - distance[l];
-            }
-            store_heights(at, group, &heights);
-        }
         let block = &mut contacts.blocks[contacts.count];
         block.mass = gather(&at.nodes.mass, &nodes);
         let free = at.nodes.effective_inverse_mass().gather(&nodes);
@@ -195,8 +184,7 @@ fn project_on_mesh(
     let (mut distance, mut normal): (Lane, Lane3) = (splat(0.0), [splat(0.0); 3]);
     for (l, n) in group.iter().enumerate().filter(|(l, _)| close[*l] > 0.0) {
         let node = *n as usize;
-        // Normals are exact where they are stored.
-        let beyond = at.normals.is_none().then(|| at.offset[node]);
+        let beyond = Some(at.offset[node]);
         let arm = Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
         // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
         let nearest = unsafe { nearest.at(node) };
@@ -215,16 +203,6 @@ fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane
         let stored = if close[l] > 0.0 { [0, 1, 2].map(|axis| normal[axis][l]) } else { [0.0; 3] };
         // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
         unsafe { *normals.at(*n as usize) = stored.into() };
-    }
-}
-
-/// Stores the heights of the planes at a group of nodes.
-#[inline(always)]
-fn store_heights(at: &Predictor<'_>, group: &[u32], height: &Lane) {
-    let Some(heights) = &at.heights else { return };
-    for (l, n) in group.iter().enumerate() {
-        // SAFETY: as for the normals.
-        unsafe { *heights.at(*n as usize) = height[l] };
     }
 }
 

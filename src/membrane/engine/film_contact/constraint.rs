@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::nodes::{Nodes, Vectors};
+use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
 
 /// What a constraint belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -19,12 +20,10 @@ pub(super) enum Source {
 #[derive(Clone, Debug)]
 pub(super) struct Constraint {
     pub(super) source: Source,
-    pub(super) nodes: [u32; 4],
-    pub(super) weights: [f64; 4],
+    /// The one point less the other.
+    pub(super) points: WeightedNodes,
     /// Along which the points are apart.
     pub(super) normal: Vector3<f64>,
-    /// Velocity of each node per impulse between the points, 1/kg: weight over mass, zero along held directions.
-    response: [Vector3<f64>; 4],
     /// Velocity of one point over the other per impulse along each axis, 1/kg.
     inverse_mass: Vector3<f64>,
     /// Normal velocity per impulse along the normal, 1/kg.
@@ -112,23 +111,17 @@ impl Constraint {
     /// The constraint of `pair` over a step of `dt` (s), without an impulse.
     pub(super) fn new(source: Source, pair: Pair, nodes: &Nodes, dt: f64) -> Result<Constraint, Unusable> {
         let Pair { nodes: of, weights, normal, distance, bound } = pair;
-        let response: [Vector3<f64>; 4] =
-            std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().at(of[k] as usize)) * weights[k]);
-        let inverse_mass: Vector3<f64> = (0..4).map(|k| response[k] * weights[k]).sum();
+        let points = WeightedNodes::new(of, weights, nodes);
+        let inverse_mass = points.inverse_mass();
         let inverse_effective_mass = inverse_mass.component_mul(&normal).dot(&normal);
-        let free = |k: usize| {
-            weights[k] * response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs())).copysign(weights[k])
-        };
-        let inverse_free_mass: f64 = (0..4).map(free).sum();
+        let inverse_free_mass = points.inverse_free_mass();
         if inverse_effective_mass <= LEAST_RESPONSE * inverse_free_mass {
             return Err(Unusable::Held);
         }
         let mut constraint = Constraint {
             source,
-            nodes: of,
-            weights,
+            points,
             normal,
-            response,
             inverse_mass,
             inverse_effective_mass,
             inverse_free_mass,
@@ -138,7 +131,7 @@ impl Constraint {
             tangential_impulse: Vector3::zeros(),
             moved: Vector3::zeros(),
         };
-        let velocity = constraint.relative_velocity(&nodes.velocity).dot(&normal);
+        let velocity = constraint.points.sum(&nodes.velocity).dot(&normal);
         let before = distance - velocity * dt;
         if before < -DEEPEST * bound {
             return Err(Unusable::Beyond);
@@ -149,29 +142,18 @@ impl Constraint {
         Ok(constraint)
     }
 
-    /// Velocity of the one point over the other, m/s.
-    fn relative_velocity(&self, velocity: &Vectors) -> Vector3<f64> {
-        (0..4).map(|k| Vector3::from(velocity.at(self.nodes[k] as usize)) * self.weights[k]).sum()
-    }
-
-    fn apply(&self, impulse: &Vector3<f64>, velocity: &mut Vectors) {
-        for k in 0..4 {
-            velocity.add(self.nodes[k] as usize, self.response[k].component_mul(impulse).into());
-        }
-    }
-
     /// Starts with the impulse that the same contact had in the last step.
     pub(super) fn start_from(&mut self, carried: &Carried, velocity: &mut Vectors) {
         self.normal_impulse = carried.normal_impulse;
         let tangential = Vector3::from(carried.tangential_impulse);
         self.tangential_impulse = tangential - self.normal * tangential.dot(&self.normal);
-        self.apply(&(self.normal * self.normal_impulse + self.tangential_impulse), velocity);
+        self.points.apply(&(self.normal * self.normal_impulse + self.tangential_impulse), velocity);
     }
 
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which stays
     /// within Coulomb's cone of `friction`. Returns the change of the normal velocity, m/s.
     pub(super) fn solve(&mut self, friction: f64, velocity: &mut Vectors) -> f64 {
-        let relative = self.relative_velocity(velocity);
+        let relative = self.points.sum(velocity);
         let violation = self.target - relative.dot(&self.normal);
         let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
         let change = normal_impulse - self.normal_impulse;
@@ -180,14 +162,13 @@ impl Constraint {
             let relative = relative + self.inverse_mass.component_mul(&impulse);
             let slip = relative - self.normal * relative.dot(&self.normal);
             let sticking = self.tangential_impulse - slip / self.inverse_free_mass;
-            let (bound, size) = (friction * normal_impulse, sticking.norm());
-            let tangential = if size <= bound { sticking } else { sticking * (bound / size) };
+            let tangential = within_cone(sticking, friction * normal_impulse);
             impulse += tangential - self.tangential_impulse;
             self.tangential_impulse = tangential;
         }
         if impulse != Vector3::zeros() {
             self.normal_impulse = normal_impulse;
-            self.apply(&impulse, velocity);
+            self.points.apply(&impulse, velocity);
         }
         change.abs() * self.inverse_effective_mass
     }
@@ -201,8 +182,8 @@ impl Constraint {
     pub(super) fn carried(&self) -> Carried {
         Carried {
             source: self.source,
-            nodes: self.nodes,
-            weights: self.weights,
+            nodes: self.points.nodes,
+            weights: self.points.weights,
             normal: self.normal.into(),
             normal_impulse: self.normal_impulse,
             tangential_impulse: self.tangential_impulse.into(),
@@ -212,13 +193,13 @@ impl Constraint {
     /// Moves the nodes by the change of their velocity since the last call times `dt` (s).
     pub(super) fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
         let impulse = self.normal * self.normal_impulse + self.tangential_impulse;
-        self.apply(&((impulse - self.moved) * dt), position);
+        self.points.apply(&((impulse - self.moved) * dt), position);
         self.moved = impulse;
     }
 
     /// Work of the normal and of the tangential impulse on the film, J, for velocities `before` and `after` the step.
     pub(super) fn work(&self, before: &Vectors, after: &Vectors) -> [f64; 2] {
-        let mean = (self.relative_velocity(before) + self.relative_velocity(after)) * 0.5;
+        let mean = (self.points.sum(before) + self.points.sum(after)) * 0.5;
         [self.normal_impulse * mean.dot(&self.normal), self.tangential_impulse.dot(&mean)]
     }
 }

@@ -183,7 +183,7 @@ impl FilmContact {
             self.work.impact_loss -= self.multiplicity * normal;
             self.work.friction_loss -= self.multiplicity * tangential;
             let squared = |n: &u32| Vector3::from(velocity.at(*n as usize)).norm_squared();
-            fastest = constraint.nodes.iter().map(squared).fold(fastest, f64::max);
+            fastest = constraint.points.nodes.iter().map(squared).fold(fastest, f64::max);
         }
         self.carried.sort_unstable_by_key(|carried| carried.source);
         self.unresolved += u64::from(!self.constraints.is_empty() && !self.sweeps.has_converged);
@@ -193,7 +193,7 @@ impl FilmContact {
     /// Nodes that press on another face.
     pub(super) fn pressed_nodes(&self) -> usize {
         let active = self.constraints.iter().filter(|constraint| constraint.is_active());
-        let mut pressed: Vec<u32> = active.flat_map(|constraint| constraint.nodes).collect();
+        let mut pressed: Vec<u32> = active.flat_map(|constraint| constraint.points.nodes).collect();
         pressed.sort_unstable();
         pressed.dedup();
         pressed.len()

@@ -46,6 +46,27 @@ impl Convex {
         }
     }
 
+    /// The farthest point along `direction`, of which there may be several, m.
+    #[inline(always)]
+    pub(super) fn support(&self, direction: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = direction;
+        let on_circle = |radius: f64| {
+            let rho = (x * x + y * y).sqrt();
+            if rho > 0.0 { [radius * (x / rho), radius * (y / rho)] } else { [0.0; 2] }
+        };
+        match *self {
+            Convex::Cylinder { radius, half } => {
+                let [u, v] = on_circle(radius);
+                [u, v, half.copysign(z)]
+            }
+            Convex::Cone { radius, half } => {
+                let [u, v] = on_circle(radius);
+                if x * u + y * v + z * half > -z * half { [u, v, half] } else { [0.0, 0.0, -half] }
+            }
+            Convex::Cuboid { half } => [half[0].copysign(x), half[1].copysign(y), half[2].copysign(z)],
+        }
+    }
+
     /// How far all faces can move inwards, m.
     pub(super) fn inradius(&self) -> f64 {
         match *self {

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 use parry3d_f64::shape::{Ball, TriMesh};
 
+use super::triangle_minimum::{Minimum, minimum};
 use super::*;
 
 /// Points around a body, inside and outside, from a sequence that fills space.
@@ -39,6 +40,58 @@ fn closed_forms_are_the_projections_of_parry() {
     }
 }
 
+/// No sample of a triangle is nearer to a convex body than its nearest point, and none than its lower bound; from any place
+/// that the search starts at.
+#[test]
+fn the_nearest_point_of_a_triangle_is_nearer_than_its_samples() {
+    let shapes = [
+        Surface::cylinder(0.03, 0.2, 5e-5),
+        Surface::cylinder(0.03, 0.02, 0.002),
+        Surface::cone(0.04, 0.1, 5e-5),
+        Surface::cone(0.04, 0.03, 0.004),
+        Surface::cuboid([0.1, 0.08, 0.12], 5e-5),
+        Surface::cuboid([0.1, 0.08, 0.12], 0.01),
+    ];
+    let (size, tolerance, count) = (0.01, 1e-7, 40);
+    let mut met = [0; 3];
+    for (k, surface) in shapes.into_iter().map(Result::unwrap).enumerate() {
+        let Shape::Solid(solid) = &surface.shape else { panic!("a solid") };
+        let turns: Vec<_> = points(1.0, 4000).collect();
+        for (n, near) in points(1.1 * surface.bounding_radius(), 2000).enumerate() {
+            // About a point a little above the surface, below it, or on it.
+            let projection = solid.project_local(&near);
+            let height = size * 0.02 * f64::from(n as u32 % 5) - size * 0.04;
+            let middle = near - projection.normal * (projection.distance - height);
+            let across = [turns[n], turns[3999 - n]].map(|turn| {
+                let out = projection.normal * turn.dot(&projection.normal);
+                (turn - out * (0.9 + 0.1 * turn.x)) * size
+            });
+            let corners = [middle + across[0], middle + across[1], middle - across[0] - across[1]];
+            let at = |[u, v]: [f64; 2]| corners[0] * u + corners[1] * v + corners[2] * (1.0 - u - v);
+            let places =
+                (0..=count).flat_map(|i| (0..=count - i).map(move |j| [i, j].map(|x| f64::from(x) / f64::from(count))));
+            let least = places.map(|place| solid.project_local(&at(place)).distance).fold(f64::INFINITY, f64::min);
+            let start = [turns[n].x.abs() * 0.5, turns[n].y.abs() * 0.5];
+            for within in [f64::INFINITY, 0.0] {
+                match minimum(solid, &corners, start, within, tolerance) {
+                    Minimum::At { projection, place } => {
+                        met[0] += 1;
+                        assert!(projection.distance <= least + tolerance, "{k}, {n}: {projection:?}, {least}");
+                        let again = solid.project_local(&at(place));
+                        assert!((again.distance - projection.distance).abs() < 1e-15, "{k}, {n}");
+                    }
+                    Minimum::Beyond { bound, .. } => {
+                        met[1] += 1;
+                        assert!(bound >= within && bound <= least + 1e-15, "{k}, {n}: {bound}, {least}");
+                    }
+                    Minimum::Cut => met[2] += 1,
+                }
+            }
+        }
+    }
+    assert!(met[0] > 10_000 && met[1] > 1000 && met[2] > 100, "{met:?}");
+}
+
 /// Rounding leaves the flat faces where they are, and everything inside the sharp body.
 #[test]
 fn rounded_bodies_lie_inside_with_their_faces() {
@@ -53,6 +106,25 @@ fn rounded_bodies_lie_inside_with_their_faces() {
         }
         assert!(on_faces > 300, "{on_faces}");
     }
+}
+
+/// Two bodies in one mesh are not convex, nor is one with a dent.
+#[test]
+fn meshes_are_known_to_be_convex() {
+    let (vertices, triangles) = Ball::new(0.1).to_trimesh(14, 9);
+    let mesh = TriMesh::new(vertices, triangles).unwrap();
+    let vertices: Vec<_> = mesh.vertices().iter().map(|v| Point3::new(v.x, v.y, v.z)).collect();
+    let is_convex = |vertices: &[Point3<f64>], triangles: &[[u32; 3]]| {
+        Surface::closed_mesh((vertices.to_vec(), triangles.to_vec())).unwrap().is_convex()
+    };
+    assert!(is_convex(&vertices, mesh.indices()));
+    let mut dented = vertices.clone();
+    dented[20].coords *= 0.9;
+    assert!(!is_convex(&dented, mesh.indices()));
+    let beside = vertices.iter().map(|v| v + Vector3::new(0.3, 0.0, 0.0));
+    let further = mesh.indices().iter().map(|t| t.map(|n| n + vertices.len() as u32));
+    let twice: Vec<_> = mesh.indices().iter().copied().chain(further).collect();
+    assert!(!is_convex(&vertices.iter().copied().chain(beside).collect::<Vec<_>>(), &twice));
 }
 
 /// What is known of the nearest triangle never changes a projection, on a path that jumps now and then.

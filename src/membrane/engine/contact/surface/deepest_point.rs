@@ -6,14 +6,15 @@ use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
 use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
 
-use super::element_points::{DeepestPoint, Followed, Search, corner_weights, sides, weights_of};
+use super::element_points::{DeepPoints, DeepestPoint, Followed, Search, corner_weights, sides};
 use super::projection::{Projection, nearest_on_axis};
 use super::solid::Solid;
+use super::triangle_minimum::{Minimum, minimum};
 use super::{Part, Shape, Surface, vector};
 use crate::lane::{larger, smaller};
 
-/// Largest number of moves by which a point is followed in a step.
-const MOVES: usize = 6;
+/// By which a point may be off the deepest where nothing else is asked for, m.
+const LEAST_TOLERANCE: f64 = 1e-9;
 
 impl Surface {
     /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to
@@ -72,14 +73,14 @@ impl Surface {
         within: f64,
         followed: &mut Followed,
         tolerance: f64,
-    ) -> Vec<DeepestPoint> {
+    ) -> DeepPoints {
         let mut search = Search::within(within, !self.is_round());
         (search.followed, search.tolerance) = (Some(*followed), tolerance);
         deepest(&self.shape, pose, corners, &mut search);
         if let Some(places) = search.followed {
             *followed = places;
         }
-        search.found
+        DeepPoints { points: search.found, least: search.least }
     }
 }
 
@@ -91,6 +92,7 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
     let mut offer = |weights: [f64; 4]| {
         let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
         let projection = shape.project(pose, &(point - pose.translation.vector));
+        search.least = search.least.min(projection.distance);
         if projection.distance < best.map_or(search.within, |b| b.projection.distance) {
             best = Some(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
         }
@@ -114,7 +116,9 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
         Shape::Bars(bars) => {
             let extent = corners.iter().map(|corner| nalgebra::distance_squared(corner, &mean)).fold(0.0, f64::max);
             let of_mean = shape.project(pose, &(mean.coords - pose.translation.vector));
-            if of_mean.distance - extent.sqrt() >= search.within {
+            let least = of_mean.distance - extent.sqrt();
+            if least >= search.within {
+                search.least = search.least.min(least);
                 return;
             }
             for [a, b] in triangles {
@@ -154,98 +158,51 @@ fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>
         _ => deepest_in_convex(solid, &points, count, &mut own),
     };
     search.followed = own.followed;
+    search.least = search.least.min(own.least);
     for point in own.found {
         search.offer(DeepestPoint { projection: point.projection.turned(pose), ..point });
     }
 }
 
-/// Offers the deepest of the `points` of an element, corners and mean in body axes, in a convex solid, and the deepest of
-/// each triangle between them. A signed distance from a convex body is a convex function, so that no point of a triangle
-/// is deeper than the tangents at known points say (theory.md, equation 212).
+/// Offers the deepest point of each triangle of an element in a convex solid; `points` are its corners and their mean in body
+/// axes.
 fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
-    let mut known: Option<[Projection; 5]> = None;
-    let offer = |search: &mut Search, side: usize, projection: Projection, weights: [f64; 4]| {
-        if projection.distance < search.within {
-            let point: Vector3<f64> = (0..4).map(|a| points[a] * weights[a]).sum();
-            let extent = projection.normal.dot(&point) - solid.sharp_reach(&projection.normal);
-            search.offer(DeepestPoint { projection, weights, side, extent });
-        }
-    };
-    if !search.keeps_all {
-        let known = known.insert(points.each_ref().map(|point| solid.project_local(point)));
-        (0..5).for_each(|k| offer(search, 0, known[k], weights_of(k)));
-    }
     for [a, b] in sides(count) {
-        let of = [a, b, 4];
-        if let Some(followed) = search.followed.map(|followed| followed[a].place).filter(|place| place[0] >= 0.0) {
-            match follow(solid, &of.map(|k| points[k]), followed, search.within, search.tolerance) {
-                Found::Outside(place) => {
-                    search.place(a, place);
-                    continue;
-                }
-                Found::Deepest(projection, place) => {
-                    search.place(a, place);
-                    let [u, v] = place;
-                    offer(search, a, projection, corner_weights(a, b, [u, v, 1.0 - u - v]));
-                    continue;
-                }
-                Found::Lost => {}
+        let corners = [a, b, 4].map(|k| points[k]);
+        let known = search.followed.map(|followed| followed[a].place).filter(|place| place[0] >= 0.0);
+        let tolerance = search.tolerance.max(LEAST_TOLERANCE);
+        let (projection, place) = match minimum(solid, &corners, known.unwrap_or([0.0; 2]), search.within, tolerance) {
+            Minimum::Beyond { bound, place } => {
+                search.place(a, place);
+                search.least = search.least.min(bound);
+                continue;
             }
-        }
-        let known = known.get_or_insert_with(|| points.each_ref().map(|point| solid.project_local(point)));
-        let tangent = |known: &Projection, at: &Vector3<f64>| {
-            let over = |k: usize| known.distance + known.normal.dot(&(points[k] - at));
-            over(of[0]).min(over(of[1])).min(over(of[2]))
+            Minimum::At { projection, place } => (projection, place),
+            Minimum::Cut => match in_core(solid, &corners, search.within) {
+                Some(found) => found,
+                None => {
+                    search.least = search.least.min(search.within);
+                    continue;
+                }
+            },
         };
-        let bound = of.map(|k| tangent(&known[k], &points[k])).into_iter().fold(f64::NEG_INFINITY, f64::max);
-        if bound >= search.within {
-            continue;
-        }
-        let [p, q, m] = of.map(|k| vector(&points[k]));
-        let triangle = Triangle::new(p, q, m);
-        let reach = (search.within + solid.edge()).max(0.0);
-        let found = query::contact(&Pose::IDENTITY, &triangle, solid.place(), solid.core(), reach);
-        let Ok(Some(contact)) = found else { continue };
-        let normal = -Vector3::new(contact.normal1.x, contact.normal1.y, contact.normal1.z);
-        let projection = Projection { distance: contact.dist - solid.edge(), normal };
-        let [u, v, w] = barycentric(&triangle, contact.point1);
-        search.place(a, [u, v]);
-        offer(search, a, projection, corner_weights(a, b, [u, v, w]));
+        search.place(a, place);
+        let [u, v] = place;
+        let point = corners[0] * u + corners[1] * v + corners[2] * (1.0 - u - v);
+        let extent = projection.normal.dot(&point) - solid.sharp_reach(&projection.normal);
+        search.offer(DeepestPoint { projection, weights: corner_weights(a, b, [u, v, 1.0 - u - v]), side: a, extent });
     }
 }
 
-/// What becomes of a point that is followed.
-enum Found {
-    /// No point of the triangle is near enough.
-    Outside([f64; 2]),
-    /// The deepest point.
-    Deepest(Projection, [f64; 2]),
-    /// It has moved too far.
-    Lost,
-}
-
-/// Follows the deepest point of a triangle from its `place` in the last step: from a point to the nearest of the triangle
-/// to its projection on the core, until its tangent tells that no other point is deeper by `tolerance` (m).
-fn follow(solid: &Solid, triangle: &[Vector3<f64>; 3], place: [f64; 2], within: f64, tolerance: f64) -> Found {
-    let [p, q, m] = triangle;
-    let ([u, v], mut place) = ([p - m, q - m], place);
-    for _ in 0..MOVES {
-        let point = m + u * place[0] + v * place[1];
-        let projection = solid.project_local(&point);
-        let over = |corner: &Vector3<f64>| projection.distance + projection.normal.dot(&(corner - point));
-        let least = over(p).min(over(q)).min(over(m));
-        if least >= within {
-            return Found::Outside(place);
-        }
-        if projection.distance - least <= tolerance {
-            return Found::Deepest(projection, place);
-        }
-        let core = point - projection.normal * (projection.distance + solid.edge());
-        let nearest = Triangle::new(vector(p), vector(q), vector(m)).project_local_point(vector(&core), false).point;
-        let [a, b, _] = barycentric(&Triangle::new(vector(p), vector(q), vector(m)), nearest);
-        place = [a, b];
-    }
-    Found::Lost
+/// The deepest point of a triangle in the core of a convex solid, if it is nearer to its surface than `within` (m).
+fn in_core(solid: &Solid, corners: &[Vector3<f64>; 3], within: f64) -> Option<(Projection, [f64; 2])> {
+    let [p, q, m] = corners.each_ref().map(vector);
+    let triangle = Triangle::new(p, q, m);
+    let reach = (within + solid.edge()).max(0.0);
+    let contact = query::contact(&Pose::IDENTITY, &triangle, solid.place(), solid.core(), reach).ok()??;
+    let normal = -Vector3::new(contact.normal1.x, contact.normal1.y, contact.normal1.z);
+    let [u, v, _] = barycentric(&triangle, contact.point1);
+    Some((Projection { distance: contact.dist - solid.edge(), normal }, [u, v]))
 }
 
 /// A triangle in body axes about the centre of mass; that of a ball is not rotated.

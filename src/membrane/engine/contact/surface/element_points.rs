@@ -1,5 +1,6 @@
 //! Points of an element that are nearer to a body than a distance, and where they were in the last step.
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::projection::Projection;
@@ -16,6 +17,14 @@ pub(in crate::engine::contact) struct DeepestPoint {
     /// Its distance along the normal from the farthest point of the body (m), whose edges count as sharp as they are. No
     /// point of the element is deeper inside the body than this is below zero.
     pub(in crate::engine::contact) extent: f64,
+}
+
+/// The points of an element that are nearer to a body than a distance.
+pub(in crate::engine::contact) struct DeepPoints {
+    /// One for each part of the element and edge of the body, or the deepest alone.
+    pub(in crate::engine::contact) points: Vec<DeepestPoint>,
+    /// No point of the element is nearer than that, m.
+    pub(in crate::engine::contact) least: f64,
 }
 
 /// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the
@@ -40,6 +49,34 @@ pub(super) struct Search {
     pub(super) followed: Option<Followed>,
     /// By which these may be off the deepest, m.
     pub(super) tolerance: f64,
+    /// No point of the element is nearer than that, m.
+    pub(super) least: f64,
+}
+
+/// Where the corners of an element were, body axes, when no point of it was near the body, and how far they may move until
+/// one is.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(in crate::engine::contact) struct Clearance {
+    corners: [[f64; 3]; 4],
+    /// m; negative where nothing is known.
+    margin: f64,
+}
+
+impl Clearance {
+    /// Nothing is known.
+    pub(in crate::engine::contact) const NONE: Clearance = Clearance { corners: [[0.0; 3]; 4], margin: -1.0 };
+
+    /// That of an element with these `corners` (m) which may move by `margin` (m).
+    pub(in crate::engine::contact) fn new(corners: &[Vector3<f64>; 4], margin: f64) -> Clearance {
+        Clearance { corners: corners.map(Into::into), margin }
+    }
+
+    /// Whether an element that has moved to these `corners` (m) is still not near.
+    #[inline(always)]
+    pub(in crate::engine::contact) fn holds(&self, corners: &[Vector3<f64>; 4]) -> bool {
+        let moved = |k: usize| (corners[k] - Vector3::from(self.corners[k])).norm_squared();
+        self.margin > 0.0 && (0..4).all(|k| moved(k) < self.margin * self.margin)
+    }
 }
 
 /// The deepest point of each triangle of an element in the last step.
@@ -63,7 +100,7 @@ const SAME: f64 = 1e-3;
 impl Search {
     /// A search that has found nothing yet.
     pub(super) fn within(within: f64, keeps_all: bool) -> Search {
-        Search { within, keeps_all, found: vec![], followed: None, tolerance: 0.0 }
+        Search { within, keeps_all, found: vec![], followed: None, tolerance: 0.0, least: f64::INFINITY }
     }
 
     /// Records where the deepest point of the triangle of the side from corner `side` is.
@@ -75,6 +112,7 @@ impl Search {
 
     /// Takes a point that is near enough.
     pub(super) fn offer(&mut self, point: DeepestPoint) {
+        self.least = self.least.min(point.projection.distance);
         if point.projection.distance >= self.within {
             return;
         }

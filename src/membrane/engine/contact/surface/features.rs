@@ -14,6 +14,9 @@ const SHARP: f64 = 0.3;
 /// Sine of the angle between two edges below which they are left to corners and nodes.
 const PARALLEL: f64 = 1e-3;
 
+/// Distance up to which more than what is looked for is found, over half the diagonal of an element.
+const BEYOND: f64 = 0.05;
+
 /// Share of a length by which a point may lie outside what an edge or a corner supports.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -29,6 +32,7 @@ pub(super) struct Features {
     around: Vec<u32>,
     first: Vec<u32>,
     edge_radius: f64,
+    is_convex: bool,
 }
 
 /// An edge between two triangles.
@@ -37,6 +41,44 @@ struct Edge {
     ends: [u32; 2],
     /// The third corners of its triangles.
     opposite: [u32; 2],
+}
+
+/// Corners of a mesh with their places, and edges with the places of their ends among these.
+struct Near {
+    vertices: Vec<(u32, Vector3<f64>)>,
+    edges: Vec<(u32, [usize; 2])>,
+}
+
+/// A triangle of film.
+struct Face {
+    corners: [Vector3<f64>; 3],
+    /// Outward from the body.
+    normal: Vector3<f64>,
+    /// Change of the weights of the first two corners in space, 1/m.
+    gradients: [Vector3<f64>; 2],
+}
+
+impl Face {
+    /// The triangle with its normal on the side of `outward`; none of a triangle without area.
+    fn new(corners: [Vector3<f64>; 3], outward: &Vector3<f64>) -> Option<Face> {
+        let [u, v] = [corners[0] - corners[2], corners[1] - corners[2]];
+        let cross = u.cross(&v);
+        let squared = cross.norm_squared();
+        let normal = cross / squared.sqrt().copysign(cross.dot(outward));
+        (squared > 0.0).then(|| Face {
+            corners,
+            normal,
+            gradients: [v.cross(&cross) / squared, cross.cross(&u) / squared],
+        })
+    }
+
+    /// Weights of the corners at the foot of a point, if that is inside.
+    fn weights_under(&self, at: &Vector3<f64>) -> Option<[f64; 3]> {
+        let arm = at - self.corners[2];
+        let [p, q] = self.gradients.each_ref().map(|gradient| gradient.dot(&arm));
+        let m = 1.0 - p - q;
+        (p >= 0.0 && q >= 0.0 && m >= 0.0).then_some([p, q, m])
+    }
 }
 
 impl Features {
@@ -64,9 +106,22 @@ impl Features {
         let first =
             (0..=vertices.len()).map(|n| ends.partition_point(|[from, _]| (*from as usize) < n) as u32).collect();
         let around = ends.into_iter().map(|[_, to]| to).collect();
-        let mut features = Features { vertices, triangles, edges_of, edges, around, first, edge_radius: f64::INFINITY };
+        let mut features = Features {
+            vertices,
+            triangles,
+            edges_of,
+            edges,
+            around,
+            first,
+            edge_radius: f64::INFINITY,
+            is_convex: true,
+        };
         let radii = features.edges.iter().filter_map(|edge| features.radius(edge));
         features.edge_radius = radii.fold(f64::INFINITY, f64::min);
+        // A closed surface of one part that bends inwards nowhere is convex; Euler's number tells the number of parts.
+        let used = features.first.windows(2).filter(|range| range[0] < range[1]).count();
+        features.is_convex = used + features.triangles.len() == features.edges.len() + 2
+            && features.triangles.iter().zip(&features.edges_of).all(|(t, e)| features.is_above_its_neighbours(t, e));
         features
     }
 
@@ -89,6 +144,19 @@ impl Features {
             return None;
         }
         Some(if angle > SHARP { 0.0 } else { (heights[0] + heights[1]) / 3.0 / angle })
+    }
+
+    /// Whether the triangles next to one lie below its plane.
+    fn is_above_its_neighbours(&self, triangle: &[u32; 3], edges: &[u32; 3]) -> bool {
+        let [a, b, c] = triangle.map(|n| self.at(n));
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let others = edges.iter().flat_map(|edge| self.edges[*edge as usize].opposite).map(|n| self.at(n) - a);
+        others.into_iter().all(|arm| arm.dot(&normal) <= ROUND_OFF * arm.norm())
+    }
+
+    /// Whether the body is convex.
+    pub(super) fn is_convex(&self) -> bool {
+        self.is_convex
     }
 
     /// Radius of the sharpest edge, m.
@@ -116,13 +184,10 @@ impl Features {
         count: usize,
         search: &mut Search,
     ) {
-        let mut offer = |projection: Projection, weights: [f64; 4]| {
-            search.offer(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
-            search.within
-        };
-        let mut within = f64::INFINITY;
         for k in (0..count).chain([4]) {
-            within = offer(projected[k], weights_of(k));
+            let projection = projected[k];
+            let extent = projection.distance;
+            search.offer(DeepestPoint { projection, weights: weights_of(k), side: 0, extent });
         }
         let (mut low, mut high) = (points[4], points[4]);
         for point in &points[..count] {
@@ -130,11 +195,53 @@ impl Features {
         }
         // What lies deeper than a share of the element has not come through it.
         let reach = 0.5 * (high - low).norm();
-        let margin = Vector3::repeat(reach.max(within));
-        let near: Vec<u32> =
-            mesh.bvh().intersect_aabb(&Aabb::new(vector(&(low - margin)), vector(&(high + margin)))).collect();
+        search.least = search.least.min(reach);
+        // What is looked for, and a little more, so that it need not be looked for again when the element has moved.
+        let beyond = if search.keeps_all { BEYOND * reach } else { 0.0 };
+        let near = self.near(mesh, [low, high], reach.max(search.within + beyond));
+        let mut heights = vec![];
+        for [a, b] in sides(count) {
+            let Some(face) = Face::new([points[a], points[b], points[4]], &projected[4].normal) else { continue };
+            heights.clear();
+            heights.extend(near.vertices.iter().map(|(_, at)| face.normal.dot(&(at - face.corners[2]))));
+            for ((vertex, at), height) in near.vertices.iter().zip(&heights) {
+                // It is the farther inside the body the higher the corner is.
+                if height.abs() <= reach
+                    && -height.abs() < search.within + beyond
+                    && let Some(weights) = face.weights_under(at)
+                    && let Some(outward) = [face.normal, -face.normal].into_iter().find(|n| self.supports(*vertex, n))
+                {
+                    let distance = -height * outward.dot(&face.normal);
+                    let projection = Projection { distance, normal: outward };
+                    let weights = corner_weights(a, b, weights);
+                    search.offer(DeepestPoint { projection, weights, side: 0, extent: distance });
+                }
+            }
+            let lowest = -(search.within + beyond).max(0.0);
+            for (edge, ends) in &near.edges {
+                // Film that is deep enough in the body has one of the ends above it.
+                if ends.iter().all(|end| heights[*end] <= lowest) {
+                    continue;
+                }
+                for other in [1, 2] {
+                    let film = [face.corners[0], face.corners[other]];
+                    if let Some((projection, share)) = self.across_edge(*edge, &film, reach) {
+                        let mut at = [1.0 - share, 0.0, 0.0];
+                        at[other] = share;
+                        let (weights, extent) = (corner_weights(a, b, at), projection.distance);
+                        search.offer(DeepestPoint { projection, weights, side: 0, extent });
+                    }
+                }
+            }
+        }
+        search.least = search.least.min(search.within + beyond);
+    }
+
+    /// Corners and edges of the triangles of `mesh` that lie within `margin` (m) of a box from `low` to `high` (m).
+    fn near(&self, mesh: &TriMesh, [low, high]: [Vector3<f64>; 2], margin: f64) -> Near {
+        let margin = Vector3::repeat(margin);
         let [mut vertices, mut edges]: [Vec<u32>; 2] = [vec![], vec![]];
-        for t in near {
+        for t in mesh.bvh().intersect_aabb(&Aabb::new(vector(&(low - margin)), vector(&(high + margin)))) {
             vertices.extend(self.triangles[t as usize]);
             edges.extend(self.edges_of[t as usize]);
         }
@@ -142,42 +249,9 @@ impl Features {
             list.sort_unstable();
             list.dedup();
         }
-        for [a, b] in sides(count) {
-            let triangle = [points[a], points[b], points[4]];
-            for vertex in &vertices {
-                if let Some((projection, at)) = self.under_vertex(*vertex, &triangle, reach) {
-                    offer(projection, corner_weights(a, b, at));
-                }
-            }
-            for edge in &edges {
-                for (side, place) in [([0, 1], 0), ([0, 2], 1)] {
-                    let ends = side.map(|k: usize| triangle[k]);
-                    if let Some((projection, share)) = self.across_edge(*edge, &ends, reach) {
-                        let at = if place == 0 { [1.0 - share, share, 0.0] } else { [1.0 - share, 0.0, share] };
-                        offer(projection, corner_weights(a, b, at));
-                    }
-                }
-            }
-        }
-    }
-
-    /// Distance of a triangle of film from a corner, with the barycentric coordinates of its point there.
-    fn under_vertex(&self, vertex: u32, [p, q, m]: &[Vector3<f64>; 3], reach: f64) -> Option<(Projection, [f64; 3])> {
-        let (at, cross) = (self.at(vertex), (q - p).cross(&(m - p)));
-        let doubled = cross.norm();
-        let normal = cross / doubled;
-        let height = normal.dot(&(at - p));
-        if doubled == 0.0 || height.abs() > reach {
-            return None;
-        }
-        let part = |u: &Vector3<f64>, v: &Vector3<f64>| (u - at).cross(&(v - at)).dot(&normal) / doubled;
-        let (of_p, of_q) = (part(q, m), part(m, p));
-        let of_m = 1.0 - of_p - of_q;
-        if of_p < 0.0 || of_q < 0.0 || of_m < 0.0 {
-            return None;
-        }
-        let outward = [normal, -normal].into_iter().find(|normal| self.supports(vertex, normal))?;
-        Some((Projection { distance: outward.dot(&(p - at)), normal: outward }, [of_p, of_q, of_m]))
+        let place = |n: u32| vertices.partition_point(|vertex| *vertex < n);
+        let edges = edges.into_iter().map(|edge| (edge, self.edges[edge as usize].ends.map(place))).collect();
+        Near { edges, vertices: vertices.into_iter().map(|n| (n, self.at(n))).collect() }
     }
 
     /// Distance of an edge of film from an edge of the mesh that it crosses, with the share of the length where it does.
@@ -186,17 +260,17 @@ impl Features {
         let [a, b] = ends.map(|n| self.at(n));
         let (along, film) = (b - a, t - s);
         let cross = along.cross(&film);
-        let size = cross.norm();
-        if size <= PARALLEL * along.norm() * film.norm() {
+        let squared = cross.norm_squared();
+        if squared <= PARALLEL * PARALLEL * along.norm_squared() * film.norm_squared() {
             return None;
         }
         let from = s - a;
-        let on_mesh = from.cross(&film).dot(&cross) / (size * size);
-        let on_film = from.cross(&along).dot(&cross) / (size * size);
-        if !(0.0..=1.0).contains(&on_mesh) || !(0.0..=1.0).contains(&on_film) {
+        let on_mesh = from.cross(&film).dot(&cross);
+        let on_film = from.cross(&along).dot(&cross);
+        if !(0.0..=squared).contains(&on_mesh) || !(0.0..=squared).contains(&on_film) {
             return None;
         }
-        let normal = cross / size;
+        let (normal, on_film) = (cross / squared.sqrt(), on_film / squared);
         let supports = |normal: &Vector3<f64>| {
             opposite.iter().all(|n| {
                 let side = self.at(*n) - a;

@@ -12,11 +12,13 @@ mod meeting;
 mod nearest;
 mod projection;
 mod solid;
+mod triangle_minimum;
 mod triangles;
 
-pub(in crate::engine::contact) use element_points::{DeepestPoint, Followed, UNKNOWN};
+pub(in crate::engine::contact) use element_points::{Clearance, DeepestPoint, Followed, UNKNOWN};
 pub(in crate::engine) use meeting::Meeting;
 pub(in crate::engine::contact) use nearest::Nearest;
+pub(in crate::engine::contact) use projection::Projection;
 pub(crate) use triangles::Triangles;
 
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
@@ -27,6 +29,7 @@ use thiserror::Error;
 
 use bars::Bars;
 use convex::Convex;
+use features::Features;
 use solid::Solid;
 
 /// The impactor's surface about its centre of mass, body axes.
@@ -292,6 +295,12 @@ impl Surface {
     /// Whether it is a cylinder, a cone or a box, whose tangents bound its distance.
     pub(super) fn is_convex_solid(&self) -> bool {
         matches!(&self.shape, Shape::Solid(solid) if solid.features().is_none())
+    }
+
+    /// Whether it is a convex body other than a sphere or a capsule, whose tangents bound its distance: a cylinder, a cone, a
+    /// box, or such a mesh.
+    pub(super) fn is_convex(&self) -> bool {
+        matches!(&self.shape, Shape::Solid(solid) if solid.features().is_none_or(Features::is_convex))
     }
 
     /// Whether its curvature is nowhere larger than that of a sphere of its size, so that node contact suffices for a

@@ -46,7 +46,7 @@ impl Surface {
 
     /// Projection of the point at `arm` (m) from the centre of the body at `pose`, as of [`Surface::project`], with what is
     /// known of the triangle of a mesh that is nearest. Where the point is farther than `beyond` (m), a lower bound of the
-    /// distance will do.
+    /// distance will do, without a normal.
     pub(in crate::engine::contact) fn project_on_mesh(
         &self,
         pose: &Isometry3<f64>,
@@ -63,7 +63,7 @@ impl Surface {
         let moved = (local - nearest.from).norm();
         if nearest.others >= 0.0 {
             if beyond.is_some_and(|beyond| nearest.distance > 0.0 && nearest.distance - moved > beyond) {
-                return Projection { distance: nearest.distance - moved, normal: Vector3::z() };
+                return Projection { distance: nearest.distance - moved, normal: Vector3::zeros() };
             }
             let triangle = mesh.triangle(nearest.triangle);
             let found = triangle.project_local_point(vector(&local), false);

@@ -103,6 +103,14 @@ impl Solid {
         signed(local, projection.point, projection.is_inside)
     }
 
+    /// The farthest point of a convex core along `direction`, body axes, m; none of a mesh.
+    #[inline(always)]
+    pub(super) fn support_of_core(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let centre = self.place.translation;
+        let support = self.convex.as_ref()?.support((*direction).into());
+        Some(Vector3::new(support[0] + centre.x, support[1] + centre.y, support[2] + centre.z))
+    }
+
     /// How far it reaches along the unit vector `direction`, m.
     pub(super) fn reach(&self, direction: &Vector3<f64>) -> f64 {
         let farthest = match &self.convex {

@@ -1,0 +1,187 @@
+//! The point of a triangle with the least signed distance from a convex body, by tangents.
+//!
+//! The signed distance from a convex body is a convex function, so that its tangent planes bound it from below
+//! (theory.md, equation 212).
+
+use nalgebra::Vector3;
+
+use super::projection::Projection;
+use super::solid::Solid;
+
+/// Largest number of tangents along one edge.
+const TANGENTS: usize = 40;
+
+/// What is known of the least signed distance of a triangle.
+pub(super) enum Minimum {
+    /// No point is nearer than `bound` (m), which is beyond what counts; `place` is where this was seen.
+    Beyond { bound: f64, place: [f64; 2] },
+    /// The nearest point, to within the tolerance.
+    At { projection: Projection, place: [f64; 2] },
+    /// The plane of the triangle cuts the core, perhaps within the triangle.
+    Cut,
+}
+
+/// A signed distance and the values of its tangent plane at the corners of the triangle, m.
+#[derive(Clone, Copy)]
+struct Tangent {
+    projection: Projection,
+    weights: [f64; 3],
+    at: [f64; 3],
+}
+
+impl Tangent {
+    /// The least value on the triangle, m.
+    fn least(&self) -> f64 {
+        least(&self.at)
+    }
+}
+
+fn least(of: &[f64; 3]) -> f64 {
+    of[0].min(of[1]).min(of[2])
+}
+
+/// The search on one triangle.
+struct Descent<'a> {
+    solid: &'a Solid,
+    corners: &'a [Vector3<f64>; 3],
+    best: Tangent,
+    /// Lower bound, m.
+    bound: f64,
+}
+
+impl Descent<'_> {
+    fn tangent(&self, weights: [f64; 3]) -> Tangent {
+        tangent(self.solid, self.corners, weights)
+    }
+
+    /// Takes a tangent, and a lower bound (m).
+    fn take(&mut self, tangent: &Tangent, bound: f64) {
+        if tangent.projection.distance < self.best.projection.distance {
+            self.best = *tangent;
+        }
+        self.bound = self.bound.max(bound);
+    }
+
+    /// Finds the least distance on the edge between the corners `ends`, where the slope along it is zero to within `tolerance`
+    /// (m over its length), from the tangents at its ends. Further ones are, in turn, where the two about the least distance
+    /// intersect, which is best at a bend, and where the slope between them is zero, which is best on a curve.
+    fn edge(&mut self, ends: [usize; 2], tolerance: f64) {
+        let slope = |tangent: &Tangent| tangent.at[ends[1]] - tangent.at[ends[0]];
+        let corner = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == ends[k])));
+        let [mut left, mut right] = [self.tangent(corner(0)), self.tangent(corner(1))];
+        self.take(&left, left.least());
+        self.take(&right, right.least());
+        for turn in 0..TANGENTS {
+            let (falls, rises) = (slope(&left), slope(&right));
+            for (is_level, tangent) in [(falls >= -tolerance, &left), (rises <= tolerance, &right)] {
+                if is_level {
+                    // Its normal is that of the least distance, where a nearer point may have one on the other side of it.
+                    if tangent.projection.distance <= self.best.projection.distance + tolerance {
+                        self.best = *tangent;
+                    }
+                    return;
+                }
+            }
+            // The sum of both with these shares is constant along the edge, and a bound of its own for all of the triangle.
+            let share = rises / (rises - falls);
+            self.bound = self.bound.max(least(&[0, 1, 2].map(|k| left.at[k] * share + right.at[k] * (1.0 - share))));
+            let [from, to] = [left.weights[ends[1]], right.weights[ends[1]]];
+            let along = if turn % 2 == 0 {
+                (right.at[ends[0]] - left.at[ends[0]]) / (falls - rises)
+            } else {
+                from + (to - from) * (1.0 - share)
+            };
+            if !(from < along && along < to) {
+                return;
+            }
+            let mut weights = [0.0; 3];
+            (weights[ends[0]], weights[ends[1]]) = (1.0 - along, along);
+            let next = self.tangent(weights);
+            self.take(&next, next.least());
+            if slope(&next) < 0.0 {
+                left = next;
+            } else {
+                right = next;
+            }
+        }
+    }
+
+    fn place(&self) -> [f64; 2] {
+        [self.best.weights[0], self.best.weights[1]]
+    }
+
+    /// Looks at the point of the triangle under the farthest point of the core towards its plane, which is the nearest of
+    /// the whole plane. Returns whether the core lies on one side of the plane.
+    fn under_core(&mut self) -> bool {
+        let [p, q, m] = self.corners;
+        let (u, v) = (p - m, q - m);
+        let cross = u.cross(&v);
+        let outward = if cross.dot(&self.best.projection.normal) < 0.0 { -cross } else { cross };
+        let Some(support) = self.solid.support_of_core(&outward) else { return false };
+        let arm = support - m;
+        let doubled = cross.norm_squared();
+        let [a, b] = [arm.cross(&v).dot(&cross) / doubled, u.cross(&arm).dot(&cross) / doubled];
+        if a >= 0.0 && b >= 0.0 && a + b <= 1.0 {
+            let under = self.tangent([a, b, 1.0 - a - b]);
+            self.take(&under, under.least());
+        }
+        arm.dot(&outward) <= 0.0
+    }
+}
+
+/// The signed distance at the point of a triangle that has these `weights` of its `corners`.
+fn tangent(solid: &Solid, corners: &[Vector3<f64>; 3], weights: [f64; 3]) -> Tangent {
+    let point = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+    let projection = solid.project_local(&point);
+    let at = corners.map(|corner| projection.distance + projection.normal.dot(&(corner - point)));
+    Tangent { projection, weights, at }
+}
+
+/// The point of a triangle of `corners` (body axes, m) that is nearest to a convex `solid`, to within `tolerance` (m), if it
+/// is nearer than `within` (m): from the `place` of a point that was the nearest before, given by its shares of the first
+/// two corners.
+pub(super) fn minimum(
+    solid: &Solid,
+    corners: &[Vector3<f64>; 3],
+    place: [f64; 2],
+    within: f64,
+    tolerance: f64,
+) -> Minimum {
+    let first = tangent(solid, corners, [place[0], place[1], 1.0 - place[0] - place[1]]);
+    let mut descent = Descent { solid, corners, best: first, bound: first.least() };
+    let ends = |descent: &Descent<'_>| {
+        let Descent { best, bound, .. } = descent;
+        if *bound >= within {
+            return Some(Minimum::Beyond { bound: *bound, place: descent.place() });
+        }
+        let projection = best.projection;
+        // Its own tangent must say so: where several together do, as in the core, none of their normals is that of the contact.
+        (projection.distance - best.least() <= tolerance).then(|| Minimum::At { projection, place: descent.place() })
+    };
+    if let Some(minimum) = ends(&descent) {
+        return minimum;
+    }
+    let is_apart = descent.under_core();
+    if let Some(minimum) = ends(&descent) {
+        return minimum;
+    }
+    // First the edge that the nearest point so far is next to.
+    let weights = descent.best.weights;
+    let mut opposite = [0, 1, 2];
+    opposite.sort_by(|a, b| weights[*a].total_cmp(&weights[*b]));
+    for corner in opposite {
+        descent.edge([(corner + 1) % 3, (corner + 2) % 3], 0.5 * tolerance);
+        if let Some(minimum) = ends(&descent) {
+            return minimum;
+        }
+    }
+    if !is_apart || descent.best.projection.distance <= -solid.edge() {
+        return Minimum::Cut;
+    }
+    // The nearest point of the whole plane lies outside the triangle, so that the nearest of the triangle is on its edges.
+    let Descent { best, bound, .. } = descent;
+    if best.projection.distance >= within {
+        return Minimum::Beyond { bound: bound.max(within), place: descent.place() };
+    }
+    Minimum::At { projection: best.projection, place: descent.place() }
+}

@@ -1,0 +1,60 @@
+//! Points of film, or differences of two, as sums of four nodes with weights: what contact constrains.
+
+use nalgebra::Vector3;
+
+use super::nodes::{Nodes, Vectors};
+
+/// Four nodes with weights, of which some may be zero.
+#[derive(Clone, Debug)]
+pub(super) struct WeightedNodes {
+    pub(super) nodes: [u32; 4],
+    pub(super) weights: [f64; 4],
+    /// Velocity of each node per impulse on the sum, 1/kg: weight over mass, zero along held directions.
+    response: [Vector3<f64>; 4],
+}
+
+impl WeightedNodes {
+    /// `of` some nodes, with `weights`.
+    pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
+        let response =
+            std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().at(of[k] as usize)) * weights[k]);
+        WeightedNodes { nodes: of, weights, response }
+    }
+
+    /// The sum of what the nodes have: of their velocities, that of the point, m/s.
+    #[inline(always)]
+    pub(super) fn sum(&self, of: &Vectors) -> Vector3<f64> {
+        (0..4).map(|k| Vector3::from(of.at(self.nodes[k] as usize)) * self.weights[k]).sum()
+    }
+
+    /// Adds what an `impulse` (N s) on the sum does to the velocities of the nodes; multiplied by a time, to their positions.
+    #[inline(always)]
+    pub(super) fn apply(&self, impulse: &Vector3<f64>, to: &mut Vectors) {
+        for k in 0..4 {
+            to.add(self.nodes[k] as usize, self.response[k].component_mul(impulse).into());
+        }
+    }
+
+    /// Velocity of the sum per impulse along each axis, 1/kg.
+    pub(super) fn inverse_mass(&self) -> Vector3<f64> {
+        (0..4).map(|k| self.response[k] * self.weights[k]).sum()
+    }
+
+    /// The same of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in all of them
+    /// has no part in it.
+    pub(super) fn inverse_free_mass(&self) -> f64 {
+        let free = |k: usize| {
+            let largest = self.response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs()));
+            self.weights[k] * largest.copysign(self.weights[k])
+        };
+        (0..4).map(free).sum()
+    }
+}
+
+/// The tangential impulse within Coulomb's cone: `sticking` (N s), which would stop the slip, or what of it is within the
+/// `bound` (N s).
+#[inline(always)]
+pub(super) fn within_cone(sticking: Vector3<f64>, bound: f64) -> Vector3<f64> {
+    let size = sticking.norm();
+    if size <= bound { sticking } else { sticking * (bound / size) }
+}
