@@ -151,7 +151,10 @@ impl Job {
             Err(failure) => return Done::failed(failure),
             Ok(Ok(outcome)) => self.store(&outcome, &scenario, show).unwrap_or_else(Done::failed),
             Ok(Err(RunError::Failure(failure))) => self.store_failed(&failure, &scenario, show),
-            Ok(Err(error)) => Done::failed(Diagnostic::new(format!("{}: {error}", self.checked.model.name)).into()),
+            Ok(Err(error)) => {
+                let mistake = Diagnostic::new(format!("{}: {error}", self.checked.model.name));
+                Done::failed(Diagnostic { hint: error.hint(), ..mistake }.into())
+            }
         };
         // The last checkpoint stays where the results could not be stored or the post script failed: a run resumed from
         // it gives them again.

@@ -11,6 +11,8 @@ use crate::model::SNAPSHOT_MEMORY;
 pub(super) struct Figures<'a> {
     /// Whether each impactor reached the end of the test without contact.
     pub(super) missed: Vec<bool>,
+    /// Whether each met other bodies by then, but not the film.
+    pub(super) met_others_alone: Vec<bool>,
     /// How the film came to equilibrium.
     pub(super) relaxation: Option<Relaxation>,
     /// Error of the energy balance.
@@ -171,7 +173,17 @@ impl Monitor {
     /// The warnings of a run on `films` that ended with `figures`; `names` are those of its impactors, where there are
     /// several.
     pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film], names: &[Option<&str>]) -> Vec<Warning> {
-        let Figures { missed, relaxation, balance, outside, kinetic, added_mass, snapshots, unfinished } = figures;
+        let Figures {
+            missed,
+            met_others_alone,
+            relaxation,
+            balance,
+            outside,
+            kinetic,
+            added_mass,
+            snapshots,
+            unfinished,
+        } = figures;
         let [wanted, taken] = snapshots;
         let impactors = names.iter().map(|name| ImpactorName::named(*name));
         let names: Vec<ImpactorName> = impactors.chain(self.has_bars.then(ImpactorName::bars)).collect();
@@ -191,6 +203,7 @@ impl Monitor {
         let heavy = added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
         out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
         out.extend(of(missed, Warning::NoContact));
+        out.extend(of(met_others_alone, Warning::FilmNotMet));
         out.extend(self.contacts.iter().zip(&names).flat_map(|(contact, name)| contact.warnings(name, self.has_bars)));
         out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));
         out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
@@ -203,7 +216,8 @@ impl Monitor {
         }
         out.extend(of(unfinished, Warning::Unfinished));
         let (wanted, taken, balance, outside) = (*wanted, *taken, *balance, *outside);
-        let nothing_hit = !missed.is_empty() && missed.iter().all(|missed| *missed);
+        let nothing_hit =
+            !missed.is_empty() && missed.iter().zip(met_others_alone).all(|(missed, other)| *missed || *other);
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
         out.extend((outside > bounds::RATES && !nothing_hit).then_some(Warning::StrainRateOutside { share: outside }));

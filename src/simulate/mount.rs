@@ -6,7 +6,10 @@ use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame::Crest;
 use super::frame_force::HeldSides;
+use super::warning::ImpactorName;
 use crate::engine::{self, AddedMass, Contact, Film, Freedom, Loads, Nodes, RigidBody, Section, Surface};
+use crate::lane::splat;
+use crate::material::Gradient;
 use crate::mesh::{self, Element, Mesh};
 use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model, Part};
 
@@ -51,6 +54,13 @@ pub fn section(face: &Face, mass_scaling: f64) -> Section {
         prestrain: face.prestrain,
         full_integration: face.meshing.element == Element::Quad4Full,
     }
+}
+
+/// First Piola–Kirchhoff stress (Pa) along MD and TD of a face that is stretched in all directions by `stretch` beyond its
+/// pre-strain; components along MD, TD and its normal.
+pub(super) fn prestress(face: &Face, stretch: f64) -> Gradient<1> {
+    let [md, td] = face.prestrain.map(|prestrain| (1.0 + prestrain) * stretch);
+    face.material.law.virgin_stress([[md, 0.0, 0.0], [0.0, td, 0.0]].map(|v| v.map(splat)))
 }
 
 /// Adds the air around `films` to `loads`; its mass that moves with them is in their sections.
@@ -133,13 +143,15 @@ pub(super) fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
     }
 }
 
-/// Contact and pose of the impactor: at its height, or with its lowest point on the highest point of the first face.
+/// Contact and pose of the impactor at this place among those of `model`: at its height, or with its lowest point on the highest point of the first face.
 pub(super) fn over_film(
-    impactor: &Impactor,
+    place: usize,
     model: &Model,
     films: &[Film],
     nodes: &Nodes,
 ) -> Result<(Contact, Isometry3<f64>), RunError> {
+    let impactor = &model.impactors[place];
+    let name = || ImpactorName::of(model, place);
     let surface = surface(&impactor.shape)?;
     let mut offset = vec![0.0; nodes.position.len()];
     let mut between = 0.0;
@@ -161,12 +173,12 @@ pub(super) fn over_film(
     }
     let first = model.faces.first().map_or(0.0, |face| face.height);
     if model.faces.len() > 1 && z < first {
-        return Err(RunError::Below);
+        return Err(RunError::Below { impactor: place, name: name() });
     }
     if impactor.height.is_some() && impactor.release == 0.0 {
         let gap = contact.smallest_gap(nodes, &pose);
         if gap < -OVERLAP * contact.surface().size() {
-            return Err(RunError::Overlap { depth: -gap });
+            return Err(RunError::Overlap { impactor: place, name: name(), depth: -gap });
         }
     }
     Ok((contact, pose))

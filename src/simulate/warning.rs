@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use crate::engine::Relaxation;
 use crate::finding::{Code, Report, codes};
 use crate::mesh::Quality;
+use crate::model::Model;
 use crate::number;
 
 codes! {
@@ -29,6 +30,10 @@ codes! {
     NO_CONTACT = "no-contact", Warning,
         "the impactor passed the film, or did not reach it, without touching it: its signals are those of a free fall",
         "correct `impactor.position` or the outline of the film, or use a longer duration";
+    FILM_NOT_MET = "film-not-met", Note,
+        "the impactor met other impactors or the frame's bars, but never the film: its displacement counts from its \
+         start, and it has no lowest point, no rebound and no energy absorption",
+        "nothing, where that is meant; otherwise correct `impactor.position` or use a longer duration";
     COARSE_CONTACT = "coarse-contact", Warning,
         "elements in contact are large compared with the impactor, so that the film takes its shape only approximately",
         "use a smaller `specimen.mesh.size`";
@@ -105,6 +110,11 @@ impl ImpactorName {
         ImpactorName(Name::Bars)
     }
 
+    /// That at this place among the impactors of `model`.
+    pub(super) fn of(model: &Model, place: usize) -> ImpactorName {
+        ImpactorName::named(model.names().get(place).copied().flatten())
+    }
+
     /// The only one, or that of this name.
     pub(super) fn named(name: Option<&str>) -> ImpactorName {
         ImpactorName(name.map_or(Name::Only, |name| Name::OfSeveral(name.to_owned())))
@@ -167,6 +177,8 @@ pub enum Warning {
     NotInEquilibrium(Relaxation),
     /// The impactor did not touch the film.
     NoContact(ImpactorName),
+    /// The impactor met other bodies alone.
+    FilmNotMet(ImpactorName),
     /// Elements in contact are large compared with the impactor.
     CoarseContact {
         /// Which one.
@@ -327,6 +339,9 @@ impl fmt::Display for Warning {
             Warning::NoContact(impactor) => {
                 write!(f, "no contact: {impactor} did not touch the film during the whole test")
             }
+            Warning::FilmNotMet(impactor) => {
+                write!(f, "film not met: {impactor} touched other bodies, and never the film")
+            }
             Warning::CoarseContact { impactor, time, edge } => write!(
                 f,
                 "coarse contact: from {} edges in contact are up to {} of {} radius (bound {})",
@@ -431,6 +446,7 @@ impl Report for Warning {
             Warning::Settled(_) => &SETTLED,
             Warning::NotInEquilibrium(_) => &NOT_IN_EQUILIBRIUM,
             Warning::NoContact(_) => &NO_CONTACT,
+            Warning::FilmNotMet(_) => &FILM_NOT_MET,
             Warning::CoarseContact { .. } => &COARSE_CONTACT,
             Warning::Penetration { .. } => &PENETRATION,
             Warning::FrameHit { .. } => &FRAME_HIT,
@@ -452,6 +468,7 @@ impl Report for Warning {
     fn figures(&self) -> Map<String, Value> {
         let about = match self {
             Warning::NoContact(impactor)
+            | Warning::FilmNotMet(impactor)
             | Warning::Unfinished(impactor)
             | Warning::CoarseContact { impactor, .. }
             | Warning::Penetration { impactor, .. }
@@ -485,7 +502,7 @@ impl Report for Warning {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }
             Warning::AddedMass { face, share } => &[("face", face.into()), ("added_mass_share", share.into())],
-            Warning::NoContact(_) | Warning::Unfinished(_) => &[],
+            Warning::NoContact(_) | Warning::FilmNotMet(_) | Warning::Unfinished(_) => &[],
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],
