@@ -36,6 +36,11 @@ pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String
     text
 }
 
+/// Title and findings of a run that failed; ends with a line break.
+pub(super) fn failed(model: &Model, results: &Results) -> String {
+    format!("{}  {}\n{}", model.name, subject(model), findings::lines("  ", results.measures.findings().iter()))
+}
+
 /// The folder and its files; ends with a line break.
 pub(super) fn folder(place: &Path, files: &[String]) -> String {
     format!("  {}: {}\n", shown_path(place), gathered(files).join("  "))

@@ -259,7 +259,8 @@ mod tests {
     /// its guide.
     #[test]
     fn what_bars_take_is_not_absorbed_by_the_film() {
-        let text = "specimen = { shape.circle.radius = 0.1, mesh = { element = \"quad4\", size = 0.02 } }
+        let text = "specimen.shape.circle.radius = 0.1
+             specimen.mesh = { element = \"quad4\", size = 0.02 }
              specimen.material = { density = 915, thickness = 20e-6, elastic = { young = 1e6, poisson = 0.3 } }
              frame.bars = { radius = 0.01, friction = 0.2 }
              impactor = { shape.sphere.radius = 0.02, mass = 1, friction = 0.0, guide_friction.constant = 3 }

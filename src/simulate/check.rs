@@ -49,7 +49,7 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
     match error {
         RunError::Mesh(MeshError::File { .. } | MeshError::Polygon(_) | MeshError::Outline { .. }) => {
             match model.specimen.shape {
-                Outline::Mesh(_) => "specimen.shape.mesh".to_owned(),
+                Outline::Mesh { .. } => "specimen.shape.mesh".to_owned(),
                 _ => "specimen.shape".to_owned(),
             }
         }

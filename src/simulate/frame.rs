@@ -1,7 +1,7 @@
 //! The mounting frame as a body: its bars, and the clamp in which film slips.
 
 use super::fault::RunError;
-use super::mount;
+use super::prestress;
 use crate::engine::{ClampedNode, Contact, Film, Impact, Nodes, Surface};
 use crate::mesh::{Mesh, Outline, Polygon, Side};
 use crate::model::{Bars, Clamp, Hold, Model};
@@ -37,7 +37,7 @@ pub(super) fn bars(model: &Model, films: &[Film]) -> Result<Option<Impact>, RunE
             let lines = around_polygon(polygon, model.specimen.symmetry.mirrors());
             Surface::straight_bars(&lines, radius, half_height)?
         }
-        Outline::Mesh(_) => return Ok(None),
+        Outline::Mesh { .. } => return Ok(None),
     };
     let offset = films.iter().flat_map(|film| film.nodes.clone().map(|_| 0.5 * film.thickness)).collect();
     let contact = Contact::new(surface, friction, model.specimen.symmetry.copies(), offset);
@@ -131,7 +131,7 @@ fn length_of(mesh: &Mesh, [a, b]: [u32; 2]) -> f64 {
 pub(super) fn check_clamp(model: &Model, faces: usize, mesh: &Mesh, held: &[[u32; 2]]) -> Result<(), RunError> {
     let (Some(clamp), Some(face)) = (model.frame.clamp, model.faces.get(faces - 1)) else { return Ok(()) };
     let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
-    let stress = mount::prestress(face, 1.0);
+    let stress = prestress::of_face(face, 1.0);
     let thickness = face.material.thickness * f64::from(face.layers);
     let (sin, cos) = face.md_angle.sin_cos();
     let pull = |edge: &[u32; 2]| {

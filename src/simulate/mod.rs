@@ -14,6 +14,7 @@ mod image;
 mod loading;
 mod monitor;
 mod mount;
+mod prestress;
 mod outcome;
 mod probe;
 mod pull;
@@ -42,7 +43,7 @@ use probe::Probe;
 pub use pull::{Across, PullError, pull};
 pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot};
-pub use warning::{CODES, ImpactorName, Warning};
+pub use warning::{BodySize, CODES, ImpactorName, Warning};
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug)]

@@ -8,8 +8,6 @@ use super::frame::Crest;
 use super::frame_force::HeldSides;
 use super::warning::ImpactorName;
 use crate::engine::{self, AddedMass, Contact, Film, Freedom, Loads, Nodes, RigidBody, Section, Surface};
-use crate::lane::splat;
-use crate::material::Gradient;
 use crate::mesh::{self, Element, Mesh};
 use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model, Part};
 
@@ -56,13 +54,6 @@ pub fn section(face: &Face, mass_scaling: f64) -> Section {
     }
 }
 
-/// First Piola–Kirchhoff stress (Pa) along MD and TD of a face that is stretched in all directions by `stretch` beyond its
-/// pre-strain; components along MD, TD and its normal.
-pub(super) fn prestress(face: &Face, stretch: f64) -> Gradient<1> {
-    let [md, td] = face.prestrain.map(|prestrain| (1.0 + prestrain) * stretch);
-    face.material.law.virgin_stress([[md, 0.0, 0.0], [0.0, td, 0.0]].map(|v| v.map(splat)))
-}
-
 /// Adds the air around `films` to `loads`; its mass that moves with them is in their sections.
 pub(super) fn surround(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut Loads) {
     let Some(air) = &model.air else { return };
@@ -89,7 +80,9 @@ pub(super) fn surround(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut
 pub fn surface(shape: &ImpactorShape) -> Result<Surface, RunError> {
     Ok(match shape {
         ImpactorShape::Sphere { radius } => Surface::sphere(*radius),
-        ImpactorShape::Hemisphere { radius, length } => Surface::capsule(*radius, *length),
+        ImpactorShape::Hemisphere { radius, length } | ImpactorShape::Capsule { radius, length } => {
+            Surface::capsule(*radius, *length)
+        }
         ImpactorShape::Cylinder { radius, length, edge } => Surface::cylinder(*radius, *length, *edge),
         ImpactorShape::Cone { radius, length, edge } => Surface::cone(*radius, *length, *edge),
         ImpactorShape::Box { size, edge } => Surface::cuboid(*size, *edge),

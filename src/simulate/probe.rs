@@ -281,7 +281,7 @@ impl<'a> Probe<'a> {
             signals,
             energies,
             snapshots: self.record.snapshots,
-            warnings: self.record.monitor.finish(&figures, &mounting.films, &self.model.names()),
+            warnings: self.record.monitor.finish(&figures, &mounting.films, self.model),
             films: mounting.films,
             impactors: engine.impactors().cloned().collect(),
             rates,

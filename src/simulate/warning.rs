@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use crate::engine::Relaxation;
 use crate::finding::{Code, Report, codes};
 use crate::mesh::Quality;
-use crate::model::Model;
+use crate::model::{ImpactorShape, Model};
 use crate::number;
 
 codes! {
@@ -154,6 +154,40 @@ impl fmt::Display for ImpactorName {
     }
 }
 
+/// The length of a body with which elements and penetrations are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodySize {
+    /// Of a body that is round, or of bars.
+    Radius,
+    /// Half the smallest extent of any other.
+    HalfExtent,
+}
+
+impl BodySize {
+    /// That of a body of this shape.
+    pub(super) fn of(shape: &ImpactorShape) -> BodySize {
+        match shape {
+            ImpactorShape::Sphere { .. } | ImpactorShape::Hemisphere { .. } | ImpactorShape::Capsule { .. } => {
+                BodySize::Radius
+            }
+            ImpactorShape::Cylinder { .. }
+            | ImpactorShape::Cone { .. }
+            | ImpactorShape::Box { .. }
+            | ImpactorShape::Mesh { .. }
+            | ImpactorShape::Compound(_) => BodySize::HalfExtent,
+        }
+    }
+}
+
+impl fmt::Display for BodySize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            BodySize::Radius => "radius",
+            BodySize::HalfExtent => "half smallest extent",
+        })
+    }
+}
+
 /// What puts figures of a run in doubt. Faces are counted from one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
@@ -185,8 +219,10 @@ pub enum Warning {
         impactor: ImpactorName,
         /// When the bound was exceeded first, s.
         time: f64,
-        /// Longest edge in contact over the radius of the impactor.
+        /// Longest edge in contact over the size of the impactor.
         edge: f64,
+        /// What that size is.
+        size: BodySize,
     },
     /// Elements penetrate the impactor.
     Penetration {
@@ -194,8 +230,10 @@ pub enum Warning {
         impactor: ImpactorName,
         /// When the bound was exceeded first, s.
         time: f64,
-        /// Largest penetration over the radius of the impactor.
+        /// Largest penetration over the size of the impactor.
         depth: f64,
+        /// What that size is.
+        size: BodySize,
     },
     /// The impactor reached the frame.
     FrameHit {
@@ -342,17 +380,17 @@ impl fmt::Display for Warning {
             Warning::FilmNotMet(impactor) => {
                 write!(f, "film not met: {impactor} touched other bodies, and never the film")
             }
-            Warning::CoarseContact { impactor, time, edge } => write!(
+            Warning::CoarseContact { impactor, time, edge, size } => write!(
                 f,
-                "coarse contact: from {} edges in contact are up to {} of {} radius (bound {})",
+                "coarse contact: from {} edges in contact are up to {} of {} {size} (bound {})",
                 number::duration(*time),
                 number::figure(*edge, 2),
                 impactor.possessive(),
                 bounds::EDGE
             ),
-            Warning::Penetration { impactor, time, depth } => write!(
+            Warning::Penetration { impactor, time, depth, size } => write!(
                 f,
-                "penetration: from {} elements penetrate {impactor} by up to {} % of {} radius (bound {} %)",
+                "penetration: from {} elements penetrate {impactor} by up to {} % of {} {size} (bound {} %)",
                 number::duration(*time),
                 percent(depth),
                 impactor.its(),
@@ -522,7 +560,12 @@ mod tests {
 
     #[test]
     fn a_warning_states_the_fact_and_its_figures() {
-        let finding = Finding::new(&Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.0123, edge: 0.4 });
+        let size = BodySize::Radius;
+        let finding =
+            Finding::new(&Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.0123, edge: 0.4, size });
+        let size = BodySize::HalfExtent;
+        let of_box = Warning::Penetration { impactor: ImpactorName::only(), time: 0.0123, depth: 0.02, size };
+        assert!(of_box.to_string().contains("by up to 2 % of its half smallest extent"), "{of_box}");
         let message =
             "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
         assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));
