@@ -38,8 +38,8 @@
 //! cite, `docs/glossary.md` the terms.
 #![warn(missing_docs)]
 
-pub mod units;
 pub mod number;
+pub mod units;
 pub mod diagnostic;
 pub mod file;
 pub mod finding;

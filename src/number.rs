@@ -30,6 +30,13 @@ pub fn figure(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
+/// The number in the shortest form that reads back to it; with an exponent from 10^15 on and below 10^-6, where its digits
+/// would be zeros.
+pub fn plain(value: f64) -> String {
+    let is_plain = value == 0.0 || !value.is_finite() || (1e-6..1e15).contains(&value.abs());
+    if is_plain { value.to_string() } else { format!("{value:e}") }
+}
+
 /// A count with its digits in groups of three: `11 240`.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
@@ -60,6 +67,12 @@ pub fn wall_time(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_far_from_one_have_an_exponent() {
+        let found = [1e300, 1e15, 1e14, 0.0, -2.5e-7, 12.5, f64::INFINITY].map(plain);
+        assert_eq!(found, ["1e300", "1e15", "100000000000000", "0", "-2.5e-7", "12.5", "inf"]);
+    }
 
     #[test]
     fn values_are_rounded_to_significant_digits() {

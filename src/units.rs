@@ -13,6 +13,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
 
+use crate::number;
+
 pub use unit::{STANDARD_GRAVITY, Unit, UnknownUnit};
 
 /// Powers of metre, kilogram, second and radian.
@@ -191,7 +193,7 @@ impl Dimension {
         };
         let (factor, prefix) = prefixes.iter().copied().find(|(factor, _)| value.abs() >= *factor).unwrap_or((1.0, ""));
         let shown = if factor < 1.0 { value * (1.0 / factor).round() } else { value / factor };
-        format!("{shown} {prefix}{}", self.unit)
+        format!("{} {prefix}{}", number::plain(shown), self.unit)
     }
 }
 
@@ -267,6 +269,8 @@ fn look_up(symbol: &str) -> Option<(f64, Powers)> {
         // A moment is energy per radian; written so it is not taken for an energy.
         "Nm" => return Some((1.0, [2, 1, -2, -1])),
         "kNm" => return Some((1e3, [2, 1, -2, -1])),
+        // 1/60 of a revolution a second.
+        "rpm" => return Some((std::f64::consts::TAU / 60.0, [0, 0, -1, 1])),
         "Nmm" => return Some((1e-3, [2, 1, -2, -1])),
         _ => {}
     }

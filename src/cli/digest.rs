@@ -36,6 +36,11 @@ pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String
     text
 }
 
+/// Title and findings of a run that failed; ends with a line break.
+pub(super) fn failed(model: &Model, results: &Results) -> String {
+    format!("{}  {}\n{}", model.name, subject(model), findings::lines("  ", results.measures.findings().iter()))
+}
+
 /// The folder and its files; ends with a line break.
 pub(super) fn folder(place: &Path, files: &[String]) -> String {
     format!("  {}: {}\n", shown_path(place), gathered(files).join("  "))
@@ -93,7 +98,8 @@ fn of_body(body: &BodyFigures, last: &str) -> String {
     let BodyFigures { peak_acceleration_m_s2: peak, peak_displacement_m: travel, .. } = body;
     let peak = at(peak.map(|a| format!("{:.1} g", a / G)), body.time_of_peak_acceleration_s);
     let travel = at(travel.map(|d| format!("{:.1} mm", d * 1e3)), body.time_of_peak_displacement_s);
-    let absorbed = body.energy_absorption.map_or("-, no rebound".into(), percent);
+    let none = if body.met_film { "-, no rebound" } else { "-, film not met" };
+    let absorbed = body.energy_absorption.map_or(none.into(), percent);
     format!("  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} {last}\n")
 }
 

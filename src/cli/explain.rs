@@ -1,18 +1,18 @@
 //! `droptower explain`: unit, range, default and sentence of the keys under a path, script functions, codes of
-//! findings.
+//! findings, columns of signals.
 
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::{Failure, Shared, codes, functions, print, print_json};
+use super::{Failure, Shared, codes, columns, functions, print, print_json};
 use crate::diagnostic::{Diagnostic, closest};
 use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
     /// Key path, e.g. specimen.mesh, or its end, e.g. mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
-    /// e.g. coarse-contact; `functions` or `findings` for all of them
+    /// e.g. coarse-contact; a column of signals.csv, e.g. clamp_slip_m; `functions` or `findings` for all of them
     #[arg(value_name = "KEY")]
     pub path: Option<String>,
 }
@@ -49,7 +49,10 @@ pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
             Err(_) if functions::are_called(path) => return functions::run(Some(path), shared),
             Err(mistake) => match (codes::find(path), ending(path).as_slice()) {
                 (Some(code), _) => return codes::run(Some(code), shared),
-                (None, []) => return Err(with_code(mistake, path).into()),
+                (None, []) => match columns::find(path) {
+                    Some(column) => return columns::run(path, column, shared),
+                    None => return Err(with_code(mistake, path).into()),
+                },
                 (None, [(name, key)]) => under(name, key),
                 (None, several) => several.iter().map(|(name, key)| explanation(name, key)).collect(),
             },
@@ -75,9 +78,12 @@ fn texts(explanations: &[Explanation]) -> Vec<String> {
     texts.into_iter().map(|(keys, text)| format!("{}\n    {text}", keys.join("\n"))).collect()
 }
 
-/// The mistake with the code of a finding as its hint, where the unknown `path` is like one and is written like one.
+/// The mistake with the code of a finding or a column as its hint, where the unknown `path` is like one and is written like
+/// one.
 fn with_code(mistake: Diagnostic, path: &str) -> Diagnostic {
-    match codes::hint(path).filter(|_| path.contains('-')) {
+    let code = codes::hint(path).filter(|_| path.contains('-'));
+    let column = || closest(path, columns::names()).filter(|_| path.contains('_') && !path.contains('.'));
+    match code.or_else(|| column().map(|name| format!("did you mean the column `{name}`?"))) {
         Some(hint) => mistake.hint(hint),
         None => mistake,
     }

@@ -65,7 +65,7 @@ impl Left {
         let mut cheaper = vec![];
         if model.faces.iter().any(|face| face.meshing.grading.is_some()) {
             cheaper.push("a larger specimen.mesh.fine takes fewer elements and longer steps".to_owned());
-        } else if !matches!(model.specimen.shape, Outline::Mesh(_)) {
+        } else if !matches!(model.specimen.shape, Outline::Mesh { .. }) {
             cheaper.push("twice the specimen.mesh.size takes an eighth of the time".to_owned());
         }
         if model.specimen.symmetry == Symmetry::None {

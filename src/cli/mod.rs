@@ -4,6 +4,7 @@ mod argument;
 mod check;
 mod checkpoint;
 mod codes;
+mod columns;
 mod compare;
 mod digest;
 mod explain;

@@ -47,7 +47,7 @@ pub(super) struct RunArgs {
         default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
     )]
     pub live: Option<String>,
-    /// Also write the snapshots for ParaView: film.pvd and impactor.pvd, with strain, stress and thickness
+    /// Also write the snapshots for ParaView: film.pvd, impactor.pvd and frame.pvd (the bars), with strain, stress and thickness
     #[arg(long)]
     pub vtu: bool,
 }
@@ -151,7 +151,10 @@ impl Job {
             Err(failure) => return Done::failed(failure),
             Ok(Ok(outcome)) => self.store(&outcome, &scenario, show).unwrap_or_else(Done::failed),
             Ok(Err(RunError::Failure(failure))) => self.store_failed(&failure, &scenario, show),
-            Ok(Err(error)) => Done::failed(Diagnostic::new(format!("{}: {error}", self.checked.model.name)).into()),
+            Ok(Err(error)) => {
+                let mistake = Diagnostic::new(format!("{}: {error}", self.checked.model.name));
+                Done::failed(Diagnostic { hint: error.hint(), ..mistake }.into())
+            }
         };
         // The last checkpoint stays where the results could not be stored or the post script failed: a run resumed from
         // it gives them again.
@@ -248,14 +251,15 @@ impl Job {
         let page = |results| RunPage { model, outcome, results, scenario, failure: Some(&cause), files: &[] };
         show.finish(results.as_ref().map(page).as_ref());
         let mistake = Diagnostic::new(format!("{}: {cause}", model.name));
+        let text = results.as_ref().map_or_else(String::new, |results| digest::failed(model, results));
         match stored {
             Ok(place) => {
                 let hint = format!("what was computed before is in {}", place.display());
-                Done { stored: true, ..Done::failed(Failure::numerical(mistake.hint(hint))) }
+                Done { stored: true, text, ..Done::failed(Failure::numerical(mistake.hint(hint))) }
             }
             Err(error) => {
                 let failures = [Failure::numerical(mistake), Failure::output(storing(&error))];
-                Done { failure: Failure::all(failures), ..Done::default() }
+                Done { text, failure: Failure::all(failures), ..Done::default() }
             }
         }
     }

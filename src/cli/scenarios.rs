@@ -10,6 +10,7 @@ use crate::finding::Finding;
 use crate::model::{self, Model};
 use crate::post::Plan;
 use crate::scenario::{Assignment, Document};
+use crate::simulate;
 
 /// Scenarios, and changes of their keys.
 #[derive(Debug, Args)]
@@ -77,6 +78,7 @@ pub(super) fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
     }
     let document = document.with(assignments);
     let model = model::check(&document)?;
+    simulate::check(&document, &model)?;
     let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;
     let warnings = model::warnings(&document, &model);
     let plan = plan.with_findings(warnings.iter().map(Finding::new).collect());

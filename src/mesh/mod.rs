@@ -41,8 +41,28 @@ pub enum Outline {
     },
     /// A polygon with holes, of which the edges of the outline alone are held. With symmetry it is the computed part.
     Polygon(Polygon),
-    /// Nodes and elements from an STL, OBJ, VTU or MSH file, coordinates in m.
-    Mesh(PathBuf),
+    /// Nodes and elements from an STL, OBJ, VTU or MSH file.
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// Length of one unit of its coordinates, m.
+        scale: f64,
+    },
+}
+
+impl Outline {
+    /// Distance of a point (m) from the film or its computed part, m, zero on it; none where a file gives the film.
+    pub fn distance(&self, [x, y]: [f64; 2]) -> Option<f64> {
+        Some(match self {
+            Outline::Rectangle { x: width, y: height } => {
+                let beyond = |at: f64, length: &f64| (at.abs() - 0.5 * length).max(0.0);
+                beyond(x, width).hypot(beyond(y, height))
+            }
+            Outline::Circle { radius } => (x.hypot(y) - radius).max(0.0),
+            Outline::Polygon(polygon) => polygon.distance([x, y]),
+            Outline::Mesh { .. } => return None,
+        })
+    }
 }
 
 /// A straight edge of a rectangle, or the outermost nodes of another outline in that direction.
@@ -93,7 +113,7 @@ pub fn build(outline: &Outline, mirrored: [bool; 2], meshing: &Meshing) -> Resul
         Outline::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, meshing),
         Outline::Circle { radius } => disc::disc(*radius, mirrored, meshing),
         Outline::Polygon(polygon) => polygon::mesh(polygon, mirrored, meshing),
-        Outline::Mesh(path) => import::film(path, mirrored, meshing.element),
+        Outline::Mesh { path, scale } => import::film(path, *scale, mirrored, meshing.element),
     }
 }
 

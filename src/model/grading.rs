@@ -1,7 +1,7 @@
 //! Where the elements of a face are small.
 
 use super::{Face, Guide, Impactor, ImpactorShape, Loading, Mistakes};
-use crate::mesh::{Grading, Zone, import};
+use crate::mesh::{Grading, Outline, Zone, import};
 use crate::scenario::{Around, AroundChoice, Meshing, Scenario, Shape};
 
 /// Growth of elements where it is not given: from one element to the next of half its size within two of the latter.
@@ -12,7 +12,8 @@ pub fn check(
     scenario: &Scenario,
     loading: &Loading,
     faces: &mut [Face],
-    impactor: Option<&Impactor>,
+    impactors: &[Impactor],
+    shape: Option<&Outline>,
     mistakes: &mut Mistakes<'_>,
 ) {
     let shared = &scenario.specimen.mesh;
@@ -34,9 +35,22 @@ pub fn check(
             mistakes.label(&keys.path("size", own.size.is_some()), "the largest edge length");
             continue;
         }
-        let Some(zone) = keys.zone(loading, face.height, impactor, mistakes) else { continue };
+        let Some(zones) = keys.zones(loading, face.height, impactors, mistakes) else { continue };
         let growth = own.growth.or(shared.growth).unwrap_or(GROWTH);
-        face.meshing.grading = Some(Grading { fine, growth, zones: vec![zone] });
+        let grading = Grading { fine, growth, zones };
+        let beside = |zone: &Zone| {
+            let distance = shape.and_then(|shape| shape.distance(zone.at));
+            distance
+                .is_some_and(|distance| grading.size_at(distance - zone.within, face.meshing.size) >= face.meshing.size)
+        };
+        if !grading.zones.is_empty() && grading.zones.iter().all(beside) {
+            let path =
+                if own.around.or(shared.around).is_some() { keys.path("around", own.around.is_some()) } else { path };
+            let hint = "give a place on the film: x and y are measured from its origin";
+            mistakes.report_with(&path, "no element of the film becomes finer: this place lies beside it", hint);
+            continue;
+        }
+        face.meshing.grading = Some(grading);
     }
 }
 
@@ -70,18 +84,19 @@ impl Keys<'_> {
         }
     }
 
-    fn zone(
+    /// Where elements are fine: around a point, or where each impactor meets the film.
+    fn zones(
         &self,
         loading: &Loading,
         height: f64,
-        impactor: Option<&Impactor>,
+        impactors: &[Impactor],
         mistakes: &mut Mistakes<'_>,
-    ) -> Option<Zone> {
+    ) -> Option<Vec<Zone>> {
         let (own, shared) = (self.own, self.shared);
         let around = own.around.or(shared.around);
         let within = own.within.or(shared.within).map(|within| within.0);
         if let Some(Around::Point(point)) = around {
-            return Some(Zone { at: point.map(|length| length.0), within: within.unwrap_or(0.0) });
+            return Some(vec![Zone { at: point.map(|length| length.0), within: within.unwrap_or(0.0) }]);
         }
         let path = match around {
             Some(_) => self.path("around", own.around.is_some()),
@@ -94,13 +109,18 @@ impl Keys<'_> {
             return None;
         }
         // A missing impactor is a mistake of its own.
-        let impactor = impactor?;
-        if matches!(impactor.guide, Guide::Hinge { .. }) {
+        if impactors.is_empty() {
+            return None;
+        }
+        if impactors.iter().any(|impactor| matches!(impactor.guide, Guide::Hinge { .. })) {
             mistakes.report_with(&path, "where an impactor on a hinge meets the film is not known", hint);
             return None;
         }
-        let radius = footprint(&impactor.shape, impactor.orientation != [0.0; 3])?;
-        Some(Zone { at: impactor.meeting_point(loading, height, radius), within: within.unwrap_or(radius) })
+        let zone = |impactor: &Impactor| {
+            let radius = footprint(&impactor.shape, impactor.orientation != [0.0; 3])?;
+            Some(Zone { at: impactor.meeting_point(loading, height, radius), within: within.unwrap_or(radius) })
+        };
+        impactors.iter().map(zone).collect()
     }
 }
 
@@ -126,7 +146,7 @@ fn footprint(shape: &ImpactorShape, inclined: bool) -> Option<f64> {
     let of_axis = |radius: f64, half: f64| if inclined { radius.hypot(half) } else { radius };
     Some(match shape {
         ImpactorShape::Sphere { radius } => *radius,
-        ImpactorShape::Hemisphere { radius, .. } => *radius,
+        ImpactorShape::Hemisphere { radius, .. } | ImpactorShape::Capsule { radius, .. } => *radius,
         ImpactorShape::Cylinder { radius, length, .. } | ImpactorShape::Cone { radius, length, .. } => {
             of_axis(*radius, 0.5 * length)
         }

@@ -8,7 +8,7 @@ use super::specimen::symmetry;
 use super::{Guide, Impactor, ImpactorShape, Loading, Mistakes, Part, Symmetry};
 use crate::engine::GuideFriction;
 use crate::number::significant;
-use crate::scenario::{self, BodyShape, FrictionPoint, MeshFile, Orientation, Scenario};
+use crate::scenario::{self, BodyShape, FrictionPoint, Orientation, Scenario};
 
 /// Default length of the shaft of a dart, in radii.
 const SHAFT: f64 = 4.0;
@@ -300,7 +300,7 @@ fn one(written: &BodyShape, path: &str, mistakes: &mut Mistakes<'_>) -> Option<I
         BodyShape::Hemisphere { radius, length } => {
             ImpactorShape::Hemisphere { radius: radius.0, length: length.map_or(SHAFT * radius.0, |length| length.0) }
         }
-        BodyShape::Capsule { radius, length } => ImpactorShape::Hemisphere { radius: radius.0, length: length.0 },
+        BodyShape::Capsule { radius, length } => ImpactorShape::Capsule { radius: radius.0, length: length.0 },
         BodyShape::Cylinder { radius, length, edge } => {
             let (radius, length, edge) = (radius.0, length.0, edge.0);
             rounded(edge, radius.min(0.5 * length), &format!("{path}.cylinder.edge"), mistakes)?;
@@ -319,12 +319,9 @@ fn one(written: &BodyShape, path: &str, mistakes: &mut Mistakes<'_>) -> Option<I
             rounded(edge, 0.5 * smallest, &format!("{path}.box.edge"), mistakes)?;
             ImpactorShape::Box { size, edge }
         }
-        BodyShape::Mesh(MeshFile::Path(_)) => {
-            ImpactorShape::Mesh { path: mistakes.file(&format!("{path}.mesh"))?, scale: 1.0 }
-        }
-        BodyShape::Mesh(MeshFile::Table(table)) => {
-            let file = mistakes.file(&format!("{path}.mesh.file"))?;
-            ImpactorShape::Mesh { path: file, scale: table.unit.metres() * table.scale }
+        BodyShape::Mesh(file) => {
+            let (path, scale) = mistakes.mesh(&format!("{path}.mesh"), file)?;
+            ImpactorShape::Mesh { path, scale }
         }
     })
 }

@@ -76,7 +76,7 @@ impl Spans<'_> {
             Outline::Polygon(_) if self.symmetry != Symmetry::None => false,
             Outline::Polygon(polygon) => !polygon.covers(self.from),
             Outline::Rectangle { x: width, y: height } => x.abs() >= 0.5 * width || y.abs() >= 0.5 * height,
-            Outline::Mesh(_) => false,
+            Outline::Mesh { .. } => false,
         }
     }
 
@@ -111,7 +111,7 @@ impl Spans<'_> {
                 };
                 held.then_some(length)
             }
-            Outline::Polygon(_) | Outline::Mesh(_) => None,
+            Outline::Polygon(_) | Outline::Mesh { .. } => None,
         }
         .filter(|length| *length > 0.0)
     }
@@ -127,7 +127,9 @@ impl Spans<'_> {
 fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
     let nearest = spans.shortest()?;
     match impactor.shape {
-        ImpactorShape::Sphere { radius } | ImpactorShape::Hemisphere { radius, .. } => {
+        ImpactorShape::Sphere { radius }
+        | ImpactorShape::Hemisphere { radius, .. }
+        | ImpactorShape::Capsule { radius, .. } => {
             (radius > nearest).then(|| radius - (radius * radius - nearest * nearest).sqrt())
         }
         ImpactorShape::Cylinder { radius, edge, .. } => {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Diagnostic, Span, shown_path};
-use crate::scenario::Document;
+use crate::scenario::{Document, MeshFile};
 
 /// The mistakes found so far, and the document that says where they are.
 pub struct Mistakes<'d> {
@@ -39,6 +39,12 @@ impl<'d> Mistakes<'d> {
         }
     }
 
+    /// The value at the key path, whose number is hardly meant, in the unit that is, as a hint; none where it is likely.
+    pub fn meant(&self, path: &str) -> Option<String> {
+        let found = self.document.implausible().into_iter().find(|value| value.key == path)?;
+        found.meant.map(|meant| format!("did you mean \"{meant}\"?"))
+    }
+
     /// A key that is missing at the key path.
     pub fn missing(&mut self, path: &str, hint: impl Into<String>) {
         self.report_with(path, format!("missing key `{path}`"), hint);
@@ -70,6 +76,14 @@ impl<'d> Mistakes<'d> {
         let shown = shown_path(&file);
         self.report(path, format!("cannot read {shown}: there is no such file"));
         None
+    }
+
+    /// The existing file with a mesh that is written at the key path, and the length of one unit of its coordinates, m.
+    pub fn mesh(&mut self, path: &str, written: &MeshFile) -> Option<(PathBuf, f64)> {
+        match written {
+            MeshFile::Path(_) => Some((self.file(path)?, 1.0)),
+            MeshFile::Table(table) => Some((self.file(&format!("{path}.file"))?, table.unit.metres() * table.scale)),
+        }
     }
 
     /// All mistakes in the order of the text, without repetitions.

@@ -70,7 +70,9 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
     let impactors = impactor::check(scenario, &loading, mistakes);
     let first = impactors.as_deref().unwrap_or_default().first();
-    grading::check(scenario, &loading, faces.as_deref_mut().unwrap_or_default(), first, mistakes);
+    let shape = specimen.as_ref().map(|specimen| &specimen.shape);
+    let (all, graded) = (impactors.as_deref().unwrap_or_default(), faces.as_deref_mut().unwrap_or_default());
+    grading::check(scenario, &loading, graded, all, shape, mistakes);
     let loading = loading.with_impactor(first);
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
@@ -132,7 +134,7 @@ impl Model {
     /// The meshes of the specimen and of the impactors.
     pub fn meshes(&self) -> Vec<MeshInput<'_>> {
         let specimen = match &self.specimen.shape {
-            Outline::Mesh(path) => Some(MeshInput { key: "specimen.shape.mesh".into(), path, scale: 1.0 }),
+            Outline::Mesh { path, scale } => Some(MeshInput { key: "specimen.shape.mesh".into(), path, scale: *scale }),
             _ => None,
         };
         let mut meshes: Vec<MeshInput<'_>> = specimen.into_iter().collect();
@@ -326,6 +328,13 @@ pub enum ImpactorShape {
     /// A cylindrical shaft of this length with a hemispherical tip, and another one above.
     Hemisphere {
         /// Radius of tip and shaft.
+        radius: f64,
+        /// Length of the shaft.
+        length: f64,
+    },
+    /// The same under its other name, with a given length.
+    Capsule {
+        /// Radius of shaft and ends.
         radius: f64,
         /// Length of the shaft.
         length: f64,

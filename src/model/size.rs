@@ -98,7 +98,7 @@ fn samples(model: &Model, film: f64, mistakes: &mut Mistakes<'_>) {
 fn mesh_path(model: &Model, place: usize, mistakes: &Mistakes<'_>) -> String {
     let own = format!("layer.{place}.mesh.size");
     match model.specimen.shape {
-        Outline::Mesh(_) => "specimen.shape.mesh".to_owned(),
+        Outline::Mesh { .. } => "specimen.shape.mesh".to_owned(),
         _ if mistakes.is_written(&own) => own,
         _ => "specimen.mesh.size".to_owned(),
     }
@@ -114,7 +114,7 @@ fn largest_side(shape: &Outline) -> f64 {
         Outline::Rectangle { x, y } => x.max(*y),
         Outline::Circle { radius } => 2.0 * radius,
         Outline::Polygon(polygon) => polygon.extent(),
-        Outline::Mesh(_) => f64::INFINITY,
+        Outline::Mesh { .. } => f64::INFINITY,
     }
 }
 
@@ -139,7 +139,7 @@ fn elements(model: &Model, face: &Face) -> f64 {
         return GRADED * triangles * grading.cells(area, size) / parts;
     }
     let whole = match &model.specimen.shape {
-        Outline::Mesh(path) => return length(path) / FILE_PER_ELEMENT,
+        Outline::Mesh { path, .. } => return length(path) / FILE_PER_ELEMENT,
         _ if size <= 0.0 => return 0.0, // the range was checked before
         Outline::Rectangle { x, y } => (x / size).ceil() * (y / size).ceil(),
         Outline::Circle { radius } => PI * (radius / size).powi(2),
@@ -154,6 +154,6 @@ fn area(shape: &Outline) -> Option<f64> {
         Outline::Rectangle { x, y } => Some(x * y),
         Outline::Circle { radius } => Some(PI * radius * radius),
         Outline::Polygon(polygon) => Some(polygon.area()),
-        Outline::Mesh(_) => None,
+        Outline::Mesh { .. } => None,
     }
 }

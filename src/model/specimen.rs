@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::{Mistakes, Specimen, Symmetry};
 use crate::diagnostic::shown_path;
-use crate::mesh::import::{self, DxfFault};
+use crate::mesh::import::{self, DrawingFault};
 use crate::mesh::{Outline, Polygon};
 use crate::scenario;
 use crate::units::Length;
@@ -15,7 +15,10 @@ pub fn check(specimen: &scenario::Specimen, mistakes: &mut Mistakes<'_>) -> Opti
         scenario::Shape::Rectangle([x, y]) => Outline::Rectangle { x: x.0, y: y.0 },
         scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius.0 },
         scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, symmetry(specimen), mistakes)?),
-        scenario::Shape::Mesh(_) => Outline::Mesh(mistakes.file("specimen.shape.mesh")?),
+        scenario::Shape::Mesh(file) => {
+            let (path, scale) = mistakes.mesh("specimen.shape.mesh", file)?;
+            Outline::Mesh { path, scale }
+        }
     };
     Some(Specimen { shape, symmetry: symmetry(specimen), damping: specimen.damping.0 })
 }
@@ -24,25 +27,19 @@ pub fn check(specimen: &scenario::Specimen, mistakes: &mut Mistakes<'_>) -> Opti
 fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut Mistakes<'_>) -> Option<Polygon> {
     const KEY: &str = "specimen.shape.polygon";
     let key = |name: &str| format!("{KEY}.{name}");
-    let corners = |points: &[[Length; 2]]| points.iter().map(|point| point.map(|length| length.0)).collect();
     let (path, polygon) = match (&written.file, &written.points) {
-        (None, None) => {
-            mistakes.missing(&key("points"), "corners like `[[\"0 mm\", \"0 mm\"], …]`, or a drawing: `file`");
-            return None;
-        }
-        (Some(_), Some(_)) => {
-            mistakes.out_of_place(&key("points"), "`file` gives the outline");
-            return None;
-        }
+        // Neither or both are a mistake that was reported when they were read.
+        (None, None) | (Some(_), Some(_)) => return None,
         (None, Some(points)) => {
-            if written.unit.is_some() {
+            if written.unit.is_some() && !mistakes.is_inherited(&key("unit")) {
                 mistakes.out_of_place(&key("unit"), "corners have their own units");
             }
             let holes = written.holes.iter().map(|hole| corners(hole)).collect();
             (key("points"), Polygon { outer: corners(points), holes })
         }
         (Some(_), None) => {
-            if !written.holes.is_empty() {
+            // Those of inherited corners go with them.
+            if !written.holes.is_empty() && !mistakes.is_inherited(&key("holes")) {
                 mistakes.out_of_place(&key("holes"), "`file` gives the holes");
             }
             let path = key("file");
@@ -52,8 +49,8 @@ fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut Mista
                 Err(fault) => {
                     let message = format!("{}: {fault}", shown_path(&file));
                     match fault {
-                        DxfFault::NoUnit => mistakes.report_with(&path, message, "give it: `unit = \"mm\"`"),
-                        DxfFault::OtherUnit { .. } => {
+                        DrawingFault::NoUnit { .. } => mistakes.report_with(&path, message, "give it: `unit = \"mm\"`"),
+                        DrawingFault::OtherUnit { .. } => {
                             mistakes.report_with(&key("unit"), message, "leave `unit` out, or correct the drawing");
                         }
                         _ => mistakes.report(&path, message),
@@ -71,6 +68,15 @@ fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut Mista
             None
         }
     }
+}
+
+/// The corners of a loop, m; without a last one that repeats the first.
+fn corners(points: &[[Length; 2]]) -> Vec<[f64; 2]> {
+    let mut corners: Vec<[f64; 2]> = points.iter().map(|point| point.map(|length| length.0)).collect();
+    if corners.len() > 3 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    corners
 }
 
 /// The mirror planes.

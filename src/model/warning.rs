@@ -55,12 +55,9 @@ impl fmt::Display for Warning {
             Warning::Extent { key, extent } => {
                 let metres = significant(*extent, 3);
                 write!(f, "the mesh of `{key}` is {metres} m wide, which is implausible")?;
-                match key.starts_with("impactor") {
-                    _ if key.ends_with("polygon.file") => write!(f, "; check the unit of the drawing"),
-                    true => write!(f, "; coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
-                    false => {
-                        write!(f, "; did you mean {metres} mm? coordinates are read in m: scale the file by 0.001")
-                    }
+                match key.ends_with("polygon.file") {
+                    true => write!(f, "; check the unit of the drawing"),
+                    false => write!(f, "; coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
                 }
             }
             Warning::AbsorptionNotGiven { key } => {

@@ -47,19 +47,22 @@ pub struct BodyFigures {
     /// What the names of its figures and signals begin with; empty of a single impactor.
     #[serde(skip)]
     pub prefix: String,
-    /// Largest filtered acceleration.
+    /// Whether it met the film; without, it has neither a lowest point nor a rebound, and the film absorbed nothing of it.
+    #[serde(skip)]
+    pub met_film: bool,
+    /// Largest filtered acceleration; none where it met nothing.
     pub peak_acceleration_m_s2: Option<f64>,
     /// Time of the largest filtered acceleration.
     pub time_of_peak_acceleration_s: Option<f64>,
-    /// Lowest displacement from first contact; negative.
+    /// Lowest displacement from first contact with the film; negative.
     pub peak_displacement_m: Option<f64>,
     /// Time of the lowest displacement.
     pub time_of_peak_displacement_s: Option<f64>,
     /// Largest upward velocity after the lowest point; none without a rebound.
     pub rebound_velocity_m_s: Option<f64>,
-    /// D of the paper's equation 11; none without a rebound.
+    /// D of the paper's equation 11, without what other impactors and the frame's bars did to it; none without a rebound.
     pub energy_absorption: Option<f64>,
-    /// D of the film alone, without what the guide dissipates; none without a rebound.
+    /// The same of the film alone, without what the guide dissipates.
     pub film_energy_absorption: Option<f64>,
 }
 
@@ -135,6 +138,7 @@ impl Impact {
 impl BodyFigures {
     const NONE: BodyFigures = BodyFigures {
         prefix: String::new(),
+        met_film: false,
         peak_acceleration_m_s2: None,
         time_of_peak_acceleration_s: None,
         peak_displacement_m: None,
@@ -147,8 +151,10 @@ impl BodyFigures {
     /// Measures of the channels of `signals` that begin with `prefix`.
     fn measure(impactor: &Impactor, prefix: &str, model: &Model, signals: &Recording) -> BodyFigures {
         let moves = impactor.mass.is_finite();
-        let peak = channel(signals, prefix, column::ACCELERATION_FILTERED).largest().filter(|_| moves);
-        let deepest = channel(signals, prefix, column::DISPLACEMENT).smallest().filter(|_| moves);
+        let met_film = met(signals, prefix, column::CONTACT_FORCE);
+        let met_any = met_film || met(signals, prefix, column::COLLISION_FORCE);
+        let peak = channel(signals, prefix, column::ACCELERATION_FILTERED).largest().filter(|_| moves && met_any);
+        let deepest = channel(signals, prefix, column::DISPLACEMENT).smallest().filter(|_| moves && met_film);
         let rebound = lowest_point(signals, prefix).filter(|_| moves).and_then(|[time, _]| {
             let after = channel(signals, prefix, column::VELOCITY).window([time, f64::INFINITY]);
             after.largest()
@@ -156,6 +162,7 @@ impl BodyFigures {
         let absorption = |friction: &GuideFriction| absorption(impactor, model, friction, (signals, prefix));
         BodyFigures {
             prefix: prefix.to_owned(),
+            met_film,
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
             time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
@@ -172,7 +179,7 @@ impl BodyFigures {
         if self.rebound_velocity_m_s.is_some() {
             early
         } else {
-            BodyFigures { prefix: early.prefix, ..BodyFigures::NONE }
+            BodyFigures { prefix: early.prefix, met_film: early.met_film, ..BodyFigures::NONE }
         }
     }
 }
@@ -182,10 +189,19 @@ fn channel(signals: &Recording, prefix: &str, column: Column) -> Series {
     signals.series(&format!("{prefix}{}", column.name)).unwrap_or_else(|| Series::new([], []))
 }
 
+/// Whether a force acted on the impactor whose channels begin with `prefix`.
+fn met(signals: &Recording, prefix: &str, force: Column) -> bool {
+    let force = signals.channel(&format!("{prefix}{}", force.name));
+    force.is_some_and(|force| force.iter().any(|force| *force != 0.0))
+}
+
 /// Time (s) and displacement (m) of the lowest point of the impactor whose channels begin with `prefix`; none where it
-/// still moves down at the end.
+/// still moves down at the end, or never met the film.
 pub fn lowest_point(signals: &Recording, prefix: &str) -> Option<[f64; 2]> {
     let displacement = signals.series(&format!("{prefix}{}", column::DISPLACEMENT.name))?;
+    if !met(signals, prefix, column::CONTACT_FORCE) {
+        return None;
+    }
     displacement.smallest().filter(|[time, _]| displacement.time().last() > Some(time))
 }
 
@@ -210,9 +226,21 @@ fn absorption(
     if !mass.is_finite() {
         return None;
     }
+    lowest_point(signals, prefix)?;
     // One that is released later is held before.
     let from = signals.time.partition_point(|time| *time < impactor.release);
     let own = |column: Column| signals.channel(&format!("{prefix}{}", column.name))?.get(from..);
+    if met(signals, prefix, column::COLLISION_FORCE) {
+        // Its own energy has what the others gave and took; that of the film and the guide is the rest of the balance
+        // (theory.md, equation 53a).
+        let (velocity, displacement) = (own(column::VELOCITY)?, own(column::DISPLACEMENT)?);
+        let [all, left_out] =
+            [&impactor.guide_friction, friction].map(|friction| friction.dissipated(velocity, displacement));
+        let guide = all.iter().zip(&left_out).map(|(all, left_out)| all - left_out);
+        let film: Vec<f64> = own(column::ABSORBED_ENERGY)?.iter().map(|work| -work).collect();
+        let energy: Vec<f64> = film.iter().zip(guide).map(|(film, guide)| film - guide).collect();
+        return absorption_of(&energy, &film).ok();
+    }
     if let Some(kinetic) = own(column::KINETIC_ENERGY).filter(|_| own(column::ACCELERATION_RESULTANT).is_some()) {
         let potential = own(column::POTENTIAL_ENERGY)?;
         let energy: Vec<f64> = kinetic.iter().zip(potential).map(|(kinetic, potential)| kinetic + potential).collect();
@@ -227,12 +255,43 @@ mod tests {
     use super::*;
     use crate::signal::Channel;
 
+    /// A bar takes all of the motion of a body that gave 2 J to the film and gets back 0.5 J of it, 0.3 J of which go into
+    /// its guide.
+    #[test]
+    fn what_bars_take_is_not_absorbed_by_the_film() {
+        let text = "specimen.shape.circle.radius = 0.1
+             specimen.mesh = { element = \"quad4\", size = 0.02 }
+             specimen.material = { density = 915, thickness = 20e-6, elastic = { young = 1e6, poisson = 0.3 } }
+             frame.bars = { radius = 0.01, friction = 0.2 }
+             impactor = { shape.sphere.radius = 0.02, mass = 1, friction = 0.0, guide_friction.constant = 3 }
+             loading.impact = { velocity = 2, gravity = 0, duration = 0.01 }";
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bars.toml");
+        std::fs::write(&path, text).unwrap();
+        let model = crate::model::check(&crate::scenario::Document::read(&path).unwrap()).unwrap();
+        let channels = [
+            ("displacement_m", [0.0, -0.1, -0.2, -0.15, -0.1]),
+            ("velocity_m_s", [-2.0, -2.0, 0.0, 5.0, 5.0]),
+            ("contact_force_N", [0.0, 10.0, 10.0, 1.0, 0.0]),
+            ("collision_force_N", [0.0, 0.0, 900.0, 0.0, 0.0]),
+            ("absorbed_energy_J", [0.0, 1.0, 2.0, 1.8, 1.5]),
+        ];
+        let channels = channels.map(|(name, values)| Channel { name: name.into(), values: values.to_vec() });
+        let signals = Recording { time: vec![0.0, 1.0, 2.0, 3.0, 4.0], channels: channels.to_vec() };
+        let body = BodyFigures::measure(&model.impactors[0], "", &model, &signals);
+        assert!((body.film_energy_absorption.unwrap() - (1.0 - 0.5 / 2.0)).abs() < 1e-12, "{body:?}");
+        let guide = [0.6, 0.3];
+        let expected = 1.0 - (0.5 - guide[1]) / (2.0 + guide[0]);
+        assert!((body.energy_absorption.unwrap() - expected).abs() < 1e-12, "{body:?}");
+    }
+
     #[test]
     fn an_impactor_that_still_moves_down_has_no_lowest_point() {
         let falls = |values: &[f64]| {
             let displacement = Channel { name: "displacement_m".into(), values: values.to_vec() };
+            let force = Channel { name: "contact_force_N".into(), values: vec![1.0; values.len()] };
             let time = (0..values.len()).map(|i| i as f64).collect();
-            lowest_point(&Recording { time, channels: vec![displacement] }, "")
+            lowest_point(&Recording { time, channels: vec![displacement, force] }, "")
         };
         assert_eq!(falls(&[0.0, -0.2, -0.1]), Some([1.0, -0.2]));
         assert_eq!(falls(&[0.0, -0.1, -0.2]), None);

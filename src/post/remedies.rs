@@ -20,6 +20,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::Settled(_)
+        | Warning::FilmNotMet(_)
         | Warning::MisshapenElements { .. }
         | Warning::FrameHit { .. }
         | Warning::FilmCrossing { .. }
@@ -36,7 +37,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
 fn finer(warning: &Warning, model: &Model) -> String {
     let first = model.faces.first().map(|face| face.meshing.size);
     match &model.specimen.shape {
-        Outline::Mesh(_) => "give a finer mesh in `specimen.shape.mesh`".into(),
+        Outline::Mesh { .. } => "give a finer mesh in `specimen.shape.mesh`".into(),
         _ if model.faces.iter().any(|face| face.meshing.grading.is_some()) => {
             "use a smaller `specimen.mesh.fine`, or a larger `specimen.mesh.within`".into()
         }
@@ -80,7 +81,7 @@ mod tests {
     use crate::mesh::{Grading, Zone};
     use crate::post::tests::model;
     use crate::scenario::grammar;
-    use crate::simulate::ImpactorName;
+    use crate::simulate::{BodySize, ImpactorName};
 
     /// The paths of keys in `text`: words of a key's letters joined by points.
     fn paths(text: &str) -> impl Iterator<Item = &str> {
@@ -119,8 +120,8 @@ mod tests {
     #[test]
     fn the_remedy_of_a_code_follows_the_fact_once() {
         let warnings = [
-            Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4 },
-            Warning::Penetration { impactor: ImpactorName::only(), time: 0.01, depth: 0.02 },
+            Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4, size: BodySize::Radius },
+            Warning::Penetration { impactor: ImpactorName::only(), time: 0.01, depth: 0.02, size: BodySize::Radius },
             Warning::Unfinished(ImpactorName::only()),
             Warning::FewerSnapshots { wanted: 200, taken: 50, memory: 1e9 },
         ];
@@ -133,7 +134,8 @@ mod tests {
 
     #[test]
     fn the_remedy_of_coarse_elements_names_what_gives_their_size() {
-        let warning = Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4 };
+        let warning =
+            Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4, size: BodySize::Radius };
         let mut model = model();
         let mut finer = model.faces[0].clone();
         finer.meshing.size *= 0.5;
@@ -142,7 +144,7 @@ mod tests {
         let zones = vec![Zone { at: [0.0; 2], within: 0.01 }];
         model.faces[0].meshing.grading = Some(Grading { fine: 1e-3, growth: 0.25, zones });
         assert!(with_remedy(&warning, &model, None).contains("`specimen.mesh.fine`"));
-        model.specimen.shape = Outline::Mesh("film.stl".into());
+        model.specimen.shape = Outline::Mesh { path: "film.stl".into(), scale: 1.0 };
         let remedy = with_remedy(&warning, &model, None);
         assert!(remedy.ends_with("give a finer mesh in `specimen.shape.mesh`"), "{remedy}");
     }

@@ -75,7 +75,10 @@ impl Study {
         let failed = |error: RunError| {
             let cause = match &error {
                 RunError::Failure(failure) => failure_message(failure, model),
-                error => error.to_string(),
+                error => match error.hint() {
+                    Some(hint) => format!("{error}: {hint}"),
+                    None => error.to_string(),
+                },
             };
             let cause = format!("{}: {cause}", model.name);
             session.add_failure(&cause);

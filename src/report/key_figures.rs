@@ -110,7 +110,20 @@ pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: boo
         .chain([""])
         .flat_map(|prefix| keys(prefix).iter().filter_map(move |key| card(key, prefix, summary)))
         .collect();
-    format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary, failed))
+    let unmet: String =
+        bodies.iter().filter(|body| !body.met_film && !failed).map(|body| not_met(&body.prefix)).collect();
+    format!("<ul class=\"cards\">\n{cards}{unmet}{}</ul>\n", film(summary, failed))
+}
+
+/// The card of an impactor that never met the film; `prefix` begins the names of its figures.
+fn not_met(prefix: &str) -> String {
+    let whose = owner(prefix);
+    format!("<li><span class=\"words\">{whose}contact with the film</span><span class=\"value\">none</span></li>\n")
+}
+
+/// Whose figures have names that begin with `prefix`, before their words; empty of a single impactor.
+fn owner(prefix: &str) -> String {
+    prefix.strip_suffix('_').map_or_else(String::new, |body| format!("{}: ", escape(body)))
 }
 
 /// Share in % below which a card shows no digits.
@@ -121,7 +134,7 @@ fn card(key: &Key, prefix: &str, summary: &Map<String, Value>) -> Option<String>
     let Key { words, name, factor, unit, beside } = key;
     let number = |name: &str| summary.get(&format!("{prefix}{name}"))?.as_f64();
     let value = number(name)?;
-    let whose = prefix.strip_suffix('_').map_or_else(String::new, |body| format!("{}: ", escape(body)));
+    let whose = owner(prefix);
     let beside = match beside {
         Beside::Nothing => None,
         Beside::Time(name) => number(name).map(|time| format!("at {}", duration(time))),

@@ -52,6 +52,7 @@ fn body(impactor: &Impactor) -> &'static str {
     match impactor.shape {
         ImpactorShape::Sphere { .. } => "sphere",
         ImpactorShape::Hemisphere { .. } => "hemisphere",
+        ImpactorShape::Capsule { .. } => "capsule",
         ImpactorShape::Cylinder { .. } => "cylinder",
         ImpactorShape::Cone { .. } => "cone",
         ImpactorShape::Box { .. } => "box",

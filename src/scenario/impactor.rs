@@ -219,7 +219,7 @@ fn sharp() -> Length {
     Length(0.0)
 }
 
-/// A file with a closed surface: its path, with coordinates in m, or with their unit. The validator has reported mistakes
+/// A file with a mesh: its path, with coordinates in m, or with their unit. The validator has reported mistakes
 /// before serde tries the two forms.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
@@ -230,7 +230,7 @@ pub enum MeshFile {
     Table(MeshTable),
 }
 
-/// A file with a closed surface and the unit of its coordinates.
+/// A file with a mesh and the unit of its coordinates.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct MeshTable {
     /// The file.

@@ -1,6 +1,8 @@
 //! Values that can be computed with but are hardly meant: a film of 12 mm, a modulus of 10 Pa, a drop of 120 s. The
 //! likely ranges stand beside the keys (`x-likely`).
 
+use crate::number;
+
 use super::grammar::{Range, Rule};
 use super::tree::{Node, Value};
 
@@ -64,7 +66,7 @@ fn walk(node: &Node, rule: &Rule, path: &str, found: &mut Vec<Implausible>) {
 fn single(node: &Node, rule: &Rule, range: &Range, path: &str) -> Option<Implausible> {
     let value = value_of(node, rule)?;
     let [low, high] = range.likely.filter(|_| range.contains(value) && !range.is_likely(value))?;
-    let shown = |value: f64| rule.dimension().map_or_else(|| value.to_string(), |dimension| dimension.show(value));
+    let shown = |value: f64| rule.dimension().map_or_else(|| number::plain(value), |dimension| dimension.show(value));
     Some(Implausible {
         key: path.to_owned(),
         value,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::impactor::MeshUnit;
+use super::impactor::{MeshFile, MeshUnit};
 use super::material::Material;
 use super::schema;
 use crate::units::{Angle, Length, Rate};
@@ -52,8 +52,8 @@ pub enum Shape {
     Circle(Circle),
     /// A polygon with holes, whose edges are free. With symmetry it is the computed part.
     Polygon(Polygon),
-    /// Nodes and elements from an STL, OBJ, VTU or Gmsh (.msh) file, coordinates in m.
-    Mesh(#[schemars(extend("x-path" = true))] PathBuf),
+    /// Nodes and elements from an STL, OBJ, VTU or Gmsh (.msh) file.
+    Mesh(MeshFile),
 }
 
 /// A disc.
@@ -66,12 +66,14 @@ pub struct Circle {
 
 /// A polygon with holes: corners, or a drawing.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("oneOf" = [{ "required": ["file"] }, { "required": ["points"] }]))]
 pub struct Polygon {
-    /// Drawing in a DXF file, in place of `points`: LWPOLYLINE, POLYLINE, LINE, ARC and CIRCLE; the largest loop is the
-    /// outline, the others are holes.
+    /// Drawing in a DXF file (LWPOLYLINE, POLYLINE, LINE, ARC and CIRCLE) or an SVG file (paths and basic shapes), in place of
+    /// `points`; the largest loop is the outline, the others are holes.
     #[schemars(extend("x-path" = true))]
     pub file: Option<PathBuf>,
-    /// Unit of the drawing's coordinates; required where the drawing does not give it ($INSUNITS).
+    /// Unit of the drawing's coordinates; required where the drawing does not give it (DXF: $INSUNITS; SVG: width and height
+    /// with a unit).
     pub unit: Option<MeshUnit>,
     /// Corners of the outline in order, x and y of each.
     #[schemars(length(min = 3, max = 10_000), extend("x-likely" = [-20.0, 20.0]))]
@@ -94,7 +96,7 @@ pub struct Meshing {
     /// Target edge length around one place, from which elements grow to `size`; left out, all have one size.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 0.5]))]
     pub fine: Option<Length>,
-    /// Where elements are `fine`: where the impactor meets the film, or around a point of the undeformed film.
+    /// Where elements are `fine`: where each impactor meets the film, or around a point of the undeformed film.
     #[schemars(extend("default" = "impactor"))]
     pub around: Option<Around>,
     /// Radius of the circle in which elements are `fine`; the impactor's radius seen from above where it is left out, and
@@ -110,7 +112,7 @@ pub struct Meshing {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Around {
-    /// Around the impactor.
+    /// Around the impactors.
     Word(AroundChoice),
     /// Around a point, x and y.
     Point([Length; 2]),
@@ -120,7 +122,7 @@ pub enum Around {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum AroundChoice {
-    /// Where the impactor meets the film.
+    /// Where each impactor meets the film.
     Impactor,
 }
 

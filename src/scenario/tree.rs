@@ -6,6 +6,7 @@ use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
 use crate::diagnostic::{Diagnostic, Source, Span};
+use crate::number;
 
 /// A value with its place.
 #[derive(Clone, Debug)]
@@ -199,7 +200,7 @@ impl Node {
             Value::Text(text) => format!("\"{text}\""),
             Value::Time(text) => text.clone(),
             Value::Whole(whole) => whole.to_string(),
-            Value::Number(number) => number.to_string(),
+            Value::Number(number) => number::plain(*number),
             Value::Flag(flag) => flag.to_string(),
             Value::List(items) => format!("a list of {}", items.len()),
             Value::Table(_) => "a table".to_owned(),

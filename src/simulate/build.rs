@@ -62,6 +62,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         held.mount(&mesh, first);
         let topology = topology(&mesh, model);
         crest.mount(&topology.held, first);
+        frame::check_clamp(model, films.len(), &mesh, &topology.held)?;
         clamped.extend(frame::clamped(model, &nodes, &mesh, &topology.held, first));
         loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
         topologies.push(topology);

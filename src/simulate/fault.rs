@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::outcome::Outcome;
+use super::warning::ImpactorName;
 use crate::engine::{self, StateMismatch, SurfaceError, UndefinedFibreDirection};
 use crate::mesh::MeshError;
 use crate::model::{Impactor, Model};
@@ -24,14 +25,18 @@ pub enum RunError {
     #[error("the checkpoint does not fit: {0}")]
     StateMismatch(#[from] StateMismatch),
     /// The impactor starts inside the film.
-    #[error("the impactor starts {} mm inside the film: change `impactor.position`, or leave out its height", number::significant(1e3 * depth, 3))]
+    #[error("{name} starts {} mm inside the film", number::significant(1e3 * depth, 3))]
     Overlap {
+        /// Its place among the impactors.
+        impactor: usize,
+        /// Its name.
+        name: ImpactorName,
         /// How deep, m.
         depth: f64,
     },
     /// Two impactors start inside each other.
     #[error(
-        "the impactors \"{}\" and \"{}\" start {} mm inside each other: change a `position`, or give a height",
+        "the impactors \"{}\" and \"{}\" start {} mm inside each other",
         names[0],
         names[1],
         number::significant(1e3 * depth, 3)
@@ -44,23 +49,43 @@ pub enum RunError {
     },
     /// An impactor starts inside the frame's bars.
     #[error(
-        "the impactor \"{name}\" starts {} mm inside the bars of the frame: change its `position`, or give a height",
+        "{name} starts {} mm inside the bars of the frame",
         number::significant(1e3 * depth, 3)
     )]
     InFrame {
+        /// Its place among the impactors.
+        impactor: usize,
         /// Its name.
-        name: String,
+        name: ImpactorName,
         /// How deep, m.
         depth: f64,
     },
-    /// Several faces are met from below.
-    #[error("an impactor below the first of several faces is not supported: the faces are stacked below it")]
-    Below,
-    /// Faces lie inside each other at the start.
+    /// Several faces are met from below, or from beside.
+    #[error("{name} starts below the first of several faces, which is not supported")]
+    Below {
+        /// Its place among the impactors.
+        impactor: usize,
+        /// Its name.
+        name: ImpactorName,
+    },
+    /// The pre-strain pulls film out of the frame's clamp.
     #[error(
-        "two faces pass through each other before the test: mount them further apart, or \
-         leave contact between them out with `contact.film = false`"
+        "the pre-strain of face {face} pulls with {} N/m at its edge, and the clamp holds {} N/m",
+        number::significant(*pull, 4),
+        number::significant(*held, 4)
     )]
+    ClampTooWeak {
+        /// The face, counted from one.
+        face: usize,
+        /// Largest force of the pre-strain over the length of an edge, N/m.
+        pull: f64,
+        /// Largest force of friction in the clamp over the length of the edge, N/m.
+        held: f64,
+        /// Force of the clamp that holds it, N.
+        needed: f64,
+    },
+    /// Faces lie inside each other at the start.
+    #[error("two faces pass through each other before the test")]
     FacesCross,
     /// The impactor passes beside the film.
     #[error("there is no film below the impactor")]
@@ -71,6 +96,45 @@ pub enum RunError {
     /// The run failed numerically.
     #[error("{0}")]
     Failure(Box<Failure>),
+}
+
+impl RunError {
+    /// Two bodies of `model` that start inside each other, by their places, and how deep, m; the last may be the bars.
+    pub(super) fn of_overlap(model: &Model, ([first, second], depth): ([usize; 2], f64)) -> RunError {
+        let name = |place: usize| model.impactors.get(place).map(|impactor| impactor.words().to_owned());
+        match (name(first), name(second)) {
+            (Some(first), Some(second)) => RunError::ImpactorsOverlap { names: [first, second], depth },
+            // The bars are the last body.
+            _ => RunError::InFrame { impactor: first, name: ImpactorName::of(model, first), depth },
+        }
+    }
+
+    /// What can be changed in the scenario, if anything.
+    pub fn hint(&self) -> Option<String> {
+        Some(match self {
+            RunError::Overlap { .. } => "change its `position`, or leave out its height".to_owned(),
+            RunError::ImpactorsOverlap { .. } | RunError::InFrame { .. } => {
+                "change a `position`, or give a height".to_owned()
+            }
+            RunError::Below { .. } => {
+                "the faces are stacked below the first: start above it, or mount one face".to_owned()
+            }
+            RunError::ClampTooWeak { needed, .. } => {
+                // Rounded up, so that it holds.
+                format!("a force of {} N holds it", (needed * (1.0 + 1e-9)).ceil())
+            }
+            RunError::FacesCross => {
+                "mount them further apart, or leave contact between them out with `contact.film = false`".to_owned()
+            }
+            RunError::Missed => "change `impactor.position`".to_owned(),
+            RunError::Mesh(_)
+            | RunError::Surface(_)
+            | RunError::FibreDirection(_)
+            | RunError::StateMismatch(_)
+            | RunError::Cancelled
+            | RunError::Failure(_) => return None,
+        })
+    }
 }
 
 /// A run that failed numerically, with what was computed until then.

@@ -1,14 +1,15 @@
 //! The mounting frame as a body: its bars, and the clamp in which film slips.
 
 use super::fault::RunError;
+use super::prestress;
 use crate::engine::{ClampedNode, Contact, Film, Impact, Nodes, Surface};
 use crate::mesh::{Mesh, Outline, Polygon, Side};
-use crate::model::{Bars, Hold, Model};
+use crate::model::{Bars, Clamp, Hold, Model};
 
 /// Length by which a straight bar continues beyond the film where the side next to it is free, over its radius.
 const BEYOND: f64 = 2.0;
 
-/// Distance of an edge from a mirror plane over the extent of its outline that is round-off.
+/// Share of the extent of an outline, or of a force, that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
 /// The bars of `model` as a body on which film bends, where there are any.
@@ -36,7 +37,7 @@ pub(super) fn bars(model: &Model, films: &[Film]) -> Result<Option<Impact>, RunE
             let lines = around_polygon(polygon, model.specimen.symmetry.mirrors());
             Surface::straight_bars(&lines, radius, half_height)?
         }
-        Outline::Mesh(_) => return Ok(None),
+        Outline::Mesh { .. } => return Ok(None),
     };
     let offset = films.iter().flat_map(|film| film.nodes.clone().map(|_| 0.5 * film.thickness)).collect();
     let contact = Contact::new(surface, friction, model.specimen.symmetry.copies(), offset);
@@ -111,6 +112,44 @@ fn around_polygon(polygon: &Polygon, mirrored: [bool; 2]) -> Vec<[[f64; 2]; 2]> 
     lines
 }
 
+/// Largest force (N) of friction in the clamp on the `length` (m) of a face whose edges in it have the length `whole` (m):
+/// 2 µF l/L (theory.md, equation 73).
+fn friction_of(clamp: Clamp, length: f64, whole: f64) -> f64 {
+    2.0 * clamp.friction * clamp.force * length / whole
+}
+
+/// Length of the edge from one node of `mesh` to another, m.
+fn length_of(mesh: &Mesh, [a, b]: [u32; 2]) -> f64 {
+    (mesh.nodes[a as usize] - mesh.nodes[b as usize]).norm()
+}
+
+/// Refuses a clamp that cannot hold the pre-strain of the face with `mesh` and the `held` edges, the last of `faces`: it
+/// would let go of the film as a shock at the start (theory.md, equation 73a).
+///
+/// # Errors
+/// [`RunError::ClampTooWeak`].
+pub(super) fn check_clamp(model: &Model, faces: usize, mesh: &Mesh, held: &[[u32; 2]]) -> Result<(), RunError> {
+    let (Some(clamp), Some(face)) = (model.frame.clamp, model.faces.get(faces - 1)) else { return Ok(()) };
+    let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
+    let stress = prestress::of_face(face, 1.0);
+    let thickness = face.material.thickness * f64::from(face.layers);
+    let (sin, cos) = face.md_angle.sin_cos();
+    let pull = |edge: &[u32; 2]| {
+        let along = mesh.nodes[edge[1] as usize] - mesh.nodes[edge[0] as usize];
+        let normal = along.xy().try_normalize(0.0).map_or([0.0; 2], |t| [t.y, -t.x]);
+        let [n1, n2] = [normal[0] * cos + normal[1] * sin, normal[1] * cos - normal[0] * sin];
+        let force = |axis: usize| stress[0][axis][0] * n1 / td + stress[1][axis][0] * n2 / md;
+        thickness * (force(0).powi(2) + force(1).powi(2)).sqrt()
+    };
+    let pull = held.iter().map(pull).fold(0.0, f64::max);
+    let length = model.specimen.symmetry.copies() * held.iter().map(|edge| length_of(mesh, *edge)).sum::<f64>();
+    let bound = friction_of(clamp, 1.0, length);
+    if pull > bound * (1.0 + ROUND_OFF) {
+        return Err(RunError::ClampTooWeak { face: faces, pull, held: bound, needed: clamp.force * pull / bound });
+    }
+    Ok(())
+}
+
 /// Nodes of `mesh`, of which `first` is the first of all `nodes`, on the `held` edges, before they are held, with the
 /// force that friction in the clamp of `model` can have on each: 2 µF spread evenly over the held length (theory.md,
 /// equation 73).
@@ -118,13 +157,12 @@ pub(super) fn clamped(model: &Model, nodes: &Nodes, mesh: &Mesh, held: &[[u32; 2
     let Some(clamp) = model.frame.clamp else { return vec![] };
     let mut lengths = vec![0.0; mesh.nodes.len()];
     for edge in held {
-        let [a, b] = edge.map(|n| mesh.nodes[n as usize]);
-        edge.iter().for_each(|n| lengths[*n as usize] += 0.5 * (a - b).norm());
+        edge.iter().for_each(|n| lengths[*n as usize] += 0.5 * length_of(mesh, *edge));
     }
     let whole = model.specimen.symmetry.copies() * lengths.iter().sum::<f64>();
     let node = |(n, length): (usize, &f64)| ClampedNode {
         node: first + n,
-        bound: 2.0 * clamp.friction * clamp.force * length / whole,
+        bound: friction_of(clamp, *length, whole),
         free: nodes.free_axes(first + n),
     };
     lengths.iter().enumerate().filter(|(_, length)| **length > 0.0).map(node).collect()

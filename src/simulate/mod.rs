@@ -2,6 +2,7 @@
 
 mod build;
 mod cancellation;
+mod check;
 mod checkpoint;
 mod energy_check;
 mod fault;
@@ -13,6 +14,7 @@ mod image;
 mod loading;
 mod monitor;
 mod mount;
+mod prestress;
 mod outcome;
 mod probe;
 mod pull;
@@ -29,6 +31,7 @@ use crate::engine::{self, Engine, Relaxation, Settling, Surface, ThreadPool};
 use crate::model::{Hold, Model};
 use crate::signal::Recording;
 pub use cancellation::Cancellation;
+pub use check::check;
 pub use checkpoint::{Checkpoint, Checkpoints, Restart};
 pub use fault::{Failure, Fault, RunError};
 pub use film::Film;
@@ -40,7 +43,7 @@ use probe::Probe;
 pub use pull::{Across, PullError, pull};
 pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot};
-pub use warning::{CODES, ImpactorName, Warning};
+pub use warning::{BodySize, CODES, ImpactorName, Warning};
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug)]
@@ -149,13 +152,8 @@ pub fn run_with(
     }
     let lifted = scene.mounting.bodies.iter_mut().filter(|body| body.in_contact);
     lifted.for_each(|body| body.start += probe.lift());
-    if let Some(([first, second], depth)) = engine.overlap_of_impactors().filter(|_| engine.steps() == 0) {
-        let name = |place: usize| model.impactors.get(place).map(|impactor| impactor.words().to_owned());
-        return Err(match (name(first), name(second)) {
-            (Some(first), Some(second)) => RunError::ImpactorsOverlap { names: [first, second], depth },
-            (Some(name), None) | (None, Some(name)) => RunError::InFrame { name, depth },
-            (None, None) => RunError::InFrame { name: "frame".to_owned(), depth },
-        });
+    if let Some(overlap) = engine.overlap_of_impactors(|_| true).filter(|_| engine.steps() == 0) {
+        return Err(RunError::of_overlap(model, overlap));
     }
     let wall = || before + begin.elapsed();
     let mut events = SnapshotEvents { on_snapshot, mounting: &scene.mounting, reported: 0 };

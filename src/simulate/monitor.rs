@@ -3,14 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
-use super::warning::{ImpactorName, Warning, bounds};
+use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::engine::{self, AddedMass, ContactState, ElementStrain, Relaxation, View};
-use crate::model::SNAPSHOT_MEMORY;
+use crate::model::{Model, SNAPSHOT_MEMORY};
 
 /// Figures that are known only at the end of a run.
 pub(super) struct Figures<'a> {
     /// Whether each impactor reached the end of the test without contact.
     pub(super) missed: Vec<bool>,
+    /// Whether each met other bodies by then, but not the film.
+    pub(super) met_others_alone: Vec<bool>,
     /// How the film came to equilibrium.
     pub(super) relaxation: Option<Relaxation>,
     /// Error of the energy balance.
@@ -89,10 +91,12 @@ impl ContactMonitor {
         self.frame_hit.get_or_insert(time);
     }
 
-    /// The warnings of the impactor `name`; whether the frame has bars.
-    fn warnings(&self, name: &ImpactorName, has_bars: bool) -> impl Iterator<Item = Warning> {
-        let edge = self.edge.map(|(time, edge)| Warning::CoarseContact { impactor: name.clone(), time, edge });
-        let depth = self.penetration.map(|(time, depth)| Warning::Penetration { impactor: name.clone(), time, depth });
+    /// The warnings of the impactor `name`, whose size is this one; whether the frame has bars.
+    fn warnings(&self, name: &ImpactorName, size: BodySize, has_bars: bool) -> impl Iterator<Item = Warning> {
+        let impactor = || name.clone();
+        let edge = self.edge.map(|(time, edge)| Warning::CoarseContact { impactor: impactor(), time, edge, size });
+        let depth =
+            self.penetration.map(|(time, depth)| Warning::Penetration { impactor: impactor(), time, depth, size });
         let hit = self.frame_hit.map(|time| Warning::FrameHit { impactor: name.clone(), time, has_bars });
         [edge, depth, hit].into_iter().flatten()
     }
@@ -168,13 +172,23 @@ impl Monitor {
         }
     }
 
-    /// The warnings of a run on `films` that ended with `figures`; `names` are those of its impactors, where there are
-    /// several.
-    pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film], names: &[Option<&str>]) -> Vec<Warning> {
-        let Figures { missed, relaxation, balance, outside, kinetic, added_mass, snapshots, unfinished } = figures;
+    /// The warnings of a run of `model` on `films` that ended with `figures`.
+    pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film], model: &Model) -> Vec<Warning> {
+        let Figures {
+            missed,
+            met_others_alone,
+            relaxation,
+            balance,
+            outside,
+            kinetic,
+            added_mass,
+            snapshots,
+            unfinished,
+        } = figures;
         let [wanted, taken] = snapshots;
-        let impactors = names.iter().map(|name| ImpactorName::named(*name));
+        let impactors = (0..model.impactors.len()).map(|place| ImpactorName::of(model, place));
         let names: Vec<ImpactorName> = impactors.chain(self.has_bars.then(ImpactorName::bars)).collect();
+        let sizes = model.impactors.iter().map(|impactor| BodySize::of(&impactor.shape)).chain([BodySize::Radius]);
         let of = |which: &[bool], warning: fn(ImpactorName) -> Warning| -> Vec<Warning> {
             let named = names.iter().zip(which).filter(|(_, is)| **is);
             named.map(|(name, _)| warning(name.clone())).collect()
@@ -191,7 +205,9 @@ impl Monitor {
         let heavy = added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
         out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
         out.extend(of(missed, Warning::NoContact));
-        out.extend(self.contacts.iter().zip(&names).flat_map(|(contact, name)| contact.warnings(name, self.has_bars)));
+        out.extend(of(met_others_alone, Warning::FilmNotMet));
+        let bodies = self.contacts.iter().zip(&names).zip(sizes);
+        out.extend(bodies.flat_map(|((contact, name), size)| contact.warnings(name, size, self.has_bars)));
         out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));
         out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
@@ -203,7 +219,8 @@ impl Monitor {
         }
         out.extend(of(unfinished, Warning::Unfinished));
         let (wanted, taken, balance, outside) = (*wanted, *taken, *balance, *outside);
-        let nothing_hit = !missed.is_empty() && missed.iter().all(|missed| *missed);
+        let nothing_hit =
+            !missed.is_empty() && missed.iter().zip(met_others_alone).all(|(missed, other)| *missed || *other);
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
         out.extend((outside > bounds::RATES && !nothing_hit).then_some(Warning::StrainRateOutside { share: outside }));

@@ -6,6 +6,7 @@ use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame::Crest;
 use super::frame_force::HeldSides;
+use super::warning::ImpactorName;
 use crate::engine::{self, AddedMass, Contact, Film, Freedom, Loads, Nodes, RigidBody, Section, Surface};
 use crate::mesh::{self, Element, Mesh};
 use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model, Part};
@@ -79,7 +80,9 @@ pub(super) fn surround(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut
 pub fn surface(shape: &ImpactorShape) -> Result<Surface, RunError> {
     Ok(match shape {
         ImpactorShape::Sphere { radius } => Surface::sphere(*radius),
-        ImpactorShape::Hemisphere { radius, length } => Surface::capsule(*radius, *length),
+        ImpactorShape::Hemisphere { radius, length } | ImpactorShape::Capsule { radius, length } => {
+            Surface::capsule(*radius, *length)
+        }
         ImpactorShape::Cylinder { radius, length, edge } => Surface::cylinder(*radius, *length, *edge),
         ImpactorShape::Cone { radius, length, edge } => Surface::cone(*radius, *length, *edge),
         ImpactorShape::Box { size, edge } => Surface::cuboid(*size, *edge),
@@ -133,13 +136,15 @@ pub(super) fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
     }
 }
 
-/// Contact and pose of the impactor: at its height, or with its lowest point on the highest point of the first face.
+/// Contact and pose of the impactor at this place among those of `model`: at its height, or with its lowest point on the highest point of the first face.
 pub(super) fn over_film(
-    impactor: &Impactor,
+    place: usize,
     model: &Model,
     films: &[Film],
     nodes: &Nodes,
 ) -> Result<(Contact, Isometry3<f64>), RunError> {
+    let impactor = &model.impactors[place];
+    let name = || ImpactorName::of(model, place);
     let surface = surface(&impactor.shape)?;
     let mut offset = vec![0.0; nodes.position.len()];
     let mut between = 0.0;
@@ -161,12 +166,12 @@ pub(super) fn over_film(
     }
     let first = model.faces.first().map_or(0.0, |face| face.height);
     if model.faces.len() > 1 && z < first {
-        return Err(RunError::Below);
+        return Err(RunError::Below { impactor: place, name: name() });
     }
     if impactor.height.is_some() && impactor.release == 0.0 {
         let gap = contact.smallest_gap(nodes, &pose);
         if gap < -OVERLAP * contact.surface().size() {
-            return Err(RunError::Overlap { depth: -gap });
+            return Err(RunError::Overlap { impactor: place, name: name(), depth: -gap });
         }
     }
     Ok((contact, pose))

@@ -256,7 +256,10 @@ impl<'a> Probe<'a> {
         let signals = self.signals(&mounting);
         let energies = self.energies();
         let ended = self.is_done(engine.time());
-        let missed = self.record.tracks.bodies.iter().map(|body| ended && body.touched_nothing()).collect();
+        let missed = |other: bool| {
+            self.record.tracks.bodies.iter().map(|body| ended && body.touched() == [false, other]).collect()
+        };
+        let (missed, met_others_alone) = (missed(false), missed(true));
         let rates = self.record.rates.finish();
         let force = |prefix: String| signals.channel(&format!("{prefix}{}", column::CONTACT_FORCE.name));
         let ends_loaded = |prefix| force(prefix).is_some_and(loading::ends_loaded);
@@ -265,6 +268,7 @@ impl<'a> Probe<'a> {
         let relaxation = self.record.relaxation;
         let figures = Figures {
             missed,
+            met_others_alone,
             relaxation,
             balance,
             outside: rates.outside,
@@ -277,7 +281,7 @@ impl<'a> Probe<'a> {
             signals,
             energies,
             snapshots: self.record.snapshots,
-            warnings: self.record.monitor.finish(&figures, &mounting.films, &self.model.names()),
+            warnings: self.record.monitor.finish(&figures, &mounting.films, self.model),
             films: mounting.films,
             impactors: engine.impactors().cloned().collect(),
             rates,

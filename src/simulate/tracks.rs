@@ -53,9 +53,9 @@ pub(super) struct BodyTracks {
     pub(super) lateral: Grid<2>,
     /// Velocity along x and y (m/s) and the kinetic energy of its motion besides that along z (J), twice a sample.
     pub(super) lateral_half: Grid<3>,
-    /// Its height at its first impulse, m.
+    /// Its height at the first impulse of the film, m.
     pub(super) first_contact: Option<f64>,
-    /// Whether another impactor has pushed it.
+    /// Whether another impactor or the frame's bars have pushed it.
     has_met: bool,
 }
 
@@ -120,9 +120,9 @@ impl BodyTracks {
         (half[2 * k + 2][impulse] - half[2 * k][impulse]) / self.sample
     }
 
-    /// Whether it touched neither film nor another impactor.
-    pub(super) fn touched_nothing(&self) -> bool {
-        self.first_contact.is_none() && !self.has_met
+    /// Whether it touched the film, and whether other bodies.
+    pub(super) fn touched(&self) -> [bool; 2] {
+        [self.first_contact.is_some(), self.has_met]
     }
 }
 

@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use crate::engine::Relaxation;
 use crate::finding::{Code, Report, codes};
 use crate::mesh::Quality;
+use crate::model::{ImpactorShape, Model};
 use crate::number;
 
 codes! {
@@ -29,6 +30,10 @@ codes! {
     NO_CONTACT = "no-contact", Warning,
         "the impactor passed the film, or did not reach it, without touching it: its signals are those of a free fall",
         "correct `impactor.position` or the outline of the film, or use a longer duration";
+    FILM_NOT_MET = "film-not-met", Note,
+        "the impactor met other impactors or the frame's bars, but never the film: its displacement counts from its \
+         start, and it has no lowest point, no rebound and no energy absorption",
+        "nothing, where that is meant; otherwise correct `impactor.position` or use a longer duration";
     COARSE_CONTACT = "coarse-contact", Warning,
         "elements in contact are large compared with the impactor, so that the film takes its shape only approximately",
         "use a smaller `specimen.mesh.size`";
@@ -105,6 +110,11 @@ impl ImpactorName {
         ImpactorName(Name::Bars)
     }
 
+    /// That at this place among the impactors of `model`.
+    pub(super) fn of(model: &Model, place: usize) -> ImpactorName {
+        ImpactorName::named(model.names().get(place).copied().flatten())
+    }
+
     /// The only one, or that of this name.
     pub(super) fn named(name: Option<&str>) -> ImpactorName {
         ImpactorName(name.map_or(Name::Only, |name| Name::OfSeveral(name.to_owned())))
@@ -144,6 +154,40 @@ impl fmt::Display for ImpactorName {
     }
 }
 
+/// The length of a body with which elements and penetrations are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodySize {
+    /// Of a body that is round, or of bars.
+    Radius,
+    /// Half the smallest extent of any other.
+    HalfExtent,
+}
+
+impl BodySize {
+    /// That of a body of this shape.
+    pub(super) fn of(shape: &ImpactorShape) -> BodySize {
+        match shape {
+            ImpactorShape::Sphere { .. } | ImpactorShape::Hemisphere { .. } | ImpactorShape::Capsule { .. } => {
+                BodySize::Radius
+            }
+            ImpactorShape::Cylinder { .. }
+            | ImpactorShape::Cone { .. }
+            | ImpactorShape::Box { .. }
+            | ImpactorShape::Mesh { .. }
+            | ImpactorShape::Compound(_) => BodySize::HalfExtent,
+        }
+    }
+}
+
+impl fmt::Display for BodySize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            BodySize::Radius => "radius",
+            BodySize::HalfExtent => "half smallest extent",
+        })
+    }
+}
+
 /// What puts figures of a run in doubt. Faces are counted from one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
@@ -167,14 +211,18 @@ pub enum Warning {
     NotInEquilibrium(Relaxation),
     /// The impactor did not touch the film.
     NoContact(ImpactorName),
+    /// The impactor met other bodies alone.
+    FilmNotMet(ImpactorName),
     /// Elements in contact are large compared with the impactor.
     CoarseContact {
         /// Which one.
         impactor: ImpactorName,
         /// When the bound was exceeded first, s.
         time: f64,
-        /// Longest edge in contact over the radius of the impactor.
+        /// Longest edge in contact over the size of the impactor.
         edge: f64,
+        /// What that size is.
+        size: BodySize,
     },
     /// Elements penetrate the impactor.
     Penetration {
@@ -182,8 +230,10 @@ pub enum Warning {
         impactor: ImpactorName,
         /// When the bound was exceeded first, s.
         time: f64,
-        /// Largest penetration over the radius of the impactor.
+        /// Largest penetration over the size of the impactor.
         depth: f64,
+        /// What that size is.
+        size: BodySize,
     },
     /// The impactor reached the frame.
     FrameHit {
@@ -327,17 +377,20 @@ impl fmt::Display for Warning {
             Warning::NoContact(impactor) => {
                 write!(f, "no contact: {impactor} did not touch the film during the whole test")
             }
-            Warning::CoarseContact { impactor, time, edge } => write!(
+            Warning::FilmNotMet(impactor) => {
+                write!(f, "film not met: {impactor} touched other bodies, and never the film")
+            }
+            Warning::CoarseContact { impactor, time, edge, size } => write!(
                 f,
-                "coarse contact: from {} edges in contact are up to {} of {} radius (bound {})",
+                "coarse contact: from {} edges in contact are up to {} of {} {size} (bound {})",
                 number::duration(*time),
                 number::figure(*edge, 2),
                 impactor.possessive(),
                 bounds::EDGE
             ),
-            Warning::Penetration { impactor, time, depth } => write!(
+            Warning::Penetration { impactor, time, depth, size } => write!(
                 f,
-                "penetration: from {} elements penetrate {impactor} by up to {} % of {} radius (bound {} %)",
+                "penetration: from {} elements penetrate {impactor} by up to {} % of {} {size} (bound {} %)",
                 number::duration(*time),
                 percent(depth),
                 impactor.its(),
@@ -431,6 +484,7 @@ impl Report for Warning {
             Warning::Settled(_) => &SETTLED,
             Warning::NotInEquilibrium(_) => &NOT_IN_EQUILIBRIUM,
             Warning::NoContact(_) => &NO_CONTACT,
+            Warning::FilmNotMet(_) => &FILM_NOT_MET,
             Warning::CoarseContact { .. } => &COARSE_CONTACT,
             Warning::Penetration { .. } => &PENETRATION,
             Warning::FrameHit { .. } => &FRAME_HIT,
@@ -452,6 +506,7 @@ impl Report for Warning {
     fn figures(&self) -> Map<String, Value> {
         let about = match self {
             Warning::NoContact(impactor)
+            | Warning::FilmNotMet(impactor)
             | Warning::Unfinished(impactor)
             | Warning::CoarseContact { impactor, .. }
             | Warning::Penetration { impactor, .. }
@@ -485,7 +540,7 @@ impl Report for Warning {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }
             Warning::AddedMass { face, share } => &[("face", face.into()), ("added_mass_share", share.into())],
-            Warning::NoContact(_) | Warning::Unfinished(_) => &[],
+            Warning::NoContact(_) | Warning::FilmNotMet(_) | Warning::Unfinished(_) => &[],
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],
@@ -505,7 +560,12 @@ mod tests {
 
     #[test]
     fn a_warning_states_the_fact_and_its_figures() {
-        let finding = Finding::new(&Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.0123, edge: 0.4 });
+        let size = BodySize::Radius;
+        let finding =
+            Finding::new(&Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.0123, edge: 0.4, size });
+        let size = BodySize::HalfExtent;
+        let of_box = Warning::Penetration { impactor: ImpactorName::only(), time: 0.0123, depth: 0.02, size };
+        assert!(of_box.to_string().contains("by up to 2 % of its half smallest extent"), "{of_box}");
         let message =
             "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
         assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));

@@ -19,13 +19,15 @@ pub const RECORDING: &str = "recording.rrd";
 pub const FILM_SERIES: &str = "film.pvd";
 /// Collection of the impactor's snapshots for ParaView.
 pub const IMPACTOR_SERIES: &str = "impactor.pvd";
+/// Collection of the snapshots of the frame's bars for ParaView.
+pub const FRAME_SERIES: &str = "frame.pvd";
 /// The page.
 pub const REPORT: &str = "report.html";
 /// Why a run failed.
 pub const FAILURE: &str = "failure.txt";
 /// Folder of the tables that a script wrote.
 pub const TABLES: &str = "tables";
-/// Folder of the snapshots that [`FILM_SERIES`] and [`IMPACTOR_SERIES`] collect.
+/// Folder of the snapshots that [`FILM_SERIES`], [`IMPACTOR_SERIES`] and [`FRAME_SERIES`] collect.
 pub const SNAPSHOTS: &str = "vtu";
 
 /// Field of the call in the summary of a study: the working folder, as a path from the folder of the results.
@@ -33,7 +35,7 @@ pub const STUDY_FOLDER: &str = "folder";
 
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
-pub const RUN_FILES: [(&str, &str); 10] = [
+pub const RUN_FILES: [(&str, &str); 11] = [
     (SIGNALS, "all channels over time, SI"),
     (ENERGIES, "the energy audit over time"),
     (SUMMARY, "the figures, for other programs"),
@@ -42,6 +44,7 @@ pub const RUN_FILES: [(&str, &str); 10] = [
     (RECORDING, "film, impactors and signals for the viewer: droptower view"),
     (FILM_SERIES, "the film for ParaView"),
     (IMPACTOR_SERIES, "the impactors for ParaView"),
+    (FRAME_SERIES, "the frame's bars for ParaView"),
     (REPORT, "this page"),
     (FAILURE, "why the run failed"),
 ];

@@ -179,7 +179,7 @@ fn a_mesh_in_millimetres_is_a_finding() {
     let path = folder.path().join("imported.toml");
     std::fs::write(&path, text).expect("writable");
     let text = standard_output(&["check", path.to_str().expect("UTF-8")]);
-    let expected = "the mesh of `specimen.shape.mesh` is 80 m wide, which is implausible; did you mean 80 mm?";
+    let expected = "the mesh of `specimen.shape.mesh` is 80 m wide, which is implausible; coordinates in mm are `specimen.shape.mesh = {";
     assert!(text.contains(expected), "{text}");
 }
 
@@ -236,6 +236,24 @@ fn explain_gives_meaning_and_remedy_of_findings() {
     let unknown = droptower(&["explain", "corse-contact"]);
     assert_eq!(unknown.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&unknown.stderr).contains("did you mean the finding `coarse-contact`?"));
+}
+
+#[test]
+fn explain_knows_the_columns_of_signals() {
+    let slip = standard_output(&["explain", "clamp_slip_m"]);
+    assert!(slip.contains("Largest slip of film in the frame's clamp.\n    column of signals.csv; in m; where there is a `frame.clamp`"), "{slip}");
+    let head = standard_output(&["explain", "head_displacement_m"]);
+    assert!(head.contains("of the impactor \"head\"") && head.contains("`run.head_displacement`"), "{head}");
+    let json: Json = serde_json::from_str(&standard_output(&["explain", "film_distance_m", "--json"])).expect("JSON");
+    assert!(json[0]["sentence"].as_str().expect("a text").contains("at least"));
+    for (unknown, hint) in [
+        ("clamp_slp_m", "did you mean the column `clamp_slip_m`?"),
+        ("head_max_strain_md", "no key `head_max_strain_md`"),
+    ] {
+        let output = droptower(&["explain", unknown]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains(hint), "{unknown}");
+    }
 }
 
 #[test]

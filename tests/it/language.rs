@@ -277,3 +277,49 @@ fn measured_rates_follow_from_curves_by_rate() {
     // A fibre set with one curve has no rate.
     assert_eq!(read(&[]), Some([1.0, 9.0]));
 }
+
+/// Elements are fine under each of two bodies; `polygon.file` replaces inherited corners with their holes; a loop may
+/// repeat its first corner; a mesh of film has a unit.
+#[test]
+fn outlines_and_refinement_are_what_was_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("writable");
+        path
+    };
+    let film = "specimen.material = { density = 915, thickness = 20e-6, elastic = { young = 1e6, poisson = 0.3 } }
+        loading.impact = { velocity = 1, duration = 0.01 }\n";
+    let ball = |name: &str, x: f64, more: &str| {
+        format!(
+            "[[impactor]]\nname = \"{name}\"\nshape.sphere.radius = 0.01\nmass = 1\nfriction = 0\nposition = [{x}, 0]\n{more}\n"
+        )
+    };
+    let balls = [ball("a", -0.05, ""), ball("b", 0.05, "guide = \"free\"\nspin = [0, 0, \"60 rpm\"]")].concat();
+    let square = "specimen.shape.polygon = { points = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1]], \
+        holes = [[[0.08, 0.08], [0.09, 0.08], [0.09, 0.09]]] }\n\
+        specimen.mesh = { size = 0.02, fine = 0.002 }\n";
+    let base = write("base.toml", &[film, square, &balls].concat());
+    let read = |path: &Path| {
+        let model = model::check(&Document::read(path).expect("it reads"));
+        model.unwrap_or_else(|mistakes| panic!("{}", droptower::diagnostic::render(&mistakes, false)))
+    };
+    let model = read(&base);
+    let zones = &model.faces[0].meshing.grading.as_ref().expect("fine elements").zones;
+    assert_eq!(zones.iter().map(|zone| zone.at).collect::<Vec<_>>(), [[-0.05, 0.0], [0.05, 0.0]]);
+    assert!((model.impactors[1].spin[2] - std::f64::consts::TAU).abs() < 1e-12);
+    let Outline::Polygon(polygon) = &model.specimen.shape else { panic!("a polygon") };
+    assert_eq!((polygon.outer.len(), polygon.holes.len()), (4, 1));
+
+    write("disc.svg", "<svg xmlns='http://www.w3.org/2000/svg'><circle r='90'/></svg>");
+    let drawn = "extends = \"base.toml\"\nspecimen.shape.polygon = { file = \"disc.svg\", unit = \"mm\" }\n";
+    let model = read(&write("drawn.toml", drawn));
+    let Outline::Polygon(polygon) = &model.specimen.shape else { panic!("a polygon") };
+    assert!(polygon.holes.is_empty() && (polygon.extent() - 0.18).abs() < 1e-4, "{}", polygon.extent());
+
+    write("film.obj", "v 0 0 0\nv 200 0 0\nv 200 100 0\nv 0 100 0\nf 1 2 3 4\n");
+    let imported = format!("{film}specimen.shape.mesh = {{ file = \"film.obj\", unit = \"mm\" }}\n{balls}");
+    let model = read(&write("imported.toml", &imported));
+    let mesh = droptower::mesh::build(&model.specimen.shape, [false; 2], &model.faces[0].meshing).expect("a mesh");
+    assert_eq!(mesh.nodes.iter().map(|node| node.x).fold(0.0, f64::max), 0.2);
+}

@@ -189,7 +189,11 @@ fn file(name: &str, text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
 }
 
 fn import(path: &Path, symmetry: Symmetry, element: Element) -> Result<Mesh, mesh::MeshError> {
-    mesh::build(&Outline::Mesh(path.to_owned()), symmetry.mirrors(), &Meshing { element, size: 1.0, grading: None })
+    mesh::build(
+        &Outline::Mesh { path: path.to_owned(), scale: 1.0 },
+        symmetry.mirrors(),
+        &Meshing { element, size: 1.0, grading: None },
+    )
 }
 
 fn as_obj(mesh: &Mesh) -> String {

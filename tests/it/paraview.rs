@@ -144,6 +144,32 @@ fn failed_elements_are_left_out_and_series_written_on_request_only() {
     assert!(!results.join("film.pvd").exists() && !results.join("vtu").exists());
 }
 
+/// A ring of bars around a disc: its extent is that of a torus, and the ball is a series of its own.
+#[test]
+fn the_bars_of_a_frame_have_a_series() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "specimen.shape.circle.radius = 0.1
+         specimen.mesh = { element = \"quad4\", size = 0.02 }
+         specimen.material = { density = 915, thickness = 20e-6, elastic = { young = 1e6, poisson = 0.3 } }
+         layers.prestrain = { md = 0.02, td = 0.02 }
+         frame.bars = { radius = 0.01, friction = 0.2 }
+         impactor = { shape.sphere.radius = 0.02, mass = 0.1, friction = 0.0 }
+         loading.impact = { velocity = 1, duration = 0.002 }
+         output = { frames = 2, filter = \"none\" }";
+    fs::write(folder.path().join("bars.toml"), text).expect("a file");
+    printed(&droptower(folder.path(), &["run", "bars.toml", "--vtu", "--out", "results"]));
+    let series = |name: &str| states(&folder.path().join("results"), name);
+    let (ball, bars) = (series("impactor.pvd"), series("frame.pvd"));
+    assert_eq!((ball.len(), bars.len()), (2, 2));
+    let widest = |grid: &UnstructuredGridPiece| {
+        let points: Vec<f64> = grid.points.cast_into().expect("points");
+        points.iter().step_by(3).copied().fold(0.0, f64::max)
+    };
+    close(widest(&ball[0].1), 0.02, 1e-3);
+    close(widest(&bars[0].1), 0.11, 1e-3);
+    assert!(ball[0].1.data.cell.is_empty(), "one body has no number");
+}
+
 #[test]
 fn a_file_of_the_user_beside_the_snapshots_stays() {
     let folder = tempfile::tempdir().expect("a folder");

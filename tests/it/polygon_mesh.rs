@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use droptower::mesh::import::{self, DxfFault};
+use droptower::mesh::import::{self, DrawingFault};
 use droptower::mesh::{self, Element, Grading, Mesh, Meshing, Outline, Polygon, PolygonFault, Quality, Zone};
 
 fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
@@ -117,7 +117,7 @@ fn outlines_that_are_none_are_refused() {
     let cases = [
         (polygon(square()[..2].to_vec(), vec![]), "the outline has no area"),
         (polygon(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]], vec![]), "the outline has no area"),
-        (with([0.05, 0.15]), "the outline and the outline cross near"),
+        (with([0.05, 0.15]), "the outline crosses itself near"),
         (with([0.0, 0.0]), "has the corner (0.0000 mm, 0.0000 mm) twice"),
         (with([0.05, f64::NAN]), "not finite"),
         (polygon(vec![[0.0, 0.0], [0.1, 0.0], [0.1, 0.005]], vec![]), "has 2.9 degrees"),
@@ -190,7 +190,7 @@ fn drawings_give_their_outline_and_holes() {
     assert!((bulged.extent() - 0.06).abs() < 1e-9);
 
     let (_folder, path) = drawing("slot.dxf", None, &slot());
-    assert!(matches!(import::polygon(&path, None), Err(DxfFault::NoUnit)));
+    assert!(matches!(import::polygon(&path, None), Err(DrawingFault::NoUnit { .. })));
     let centimetres = import::polygon(&path, Some(1e-2)).unwrap();
     assert!((centimetres.area() / lines.area() - 100.0).abs() < 1e-6);
 }
@@ -206,7 +206,7 @@ fn drawings_that_are_no_outline_are_refused() {
         ("film.dxf", "  zero\nLINE\n", "expected a number, found `zero`"),
         ("film.dxf", "  0\nTEXT\n", "the drawing has no lines"),
         ("film.dxf", "  0\nLWPOLYLINE\n 70\n4\n 10\n0\n 20\n0\n", "LWPOLYLINE with flags 4"),
-        ("film.svg", "", "expected a file .dxf"),
+        ("film.pdf", "", "expected a file .dxf or .svg"),
     ];
     for (name, entities, expected) in cases {
         let (_folder, path) = drawing(name, Some(4), entities);
@@ -214,5 +214,70 @@ fn drawings_that_are_no_outline_are_refused() {
         assert!(message.contains(expected), "{message}");
     }
     let (_folder, path) = drawing("film.dxf", Some(4), &slot());
-    assert!(matches!(import::polygon(&path, Some(1.0)), Err(DxfFault::OtherUnit { .. })));
+    assert!(matches!(import::polygon(&path, Some(1.0)), Err(DrawingFault::OtherUnit { .. })));
+}
+
+/// An SVG file of these elements on a page of 60 by 20 mm, 10 units a millimetre, its origin in the middle.
+fn svg(elements: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.svg");
+    let page = "width='60mm' height='20mm' viewBox='-300 -100 600 200'";
+    std::fs::write(&path, format!("<svg xmlns='http://www.w3.org/2000/svg' {page}>{elements}</svg>")).unwrap();
+    (folder, path)
+}
+
+/// The slot of the DXF file as a path with arcs, as shapes with transforms, and in the units of the page.
+#[test]
+fn svg_gives_the_outline_and_holes_of_dxf() {
+    let (_folder, path) = drawing("slot.dxf", Some(4), &slot());
+    let lines = import::polygon(&path, None).unwrap();
+    let path = "<title>a slot</title><g transform='scale(10)'>\
+        <path d='M -20 10 H 20 A 10 10 0 0 0 20 -10 L -20 -10 a 10 10 0 0 0 0 20 Z m 25 -6 a 4 4 0 0 0 0 -8 a 4 4 0 0 0 0 8 z'/></g>";
+    let shapes = "<rect x='-300' y='-100' width='600' height='200' rx='100'/><circle cx='50' cy='0' r='40'/>";
+    let bezier = "<defs><path d='nothing'/></defs><g transform='translate(50 0)'><circle r='40'/></g>\
+        <path d='M-200,100H200C255.228,100 300,55.228 300,0S255.228,-100 200,-100'/>\
+        <polyline points='200,-100 -200,-100'/><path d='M-200,-100C-255.228,-100 -300,-55.228 -300,0S-255.228,100 -200,100'/>";
+    for elements in [path, shapes, bezier] {
+        let (_folder, path) = svg(elements);
+        let found = import::polygon(&path, None).unwrap();
+        assert_eq!(found.holes.len(), 1);
+        assert!((found.area() / lines.area() - 1.0).abs() < 1e-3, "{} of {}, {elements}", found.area(), lines.area());
+        assert!((found.extent() - 0.06).abs() < 2e-5, "{} {elements}", found.extent());
+        found.check([false; 2]).unwrap();
+        assert!(matches!(import::polygon(&path, Some(1.0)), Err(DrawingFault::OtherUnit { .. })));
+    }
+    // Up in the film is up in the drawing, where y points down.
+    let (_folder, path) = svg("<polygon points='0,0 100,0 0,-100'/>");
+    let corners = import::polygon(&path, None).unwrap().outer;
+    assert!(corners.iter().any(|corner| (corner[1] - 0.01).abs() < 1e-12), "{corners:?}");
+}
+
+#[test]
+fn svg_that_is_no_outline_is_refused() {
+    for (elements, expected) in [
+        ("<path d='M 0 0 L 10 0 L 10 10'/>", "where no other continues"),
+        ("<path d='M 0 0 Q'/>", "line 1: `d` of <path> cannot be read"),
+        ("<use href='#a'/>", "line 1: <use> is not supported"),
+        ("<circle r='two'/>", "line 1: `r` of <circle> cannot be read"),
+        ("<text>film</text>", "the drawing has no lines"),
+        ("<g>", "expected 'g' tag"),
+    ] {
+        let (_folder, path) = svg(elements);
+        let message = import::polygon(&path, None).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+    let (_folder, path) = svg("<circle r='2'/>");
+    let text = std::fs::read_to_string(&path).unwrap();
+    for (page, expected) in [
+        (
+            "width='60' height='20' viewBox='-300 -100 600 200'",
+            "the drawing gives no unit (width and height of the file)",
+        ),
+        ("width='60mm' height='60mm' viewBox='-300 -100 600 200'", "do not have the ratio of its viewBox"),
+    ] {
+        let changed = text.replace("width='60mm' height='20mm' viewBox='-300 -100 600 200'", page);
+        std::fs::write(&path, changed).unwrap();
+        let message = import::polygon(&path, None).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
 }

@@ -175,6 +175,9 @@ fn a_numerical_failure_stores_what_was_computed() {
     assert!(page.contains("The run failed: the time step fell"));
     let signals = csv::read(&folder.join("signals.csv")).expect("signals");
     assert!(signals.time.len() > 100 && signals.time.len() < 400, "{} samples", signals.time.len());
+    let printed = run(bench.path(), &["drop.toml", "--force", "--set", wall, "--set", measured]);
+    let text = String::from_utf8_lossy(&printed.stdout);
+    assert!(text.starts_with("drop  sphere") && text.contains("\n  note[") | text.contains("\n  warning["), "{text}");
     assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
     assert_eq!(names(&bench.path().join("runs")), ["drop"], "what failed is out of date");
 }

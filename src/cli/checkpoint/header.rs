@@ -119,7 +119,7 @@ fn digest(path: &Path) -> io::Result<Digest> {
 /// after the run.
 fn decisive(model: &Model) -> Model {
     let mut model = Model { name: String::new(), title: String::new(), reference: None, post: None, ..model.clone() };
-    if let Outline::Mesh(path) = &mut model.specimen.shape {
+    if let Outline::Mesh { path, .. } = &mut model.specimen.shape {
         *path = PathBuf::new();
     }
     model.impactors.iter_mut().for_each(|impactor| without_paths(&mut impactor.shape));

@@ -1,126 +1,26 @@
-//! Outlines from DXF: closed polylines and circles, and lines and arcs that join into loops.
+//! Lines of DXF: closed polylines and circles, and lines and arcs.
 
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
 use nalgebra::{Point2, Rotation2};
-use thiserror::Error;
 
-use crate::file::{self, FileError};
-use crate::mesh::Polygon;
+use super::drawing::{Drawing, DrawingFault};
 
-/// Longest file that is read, bytes.
-const MOST_BYTES: u64 = 64 << 20;
 /// Most angle between two corners along an arc, rad.
 const STEP: f64 = PI / 90.0;
-/// Distance over the extent of the drawing below which two ends join.
-const JOINED: f64 = 1e-6;
-/// Coordinates are whole numbers over this, 1/m: a power of two, 0.001 nm apart.
-const ROUNDED: f64 = (1_u64 << 40) as f64;
-/// Most lines of a drawing.
-const MOST_LINES: usize = 10_000;
 /// Entities that are no lines of an outline.
 const NOTES: [&str; 7] = ["TEXT", "MTEXT", "DIMENSION", "LEADER", "POINT", "VIEWPORT", "ATTDEF"];
 
-/// Why a file is no drawing of an outline.
-#[derive(Debug, Error)]
-pub enum DxfFault {
-    /// The file is unreadable.
-    #[error("{0}")]
-    Read(#[from] FileError),
-    /// The extension is unknown.
-    #[error("expected a file .dxf")]
-    Format,
-    /// The file is binary.
-    #[error("the file is binary DXF; save it as ASCII")]
-    Binary,
-    /// A line has no group code or number where one belongs.
-    #[error("line {line}: expected a number, found `{text}`")]
-    Number {
-        /// Counted from 1.
-        line: usize,
-        /// What it holds.
-        text: String,
-    },
-    /// An entity is no line of an outline that is read.
-    #[error(
-        "the entity {entity} is not supported; draw outlines with LWPOLYLINE, POLYLINE, LINE, ARC and CIRCLE in the x-y plane"
-    )]
-    Entity {
-        /// Its type.
-        entity: String,
-    },
-    /// There is no loop.
-    #[error("the drawing has no lines")]
-    Empty,
-    /// Lines do not join into a loop.
-    #[error("the lines end at ({}, {}) in units of the drawing, where no other continues", .at[0], .at[1])]
-    Open {
-        /// Units of the drawing.
-        at: [f64; 2],
-    },
-    /// There are more lines than an outline has.
-    #[error("the drawing has {lines} lines; at most {MOST_LINES} are read")]
-    TooMany {
-        /// Their number.
-        lines: usize,
-    },
-    /// The drawing gives no unit.
-    #[error("the drawing gives no unit ($INSUNITS)")]
-    NoUnit,
-    /// The drawing gives another unit than the scenario.
-    #[error("the drawing has another unit: one is {drawing} m by its $INSUNITS")]
-    OtherUnit {
-        /// m.
-        drawing: f64,
-    },
-}
-
-/// The outline drawn in a file, with the drawing's own unit, or `unit` (m) where it gives none. The largest loop is the
-/// outline, the others are its holes.
+/// The lines of a file.
 ///
 /// # Errors
-/// [`DxfFault`].
-pub fn polygon(path: &Path, unit: Option<f64>) -> Result<Polygon, DxfFault> {
-    if super::extension(path) != "dxf" {
-        return Err(DxfFault::Format);
-    }
-    let text = file::read(path, MOST_BYTES)?;
+/// [`DrawingFault`].
+pub(super) fn read(text: &[u8]) -> Result<Drawing, DrawingFault> {
     if text.starts_with(b"AutoCAD Binary DXF") {
-        return Err(DxfFault::Binary);
+        return Err(DrawingFault::Binary);
     }
     // Texts of notes may be in any encoding; what is read is ASCII.
-    let drawing = Drawing::read(&String::from_utf8_lossy(&text))?;
-    let unit = match (drawing.unit, unit) {
-        (Some(own), Some(given)) if (own / given - 1.0).abs() > 1e-9 => {
-            return Err(DxfFault::OtherUnit { drawing: own });
-        }
-        (own, given) => own.or(given).ok_or(DxfFault::NoUnit)?,
-    };
-    let mut loops = drawing.loops()?;
-    let area = |corners: &[Point2<f64>]| {
-        let next = corners.iter().cycle().skip(1);
-        corners.iter().zip(next).map(|(a, b)| a.coords.perp(&b.coords)).sum::<f64>().abs()
-    };
-    loops.sort_by(|a, b| area(b).total_cmp(&area(a)));
-    let mut loops =
-        loops.into_iter().map(|corners| corners.iter().map(|p| [p.x, p.y].map(|c| rounded(c * unit))).collect());
-    let outer = loops.next().ok_or(DxfFault::Empty)?;
-    Ok(Polygon { outer, holes: loops.collect() })
-}
-
-/// A coordinate without its last digits, in which the sines of machines differ: meshes of one drawing are the same.
-fn rounded(coordinate: f64) -> f64 {
-    (coordinate * ROUNDED).round() / ROUNDED
-}
-
-/// Lines of a drawing, in its units.
-#[derive(Default)]
-struct Drawing {
-    /// m.
-    unit: Option<f64>,
-    closed: Vec<Vec<Point2<f64>>>,
-    open: Vec<Vec<Point2<f64>>>,
+    Drawing::read(&String::from_utf8_lossy(text))
 }
 
 /// Group codes and values of one entity.
@@ -130,13 +30,13 @@ struct Entity<'a> {
 }
 
 impl Drawing {
-    fn read(text: &str) -> Result<Drawing, DxfFault> {
+    fn read(text: &str) -> Result<Drawing, DrawingFault> {
         let mut drawing = Drawing::default();
         let (mut section, mut variable) = ("", "");
         let mut entities: Vec<Entity<'_>> = vec![];
         let mut lines = text.lines().map(str::trim).enumerate();
         while let (Some((line, code)), Some((_, value))) = (lines.next(), lines.next()) {
-            let wrong = || DxfFault::Number { line: line + 1, text: code.chars().take(40).collect() };
+            let wrong = || DrawingFault::Number { line: line + 1, text: code.chars().take(40).collect() };
             let code: i32 = code.parse().map_err(|_| wrong())?;
             match (code, value) {
                 (0, "EOF") => break,
@@ -159,17 +59,17 @@ impl Drawing {
         Ok(drawing)
     }
 
-    fn draw(&mut self, entities: &[Entity<'_>]) -> Result<(), DxfFault> {
+    fn draw(&mut self, entities: &[Entity<'_>]) -> Result<(), DrawingFault> {
         let mut entities = entities.iter();
         while let Some(entity) = entities.next() {
             if entity.number(230)?.is_some_and(|along| along < 0.0) {
-                return Err(DxfFault::Entity { entity: format!("{} seen from below", entity.kind) });
+                return Err(DrawingFault::Entity { entity: format!("{} seen from below", entity.kind) });
             }
             match entity.kind {
                 "LINE" => self.open.push(vec![entity.point(10)?, entity.point(11)?]),
                 "CIRCLE" => self.closed.push(arc(entity.point(10)?, entity.radius()?, 0.0, TAU, false)),
                 "ARC" => {
-                    let angle = |code| Ok::<f64, DxfFault>(entity.number(code)?.unwrap_or(0.0).to_radians());
+                    let angle = |code| Ok::<f64, DrawingFault>(entity.number(code)?.unwrap_or(0.0).to_radians());
                     let (from, to) = (angle(50)?, angle(51)?);
                     let turn = (to - from).rem_euclid(TAU);
                     let turn = if turn == 0.0 { TAU } else { turn };
@@ -184,18 +84,18 @@ impl Drawing {
                     self.line(entity, vertices)?;
                 }
                 note if NOTES.contains(&note) => {}
-                other => return Err(DxfFault::Entity { entity: other.to_owned() }),
+                other => return Err(DrawingFault::Entity { entity: other.to_owned() }),
             }
         }
         Ok(())
     }
 
     /// Adds a polyline of vertices with the bulges of the edges that begin there.
-    fn line(&mut self, entity: &Entity<'_>, vertices: Vec<(Point2<f64>, f64)>) -> Result<(), DxfFault> {
+    fn line(&mut self, entity: &Entity<'_>, vertices: Vec<(Point2<f64>, f64)>) -> Result<(), DrawingFault> {
         let flags = entity.number(70)?.unwrap_or(0.0) as u32;
         // Meshes and fitted curves are polylines too.
         if flags & !(1 | 128) != 0 {
-            return Err(DxfFault::Entity { entity: format!("{} with flags {flags}", entity.kind) });
+            return Err(DrawingFault::Entity { entity: format!("{} with flags {flags}", entity.kind) });
         }
         let closed = flags & 1 == 1;
         let count = vertices.len();
@@ -213,60 +113,29 @@ impl Drawing {
         }
         Ok(())
     }
-
-    /// The loops, of closed lines and of open ones that join.
-    fn loops(self) -> Result<Vec<Vec<Point2<f64>>>, DxfFault> {
-        let Drawing { closed, mut open, .. } = self;
-        if closed.len() + open.len() > MOST_LINES {
-            return Err(DxfFault::TooMany { lines: closed.len() + open.len() });
-        }
-        let extent = closed.iter().chain(&open).flatten().map(|p| p.coords.amax()).fold(0.0, f64::max);
-        let near = |a: &Point2<f64>, b: &Point2<f64>| (a - b).norm() <= JOINED * extent;
-        let mut loops: Vec<Vec<Point2<f64>>> = closed;
-        open.retain(|line| line.len() > 1);
-        while let Some(mut line) = open.pop() {
-            while !near(&line[0], &line[line.len() - 1]) || line.len() < 3 {
-                let end = line[line.len() - 1];
-                let next = open.iter().position(|other| near(&other[0], &end) || near(&other[other.len() - 1], &end));
-                let mut other = next.map(|next| open.remove(next)).ok_or(DxfFault::Open { at: end.into() })?;
-                if !near(&other[0], &end) {
-                    other.reverse();
-                }
-                line.extend(other.into_iter().skip(1));
-            }
-            loops.push(line);
-        }
-        for corners in &mut loops {
-            corners.dedup_by(|a, b| near(a, b));
-            while corners.len() > 1 && near(&corners[0], &corners[corners.len() - 1]) {
-                corners.pop();
-            }
-        }
-        Ok(loops)
-    }
 }
 
 impl Entity<'_> {
     /// The first number of a group code.
-    fn number(&self, code: i32) -> Result<Option<f64>, DxfFault> {
+    fn number(&self, code: i32) -> Result<Option<f64>, DrawingFault> {
         let group = self.groups.iter().find(|group| group.0 == code);
         group.map(|(_, value, line)| number(value, *line)).transpose()
     }
 
     /// The point whose x has this group code, and whose y the one ten above it.
-    fn point(&self, code: i32) -> Result<Point2<f64>, DxfFault> {
-        let missing = || DxfFault::Entity { entity: format!("{} without coordinates", self.kind) };
+    fn point(&self, code: i32) -> Result<Point2<f64>, DrawingFault> {
+        let missing = || DrawingFault::Entity { entity: format!("{} without coordinates", self.kind) };
         let coordinate = |code| self.number(code)?.ok_or_else(missing);
         Ok(Point2::new(coordinate(code)?, coordinate(code + 10)?))
     }
 
-    fn radius(&self) -> Result<f64, DxfFault> {
-        let missing = || DxfFault::Entity { entity: format!("{} without a radius", self.kind) };
+    fn radius(&self) -> Result<f64, DrawingFault> {
+        let missing = || DrawingFault::Entity { entity: format!("{} without a radius", self.kind) };
         self.number(40)?.filter(|radius| *radius > 0.0).ok_or_else(missing)
     }
 
     /// Vertices and bulges of a polyline.
-    fn vertices(&self) -> Result<Vec<(Point2<f64>, f64)>, DxfFault> {
+    fn vertices(&self) -> Result<Vec<(Point2<f64>, f64)>, DrawingFault> {
         let mut vertices: Vec<(Point2<f64>, f64)> = vec![];
         for &(code, value, line) in &self.groups {
             if code == 10 {
@@ -283,9 +152,9 @@ impl Entity<'_> {
     }
 }
 
-fn number(text: &str, line: usize) -> Result<f64, DxfFault> {
+fn number(text: &str, line: usize) -> Result<f64, DrawingFault> {
     let value: Option<f64> = text.parse().ok().filter(|value: &f64| value.is_finite());
-    value.ok_or_else(|| DxfFault::Number { line, text: text.chars().take(40).collect() })
+    value.ok_or_else(|| DrawingFault::Number { line, text: text.chars().take(40).collect() })
 }
 
 /// Length of the unit that $INSUNITS names, m.

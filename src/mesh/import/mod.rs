@@ -1,11 +1,14 @@
-//! Meshes from files: STL, OBJ, VTU and MSH (Gmsh), triangles and quadrilaterals, coordinates in m. Outlines from DXF.
+//! Meshes from files: STL, OBJ, VTU and MSH (Gmsh), triangles and quadrilaterals, coordinates in m. Outlines from DXF and SVG.
 
 mod checks;
+mod drawing;
 mod dxf;
 mod fault;
 mod msh;
 mod obj;
+mod outline;
 mod stl;
+mod svg;
 mod vtu;
 
 use std::collections::{HashMap, VecDeque};
@@ -19,10 +22,11 @@ use nalgebra::Point3;
 use super::grid::split;
 use super::{Element, Mesh, MeshError, topology};
 
-pub use dxf::{DxfFault, polygon};
+pub use drawing::DrawingFault;
 pub use fault::{Fault, MshFault, VtuFault};
+pub use outline::polygon;
 
-/// Reads a film: every element is oriented counter-clockwise seen from +z, nodes within a millionth of the extent from
+/// Reads a film, `scale` (m) the length of one unit of the file's coordinates: every element is oriented counter-clockwise seen from +z, nodes within a millionth of the extent from
 /// a mirror plane are moved onto it, and nodes without an element are left out.
 ///
 /// With symmetry the file contains the computed half or quarter only. For elements of three nodes, quadrilaterals are
@@ -30,9 +34,10 @@ pub use fault::{Fault, MshFault, VtuFault};
 ///
 /// # Errors
 /// [`MeshError::File`].
-pub fn film(path: &Path, mirrored: [bool; 2], element: Element) -> Result<Mesh, MeshError> {
+pub fn film(path: &Path, scale: f64, mirrored: [bool; 2], element: Element) -> Result<Mesh, MeshError> {
     let read = || -> Result<Mesh, Fault> {
         let mut mesh = Mesh::clone(&*checked(path)?);
+        mesh.nodes.iter_mut().for_each(|node| *node *= scale);
         checks::snap_to_mirrors(&mut mesh, mirrored)?;
         checks::face_up(&mut mesh)?;
         checks::convex(&mesh)?;

@@ -52,7 +52,7 @@ pub enum PolygonFault {
         angle: f64,
     },
     /// Two edges cross or touch each other.
-    #[error("{} and {} cross near {}", named(.of[0]), named(.of[1]), millimetres(.at))]
+    #[error("{} near {}", crossing(.of), millimetres(.at))]
     Crossing {
         /// Their loops.
         of: [usize; 2],
@@ -93,6 +93,13 @@ impl PolygonFault {
             | PolygonFault::Crossing { of: [_, of], .. } => of.checked_sub(1),
             PolygonFault::TooMany { .. } | PolygonFault::BeyondMirror { .. } | PolygonFault::NotOnMirror { .. } => None,
         }
+    }
+}
+
+fn crossing(of: &[usize; 2]) -> String {
+    match of {
+        [a, b] if a == b => format!("{} crosses itself", named(*a)),
+        [a, b] => format!("{} and {} cross", named(*a), named(*b)),
     }
 }
 
@@ -195,7 +202,12 @@ fn corners(of: usize, corners: &[[f64; 2]], same: f64) -> Result<(), PolygonFaul
     }
     let perimeter: f64 = edges(corners).map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
     if corners.len() < 3 || signed_area(corners).abs() <= 1e-9 * perimeter * perimeter {
-        return Err(PolygonFault::NoArea { of });
+        // The two halves of a bow tie have areas of opposite sign.
+        let all: Vec<_> = edges(corners).collect();
+        let pairs =
+            all.iter().enumerate().flat_map(|(first, edge)| all[first + 1..].iter().map(move |other| (edge, other)));
+        let crossing = pairs.into_iter().find_map(|(edge, other)| crossing_point(*edge, *other));
+        return Err(crossing.map_or(PolygonFault::NoArea { of }, |at| PolygonFault::Crossing { of: [of, of], at }));
     }
     let count = corners.len();
     for place in 0..count {
@@ -246,6 +258,15 @@ pub(super) fn nearest(corners: &[[f64; 2]], point: Point2<f64>) -> Point2<f64> {
 /// Distance of a point from the nearest edge of a loop, m.
 pub(super) fn distance(corners: &[[f64; 2]], point: Point2<f64>) -> f64 {
     (nearest(corners, point) - point).norm()
+}
+
+/// Where two edges cross within both of them.
+fn crossing_point([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
+    let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    let [of_c, of_d] = [c, d].map(|end| side(a, b, end));
+    let share = of_c / (of_c - of_d);
+    let crosses = of_c * of_d < 0.0 && side(c, d, a) * side(c, d, b) < 0.0;
+    crosses.then(|| [0, 1].map(|axis| c[axis] + share * (d[axis] - c[axis])))
 }
 
 /// Whether two edges have a point in common.

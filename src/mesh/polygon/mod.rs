@@ -68,6 +68,15 @@ impl Polygon {
         near.filter(bend).unwrap_or(middle)
     }
 
+    /// Distance of a point from the film, m; zero on it.
+    pub fn distance(&self, point: [f64; 2]) -> f64 {
+        if self.covers(point) {
+            return 0.0;
+        }
+        let from = |corners: &[[f64; 2]]| check::distance(corners, Point2::from(point));
+        self.loops().map(from).fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether the film covers a point.
     pub fn covers(&self, point: [f64; 2]) -> bool {
         self.loops().fold(false, |inside, corners| inside != check::is_inside(corners, point))

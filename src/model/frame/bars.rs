@@ -44,7 +44,7 @@ pub(super) fn check(
         between(radius, faces, scenario, mistakes);
     }
     let opening = match (shape?, hold) {
-        (Outline::Mesh(_), _) => {
+        (Outline::Mesh { .. }, _) => {
             let hint = "give the outline as a rectangle, a circle or a polygon";
             mistakes.report_with(PATH, "bars along the edge of an imported mesh are not supported", hint);
             return None;
@@ -76,6 +76,7 @@ pub(super) fn check(
     };
     if radius >= opening {
         let hint = format!("the radius must be below {} mm", significant(1e3 * opening, 4));
+        let hint = mistakes.meant(RADIUS).unwrap_or(hint);
         mistakes.report_with(RADIUS, "bars of this radius leave no free film between them", hint);
         return None;
     }
@@ -101,6 +102,7 @@ fn between(radius: f64, faces: &[Face], scenario: &Scenario, mistakes: &mut Mist
                 } else {
                     format!("these bars need faces {needed} mm apart")
                 };
+                let hint = mistakes.meant(RADIUS).unwrap_or(hint);
                 mistakes.report_with(RADIUS, message, hint);
                 mistakes.label(&super::super::layers::height_path(scenario, 1), "the lower face");
             }

@@ -7,9 +7,12 @@ use crate::scenario::Guide;
 /// Names that tell several impactors apart, and releases within the run.
 pub(super) fn check(all: &[Written<'_>], loading: &Loading, has_bars: bool, mistakes: &mut Mistakes<'_>) {
     names(all, mistakes);
-    all.iter().for_each(|one| released(one, loading, mistakes));
     let earliest = all.iter().min_by(|a, b| a.at.0.total_cmp(&b.at.0)).filter(|one| one.at.0 > 0.0);
-    if let Some(one) = earliest.filter(|_| matches!(loading, Loading::Impact { .. })) {
+    let earliest = earliest.filter(|_| matches!(loading, Loading::Impact { .. }));
+    // Of one whose `at` is to be left out, nothing else about it matters.
+    let released_later = all.iter().filter(|one| earliest.is_none_or(|earliest| earliest.path != one.path));
+    released_later.for_each(|one| released(one, loading, mistakes));
+    if let Some(one) = earliest {
         let message = "no impactor is released at the start";
         mistakes.report_with(&one.key("at"), message, "the run starts with the first one: leave its `at` out");
     }
@@ -39,6 +42,9 @@ fn names(all: &[Written<'_>], mistakes: &mut Mistakes<'_>) {
             let begins = |long: &str, short: &str| long.strip_prefix(short).is_some_and(|rest| rest.starts_with('_'));
             if name == other {
                 mistakes.report(&key, format!("two impactors have the name \"{name}\""));
+            } else if name.eq_ignore_ascii_case(other) {
+                let message = format!("the names \"{name}\" and \"{other}\" differ by case alone");
+                mistakes.report_with(&key, message, "give names that nobody confuses");
             } else if begins(name, other) || begins(other, name) {
                 let message = format!("columns of \"{name}\" and \"{other}\" cannot be told apart");
                 mistakes.report_with(&key, message, "a name must not begin with another one and an underscore");

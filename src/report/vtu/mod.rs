@@ -1,4 +1,5 @@
-//! The snapshots of a run for ParaView: two series, `film.pvd` and `impactor.pvd`, one file a snapshot.
+//! The snapshots of a run for ParaView: the series `film.pvd`, `impactor.pvd` and, of a frame with bars, `frame.pvd`, one
+//! file a snapshot.
 //!
 //! The film is complete with the mirror images of a part that was computed; failed elements are left out. Arrays on
 //! cells
@@ -83,9 +84,17 @@ struct Grid {
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     let film = series("film", &outcome.snapshots, move |snapshot| film::grid(model, outcome, snapshot));
     let surfaces: Vec<Triangulation> = outcome.impactors.iter().map(|surface| surface.triangles(SIDES)).collect();
-    let bodies = (!surfaces.is_empty())
-        .then(|| series("impactor", &outcome.snapshots, move |snapshot| Ok(posed(&surfaces, snapshot))));
-    film.chain(bodies.into_par_iter().flatten())
+    // The bars come after the impactors.
+    let mut impactors = surfaces;
+    let frame = impactors.split_off(model.impactors.len().min(impactors.len()));
+    let first_of_frame = impactors.len();
+    let bodies = |name, surfaces: Vec<Triangulation>, first: usize| {
+        let is_empty = surfaces.is_empty();
+        let grid = move |snapshot: &Snapshot| Ok(posed(&surfaces, snapshot.impactors.get(first..).unwrap_or_default()));
+        (!is_empty).then(|| series(name, &outcome.snapshots, grid))
+    };
+    let (impactors, frame) = (bodies("impactor", impactors, 0), bodies("frame", frame, first_of_frame));
+    film.chain(impactors.into_par_iter().flatten()).chain(frame.into_par_iter().flatten())
 }
 
 /// A file for each snapshot, then the collection with their times.
@@ -149,14 +158,12 @@ fn collection(states: impl Iterator<Item = (String, f64)>) -> Result<Vec<u8>, qu
     Ok(writer.into_inner())
 }
 
-/// The impactors in a snapshot, and after them the bars of the frame, where it has their poses; of several, each cell has
-/// the number of its body, from 1.
-fn posed(surfaces: &[Triangulation], snapshot: &Snapshot) -> Grid {
+/// Bodies at their poses (position in m, unit quaternion i, j, k, w); of several, each cell has the number of its body,
+/// from 1.
+fn posed(surfaces: &[Triangulation], poses: &[([f64; 3], [f64; 4])]) -> Grid {
     let mut grid = Grid { points: vec![], cells: vec![], on_points: vec![], on_cells: vec![] };
     let mut of_cells = vec![];
-    for (number, ((points, triangles), (position, [i, j, k, w]))) in
-        surfaces.iter().zip(&snapshot.impactors).enumerate()
-    {
+    for (number, ((points, triangles), (position, [i, j, k, w]))) in surfaces.iter().zip(poses).enumerate() {
         let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(*w, *i, *j, *k));
         let pose = nalgebra::Isometry3::from_parts(nalgebra::Translation3::from(*position), turn);
         let first = grid.points.len() as u64;

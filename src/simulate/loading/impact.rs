@@ -53,14 +53,14 @@ impl LoadCase for Impact<'_> {
     fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Vec<engine::Impact>, RunError> {
         loads.gravity = self.gravity;
         mount::surround(self.model, films, nodes, loads);
-        let mounted = |impactor: &Impactor| {
-            let (contact, pose) = mount::over_film(impactor, self.model, films, nodes)?;
+        let mounted = |(place, impactor): (usize, &Impactor)| {
+            let (contact, pose) = mount::over_film(place, self.model, films, nodes)?;
             let body = mount::falling(impactor, contact.surface(), pose);
             let in_contact = impactor.height.is_none() && !matches!(impactor.guide, Guide::Hinge { .. });
             let impact = engine::Impact::new(body, contact).starting_in_contact(in_contact);
             Ok(impact.with_restitution(impactor.restitution).released_at(impactor.release))
         };
-        self.model.impactors.iter().map(mounted).collect()
+        self.model.impactors.iter().enumerate().map(mounted).collect()
     }
 
     fn approach(&self, body: &RigidBody) -> [f64; 2] {

@@ -48,8 +48,10 @@ impl LoadCase for Indent<'_> {
     }
 
     fn apply(&self, films: &[Film], nodes: &Nodes, _: &mut Loads) -> Result<Vec<engine::Impact>, RunError> {
-        let Some(impactor) = self.model.impactor() else { return Ok(vec![]) };
-        let (contact, mut pose) = mount::over_film(impactor, self.model, films, nodes)?;
+        if self.model.impactors.is_empty() {
+            return Ok(vec![]);
+        }
+        let (contact, mut pose) = mount::over_film(0, self.model, films, nodes)?;
         pose.translation.vector.z -= travel_to_contact(&contact, &pose, nodes).ok_or(RunError::Missed)?;
         let body = RigidBody::prescribed(pose, -self.velocity);
         Ok(vec![engine::Impact::new(body, contact).starting_in_contact(true)])

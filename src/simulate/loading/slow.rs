@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::lane::splat;
 use crate::mesh::{Outline, Side};
 use crate::model::{Face, Hold, Model};
+use crate::simulate::prestress;
 
 /// Duration of the loading in periods of the film, where the factor on its mass is chosen.
 pub(super) const PERIODS: f64 = 50.0;
@@ -36,14 +36,12 @@ fn radius(shape: &Outline, hold: &Hold) -> Option<f64> {
         Outline::Circle { radius } => Some(*radius),
         // Exact for discs and squares.
         Outline::Polygon(polygon) => Some(2.0 * polygon.area() / polygon.perimeter()),
-        Outline::Mesh(_) => None,
+        Outline::Mesh { .. } => None,
     }
 }
 
 /// Mean stress of a face, Pa, that is stretched in all directions by `stretch` beyond its pre-strain.
 pub(super) fn tension(face: &Face, stretch: f64) -> f64 {
-    let [md, td] = face.prestrain.map(|prestrain| (1.0 + prestrain) * stretch);
-    let f = [[md, 0.0, 0.0], [0.0, td, 0.0]].map(|v| v.map(splat));
-    let p = face.material.law.virgin_stress(f);
+    let p = prestress::of_face(face, stretch);
     0.5 * (p[0][0][0] + p[1][1][0])
 }

@@ -32,7 +32,7 @@ impl Stretch {
         };
         let (gauge, section) = match model.specimen.shape {
             Outline::Rectangle { x, y } => (x, model.faces.iter().map(|face| section(y, face)).sum()),
-            Outline::Circle { .. } | Outline::Polygon(_) | Outline::Mesh(_) => (0.0, 0.0),
+            Outline::Circle { .. } | Outline::Polygon(_) | Outline::Mesh { .. } => (0.0, 0.0),
         };
         Stretch { velocity, section, gauge, damping: model.specimen.damping, mass_scaling }
     }

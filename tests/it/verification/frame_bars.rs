@@ -1,10 +1,11 @@
 //! Bars of the frame, over which film bends, and the clamp in which it slips: a strip over two bars against its closed
 //! form, and bodies that meet a bar.
 
+use droptower::post::BodyFigures;
 use droptower::simulate::Outcome;
 
 use super::claims::Claims;
-use super::tower::{channel, run, written};
+use super::tower::{channel, measured, run, written};
 
 /// Half the span from crest to crest, width, thickness, m.
 const HALF_SPAN: f64 = 0.05;
@@ -228,7 +229,8 @@ fn film_that_leaves_its_clamp_is_free() {
     claims.judge();
 }
 
-/// A ball on the crest of a bar, with film between the two: v' = −e v, and the bar gets m v (1 + e).
+/// A ball on the crest of a bar, with film between the two: v' = −e v, and the bar gets m v (1 + e). The film takes nothing
+/// of it.
 #[test]
 fn a_ball_bounces_from_a_bar() {
     let mut claims = Claims::of("frame, bounce");
@@ -237,7 +239,7 @@ fn a_ball_bounces_from_a_bar() {
         [("rectangle = [0.2, 0.2]", "\"100 mm\", \"0 mm\""), ("circle.radius = 0.1", "\"60 mm\", \"80 mm\"")]
     {
         for restitution in [0.0, 0.6, 1.0] {
-            let outcome = run(&written(&format!(
+            let model = written(&format!(
                 "specimen.shape.{shape}
                  specimen.material = {{ density = 915, thickness = 20e-6, elastic = {{ young = 1e6, poisson = 0.3 }} }}
                  specimen.mesh = {{ element = \"quad4\", size = 0.02 }}
@@ -246,7 +248,8 @@ fn a_ball_bounces_from_a_bar() {
                  position = [{offset}, \"30 mm\"] }}
                  loading.impact = {{ velocity = {speed}, gravity = 0, duration = \"8 ms\" }}
                  output = {{ frames = 2, filter = \"none\" }}"
-            )));
+            ));
+            let outcome = run(&model);
             let what = |what: &str| format!("{}, restitution {restitution}, {what}", &shape[..6]);
             let after = last(&outcome, "velocity_m_s");
             claims.at_most(&what("velocity off, m/s"), (after - restitution * speed).abs(), 1e-3 * speed);
@@ -260,6 +263,17 @@ fn a_ball_bounces_from_a_bar() {
             let hit =
                 outcome.warnings.iter().any(|warning| droptower::finding::Report::code(warning).name == "frame-hit");
             claims.holds(&what("finding"), "frame-hit", hit);
+            let measures = measured(&model, &outcome);
+            let BodyFigures {
+                peak_displacement_m,
+                rebound_velocity_m_s,
+                energy_absorption,
+                film_energy_absorption,
+                ..
+            } = *measures.first();
+            let of_film = [peak_displacement_m, rebound_velocity_m_s, energy_absorption, film_energy_absorption];
+            claims.holds(&what("figures of the film"), "none", of_film == [None; 4]);
+            claims.holds(&what("finding"), "film-not-met", measures.findings.iter().any(|f| f.code == "film-not-met"));
         }
     }
     claims.judge();
