@@ -151,6 +151,9 @@ fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
         (Law::Elastic(_) | Law::TensionField(_), _) => {
             return Err(refuse("an elastic film has no curves; only a fabric has md, td and shear"));
         }
+        (Law::Hyperelastic(_), _) => {
+            return Err(refuse("a hyperelastic film has no curves; only a fabric has md, td and shear"));
+        }
         (Law::Fabric(fabric), "md") => Some(fabric.md()),
         (Law::Fabric(fabric), "td") => Some(fabric.td()),
         (Law::Fabric(fabric), "shear") => Some(fabric.shear()),
