@@ -66,6 +66,7 @@ fn slower(model: &Model, used: Option<f64>) -> String {
         Loading::Stretch { mass_scaling, .. } => ("loading.stretch.mass_scaling", mass_scaling),
         Loading::Indent { mass_scaling, .. } => ("loading.indent.mass_scaling", mass_scaling),
         Loading::Pressure { mass_scaling, .. } => ("loading.pressure.mass_scaling", mass_scaling),
+        Loading::Volume { mass_scaling, .. } => ("loading.volume.mass_scaling", mass_scaling),
     };
     match used.filter(|used| *used > 1.0).map(|used| significant(used, 4)) {
         None => slower.into(),

@@ -96,6 +96,8 @@ columns! {
     DEPTH = "depth_m", "depth", "m", "depth" ("mm"), 1e3;
     /// Pressure on the film.
     PRESSURE = "pressure_Pa", "pressure", "Pa", "pressure" ("kPa"), 1e-3;
+    /// Volume under an inflated film.
+    VOLUME = "volume_m3", "volume", "m3", "volume" ("l"), 1e3;
     /// Deflection of the highest point of a film under pressure.
     DEFLECTION = "deflection_m", "deflection", "m", "deflection" ("mm"), 1e3;
 }

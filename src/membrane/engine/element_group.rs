@@ -26,6 +26,9 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Bytes of its arrays.
     fn bytes(&self) -> usize;
 
+    /// Whether the law admits stretches up to a limit only.
+    fn has_limit(&self) -> bool;
+
     /// The same elements with the same history.
     fn boxed(&self) -> Box<dyn ElementGroup>;
 
@@ -100,6 +103,10 @@ where
 
     fn bytes(&self) -> usize {
         footprint::blocks(&self.elements)
+    }
+
+    fn has_limit(&self) -> bool {
+        self.law.has_limit()
     }
 
     fn boxed(&self) -> Box<dyn ElementGroup> {

@@ -78,6 +78,11 @@ impl Film {
         self.chunks.iter().map(|chunk| chunk.group.len()).sum()
     }
 
+    /// Whether its law admits stretches up to a limit only.
+    pub fn has_limit(&self) -> bool {
+        self.chunks.iter().any(|chunk| chunk.group.has_limit())
+    }
+
     /// Number of integration points.
     pub(super) fn points(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.group.points()).sum()
