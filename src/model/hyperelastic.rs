@@ -119,7 +119,7 @@ fn ogden(mu: &Moduli, alpha: &[f64], path: &str, mistakes: &mut Mistakes<'_>) ->
     };
     let [mu_path, alpha_path] = ["mu", "alpha"].map(|key| format!("{path}.{key}"));
     if mu.len() != alpha.len() {
-        let message = format!("{} exponents for {} moduli", alpha.len(), mu.len());
+        let message = format!("the numbers of exponents and moduli differ: {} and {}", alpha.len(), mu.len());
         mistakes.report_with(&alpha_path, message, "each term of `ogden` has one of both");
         mistakes.label(&mu_path, "the moduli");
         return None;

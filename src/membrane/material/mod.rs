@@ -23,6 +23,7 @@ pub use fibre::FibreLaw;
 pub use history::{FibreHistory, History, PeakStrains, PointHistory};
 pub use hyperelastic::{
     CompressibleNeoHookean, Gent, Hyperelastic, HyperelasticLaw, Ogden, OgdenTerm, Polynomial, StrainEnergy, Tangent,
+    Tension,
 };
 pub use layer_breaks::LayerBreaks;
 pub use multipliers::Multipliers;

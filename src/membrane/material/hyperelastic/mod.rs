@@ -16,6 +16,7 @@ mod invariants;
 mod ogden;
 mod polynomial;
 mod principal;
+mod stability;
 #[cfg(test)]
 mod tests;
 
@@ -23,6 +24,7 @@ pub use compressible::CompressibleNeoHookean;
 pub use gent::Gent;
 pub use ogden::{Ogden, OgdenTerm};
 pub use polynomial::Polynomial;
+pub use stability::Tension;
 
 use serde::{Deserialize, Serialize};
 
