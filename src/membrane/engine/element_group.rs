@@ -29,6 +29,9 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Whether the law admits stretches up to a limit only.
     fn has_limit(&self) -> bool;
 
+    /// Whether the law defines the thickness.
+    fn has_thickness(&self) -> bool;
+
     /// The same elements with the same history.
     fn boxed(&self) -> Box<dyn ElementGroup>;
 
@@ -107,6 +110,10 @@ where
 
     fn has_limit(&self) -> bool {
         self.law.has_limit()
+    }
+
+    fn has_thickness(&self) -> bool {
+        self.law.has_thickness()
     }
 
     fn boxed(&self) -> Box<dyn ElementGroup> {

@@ -169,6 +169,10 @@ pub trait MembraneLaw {
     fn break_range(&self) -> [[f64; 2]; 2] {
         [[f64::INFINITY; 2]; 2]
     }
+    /// Whether it defines [`MembraneLaw::thickness_ratio`].
+    fn has_thickness(&self) -> bool {
+        true
+    }
     /// Whether it admits stretches up to a limit only, where stress and stiffness become infinite; beyond it both are NaN.
     fn has_limit(&self) -> bool {
         false

@@ -295,13 +295,17 @@ fn a_balloon_has_the_pressure_of_the_sphere() {
         let mut engine = Engine::new(vec![film], nodes, [], loads);
         let mut wanted = [1.1, 1.383, 1.7, 2.1].into_iter().peekable();
         while let Some(stretch) = wanted.peek().copied() {
-            let (inflated, size) = observe_step(&mut engine, |view| {
+            let (inflated, size, details) = observe_step(&mut engine, |view| {
                 let size = view.nodes.position.iter().map(|x| Vector3::from(x).norm()).sum::<f64>();
-                (view.inflated(), size / view.nodes.mass.len() as f64)
+                let size = size / view.nodes.mass.len() as f64;
+                (view.inflated(), size, (size >= stretch).then(|| view.films[0].details(&view.nodes.position)))
             });
             let Some([pressure, _]) = inflated.filter(|_| size >= stretch) else { continue };
             let expected = 4.0 * THICK * (1.0 / size - size.powi(-7)) * (C[0] + C[1] * size * size);
             claims.near(&format!("{kind:?}, pressure at L = {stretch}, Pa"), pressure, expected, 5e-3);
+            let thickness = details.iter().flatten().map(|element| element.thickness_ratio).sum::<f64>();
+            let thickness = thickness / mesh.quads.len() as f64;
+            claims.near(&format!("{kind:?}, thickness at L = {stretch}"), thickness, size.powi(-2), 2e-3);
             wanted.next();
         }
     }

@@ -235,6 +235,10 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         splat(f64::NAN)
     }
 
+    fn has_thickness(&self) -> bool {
+        false
+    }
+
     fn moduli(&self) -> [f64; 2] {
         [self.md.initial_slope(), self.td.initial_slope()]
     }

@@ -64,12 +64,12 @@ fn stress_is_the_derivative_of_the_energy() {
 
 #[test]
 fn engineering_stresses_do_work_on_the_strains() {
-    each_law!(|law| check_work(law));
+    each_law!(check_work);
 }
 
 #[test]
 fn the_bound_holds_in_general_position() {
-    each_law!(|law| check_bound(law));
+    each_law!(check_bound);
 }
 
 /// Second differences of the energy along random motions of unit size against the bound, at random stretches and at
@@ -95,7 +95,7 @@ fn check_random_bound<E: StrainEnergy>(law: &Hyperelastic<E>, largest: f64) {
             };
             let stiffness = (energy(1.0) - 2.0 * energy(0.0) + energy(-1.0)) / (step * step);
             closest = closest.max(stiffness / bound);
-            assert!(stiffness <= 1.2 * bound + 10.0, "{stiffness} over {bound} at {first}, {second}, {near:?}");
+            assert!(stiffness <= 1.08 * bound + 10.0, "{stiffness} over {bound} at {first}, {second}, {near:?}");
         }
     }
     assert!(closest > 0.6, "the bound is {} of the largest stiffness found", 1.0 / closest);
@@ -130,8 +130,8 @@ fn the_bound_holds_near_the_limit_of_gent() {
             let near = first * (1.0 + 0.9 * NEAR);
             let energy = |t: f64| stored(&law, turned([near * (1.0 + 1e-5 * t), second], [0.0; 2]));
             let stiffness = (energy(1.0) - 2.0 * energy(0.0) + energy(-1.0)) / (1e-5 * near).powi(2);
-            let is_beyond = !(reach(near * (1.0 + 1e-5)) < 10.0);
-            assert!(bound.is_nan() || is_beyond || stiffness <= 1.05 * bound, "{stiffness} {bound} {first} {second}");
+            let is_beyond = stiffness.is_nan() || reach(near * (1.0 + 1e-5)) >= 10.0;
+            assert!(bound.is_nan() || is_beyond || stiffness <= 1.01 * bound, "{stiffness} {bound} {first} {second}");
         }
     }
 }
@@ -270,7 +270,7 @@ fn the_energy_of_wrinkled_film_is_relaxed() {
         let stress = virgin_stress(&relaxing, turned([0.99, 0.4], [0.3, 0.1]));
         assert!(stress.p.iter().flatten().all(|p| p[0] == 0.0));
     }
-    each_law!(|law| check(law));
+    each_law!(check);
 }
 
 #[test]
