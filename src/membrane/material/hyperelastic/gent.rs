@@ -68,7 +68,7 @@ impl StrainEnergy for Gent {
         invariants::plane_stress(c, &self.slopes(&invariants::of_metric(c)))
     }
 
-    /// At the largest I₁ that strains within [`NEAR`] reach; NaN where that is the limit.
+    /// At the largest I₁ that strains within 0.5 % reach; NaN where that is the limit.
     #[inline(always)]
     fn tangent<const L: usize>(&self, c: &Squares<L>) -> Tangent<L> {
         let [trace, det] = invariants::of_squares(c);

@@ -54,7 +54,7 @@ pub trait StrainEnergy {
         principal.turned(self.stress(&principal.squares))
     }
 
-    /// Derivatives that bound the stiffness for strains within [`NEAR`].
+    /// Derivatives that bound the stiffness for strains within 0.5 %.
     fn tangent<const L: usize>(&self, c: &Squares<L>) -> Tangent<L>;
 
     /// Thickness over that of the undeformed film, λ₃; that of incompressible film unless the law has another.
