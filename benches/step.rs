@@ -10,7 +10,10 @@ use std::time::Instant;
 use droptower::diagnostic;
 use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Unobserved, Vectors};
 use droptower::lane::Width;
-use droptower::material::Law;
+use droptower::material::{
+    CompressibleNeoHookean, Elastic, Gent, Hyperelastic, HyperelasticLaw, Law, LawVisitor, MembraneLaw, Ogden,
+    OgdenTerm, Polynomial, TensionField,
+};
 use droptower::mesh;
 use droptower::model::{self, Model};
 use droptower::scenario::{Assignment, Document};
@@ -25,8 +28,9 @@ type Section = fn(&Machine);
 fn main() {
     // The name of one section, which is then run alone.
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let sections: [(&str, Section); 7] = [
+    let sections: [(&str, Section); 8] = [
         ("kernel", |_| kernel()),
+        ("laws", |_| laws()),
         ("drop", drop_test),
         ("parts", |_| parts()),
         ("sizes", |_| sizes()),
@@ -175,10 +179,70 @@ fn kernel() {
     println!();
 }
 
+/// The same of every law, with the widest instructions.
+fn laws() {
+    struct Pass<'a>(&'a Model);
+    impl LawVisitor for Pass<'_> {
+        type Output = f64;
+
+        fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> f64 {
+            pass_of::<_, 8>(law, self.0, Width::best())
+        }
+    }
+    let model = shipped(&["specimen.symmetry=none"]);
+    let fabric = model.faces[0].material.law.visit(Pass(&model));
+    println!("## The laws: forces of 1 600 one-point quads, {:?}\n", Width::best());
+    println!("| law | ns an element | over fabric | wrinkling, ns | over fabric |\n|---|---|---|---|---|");
+    println!("| fabric | {fabric:.1} | 1 | | |");
+    let elastic = |wrinkling: bool| {
+        let elastic = Elastic { young: 1e6, poisson: 0.45 };
+        if wrinkling { Law::TensionField(TensionField(elastic)) } else { Law::Elastic(elastic) }
+    };
+    let polynomial = |energy: Polynomial| {
+        move |wrinkling: bool| {
+            let energy = energy.clone();
+            Law::Hyperelastic(HyperelasticLaw::Polynomial(Hyperelastic { energy, wrinkling }))
+        }
+    };
+    let ogden = |wrinkling: bool| {
+        let terms = [(0.63e6, 1.3), (0.0012e6, 5.0), (-0.01e6, -2.0)].map(|(mu, alpha)| OgdenTerm { mu, alpha });
+        Law::Hyperelastic(HyperelasticLaw::Ogden(Hyperelastic { energy: Ogden::new(&terms), wrinkling }))
+    };
+    let gent = |wrinkling: bool| {
+        Law::Hyperelastic(HyperelasticLaw::Gent(Hyperelastic { energy: Gent { mu: 4e5, jm: 90.0 }, wrinkling }))
+    };
+    let compressible = |wrinkling: bool| {
+        let energy = CompressibleNeoHookean { young: 2e6, poisson: 0.3 };
+        Law::Hyperelastic(HyperelasticLaw::CompressibleNeoHookean(Hyperelastic { energy, wrinkling }))
+    };
+    let neo_hookean = polynomial(Polynomial::neo_hookean(4e5));
+    let mooney_rivlin = polynomial(Polynomial::mooney_rivlin(1.6e5, 4e4));
+    let yeoh = polynomial(Polynomial::yeoh([1.8e5, -2e3, 50.0]));
+    let all: [(&str, &dyn Fn(bool) -> Law); 7] = [
+        ("elastic", &elastic),
+        ("neo-Hookean", &neo_hookean),
+        ("Mooney–Rivlin", &mooney_rivlin),
+        ("Yeoh", &yeoh),
+        ("Gent", &gent),
+        ("Ogden, three terms", &ogden),
+        ("compressible neo-Hookean", &compressible),
+    ];
+    for (name, law) in all {
+        let [taut, wrinkling] = [false, true].map(|wrinkling| law(wrinkling).visit(Pass(&model)));
+        println!("| {name} | {taut:.1} | {:.2} | {wrinkling:.1} | {:.2} |", taut / fabric, wrinkling / fabric);
+    }
+    println!();
+}
+
 fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
+    let Law::Fabric(law) = &model.faces[0].material.law else { panic!("a fabric") };
+    pass_of::<_, L>(law, model, width)
+}
+
+/// Forces of the elements of the first face of `model` with `law`, ns an element.
+fn pass_of<M: MembraneLaw + Clone, const L: usize>(law: &M, model: &Model, width: Width) -> f64 {
     let face = &model.faces[0];
     let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing).expect("a mesh");
-    let Law::Fabric(law) = &face.material.law else { panic!("a fabric") };
     let stress_free = StressFree::new(face.md_angle, face.prestrain);
     let thickness = face.material.thickness * f64::from(face.layers);
     let mut patch = Patch::<_, L>::new(law.clone(), &mesh, &stress_free, thickness).expect("a patch");

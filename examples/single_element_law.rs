@@ -42,11 +42,12 @@ impl MembraneLaw for NeoHookean {
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _: &PeakStrains<L>) -> Stiffness<L> {
         let [c11, c22, c12, inverse] = right_cauchy_green(d);
         let bound = |c: Lane<L>| from_fn(|l| 3.0 * self.0 * c[l].abs() * inverse[l].powi(2));
-        Stiffness { along: [c22, c11].map(bound), across: [splat(self.0); 2], shear: bound(c12), alignment: splat(1.0) }
+        let (along, across) = ([c22, c11].map(bound), [splat(self.0); 2]);
+        Stiffness { along, across, shear: bound(c12), alignment: splat(1.0), ..Stiffness::in_any_direction(splat(0.0)) }
     }
 
     /// 1/√det C, from the stress alone.
-    fn thickness_ratio<const L: usize>(&self, s: &Stress<L>) -> Lane<L> {
+    fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, s: &Stress<L>) -> Lane<L> {
         let ratio = |l: usize| [s.tension[0][l], s.tension[1][l], s.cross[l]].map(|stress| stress / self.0);
         from_fn(ratio).map(|[t1, t2, cross]| ((1.0 - t1) * (1.0 - t2) - cross * cross).powf(1.0 / 6.0))
     }

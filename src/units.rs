@@ -364,6 +364,8 @@ quantities! {
     AreaDensity: "a mass per area", "kg/m2", "0.1 kg/m2", [-2, 1, 0, 0];
     /// m².
     Area: "an area", "m2", "20 cm2", [2, 0, 0, 0];
+    /// m³.
+    Volume: "a volume", "m3", "2 l", [3, 0, 0, 0];
     /// rad.
     Angle: "an angle", "rad", "45 deg", [0, 0, 0, 1];
     /// Hz.

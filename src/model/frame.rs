@@ -61,7 +61,7 @@ fn unheld(hold: &Hold, scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
             let hint = "hold \"all\", or at least two opposite sides";
             mistakes.report_with(PATH, "the film is not held on both sides of the impactor", hint);
         }
-        Loading::Pressure(_) if *hold != Hold::All => {
+        Loading::Pressure(_) | Loading::Volume(_) if *hold != Hold::All => {
             let hint = "leave the key out, or hold \"all\"";
             mistakes.report_with(PATH, "pressure escapes past an edge that is not held", hint);
         }

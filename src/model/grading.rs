@@ -104,7 +104,7 @@ impl Keys<'_> {
         };
         let hint = "give a point: `around = [\"0 mm\", \"0 mm\"]`";
         debug_assert!(matches!(around, None | Some(Around::Word(AroundChoice::Impactor))));
-        if matches!(loading, Loading::Stretch { .. } | Loading::Pressure { .. }) {
+        if matches!(loading, Loading::Stretch { .. } | Loading::Pressure { .. } | Loading::Volume { .. }) {
             mistakes.report_with(&path, "this loading has no impactor around which elements could be fine", hint);
             return None;
         }

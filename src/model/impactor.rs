@@ -54,7 +54,9 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>
     let why = match scenario.loading {
         scenario::Loading::Impact(_) => "`loading.impact` needs an impactor",
         scenario::Loading::Indent(_) => "`loading.indent` needs an impactor",
-        scenario::Loading::Stretch(_) | scenario::Loading::Pressure(_) => return Some(vec![]),
+        scenario::Loading::Stretch(_) | scenario::Loading::Pressure(_) | scenario::Loading::Volume(_) => {
+            return Some(vec![]);
+        }
     };
     let all = written(scenario, mistakes);
     if all.is_empty() {

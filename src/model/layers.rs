@@ -206,6 +206,7 @@ fn face_path(scenario: &Scenario, place: usize) -> String {
 fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     let single = match scenario.loading {
         scenario::Loading::Stretch(_) => Some("a stretch test has one face"),
+        scenario::Loading::Volume(_) => Some("gas is let in under one face; `loading.pressure` acts on several"),
         scenario::Loading::Impact(_) | scenario::Loading::Indent(_) | scenario::Loading::Pressure(_) => None,
     };
     if let Some(message) = single.filter(|_| faces.len() > 1) {
@@ -229,7 +230,7 @@ fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
 
 /// Under pressure, film with negative pre-strain has no equilibrium near its flat shape.
 fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
-    if !matches!(scenario.loading, scenario::Loading::Pressure(_)) {
+    if !matches!(scenario.loading, scenario::Loading::Pressure(_) | scenario::Loading::Volume(_)) {
         return;
     }
     for (place, face) in faces.iter().enumerate() {

@@ -18,7 +18,7 @@ impl Loading {
             (Loading::Stretch { velocity, until, .. }, Outline::Rectangle { x, .. }) => until * x / velocity,
             (Loading::Stretch { .. }, _) => f64::NAN,
             (Loading::Indent { depth, velocity, .. }, _) => depth / velocity,
-            (Loading::Pressure { ramp, .. }, _) => (1.0 + HOLD) * ramp,
+            (Loading::Pressure { ramp, .. } | Loading::Volume { ramp, .. }, _) => (1.0 + HOLD) * ramp,
         }
     }
 }
@@ -51,6 +51,9 @@ const INDENT: [(&str, &str); 3] = [NOT_COMPARED, NOT_FILTERED, DAMPED];
 /// Keys without a meaning under pressure, and why.
 const PRESSURE: [(&str, &str); 4] =
     [("impactor", "`loading.pressure` has no impactor"), NOT_COMPARED, NOT_FILTERED, DAMPED];
+/// Keys without a meaning where gas is let in, and why.
+const VOLUME: [(&str, &str); 4] =
+    [("impactor", "`loading.volume` has no impactor"), NOT_COMPARED, NOT_FILTERED, DAMPED];
 
 /// The loading in SI values.
 pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
@@ -67,6 +70,10 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
         scenario::Loading::Pressure(written) => {
             out_of_place(&PRESSURE, mistakes);
             Loading::Pressure { pressure: written.pressure.0, ramp: written.ramp.0, mass_scaling: written.mass_scaling }
+        }
+        scenario::Loading::Volume(written) => {
+            out_of_place(&VOLUME, mistakes);
+            Loading::Volume { volume: written.volume.0, ramp: written.ramp.0, mass_scaling: written.mass_scaling }
         }
     }
 }

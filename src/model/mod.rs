@@ -5,6 +5,7 @@ mod contact;
 mod mistakes;
 mod frame;
 mod grading;
+mod hyperelastic;
 mod impactor;
 mod indent;
 mod layers;
@@ -460,6 +461,15 @@ pub enum Loading {
         /// Final pressure, Pa.
         pressure: f64,
         /// Time in which it rises, s.
+        ramp: f64,
+        /// Factor on the film's mass; `None` chooses it from the periods of the film.
+        mass_scaling: Option<f64>,
+    },
+    /// Gas is let in under the film; its volume is then constant for half as long.
+    Volume {
+        /// Final volume under the whole film, m³.
+        volume: f64,
+        /// Time in which it is let in, s.
         ramp: f64,
         /// Factor on the film's mass; `None` chooses it from the periods of the film.
         mass_scaling: Option<f64>,

@@ -26,7 +26,7 @@ pub fn check(
     let written = &scenario.output;
     let filter = match loading {
         Loading::Impact { .. } => class(written.filter.unwrap_or(Filter::Cfc1000)),
-        Loading::Stretch { .. } | Loading::Indent { .. } | Loading::Pressure { .. } => None,
+        Loading::Stretch { .. } | Loading::Indent { .. } | Loading::Pressure { .. } | Loading::Volume { .. } => None,
     };
     let sample_rate = written.sample_rate.0;
     if let Some(class) = filter
@@ -64,6 +64,7 @@ fn pace(loading: &Loading) -> &'static str {
         Loading::Stretch { .. } => "loading.stretch.velocity",
         Loading::Indent { .. } => "loading.indent.velocity",
         Loading::Pressure { .. } => "loading.pressure.ramp",
+        Loading::Volume { .. } => "loading.volume.ramp",
     }
 }
 

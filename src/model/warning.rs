@@ -4,8 +4,9 @@ use std::fmt;
 
 use serde_json::{Map, Value};
 
-use super::{Loading, MeshInput, Model};
+use super::{Face, Loading, MeshInput, Model};
 use crate::finding::{Code, Report, codes};
+use crate::material::{Law, Tension};
 use crate::mesh::{Outline, import};
 use crate::number::significant;
 use crate::scenario::{Document, Implausible};
@@ -14,6 +15,10 @@ codes! {
     IMPLAUSIBLE_VALUE = "implausible-value", Warning,
         "a value of the scenario, or the extent of a mesh, is far from what such tests have",
         "check its unit: a bare number is in the SI unit, coordinates of meshes are in m; no change is needed where it is meant";
+    HYPERELASTIC_UNSTABLE = "hyperelastic-unstable", Warning,
+        "the stress of a hyperelastic law no longer grows with every strain beyond a stretch that is less than 10 (Hill's criterion): \
+         film stretched farther may give way in a band of elements",
+        "fit the coefficients to tests in several kinds of tension, with signs that are stable, or see that the film is stretched less";
     ABSORPTION_NOT_GIVEN = "absorption-not-given", Note,
         "an impactor rebounds from film whose fabric gives no `absorption`: it is zero, so that all energy that the film stored \
          is returned, and rebound and energy absorption say nothing about a test",
@@ -38,6 +43,15 @@ pub enum Warning {
         /// Largest extent along x, y or z, m.
         extent: f64,
     },
+    /// A hyperelastic law is unstable at a stretch that film may have.
+    Unstable {
+        /// Path of the key of the law.
+        key: String,
+        /// In which kind of tension first.
+        tension: Tension,
+        /// From which stretch on.
+        stretch: f64,
+    },
     /// A fabric that an impactor falls on has no energy absorption.
     AbsorptionNotGiven {
         /// Path of the key that is left out.
@@ -60,6 +74,9 @@ impl fmt::Display for Warning {
                     false => write!(f, "; coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
                 }
             }
+            Warning::Unstable { key, tension, stretch } => {
+                write!(f, "`{key}` is unstable in {tension} from a stretch of {} on", significant(*stretch, 3))
+            }
             Warning::AbsorptionNotGiven { key } => {
                 write!(
                     f,
@@ -74,6 +91,7 @@ impl Report for Warning {
     fn code(&self) -> &'static Code {
         match self {
             Warning::Value(_) | Warning::Extent { .. } => &IMPLAUSIBLE_VALUE,
+            Warning::Unstable { .. } => &HYPERELASTIC_UNSTABLE,
             Warning::AbsorptionNotGiven { .. } => &ABSORPTION_NOT_GIVEN,
         }
     }
@@ -82,6 +100,11 @@ impl Report for Warning {
         let figures: Vec<(&str, Value)> = match self {
             Warning::Value(value) => vec![("key", value.key.as_str().into()), ("value", value.value.into())],
             Warning::Extent { key, extent } => vec![("key", key.as_str().into()), ("extent_m", (*extent).into())],
+            Warning::Unstable { key, tension, stretch } => vec![
+                ("key", key.as_str().into()),
+                ("tension", tension.to_string().into()),
+                ("stretch", (*stretch).into()),
+            ],
             Warning::AbsorptionNotGiven { key } => vec![("key", key.as_str().into())],
         };
         figures.into_iter().map(|(name, value)| (name.into(), value)).collect()
@@ -92,7 +115,24 @@ impl Report for Warning {
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
     let values = document.implausible().into_iter().map(Warning::Value);
     let meshes = model.meshes().into_iter().filter_map(wide);
-    values.chain(meshes).chain(drawing(document, model)).chain(without_absorption(document, model)).collect()
+    let unstable = unstable(document, model);
+    let absorption = without_absorption(document, model);
+    values.chain(meshes).chain(drawing(document, model)).chain(unstable).chain(absorption).collect()
+}
+
+/// The hyperelastic laws that are unstable, each once.
+fn unstable(document: &Document, model: &Model) -> Vec<Warning> {
+    let of_face = |(place, face): (usize, &Face)| {
+        let Law::Hyperelastic(law) = &face.material.law else { return None };
+        let (tension, stretch) = law.instability()?;
+        let own = format!("layer.{place}.material.hyperelastic");
+        let is_own = document.find(&own).is_some();
+        let key = if is_own { own } else { "specimen.material.hyperelastic".to_owned() };
+        Some(Warning::Unstable { key, tension, stretch })
+    };
+    let mut warnings: Vec<Warning> = model.faces.iter().enumerate().filter_map(of_face).collect();
+    warnings.dedup();
+    warnings
 }
 
 /// The fabrics without `absorption` that an impactor falls on, by the paths of their keys.

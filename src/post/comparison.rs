@@ -71,7 +71,7 @@ pub struct ComparedSignal {
 }
 
 /// Figures that are shown even where all runs agree.
-const KEY: [&str; 12] = [
+const KEY: [&str; 13] = [
     "peak_acceleration_m_s2",
     "peak_displacement_m",
     "rebound_velocity_m_s",
@@ -81,6 +81,7 @@ const KEY: [&str; 12] = [
     "strain_at_break",
     "final_depth_m",
     "final_deflection_m",
+    "final_volume_m3",
     "burst_pressure_Pa",
     "energy_balance_error",
     "ruptured",

@@ -18,6 +18,9 @@ pub struct Inflation {
     /// Deflection at the end of the test, where the pressure is constant.
     #[serde(rename = "final_deflection_m")]
     pub final_deflection: Option<f64>,
+    /// Volume under the film at the end of the test.
+    #[serde(rename = "final_volume_m3")]
+    pub final_volume: Option<f64>,
     /// Change of the deflection over the last tenth of the test, over the deflection; small at rest.
     pub settling: Option<f64>,
     /// Pressure at the last sample before the rupture; none without one.
@@ -41,6 +44,7 @@ impl Inflation {
             peak_pressure: pressure.largest().map(|[_, pressure]| pressure),
             peak_deflection: deflection.largest().map(|[_, rise]| rise),
             final_deflection: deflection.values().last().copied(),
+            final_volume: channel(column::VOLUME.name).values().last().copied(),
             settling: outcome.settling,
             burst_pressure: outcome.rupture_time.and(last_pressure),
             audit: Audit::of(outcome),

@@ -67,6 +67,7 @@ fn slower(model: &Model, used: Option<f64>) -> String {
         Loading::Stretch { mass_scaling, .. } => ("loading.stretch.mass_scaling", mass_scaling),
         Loading::Indent { mass_scaling, .. } => ("loading.indent.mass_scaling", mass_scaling),
         Loading::Pressure { mass_scaling, .. } => ("loading.pressure.mass_scaling", mass_scaling),
+        Loading::Volume { mass_scaling, .. } => ("loading.volume.mass_scaling", mass_scaling),
     };
     match used.filter(|used| *used > 1.0).map(|used| significant(used, 4)) {
         None => slower.into(),
@@ -102,7 +103,7 @@ mod tests {
     fn every_key_that_a_remedy_names_is_one_of_a_scenario() {
         let (source, _) = include_str!("remedies.rs").split_once("#[cfg(test)]").unwrap();
         let named: Vec<&str> = enclosed(source, '"').flat_map(paths).collect();
-        assert_eq!(named.len(), 7, "{named:?}");
+        assert_eq!(named.len(), 8, "{named:?}");
         let remedies = || [crate::simulate::CODES, crate::post::CODES].concat().into_iter().map(|code| code.remedy);
         let of_codes: Vec<&str> = remedies().flat_map(paths).filter(|path| !path.ends_with(".csv")).collect();
         assert!(of_codes.len() > 5, "{of_codes:?}");

@@ -17,7 +17,7 @@ pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
 /// The fields that a summary may have in a script: those of all kinds of loading. Of several impactors, those of each
 /// begin with its name.
-pub(super) const SUMMARY: [&str; 57] = [
+pub(super) const SUMMARY: [&str; 58] = [
     "scenario",
     "title",
     "droptower",
@@ -52,6 +52,7 @@ pub(super) const SUMMARY: [&str; 57] = [
     "peak_pressure_Pa",
     "peak_deflection_m",
     "final_deflection_m",
+    "final_volume_m3",
     "settling",
     "burst_pressure_Pa",
     // All.
@@ -138,7 +139,9 @@ impl Results {
             Loading::Indent { velocity, .. } => {
                 Measures::Indent(Indent::measure(velocity, outcome, &signals, findings()))
             }
-            Loading::Pressure { .. } => Measures::Inflation(Inflation::measure(outcome, &signals, findings())),
+            Loading::Pressure { .. } | Loading::Volume { .. } => {
+                Measures::Inflation(Inflation::measure(outcome, &signals, findings()))
+            }
         };
         Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
     }

@@ -158,6 +158,10 @@ pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
             facts.insert("pressure".into(), json!(pressure));
             facts.insert("ramp".into(), json!(ramp));
         }
+        Loading::Volume { volume, ramp, .. } => {
+            facts.insert("volume".into(), json!(volume));
+            facts.insert("ramp".into(), json!(ramp));
+        }
     }
     facts
 }

@@ -154,6 +154,9 @@ fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
         (Law::Elastic(_) | Law::TensionField(_), _) => {
             return Err(refuse("an elastic film has no curves; only a fabric has md, td and shear"));
         }
+        (Law::Hyperelastic(_), _) => {
+            return Err(refuse("a hyperelastic film has no curves; only a fabric has md, td and shear"));
+        }
         (Law::Fabric(fabric), "md") => Some(fabric.md()),
         (Law::Fabric(fabric), "td") => Some(fabric.td()),
         (Law::Fabric(fabric), "shear") => Some(fabric.shear()),
@@ -318,7 +321,7 @@ pub const ENTRIES: &[Entry] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{self, Elastic, Fabric, RateCurves, TensionField};
+    use crate::material::{self, Elastic, Fabric, Hyperelastic, HyperelasticLaw, Polynomial, RateCurves, TensionField};
 
     fn straight(stress: f64) -> material::Curve {
         material::Curve::new(vec![[1.0, stress]]).unwrap()
@@ -332,11 +335,14 @@ mod tests {
         assert_eq!(points(&law, "td").unwrap(), [[0.0, 0.0], [1.0, 3e6]]);
         assert_eq!(points(&law, "shear").unwrap(), [[0.0, 0.0], [1.0, 4e6]]);
         let elastic = Elastic { young: 5e7, poisson: 0.44 };
+        let energy = Polynomial::neo_hookean(1e6);
+        let rubber = Law::Hyperelastic(HyperelasticLaw::Polynomial(Hyperelastic { energy, wrinkling: false }));
         for (law, name, expected) in [
             (&law, "md", "`md` is not a single curve: its curves depend on the strain rate (`rates`)"),
             (&law, "bias", "there is no curve `bias`; a fabric has md, td and shear"),
             (&Law::Elastic(elastic.clone()), "md", "an elastic film has no curves"),
             (&Law::TensionField(TensionField(elastic)), "td", "an elastic film has no curves"),
+            (&rubber, "md", "a hyperelastic film has no curves"),
         ] {
             let message = points(law, name).unwrap_err().to_string();
             assert!(message.contains(expected), "{name}: {message}");

@@ -318,6 +318,7 @@ fn every_figure_of_a_summary_is_a_known_field() {
         peak_pressure: None,
         peak_deflection: None,
         final_deflection: None,
+        final_volume: None,
         settling: None,
         burst_pressure: None,
         audit,

@@ -81,8 +81,9 @@ const INDENT: [Key; 5] = [
     BALANCE,
 ];
 
-const INFLATION: [Key; 5] = [
+const INFLATION: [Key; 6] = [
     key("deflection", "final_deflection_m", 1e3, "mm"),
+    key("volume", "final_volume_m3", 1e3, "l"),
     key("peak pressure", "peak_pressure_Pa", 1e-3, "kPa"),
     key("burst pressure", "burst_pressure_Pa", 1e-3, "kPa"),
     key("settled within", "settling", 100.0, "%"),

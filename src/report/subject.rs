@@ -27,6 +27,7 @@ pub(crate) fn subject(model: &Model) -> String {
             format!("{body} {} mm into {layers} at {} m/s", figure(depth * 1e3), figure(*velocity))
         }
         (Loading::Pressure { pressure, .. }, _) => format!("{} kPa under {layers}", figure(pressure * 1e-3)),
+        (Loading::Volume { volume, .. }, _) => format!("{} l of gas under {layers}", figure(volume * 1e3)),
     }
 }
 

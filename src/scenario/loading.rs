@@ -3,11 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Acceleration, Angle, Length, Pressure, Time, Velocity};
+use crate::units::{Acceleration, Angle, Length, Pressure, Time, Velocity, Volume};
 
 /// The loading of the specimen.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-future" = { "volume": "`pressure` inflates the film by a pressure" }))]
 #[serde(rename_all = "lowercase")]
 pub enum Loading {
     /// An impactor falls, flies or swings onto the film, or film falls onto it.
@@ -19,6 +18,8 @@ pub enum Loading {
     /// Pressure on the lower side of the film, held all around, inflates it; of several faces it acts on the lowest, which
     /// presses on those above it.
     Pressure(Inflation),
+    /// Gas let in under one face of film, held all around, inflates it, also beyond the largest pressure that it carries.
+    Volume(Filling),
 }
 
 /// An impact.
@@ -90,6 +91,22 @@ pub struct Inflation {
     pub ramp: Time,
     /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
     /// loading lasts 50 periods of the film.
+    #[schemars(range(min = 1))]
+    pub mass_scaling: Option<f64>,
+}
+
+/// A slow inflation by a volume of gas: the film is in equilibrium throughout.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Filling {
+    /// Volume of the gas under the film at the end, at the pressure that it has there; of the whole film, also where its
+    /// symmetry is used.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-9, 100.0]))]
+    pub volume: Volume,
+    /// Time in which the gas is let in, smoothly at both ends; its volume is then constant for half as long.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ramp: Time,
+    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+    /// loading lasts 100 periods of the film.
     #[schemars(range(min = 1))]
     pub mass_scaling: Option<f64>,
 }

@@ -5,17 +5,18 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::hyperelastic::Hyperelastic;
 use super::schema;
 use crate::units::{Density, Length, Pressure, Rate};
 
 /// The laws that there are.
-const LAWS: &str = "the laws are `fabric` and `elastic`";
+const LAWS: &str = "the laws are `fabric`, `elastic` and `hyperelastic`";
 
 /// Material of one layer of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "x-future" = { "hyperelastic": LAWS, "plastic": LAWS, "prony": LAWS, "rupture": "a film breaks at the last strain of its curves" },
-    "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }]
+    "x-future" = { "plastic": LAWS, "prony": LAWS, "rupture": "a film breaks at the last strain of its curves" },
+    "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }, { "required": ["hyperelastic"] }]
 ))]
 pub struct Material {
     /// One line that describes it.
@@ -38,6 +39,8 @@ pub struct Material {
     pub fabric: Option<Fabric>,
     /// St. Venant–Kirchhoff, plane stress.
     pub elastic: Option<Elastic>,
+    /// Rubber-like film of any stretch, plane stress with the thickness that follows.
+    pub hyperelastic: Option<Hyperelastic>,
 }
 
 /// Two fibre sets at 90° and a shear curve, per layer.

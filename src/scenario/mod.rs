@@ -10,6 +10,7 @@ mod curve_file;
 mod document;
 mod frame;
 pub mod grammar;
+mod hyperelastic;
 mod impactor;
 mod layers;
 mod loading;
@@ -38,12 +39,13 @@ pub use assignment::Assignment;
 pub use contact::Contact;
 pub use document::Document;
 pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side};
+pub use hyperelastic::{Energy, Hyperelastic, Moduli};
 pub use impactor::{
     BodyShape, Compound, FrictionPoint, Guide, Hinge, Impactor, ImpactorShape, MeshFile, MeshTable, MeshUnit,
     Orientation, Part,
 };
 pub use layers::{Layer, Layers, Prestrain};
-pub use loading::{Axis, Direction, Impact, Indent, Inflation, Loading, Stretch};
+pub use loading::{Axis, Direction, Filling, Impact, Indent, Inflation, Loading, Stretch};
 pub use material::{Elastic, Fabric, Fibre, Material, MountingCurve, Point, RateCurve, Scale, Shear};
 pub use output::{Filter, Output};
 pub use plausible::Implausible;

@@ -133,7 +133,10 @@ columns! {
         "of an indentation";
     /// Pressure on the film.
     PRESSURE = "pressure_Pa", "pressure", "Pa", "pressure" ("kPa"), 1e-3;
-        "of film under pressure";
+        "of film under pressure, or under gas of a volume";
+    /// Volume under an inflated film.
+    VOLUME = "volume_m3", "volume", "m3", "volume" ("l"), 1e3;
+        "of film under pressure, or under gas of a volume";
     /// Deflection of the highest point of a film under pressure.
     DEFLECTION = "deflection_m", "deflection", "m", "deflection" ("mm"), 1e3;
         "of film under pressure";

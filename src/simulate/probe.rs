@@ -208,6 +208,9 @@ impl<'a> Probe<'a> {
         if let Some(pressure) = view.cushion_pressure() {
             self.record.tracks.air.push(view.time, [pressure]);
         }
+        if let Some(inflated) = view.inflated() {
+            self.record.tracks.gas.push(view.time, inflated);
+        }
         if let Some(FilmContactState { distance, nodes, lost, unresolved }) = view.film_contact_state() {
             self.record.tracks.films.push(view.time, [distance, nodes as f64]);
             self.record.monitor.films(view.time, distance, lost);
@@ -234,7 +237,7 @@ impl<'a> Probe<'a> {
         self.record.audits += 1;
         let energies = view.energies();
         if !energies.total().is_finite() {
-            return Err(not_finite(view.time, faces));
+            return Err(not_finite(view, faces));
         }
         self.record.monitor.strain(view, faces);
         for (body, (state, size)) in view.contact_states().enumerate() {
@@ -341,11 +344,13 @@ fn tracks(model: &Model, mounting: &Mounting, duration: f64, sample: f64) -> Tra
     Tracks::new(duration, sample, bodies.collect(), bars)
 }
 
-fn not_finite(time: f64, faces: &[Vec<ElementStrain>]) -> engine::Fault {
+fn not_finite(view: &View<'_>, faces: &[Vec<ElementStrain>]) -> engine::Fault {
+    let time = view.time;
     let is_lost = |s: &ElementStrain| !s.strain.iter().all(|e| e.is_finite());
     let found =
         faces.iter().enumerate().find_map(|(face, s)| s.iter().position(is_lost).map(|element| (face, element)));
     match found {
+        Some((face, _)) if view.films[face].has_limit() => engine::Fault::StretchLimit { time, face: face + 1 },
         Some((face, element)) => engine::Fault::NotFinite { time, face: face + 1, element: element + 1 },
         None => engine::Fault::ImpactorLost { time },
     }

@@ -28,6 +28,8 @@ pub struct FilmState {
     pub strains: Vec<[f32; 3]>,
     /// Whether the MD or TD fibres of all layers are broken in an element, one entry an element.
     pub failed: Vec<bool>,
+    /// Thickness over that of stress-free film, one entry an element; empty where the law does not give it.
+    pub thickness_ratio: Vec<f32>,
     /// Nodes of the face in contact with an impactor or the frame's bars, ascending.
     pub in_contact: Vec<u32>,
     /// Stresses and more, where the run takes detailed snapshots
@@ -47,8 +49,6 @@ pub struct Detail {
     pub peaks: Vec<[f32; 2]>,
     /// Share of the layers whose MD and TD fibres are not broken.
     pub left: Vec<[f32; 2]>,
-    /// Thickness over that of stress-free film; NaN where the law does not give it.
-    pub thickness_ratio: Vec<f32>,
     /// Images of unit vectors along MD and TD of the stress-free film: their directions are those of the fibres, their
     /// lengths the stretches.
     pub fibres: Vec<[[f32; 3]; 2]>,
@@ -65,12 +65,18 @@ pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
 /// The scene as `view` shows it, `detailed` or not; `strains` are those of its faces.
 pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: bool) -> Snapshot {
     let in_contact = view.nodes_in_contact();
-    let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| FilmState {
-        positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
-        strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
-        failed: strains.iter().map(ElementStrain::has_failed).collect(),
-        in_contact: of_face(&in_contact, &film.nodes),
-        detail: detailed.then(|| detail(view, film, strains)),
+    let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| {
+        let is_needed = detailed || film.has_thickness();
+        let details = if is_needed { film.details(&view.nodes.position) } else { vec![] };
+        let thickness = details.iter().filter(|_| film.has_thickness()).map(|of| of.thickness_ratio as f32);
+        FilmState {
+            positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
+            strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
+            failed: strains.iter().map(ElementStrain::has_failed).collect(),
+            thickness_ratio: thickness.collect(),
+            in_contact: of_face(&in_contact, &film.nodes),
+            detail: detailed.then(|| detail(view, film, strains, &details)),
+        }
     };
     let poses = view.bodies().map(|body| {
         let (position, rotation) = (body.pose.translation.vector, body.pose.rotation.coords);
@@ -79,16 +85,15 @@ pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed
     Snapshot { time: view.time, films: view.films.iter().zip(strains).map(film).collect(), impactors: poses.collect() }
 }
 
-fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain]) -> Detail {
+fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain], details: &[ElementDetail]) -> Detail {
     let mut out = Detail {
         velocities: film.nodes.clone().map(|n| view.velocity(n).map(|v| v as f32)).collect(),
         peaks: strains.iter().map(|s| s.peak.map(|e| e as f32)).collect(),
         left: strains.iter().map(|s| s.left.map(|e| e as f32)).collect(),
         ..Detail::default()
     };
-    for ElementDetail { stress, thickness_ratio, fibres } in film.details(&view.nodes.position) {
+    for ElementDetail { stress, fibres, .. } in details {
         out.stresses.push(stress.map(|s| s as f32));
-        out.thickness_ratio.push(thickness_ratio as f32);
         out.fibres.push(fibres.map(|f| f.map(|x| x as f32)));
     }
     out

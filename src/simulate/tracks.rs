@@ -33,8 +33,10 @@ pub(super) struct Tracks {
     pub(super) air: Grid<1>,
     /// Least distance of two faces (m) and nodes in touch with another face; only where faces meet.
     pub(super) films: Grid<2>,
-    /// Largest rise of a node, m; only under pressure.
+    /// Largest rise of a node, m; only of inflated film.
     pub(super) rise: Grid<1>,
+    /// Pressure (Pa) and volume (m³) under inflated film.
+    pub(super) gas: Grid<2>,
 }
 
 /// An impactor at the samples of a run.
@@ -143,6 +145,7 @@ impl Tracks {
             air: Grid::new(0.0, sample),
             films: Grid::new(0.0, sample),
             rise: Grid::new(0.0, sample),
+            gas: Grid::new(0.0, sample),
         }
     }
 

@@ -50,6 +50,10 @@ static UNITS: LazyLock<Units> = LazyLock::new(|| {
             hectosecond, decasecond, second, decisecond, centisecond, millisecond, microsecond, nanosecond,
             picosecond, femtosecond, attosecond, zeptosecond, yoctosecond, day, hour, minute, shake, year,
         }
+        volume: [3, 0, 0, 0] {
+            cubic_meter, hectoliter, liter, deciliter, centiliter, milliliter, microliter, cubic_foot, cubic_inch,
+            gallon, gallon_imperial, pint_liquid, fluid_ounce,
+        }
         angle: [0, 0, 0, 1] {
             radian, revolution, degree, gon, mil, minute, second,
         }
@@ -78,6 +82,9 @@ static UNITS: LazyLock<Units> = LazyLock::new(|| {
             btu_39, btu_59, btu_60, calorie, calorie_15, calorie_20, calorie_nutrition, erg, kilocalorie, quad,
             therm_us,
         }
+    }
+    for (name, factor) in [("hl", 0.1), ("l", 1e-3), ("dl", 1e-4), ("cl", 1e-5), ("ml", 1e-6)] {
+        units.entry(name).or_insert((factor, [3, 0, 0, 0]));
     }
     units
 });

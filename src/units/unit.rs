@@ -133,6 +133,7 @@ const SUFFIXES: &[(&str, &str)] = &[
     ("1_s", "1/s"),
     ("kg_n", "kg_n"),
     ("g_n", "g_n"),
+    ("m3", "m3"),
     ("kg", "kg"),
     ("g", "g"),
     ("us", "us"),

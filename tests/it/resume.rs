@@ -284,6 +284,7 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("stretch-md", &[]),
         ("indent-disc", &[]),
         ("inflation-square", &[]),
+        ("inflation-rubber", &[]),
         ("dart-polygon", &["output.frames=20"]),
         ("drop-bars", &["output.frames=20", "loading.impact.duration=15ms"]),
         (

@@ -74,7 +74,7 @@ fn shortened(document: &Document, path: &Path) -> Model {
         Loading::Impact { .. } => &["specimen.mesh.size=40mm", "loading.impact.duration=3ms", "output.frames=2"],
         Loading::Stretch { .. } => &["loading.stretch.until=0.03", "output.frames=2"],
         Loading::Indent { .. } => &["specimen.mesh.size=5mm", "loading.indent.depth=8mm", "output.frames=2"],
-        Loading::Pressure { .. } => &["specimen.mesh.size=15mm", "output.frames=2"],
+        Loading::Pressure { .. } | Loading::Volume { .. } => &["specimen.mesh.size=15mm", "output.frames=2"],
     };
     let changes: Vec<Assignment> =
         changes.iter().map(|change| sound(path, Assignment::from_argument(change))).collect();

@@ -71,7 +71,7 @@ fn an_inflation_comes_to_rest() {
     let bench = bench("pressure");
     let (output, signals, summary) = run(bench.path(), &[]);
     assert_eq!(output.status.code(), Some(0), "{}", standard_error_and_output(&output));
-    assert_eq!(header(bench.path()), "time_s,pressure_Pa,deflection_m");
+    assert_eq!(header(bench.path()), "time_s,pressure_Pa,deflection_m,volume_m3");
     assert_eq!(last(&signals, "pressure_Pa"), 5e3);
     assert_eq!(figure(&summary, "final_deflection_m"), last(&signals, "deflection_m"));
     assert!(figure(&summary, "settling") < 1e-6);

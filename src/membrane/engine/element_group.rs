@@ -26,6 +26,12 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Bytes of its arrays.
     fn bytes(&self) -> usize;
 
+    /// Whether the law admits stretches up to a limit only.
+    fn has_limit(&self) -> bool;
+
+    /// Whether the law defines the thickness.
+    fn has_thickness(&self) -> bool;
+
     /// The same elements with the same history.
     fn boxed(&self) -> Box<dyn ElementGroup>;
 
@@ -100,6 +106,14 @@ where
 
     fn bytes(&self) -> usize {
         footprint::blocks(&self.elements)
+    }
+
+    fn has_limit(&self) -> bool {
+        self.law.has_limit()
+    }
+
+    fn has_thickness(&self) -> bool {
+        self.law.has_thickness()
     }
 
     fn boxed(&self) -> Box<dyn ElementGroup> {

@@ -55,6 +55,14 @@ pub enum Fault {
         /// Number of the face that limits it, from 1.
         face: usize,
     },
+    /// Film is stretched as far as its law admits.
+    #[error("film of face {face} is stretched to the limit of its law at {time:.6} s")]
+    StretchLimit {
+        /// Time, s.
+        time: f64,
+        /// Number of the face, from 1.
+        face: usize,
+    },
     /// The observer ended the run.
     #[error("the observer ended the run")]
     Stopped,

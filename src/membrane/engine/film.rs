@@ -78,6 +78,16 @@ impl Film {
         self.chunks.iter().map(|chunk| chunk.group.len()).sum()
     }
 
+    /// Whether its law admits stretches up to a limit only.
+    pub fn has_limit(&self) -> bool {
+        self.chunks.iter().any(|chunk| chunk.group.has_limit())
+    }
+
+    /// Whether its law defines its thickness.
+    pub fn has_thickness(&self) -> bool {
+        self.chunks.iter().any(|chunk| chunk.group.has_thickness())
+    }
+
     /// Number of integration points.
     pub(super) fn points(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.group.points()).sum()

@@ -1,7 +1,7 @@
 //! Loads and prescribed motion.
 
 use super::cushion::Cushion;
-use super::pressure::Inflation;
+use super::pressure::{Filling, Inflation};
 
 /// Loads and prescribed motion besides contact.
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub struct Loads {
     pub jaws: Vec<Jaw>,
     /// Pressure on the lower side of the last film, whose edge is held.
     pub inflation: Option<Inflation>,
+    /// Gas let in under the last film, whose edge is held.
+    pub filling: Option<Filling>,
     /// Air between the first two faces, whose edges are held.
     pub cushion: Option<Cushion>,
     /// Share of the mass of film that has weight: the rest is air that moves with it.
@@ -32,6 +34,7 @@ impl Default for Loads {
             damping: 0.0,
             jaws: vec![],
             inflation: None,
+            filling: None,
             cushion: None,
             weight_share: 1.0,
             multiplicity: 1.0,

@@ -57,7 +57,7 @@ pub use mesh::Mesh;
 pub use nodes::{Nodes, Vectors};
 pub use observer::{BodyTrack, Observer, Track, Unobserved, View};
 pub use patch::Patch;
-pub use pressure::Inflation;
+pub use pressure::{Filling, Inflation};
 pub use relaxation::{Relaxation, Settling};
 pub use rigid_body::{Freedom, RigidBody};
 pub use section::Section;
@@ -75,7 +75,7 @@ use disjoint::Disjoint;
 use film::SharedFilm;
 use film_contact::FilmContact;
 use nodes::{Kick, StepSums};
-use pressure::Inflated;
+use pressure::{GasStep, Inflated};
 use serde::{Deserialize, Serialize};
 
 /// Films, nodes, impactors and loads, and their integration in time.
@@ -99,6 +99,8 @@ pub struct Engine {
     cushion: Option<CushionState>,
     /// Volume between the first two faces as mounted, up to the constant of [`Enclosed::volume`], m³.
     mounted_volume: f64,
+    /// Volume under the last film as mounted, up to the constant of [`pressure::volume`], m³.
+    flat_volume: f64,
     pool: ThreadPool,
     /// All chunks: film and index of the chunk in it.
     chunks: Vec<(usize, usize)>,
@@ -173,6 +175,8 @@ impl Engine {
         };
         let node_ranges = films.iter().flat_map(|film| cut(film.nodes.clone())).collect();
         let mounted_volume = loads.cushion.map_or(0.0, |_| Enclosed::between(&films, &nodes).volume);
+        let is_inflated = loads.inflation.is_some() || loads.filling.is_some();
+        let flat_volume = if is_inflated { pressure::volume(&films, &nodes) } else { 0.0 };
         let mut impacts: Vec<Impact> = impacts.into_iter().collect();
         if impacts.len() > 1 {
             impacts = impacts.into_iter().map(Impact::beside_others).collect();
@@ -192,6 +196,7 @@ impl Engine {
             inflated: None,
             cushion: None,
             mounted_volume,
+            flat_volume,
             pool: ThreadPool::new(1),
             chunks,
             colouring,
@@ -279,6 +284,7 @@ impl Engine {
         let observed = observer.needs_state(self.time);
         self.release()?;
         self.forces(last);
+        self.fill(over, dt);
         self.add_jaw_work(dt, over);
         let jaw_force = self.jaw_force();
         if observed {
@@ -320,6 +326,21 @@ impl Engine {
     fn inflate(&mut self) {
         let Some(inflation) = &self.loads.inflation else { return };
         let now = pressure::inflate(&self.films, &mut self.nodes, inflation.at(self.time));
+        self.ledger.external -= self.loads.multiplicity * now.work_since(self.inflated);
+        self.inflated = Some(now);
+    }
+
+    /// Adds the load of the gas that is let in, if there is any, to the other forces of a step that kicks the nodes over
+    /// `over` (s) and moves them by `dt` (s), and its work to the ledger.
+    fn fill(&mut self, over: f64, dt: f64) {
+        let Some(filling) = &self.loads.filling else { return };
+        let step = GasStep {
+            target: self.flat_volume + filling.at(self.time + dt),
+            kick: Kick::new(over, self.loads.damping),
+            dt,
+            gravity: self.loads.film_gravity(),
+        };
+        let now = pressure::fill(&self.films, &mut self.nodes, &step);
         self.ledger.external -= self.loads.multiplicity * now.work_since(self.inflated);
         self.inflated = Some(now);
     }
@@ -457,6 +478,9 @@ impl Engine {
             film_contact: self.film_contact.as_ref(),
             clamp: self.clamp.as_ref(),
             cushion: self.cushion,
+            inflated: self
+                .inflated
+                .map(|now| [now.pressure, self.loads.multiplicity * (now.volume - self.flat_volume)]),
             ledger: self.ledger,
             previous: &self.previous,
             pool: &self.pool,

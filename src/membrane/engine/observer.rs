@@ -117,6 +117,7 @@ pub struct View<'a> {
     pub(super) clamp: Option<&'a Clamp>,
     pub(super) loads: &'a Loads,
     pub(super) cushion: Option<CushionState>,
+    pub(super) inflated: Option<[f64; 2]>,
     pub(super) ledger: EnergyLedger,
     pub(super) previous: &'a PreviousStep,
     pub(super) pool: &'a ThreadPool,
@@ -177,6 +178,12 @@ impl View<'_> {
     /// Pressure of the air between the first two faces over that of the surroundings, Pa; none where it is not computed.
     pub fn cushion_pressure(&self) -> Option<f64> {
         self.cushion.map(|cushion| cushion.pressure)
+    }
+
+    /// Pressure under the last film (Pa) and the volume between it and where it was mounted, of the whole film (m³); none
+    /// where it is not inflated.
+    pub fn inflated(&self) -> Option<[f64; 2]> {
+        self.inflated
     }
 
     /// State of contact between faces, where it is computed.

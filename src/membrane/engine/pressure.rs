@@ -1,13 +1,14 @@
 //! Pressure: a follower load on the present area, along the present normal.
 //!
 //! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient
-//! `F_a = p ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29).
+//! `F_a = p ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29). The pressure
+//! is given, or that under which `V` follows the gas that is let in (equation 227).
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
-use super::nodes::{Nodes, Vectors};
+use super::nodes::{Kick, Nodes, Vectors};
 
 /// A pressure that rises smoothly and is then constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,16 +24,39 @@ impl Inflation {
     /// equation 30). Flat film rises with the cube root of the pressure, and so at a steady rate at first; at the end
     /// of the ramp the rate and its derivative are zero.
     pub fn at(&self, time: f64) -> f64 {
-        let s = (time / self.ramp).clamp(0.0, 1.0);
-        self.pressure * s * s * s * (10.0 + s * (6.0 * s - 15.0))
+        rise(self.pressure, time / self.ramp)
     }
+}
+
+/// Gas that is let in smoothly, and whose volume is then constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filling {
+    /// Final volume under the computed part of the film, over that as mounted, m³.
+    pub volume: f64,
+    /// Time in which it is let in, s.
+    pub ramp: f64,
+}
+
+impl Filling {
+    /// Volume at `time` (s), m³, by the same function of time as that of a pressure.
+    pub(super) fn at(&self, time: f64) -> f64 {
+        rise(self.volume, time / self.ramp)
+    }
+}
+
+/// Value of a smooth rise to `last` at the share `s` of its time.
+fn rise(last: f64, s: f64) -> f64 {
+    let s = s.clamp(0.0, 1.0);
+    last * s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
 
 /// Pressure of a step and the volume that the film encloses.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Inflated {
-    pressure: f64,
-    volume: f64,
+    /// Pa.
+    pub(super) pressure: f64,
+    /// Of the computed part, up to a constant, m³.
+    pub(super) volume: f64,
 }
 
 impl Inflated {
@@ -53,6 +77,60 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
             }
             volume += load.volume;
         });
+    }
+    Inflated { pressure, volume }
+}
+
+/// Volume under the last of `films`, up to a constant, m³.
+pub(super) fn volume(films: &[Film], nodes: &Nodes) -> f64 {
+    let mut volume = 0.0;
+    if let Some(film) = films.last() {
+        film.for_each_intact(|corners| volume += ElementLoad::of(corners, &nodes.position).volume);
+    }
+    volume
+}
+
+/// A step of the nodes under gas.
+pub(super) struct GasStep {
+    /// Volume at its end, up to the constant of [`volume`], m³.
+    pub(super) target: f64,
+    /// The kick of the nodes.
+    pub(super) kick: Kick,
+    /// Duration of the drift that follows, s.
+    pub(super) dt: f64,
+    /// Acceleration of free film, m/s², downward.
+    pub(super) gravity: f64,
+}
+
+/// Adds the load of the gas under the last of `films` to the forces of its nodes, which have all others: its pressure is
+/// that under which the volume is the target after the step, to first order (theory.md, equation 227). What the order
+/// leaves is made up in the next step.
+pub(super) fn fill(films: &[Film], nodes: &mut Nodes, step: &GasStep) -> Inflated {
+    let Some(film) = films.last() else { return Inflated { pressure: 0.0, volume: 0.0 } };
+    let first = film.nodes.start;
+    let mut gradient = vec![Vector3::zeros(); film.nodes.len()];
+    let mut volume = 0.0;
+    film.for_each_intact(|corners| {
+        let load = ElementLoad::of(corners, &nodes.position);
+        corners.iter().zip(load.areas).for_each(|(n, area)| gradient[*n as usize - first] += area);
+        volume += load.volume;
+    });
+    // Growth of the volume without gas, and by a pressure of 1 Pa.
+    let (mut growth, mut response) = (0.0, 0.0);
+    for (area, n) in gradient.iter().zip(film.nodes.clone()) {
+        let (inverse_mass, velocity, force) =
+            (nodes.effective_inverse_mass().at(n), nodes.velocity.at(n), nodes.force.at(n));
+        for axis in 0..3 {
+            let field = if axis == 2 { -step.gravity } else { 0.0 };
+            let is_free = inverse_mass[axis] > 0.0;
+            let after = step.kick.after(velocity[axis], force[axis] * inverse_mass[axis] + field);
+            growth += area[axis] * if is_free { after } else { velocity[axis] };
+            response += area[axis] * area[axis] * step.kick.after(0.0, inverse_mass[axis]);
+        }
+    }
+    let pressure = ((step.target - volume) / step.dt - growth) / response;
+    for (area, n) in gradient.iter().zip(film.nodes.clone()) {
+        nodes.force.add(n, (pressure * area).into());
     }
     Inflated { pressure, volume }
 }

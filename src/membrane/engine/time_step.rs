@@ -90,7 +90,11 @@ impl TimeStep {
         let last = self.now;
         if self.until_update == 0 {
             let (stable, face) = self.stable(films, nodes, pool);
-            if stable.is_nan() || stable < COLLAPSE * self.first {
+            let collapsed = stable.is_nan() || stable < COLLAPSE * self.first;
+            if collapsed && films.get(face).is_some_and(Film::has_limit) {
+                return Err(Fault::StretchLimit { time, face: face + 1 });
+            }
+            if collapsed {
                 return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face: face + 1 });
             }
             self.target = stable.min(CEILING * self.first);

@@ -86,7 +86,7 @@ impl Elastic {
     pub(super) fn bound<const L: usize>(&self, d: &Deformation<L>, s: Plane<L>) -> Stiffness<L> {
         let (c11, c22) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]));
         let nothing = splat(0.0);
-        let mut bound = Stiffness { along: [nothing; 2], across: [nothing; 2], shear: nothing, alignment: splat(1.0) };
+        let mut bound = Stiffness { alignment: splat(1.0), ..Stiffness::in_any_direction(nothing) };
         for l in 0..L {
             let square = [c11[l] + d.stretch_variance[0][l], c22[l] + d.stretch_variance[1][l]];
             for fibre in 0..2 {
@@ -123,7 +123,7 @@ impl MembraneLaw for Elastic {
         self.bound(d, self.response(&Elastic::strain(d)))
     }
 
-    fn thickness_ratio<const L: usize>(&self, stress: &Stress<L>) -> Lane<L> {
+    fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, stress: &Stress<L>) -> Lane<L> {
         self.thickness_stretch(&stress.tension)
     }
 

@@ -9,6 +9,7 @@ mod elastic;
 mod fabric;
 mod fibre;
 mod history;
+mod hyperelastic;
 mod layer_breaks;
 mod multipliers;
 mod rate_curves;
@@ -20,6 +21,10 @@ pub use elastic::Elastic;
 pub use fabric::Fabric;
 pub use fibre::FibreLaw;
 pub use history::{FibreHistory, History, PeakStrains, PointHistory};
+pub use hyperelastic::{
+    CompressibleNeoHookean, Gent, Hyperelastic, HyperelasticLaw, Ogden, OgdenTerm, Polynomial, StrainEnergy, Tangent,
+    Tension,
+};
 pub use layer_breaks::LayerBreaks;
 pub use multipliers::Multipliers;
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
@@ -104,9 +109,18 @@ pub struct Stiffness<const L: usize> {
     pub shear: Lane<L>,
     /// Cosine of the angle between the fibres: how much of both acts in one direction.
     pub alignment: Lane<L>,
+    /// Against any motion, on top of the others: the largest eigenvalue of ∂²W/∂F∂F; zero for film of fibres.
+    pub any: Lane<L>,
 }
 
 impl<const L: usize> Stiffness<L> {
+    /// That of film whose stiffness against any motion is at most `any`, Pa.
+    #[inline(always)]
+    pub fn in_any_direction(any: Lane<L>) -> Stiffness<L> {
+        let nothing = splat(0.0);
+        Stiffness { along: [nothing; 2], across: [nothing; 2], shear: nothing, alignment: nothing, any }
+    }
+
     /// Bound on the largest eigenvalue of the stiffness of an integration point over its volume, Pa/m², with
     /// G_IJ = Σ_a ∂N_a/∂X_I ∂N_a/∂X_J (theory.md, equation 17).
     #[inline(always)]
@@ -119,7 +133,9 @@ impl<const L: usize> Stiffness<L> {
             let fibres = 0.5 * (first + second) + (apart * apart + both).sqrt();
             let tension = self.across[0][l] * g[0][0][l] + self.across[1][l] * g[1][1][l];
             let sheared = self.shear[l] * (g[0][0][l] + g[1][1][l] + 2.0 * g[0][1][l].abs());
-            out[l] = fibres + tension + sheared;
+            let (mean, half) = (0.5 * (g[0][0][l] + g[1][1][l]), 0.5 * (g[0][0][l] - g[1][1][l]));
+            let isotropic = self.any[l] * (mean + (half * half + g[0][1][l] * g[0][1][l]).sqrt());
+            out[l] = fibres + tension + sheared + isotropic;
         }
         out
     }
@@ -136,8 +152,9 @@ pub trait MembraneLaw {
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L>;
     /// Bound on the tangent stiffness at and near deformation `d`, on loading and unloading.
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stiffness<L>;
-    /// Thickness over that of stress-free film under `stress`; NaN where the law does not define it.
-    fn thickness_ratio<const L: usize>(&self, stress: &Stress<L>) -> Lane<L>;
+    /// Thickness over that of stress-free film at deformation `d`, where the law has `stress`; NaN where the law does not
+    /// define it.
+    fn thickness_ratio<const L: usize>(&self, d: &Deformation<L>, stress: &Stress<L>) -> Lane<L>;
     /// Slopes of the law at rest along MD and TD, of a fabric those of its own curves, Pa.
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres of the first layer break.
@@ -152,6 +169,14 @@ pub trait MembraneLaw {
     fn break_range(&self) -> [[f64; 2]; 2] {
         [[f64::INFINITY; 2]; 2]
     }
+    /// Whether it defines [`MembraneLaw::thickness_ratio`].
+    fn has_thickness(&self) -> bool {
+        true
+    }
+    /// Whether it admits stretches up to a limit only, where stress and stiffness become infinite; beyond it both are NaN.
+    fn has_limit(&self) -> bool {
+        false
+    }
 }
 
 /// The law of a film.
@@ -165,6 +190,8 @@ pub enum Law {
     Elastic(Elastic),
     /// The same without compression.
     TensionField(TensionField),
+    /// An energy of rubber-like film.
+    Hyperelastic(HyperelasticLaw),
 }
 
 impl Law {
@@ -183,7 +210,7 @@ impl Law {
         match self {
             Law::Fabric(fabric) => Law::Fabric(fabric.with_layer_breaks(breaks)),
             Law::RateFabric(fabric) => Law::RateFabric(fabric.with_layer_breaks(breaks)),
-            Law::Elastic(_) | Law::TensionField(_) => self,
+            Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) => self,
         }
     }
 
@@ -227,6 +254,7 @@ impl Law {
             Law::RateFabric(law) => visitor.visit(law),
             Law::Elastic(law) => visitor.visit(law),
             Law::TensionField(law) => visitor.visit(law),
+            Law::Hyperelastic(law) => law.visit(visitor),
         }
     }
 }
@@ -296,7 +324,7 @@ mod tests {
 
     /// Central differences of the energy against stress and tension, on the way up (peaks follow the strain) or on the
     /// way down from peaks that lie `above` the strain.
-    fn check_derivative(law: &impl MembraneLaw<History<1> = PeakStrains<1>>, above: f64) {
+    pub(super) fn check_derivative(law: &impl MembraneLaw<History<1> = PeakStrains<1>>, above: f64) {
         let step = 1e-6;
         for d in deformations() {
             let mut history = PeakStrains::virgin();
@@ -340,7 +368,7 @@ mod tests {
     }
 
     /// Central differences of the energy by the strains against the engineering stresses.
-    fn check_work(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
+    pub(super) fn check_work(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
         let step = 1e-6;
         for at in [[0.1, 0.3, 0.2], [0.5, 0.02, -0.4], [0.25, 0.1, 0.0]] {
             let energy = |at: [f64; 3]| {
@@ -434,7 +462,7 @@ mod tests {
 
     /// Second differences of the energy along motions b ⊗ n of unit size, in the film along b and in space along n,
     /// against the bound that follows from the law's stiffness.
-    fn check_bound(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
+    pub(super) fn check_bound(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
         let (step, turn) = (1e-4, std::f64::consts::PI / 8.0);
         for d in deformations() {
             for b in (0..8).map(|k| (turn * f64::from(k)).sin_cos()) {

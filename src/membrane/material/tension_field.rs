@@ -106,7 +106,7 @@ impl MembraneLaw for TensionField {
         self.0.bound(d, self.response(d))
     }
 
-    fn thickness_ratio<const L: usize>(&self, stress: &Stress<L>) -> Lane<L> {
+    fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, stress: &Stress<L>) -> Lane<L> {
         self.0.thickness_stretch(&stress.tension)
     }
 

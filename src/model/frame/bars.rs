@@ -29,7 +29,7 @@ pub(super) fn check(
             mistakes.out_of_place(PATH, "jaws hold the film of a stretch test, which stays plane");
             return None;
         }
-        Loading::Pressure { .. } => {
+        Loading::Pressure { .. } | Loading::Volume { .. } => {
             let hint = "leave them out: pressure lifts film off the bars below it";
             mistakes.report_with(PATH, "bars under film with pressure are not supported", hint);
             return None;

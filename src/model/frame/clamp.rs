@@ -19,7 +19,7 @@ pub(super) fn check(
             mistakes.report_with(PATH, "film that slips in jaws is not supported", hint);
             return None;
         }
-        Loading::Pressure { .. } => {
+        Loading::Pressure { .. } | Loading::Volume { .. } => {
             let hint = "leave it out; the edge of film under pressure is held without slip";
             mistakes.report_with(PATH, "film that slips in its clamp under pressure is not supported", hint);
             return None;

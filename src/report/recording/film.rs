@@ -1,49 +1,78 @@
-//! Faces of film in a recording: triangles, coloured by strain.
+//! Faces of film in a recording: triangles, coloured by strain or thickness.
 
 use droptower_viz::{Extent, FilmSnapshot, FilmTrack, Quantity};
 
 use crate::simulate::{Film, FilmState, Image, Snapshot};
 
-/// A strain that faces are coloured by, of the MD fibre, the TD fibre and the shear angle (rad) of an element.
-struct Strain {
+/// What faces are coloured by.
+struct Colouring {
     key: &'static str,
     title: &'static str,
     words: &'static str,
     /// Factor from the value of `of` to the unit of the words.
     factor: f32,
-    of: fn(&[f32; 3]) -> f32,
+    /// Of an element, by its index.
+    of: fn(&FilmState, usize) -> f32,
 }
 
-/// The strains to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown.
-const STRAINS: [Strain; 4] = [
-    Strain {
+/// What there is to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown. The last
+/// one only where a law gives the thickness.
+const COLOURINGS: [Colouring; 5] = [
+    Colouring {
         key: "largest",
         title: "Larger fibre strain",
         words: "max(MD, TD), %",
         factor: 100.0,
-        of: |[md, td, _]| md.max(*td),
+        of: |state, element| state.strains[element][0].max(state.strains[element][1]),
     },
-    Strain { key: "md", title: "Strain MD", words: "MD, %", factor: 100.0, of: |[md, _, _]| *md },
-    Strain { key: "td", title: "Strain TD", words: "TD, %", factor: 100.0, of: |[_, td, _]| *td },
-    Strain {
+    Colouring {
+        key: "md",
+        title: "Strain MD",
+        words: "MD, %",
+        factor: 100.0,
+        of: |state, element| state.strains[element][0],
+    },
+    Colouring {
+        key: "td",
+        title: "Strain TD",
+        words: "TD, %",
+        factor: 100.0,
+        of: |state, element| state.strains[element][1],
+    },
+    Colouring {
         key: "shear",
         title: "Shear",
         words: "|γ|, °",
         factor: 180.0 / std::f32::consts::PI,
-        of: |[_, _, shear]| shear.abs(),
+        of: |state, element| state.strains[element][2].abs(),
+    },
+    Colouring {
+        key: "thickness",
+        title: "Loss of thickness",
+        words: "1 − h/h₀, %",
+        factor: 100.0,
+        of: |state, element| 1.0 - state.thickness_ratio.get(element).copied().unwrap_or(1.0),
     },
 ];
+
+/// Those of `snapshots`, all of one run.
+fn colourings<'a>(mut snapshots: impl Iterator<Item = &'a Snapshot>) -> &'static [Colouring] {
+    let first = snapshots.next();
+    let has_thickness =
+        first.is_some_and(|snapshot| snapshot.films.iter().any(|film| !film.thickness_ratio.is_empty()));
+    &COLOURINGS[..if has_thickness { 5 } else { 4 }]
+}
 
 /// Least upper end of the colour range: strains below it are rounding errors.
 const LEAST_STRAIN: f32 = 1e-6;
 
-/// The strains, with a range from zero to the largest of an intact element in any of `snapshots`.
+/// The quantities, with a range from zero to the largest of an intact element in any of `snapshots`.
 pub(super) fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
-    let highest = |strain: &Strain| {
+    let highest = |colouring: &Colouring| {
         let states = snapshots.iter().flat_map(|snapshot| &snapshot.films);
-        states.map(|state| largest(strain, state)).fold(0.0, f32::max)
+        states.map(|state| largest(colouring, state)).fold(0.0, f32::max)
     };
-    STRAINS.iter().map(|strain| strain.quantity(highest(strain))).collect()
+    colourings(snapshots.iter().copied()).iter().map(|colouring| colouring.quantity(highest(colouring))).collect()
 }
 
 /// All faces.
@@ -75,24 +104,24 @@ pub(super) fn state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmSnapsh
     FilmSnapshot {
         time: snapshot.time,
         positions: state.positions.clone(),
-        values: STRAINS.iter().map(|strain| nodal(strain, film, state)).collect(),
+        values: colourings(std::iter::once(snapshot)).iter().map(|colouring| nodal(colouring, film, state)).collect(),
         visible: per_triangle(film, |element| !state.failed[element]),
         in_contact: state.in_contact.clone(),
     }
 }
 
-impl Strain {
+impl Colouring {
     fn quantity(&self, highest: f32) -> Quantity {
-        let Strain { key, title, words, factor, .. } = *self;
+        let Colouring { key, title, words, factor, .. } = *self;
         let range = [0.0, factor * highest.max(LEAST_STRAIN)];
         Quantity { key, title: title.to_owned(), words: words.to_owned(), range }
     }
 }
 
-/// The largest strain of the intact elements.
-fn largest(strain: &Strain, state: &FilmState) -> f32 {
-    let held = state.strains.iter().zip(&state.failed).filter(|(_, failed)| !**failed);
-    held.map(|(strains, _)| (strain.of)(strains)).fold(0.0, f32::max)
+/// The largest value of the intact elements.
+fn largest(colouring: &Colouring, state: &FilmState) -> f32 {
+    let held = state.failed.iter().enumerate().filter(|(_, failed)| !**failed);
+    held.map(|(element, _)| (colouring.of)(state, element)).fold(0.0, f32::max)
 }
 
 /// Quadrilaterals as two triangles each, then the triangles.
@@ -110,16 +139,15 @@ fn per_triangle(film: &Film, value: impl Fn(usize) -> bool) -> Vec<bool> {
     of_quads.chain(of_tris).collect()
 }
 
-/// A strain at the nodes, in the unit of its words: the mean of the intact elements around each.
-fn nodal(strain: &Strain, film: &Film, state: &FilmState) -> Vec<f32> {
+/// A value at the nodes, in the unit of its words: the mean of the intact elements around each.
+fn nodal(colouring: &Colouring, film: &Film, state: &FilmState) -> Vec<f32> {
     let mut sums = vec![(0.0_f32, 0.0_f32); film.nodes];
     let quads = film.quads.iter().map(|quad| quad.as_slice());
     let outlines = quads.chain(film.tris.iter().map(|tri| tri.as_slice()));
-    let held = outlines.zip(&state.strains).zip(&state.failed);
-    for ((corners, strains), _) in held.filter(|(_, failed)| !**failed) {
+    for (element, (corners, _)) in outlines.zip(&state.failed).enumerate().filter(|(_, (_, failed))| !**failed) {
         for node in corners {
             let (sum, elements) = &mut sums[*node as usize];
-            *sum += strain.factor * (strain.of)(strains);
+            *sum += colouring.factor * (colouring.of)(state, element);
             *elements += 1.0;
         }
     }
@@ -146,16 +174,19 @@ mod tests {
             positions: vec![[0.0; 3]; 6],
             strains: vec![[0.1, 0.4, 0.3], [0.2, 0.0, -0.5], [7.0, 0.0, 0.0]],
             failed: vec![false, false, true],
+            thickness_ratio: vec![],
             in_contact: vec![],
             detail: None,
         };
-        let strains = nodal(&STRAINS[0], &film, &state);
+        let strains = nodal(&COLOURINGS[0], &film, &state);
         let expected = [40.0, 30.0, 30.0, 40.0, 20.0, 0.0];
         for (strain, expected) in strains.iter().zip(expected) {
             assert!((strain - expected).abs() < 1e-5, "{strains:?}");
         }
-        assert_eq!(STRAINS.each_ref().map(|strain| largest(strain, &state)), [0.4, 0.2, 0.4, 0.5]);
-        let shear = nodal(&STRAINS[3], &film, &state);
+        assert_eq!(COLOURINGS.each_ref().map(|colouring| largest(colouring, &state)), [0.4, 0.2, 0.4, 0.5, 0.0]);
+        let thin = FilmState { thickness_ratio: vec![0.9, 0.7, 0.1], ..state.clone() };
+        assert!((largest(&COLOURINGS[4], &thin) - 0.3).abs() < 1e-6, "of the intact elements");
+        let shear = nodal(&COLOURINGS[3], &film, &state);
         assert!((shear[4] - 0.5_f32.to_degrees()).abs() < 1e-4, "shear is in degrees: {shear:?}");
         assert_eq!(triangles(&film).len(), 4);
         let held = per_triangle(&film, |element| !state.failed[element]);

@@ -317,6 +317,7 @@ mod tests {
             positions: vec![[0.0; 3]; 3],
             strains: vec![[strain; 3]],
             failed: vec![false],
+            thickness_ratio: vec![],
             in_contact: vec![],
             detail: None,
         };

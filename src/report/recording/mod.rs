@@ -131,6 +131,7 @@ mod tests {
                 positions: vec![[place; 3]],
                 strains: vec![],
                 failed: vec![],
+                thickness_ratio: vec![],
                 in_contact: vec![],
                 detail: None,
             };

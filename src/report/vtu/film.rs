@@ -62,9 +62,8 @@ fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, snapshot: &'a Snapshot) ->
 
 /// Whether a law of the run gives the thickness of its film.
 fn has_thickness(outcome: &Outcome) -> bool {
-    let details =
-        outcome.snapshots.iter().flat_map(|snapshot| &snapshot.films).filter_map(|state| state.detail.as_ref());
-    details.flat_map(|detail| &detail.thickness_ratio).any(|thickness_ratio| thickness_ratio.is_finite())
+    let states = outcome.snapshots.iter().flat_map(|snapshot| &snapshot.films);
+    states.flat_map(|state| &state.thickness_ratio).any(|thickness_ratio| thickness_ratio.is_finite())
 }
 
 fn points<'a, T>(sheets: &'a [Sheet<'a>], value: impl Fn(&Sheet<'_>, usize) -> T + 'a) -> impl Iterator<Item = T> + 'a {
@@ -112,7 +111,7 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
         count("image", &|cell| cell.sheet.image.number),
     ];
     if with_thickness {
-        arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.sheet.detail.thickness_ratio[cell.element]));
+        arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.thickness_ratio()));
     }
     arrays
 }
@@ -148,6 +147,11 @@ impl Cell<'_> {
     fn thickness(&self) -> f32 {
         let Face { material, layers, .. } = self.sheet.face;
         (material.thickness * f64::from(*layers)) as f32
+    }
+
+    /// NaN where its law does not give it.
+    fn thickness_ratio(&self) -> f32 {
+        self.sheet.state.thickness_ratio.get(self.element).copied().unwrap_or(f32::NAN)
     }
 
     fn area_ratio(&self) -> f32 {

@@ -5,6 +5,7 @@ mod indent;
 mod pressure;
 mod slow;
 mod stretch;
+mod volume;
 
 pub(super) use impact::ends_loaded;
 pub(super) use stretch::Stretch;
@@ -109,6 +110,9 @@ pub(super) fn of(model: &Model) -> Box<dyn LoadCase + '_> {
         }
         Loading::Pressure { pressure, ramp, mass_scaling } => {
             Box::new(pressure::Pressure { model, pressure, ramp, mass_scaling })
+        }
+        Loading::Volume { volume, ramp, mass_scaling } => {
+            Box::new(volume::Volume { model, volume, ramp, mass_scaling })
         }
     }
 }

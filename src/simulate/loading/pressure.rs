@@ -53,23 +53,27 @@ impl LoadCase for Pressure<'_> {
         true
     }
 
-    /// Pressure and the largest rise of a node.
+    /// Pressure, the largest rise of a node, and the volume under the film.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
         let inflation = self.inflation();
-        let row = |(k, [rise]): (usize, &[f64; 1])| [inflation.at(k as f64 * tracks.sample), *rise];
-        let rows: Vec<_> = tracks.rise.rows.iter().enumerate().map(row).collect();
-        tracks.table(&[column::PRESSURE.name, column::DEFLECTION.name], &rows)
+        let samples = tracks.rise.rows.iter().zip(&tracks.gas.rows).enumerate();
+        let row = |(k, ([rise], [_, volume])): (usize, (&[f64; 1], &[f64; 2]))| {
+            [inflation.at(k as f64 * tracks.sample), *rise, *volume]
+        };
+        let rows: Vec<_> = samples.map(row).collect();
+        tracks.table(&[column::PRESSURE.name, column::DEFLECTION.name, column::VOLUME.name], &rows)
     }
+}
+
+/// Arc over chord of a cap with this height over the radius of its rim.
+pub(super) fn stretch(height: f64) -> f64 {
+    let angle = 2.0 * height.atan();
+    angle / angle.sin()
 }
 
 /// Stretch of a spherical cap over a disc of `radius` (m) that carries `pressure` (Pa), by bisection of its height.
 fn cap(face: &Face, radius: f64, pressure: f64) -> f64 {
     let thickness = face.material.thickness * f64::from(face.layers);
-    // Arc over chord of a cap with this height over the disc's radius.
-    let stretch = |height: f64| {
-        let angle = 2.0 * height.atan();
-        angle / angle.sin()
-    };
     let carried = |height: f64| {
         let curvature = 2.0 * height / (1.0 + height * height) / radius;
         2.0 * thickness * slow::tension(face, stretch(height)) * curvature / stretch(height)

@@ -17,7 +17,7 @@ const ROUND: f64 = 2.404_826;
 pub(super) fn periods(model: &Model, time: f64, stretch: impl Fn(&Face, f64) -> f64) -> f64 {
     let Some(radius) = radius(&model.specimen.shape, &model.frame.hold) else { return 0.0 };
     let frequency =
-        |face: &Face| ROUND * (tension(face, stretch(face, radius)) / face.material.density).sqrt() / radius;
+        |face: &Face| ROUND * (tension_at_most(face, stretch(face, radius)) / face.material.density).sqrt() / radius;
     let softest = model.faces.iter().map(frequency).fold(f64::INFINITY, f64::min);
     time * softest / TAU
 }
@@ -38,6 +38,12 @@ fn radius(shape: &Outline, hold: &Hold) -> Option<f64> {
         Outline::Polygon(polygon) => Some(2.0 * polygon.area() / polygon.perimeter()),
         Outline::Mesh { .. } => None,
     }
+}
+
+/// [`tension`] at `stretch`, or at the first of ever halved strains that the law admits.
+fn tension_at_most(face: &Face, stretch: f64) -> f64 {
+    let strains = std::iter::successors(Some(stretch - 1.0), |strain| Some(0.5 * strain)).take(50);
+    strains.map(|strain| tension(face, 1.0 + strain)).find(|tension| !tension.is_nan()).unwrap_or(f64::NAN)
 }
 
 /// Mean stress of a face, Pa, that is stretched in all directions by `stretch` beyond its pre-strain.

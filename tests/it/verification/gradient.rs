@@ -7,7 +7,7 @@ use droptower::mesh::Element;
 use super::claims::Claims;
 use super::random::Random;
 use super::scene::{forces, mounted, set_positions};
-use super::sheet::{EDGE, ELEMENTS, deform, distorted_element, elastic, face, wrinkling};
+use super::sheet::{self, EDGE, ELEMENTS, deform, distorted_element, elastic, face, wrinkling};
 use super::tower::shipped;
 
 /// Number of elements of each kind and law.
@@ -70,7 +70,11 @@ fn forces_are_the_gradient_of_the_energy() {
         ("wrinkling fabric without absorption", fabric(0.0, "wrinkling=true"), false),
         ("wrinkling fabric on unloading, D 0.89", fabric(0.8896, "wrinkling=true"), true),
     ];
-    for (name, material, unloading) in laws {
+    let rubber = sheet::rubbers(false).into_iter().map(|(name, material)| (name.to_owned(), material, false));
+    let wrinkling =
+        sheet::rubbers(true).into_iter().map(|(name, material)| (format!("{name}, wrinkling"), material, false));
+    let laws = laws.map(|(name, material, unloading)| (name.to_owned(), material, unloading));
+    for (name, material, unloading) in laws.into_iter().chain(rubber).chain(wrinkling) {
         for kind in ELEMENTS {
             let mut random = Random::new(11);
             let most = (0..COUNT).map(|_| off(&material, kind, unloading, &mut random)).fold(0.0, f64::max);

@@ -27,6 +27,7 @@ mod oscillation;
 mod patch;
 mod poisson_sheet;
 mod rates;
+mod rubber;
 mod rupture;
 mod same_bits;
 mod several;

@@ -1,7 +1,10 @@
 //! Sheets of elements in rows, even or distorted, single distorted elements, and elastic film.
 
 use droptower::engine::Nodes;
-use droptower::material::{Elastic, Law, Material, TensionField};
+use droptower::material::{
+    CompressibleNeoHookean, Elastic, Gent, Hyperelastic, HyperelasticLaw, Law, Material, Ogden, OgdenTerm, Polynomial,
+    TensionField,
+};
 use droptower::mesh::Mesh;
 use droptower::mesh::{Element, Meshing};
 use droptower::model::Face;
@@ -97,6 +100,35 @@ pub fn elastic(young: f64, poisson: f64) -> Material {
 pub fn wrinkling(young: f64, poisson: f64) -> Material {
     let law = Law::TensionField(TensionField(Elastic { young, poisson }));
     Material { law, ..elastic(young, poisson) }
+}
+
+/// Hyperelastic film, of the same density and thickness.
+pub fn hyperelastic(law: HyperelasticLaw) -> Material {
+    Material { law: Law::Hyperelastic(law), ..elastic(1.0, 0.0) }
+}
+
+/// Rubber-like films of every law with a shear modulus near 0.4 MPa, taut or wrinkling.
+pub fn rubbers(wrinkling: bool) -> [(&'static str, Material); 6] {
+    let polynomial = |energy| hyperelastic(HyperelasticLaw::Polynomial(Hyperelastic { energy, wrinkling }));
+    let gent = Gent { mu: 4e5, jm: 97.2 };
+    let compressible = CompressibleNeoHookean { young: 1e6, poisson: 0.3 };
+    [
+        ("neo-Hookean", polynomial(Polynomial::neo_hookean(4e5))),
+        ("Mooney–Rivlin", polynomial(Polynomial::mooney_rivlin(1.6e5, 4e4))),
+        ("Yeoh", polynomial(Polynomial::yeoh([0.18e6, -0.002e6, 0.000_05e6]))),
+        ("Gent", hyperelastic(HyperelasticLaw::Gent(Hyperelastic { energy: gent, wrinkling }))),
+        ("Ogden", hyperelastic(HyperelasticLaw::Ogden(Hyperelastic { energy: treloar(), wrinkling }))),
+        (
+            "compressible neo-Hookean",
+            hyperelastic(HyperelasticLaw::CompressibleNeoHookean(Hyperelastic { energy: compressible, wrinkling })),
+        ),
+    ]
+}
+
+/// Ogden's fit of Treloar's rubber.
+pub fn treloar() -> Ogden {
+    let terms = [(0.63e6, 1.3), (0.0012e6, 5.0), (-0.01e6, -2.0)];
+    Ogden::new(&terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }))
 }
 
 /// kg/m³.

@@ -84,22 +84,26 @@ impl Constraint {
         }
     }
 
-    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, and the tangential one, which
+    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
     /// stays within Coulomb's cone. Returns the size of the change, N s.
     fn solve(&mut self, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) -> f64 {
-        let relative = self.relative_velocity(velocity, body);
-        let along = relative.dot(&self.normal);
-        let normal_impulse = (self.normal_impulse + (self.target - along) / self.inverse_effective_mass).max(0.0);
-        let slip = relative - self.normal * along;
-        let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
-        let tangential = within_cone(sticking, sweep.friction.at(self.film.nodes[0] as usize) * normal_impulse);
-        let (normal_change, tangential_change) =
-            (normal_impulse - self.normal_impulse, tangential - self.tangential_impulse);
-        (self.normal_impulse, self.tangential_impulse) = (normal_impulse, tangential);
-        let impulse = self.normal * normal_change + tangential_change;
-        if impulse != Vector3::zeros() {
-            self.apply(&impulse, velocity, body, sweep);
+        let violation = self.target - self.relative_velocity(velocity, body).dot(&self.normal);
+        let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
+        let normal_change = normal_impulse - self.normal_impulse;
+        if normal_change != 0.0 {
+            self.apply(&(self.normal * normal_change), velocity, body, sweep);
+            self.normal_impulse = normal_impulse;
+        } else if normal_impulse == 0.0 {
+            return 0.0;
         }
+        let relative = self.relative_velocity(velocity, body);
+        let slip = relative - self.normal * relative.dot(&self.normal);
+        let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
+        let bound = sweep.friction.at(self.film.nodes[0] as usize) * normal_impulse;
+        let tangential_impulse = within_cone(sticking, bound);
+        let tangential_change = tangential_impulse - self.tangential_impulse;
+        self.apply(&tangential_change, velocity, body, sweep);
+        self.tangential_impulse = tangential_impulse;
         normal_change.abs().max(tangential_change.norm())
     }
 

@@ -101,7 +101,7 @@ impl<const L: usize> BlockDetails<L> {
         // The history includes this deformation, so that no time passes and no variable changes.
         let response = law.stress(d, &mut history.clone(), 0.0);
         let Stresses { md, td, shear } = stresses(d, &response);
-        let thickness_ratio = law.thickness_ratio(&response);
+        let thickness_ratio = law.thickness_ratio(d, &response);
         for l in 0..L {
             self.thickness_ratio[l] += share * thickness_ratio[l];
             for (mean, value) in self.stress.iter_mut().zip([md, td, shear]) {

@@ -23,6 +23,11 @@ impl Kick {
         let half = 0.5 * damping * dt;
         Kick { decay: (1.0 - half) / (1.0 + half), gain: dt / (1.0 + half) }
     }
+
+    /// Velocity after it of a free node, m/s, under an acceleration without damping (m/s²).
+    pub(in crate::engine) fn after(&self, velocity: f64, acceleration: f64) -> f64 {
+        self.decay * velocity + self.gain * acceleration
+    }
 }
 
 /// What a step reports of the nodes that it moved.

@@ -227,12 +227,16 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         // Motion acts on the tangent vectors of the film, wrinkled or not.
         let product = Metric::of(d).product;
         let alignment = std::array::from_fn(|l| product[l] * fibres.inverse[0][l] * fibres.inverse[1][l]);
-        Stiffness { along, across, shear, alignment }
+        Stiffness { along, across, shear, alignment, any: splat(0.0) }
     }
 
     /// Undefined: the curves are of the stress-free cross-section and do not include the change of thickness.
-    fn thickness_ratio<const L: usize>(&self, _stress: &Stress<L>) -> Lane<L> {
+    fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, _stress: &Stress<L>) -> Lane<L> {
         splat(f64::NAN)
+    }
+
+    fn has_thickness(&self) -> bool {
+        false
     }
 
     fn moduli(&self) -> [f64; 2] {

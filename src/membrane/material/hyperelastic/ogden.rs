@@ -1,0 +1,154 @@
+//! Ogden's energy, incompressible (Ogden, Proc. R. Soc. A 326, 1972).
+//!
+//! With the principal stretches `λ_i`, `λ₃ = 1/(λ₁λ₂)` (theory.md, equation 223):
+//!
+//! ```text
+//! W = Σ_k μ_k/α_k (λ₁^α_k + λ₂^α_k + λ₃^α_k − 3)
+//! S_i = Σ_k μ_k (λ_i^α_k − λ₃^α_k)/c_i
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use super::{NEAR, Squares, StrainEnergy, Tangent};
+use crate::lane::{Lane, exp, ln, splat};
+
+/// Most terms of the energy.
+pub const TERMS: usize = 6;
+
+/// A term of the energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OgdenTerm {
+    /// μ_k, Pa.
+    pub mu: f64,
+    /// α_k, not zero.
+    pub alpha: f64,
+}
+
+/// Terms of the energy, at most [`Ogden::TERMS`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ogden {
+    terms: [OgdenTerm; TERMS],
+    count: usize,
+}
+
+/// λ₁^α, λ₂^α and λ₃^α of a term.
+type Powers<const L: usize> = [Lane<L>; 3];
+
+/// ln λ₁ and ln λ₂.
+#[inline(always)]
+fn logarithms<const L: usize>(c: &Squares<L>) -> [Lane<L>; 2] {
+    let mut out = [splat(0.0); 2];
+    for i in 0..2 {
+        for l in 0..L {
+            out[i][l] = 0.5 * ln(c[i][l]);
+        }
+    }
+    out
+}
+
+#[inline(always)]
+fn powers<const L: usize>(alpha: f64, log: &[Lane<L>; 2]) -> Powers<L> {
+    let mut out = [splat(0.0); 3];
+    for i in 0..2 {
+        for l in 0..L {
+            out[i][l] = exp(alpha * log[i][l]);
+        }
+    }
+    for l in 0..L {
+        out[2][l] = 1.0 / (out[0][l] * out[1][l]);
+    }
+    out
+}
+
+impl Ogden {
+    /// Most terms of the energy.
+    pub const TERMS: usize = TERMS;
+
+    /// The energy of these terms.
+    ///
+    /// # Panics
+    /// Where there are more than [`Ogden::TERMS`].
+    pub fn new(written: &[OgdenTerm]) -> Ogden {
+        let mut terms = [OgdenTerm::default(); TERMS];
+        terms[..written.len()].copy_from_slice(written);
+        Ogden { terms, count: written.len() }
+    }
+
+    /// Its terms.
+    pub fn terms(&self) -> &[OgdenTerm] {
+        &self.terms[..self.count]
+    }
+
+    /// Shear modulus of small strain, ½ Σ μ_k α_k, Pa.
+    pub fn shear_modulus(&self) -> f64 {
+        0.5 * self.terms().iter().map(|term| term.mu * term.alpha).sum::<f64>()
+    }
+}
+
+impl StrainEnergy for Ogden {
+    #[inline(always)]
+    fn energy<const L: usize>(&self, c: &Squares<L>) -> Lane<L> {
+        let log = logarithms(c);
+        let mut out = splat(0.0);
+        for term in self.terms() {
+            let [first, second, third] = powers(term.alpha, &log);
+            let weight = term.mu / term.alpha;
+            for l in 0..L {
+                out[l] += weight * (first[l] + second[l] + third[l] - 3.0);
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn stress<const L: usize>(&self, c: &Squares<L>) -> [Lane<L>; 2] {
+        let log = logarithms(c);
+        let mut out = [splat(0.0); 2];
+        for term in self.terms() {
+            let [first, second, third] = powers(term.alpha, &log);
+            for l in 0..L {
+                out[0][l] += term.mu * (first[l] - third[l]);
+                out[1][l] += term.mu * (second[l] - third[l]);
+            }
+        }
+        for i in 0..2 {
+            for l in 0..L {
+                out[i][l] /= c[i][l];
+            }
+        }
+        out
+    }
+
+    /// `shear` by the mean value theorem: with λ₃ fixed, S is a function of c_i alone, whose derivative
+    /// `Σ μ ((½α − 1) λ_i^α + λ₃^α)/c_i²` is largest at one of both, term by term.
+    #[inline(always)]
+    fn tangent<const L: usize>(&self, c: &Squares<L>) -> Tangent<L> {
+        let log = logarithms(c);
+        let nothing = splat(0.0);
+        let mut out = Tangent { stress: [nothing; 2], along: [nothing; 2], between: nothing, shear: nothing };
+        for OgdenTerm { mu, alpha } in self.terms() {
+            let powers = powers(*alpha, &log);
+            // What strains within `NEAR` change the powers by.
+            let mu = mu * (1.0 + 2.0 * NEAR * alpha.abs());
+            for l in 0..L {
+                let [third, product] = [powers[2][l], c[0][l] * c[1][l]];
+                for i in 0..2 {
+                    let inverse = 1.0 / c[i][l];
+                    out.stress[i][l] += mu * (powers[i][l] - third) * inverse;
+                    out.along[i][l] += mu * ((alpha - 1.0) * powers[i][l] + (alpha + 1.0) * third) * inverse;
+                }
+                out.between[l] += mu * alpha * third / product.sqrt();
+                let bent = |i: usize| (0.5 * alpha - 1.0) * mu * powers[i][l] / (c[i][l] * c[i][l]);
+                let (first, second) = (bent(0), bent(1));
+                let steepest = if first > second { first } else { second };
+                let across = mu * third / (if mu > 0.0 { c[1][l] * c[1][l] } else { c[0][l] * c[0][l] });
+                out.shear[l] += steepest + across;
+            }
+        }
+        out
+    }
+
+    fn plane_modulus(&self) -> f64 {
+        4.0 * self.shear_modulus()
+    }
+}

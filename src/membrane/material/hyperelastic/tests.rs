@@ -1,0 +1,325 @@
+use super::*;
+use crate::lane::{Width, at_width};
+use crate::material::tests::{check_bound, check_derivative, check_work};
+use crate::material::{Gradient, History};
+
+/// Shear modulus of the laws, Pa.
+const MU: f64 = 4e5;
+
+/// Calls `$check` with every law, taut and wrinkling.
+macro_rules! each_law {
+    ($check:expr) => {
+        for wrinkling in [false, true] {
+            for energy in [
+                Polynomial::neo_hookean(MU),
+                Polynomial::mooney_rivlin(0.4 * MU, 0.1 * MU),
+                Polynomial::yeoh([0.5 * MU, -0.005 * MU, 2e-4 * MU]),
+            ] {
+                $check(&Hyperelastic { energy, wrinkling });
+            }
+            $check(&Hyperelastic { energy: Gent { mu: MU, jm: 90.0 }, wrinkling });
+            $check(&Hyperelastic { energy: rubber(), wrinkling });
+            for poisson in [0.0, 0.3, 0.49] {
+                $check(&Hyperelastic { energy: CompressibleNeoHookean { young: 1e6, poisson }, wrinkling });
+            }
+        }
+    };
+}
+
+/// Ogden's fit of Treloar's rubber.
+fn rubber() -> Ogden {
+    let terms = [(6.3e5, 1.3), (1.2e3, 5.0), (-1e4, -2.0)];
+    Ogden::new(&terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }))
+}
+
+/// A sequence of numbers in 0..1.
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Principal stretches along directions that are turned in the film and in space.
+fn turned([first, second]: [f64; 2], angles: [f64; 2]) -> Gradient<1> {
+    let [(s, c), (t, d)] = angles.map(f64::sin_cos);
+    let [u, v] = [[0.8 * d, t, 0.6 * d], [-0.8 * t, d, -0.6 * t]];
+    let f = |a: f64, b: f64| [0, 1, 2].map(|i| splat(first * a * u[i] + second * b * v[i]));
+    [f(c, -s), f(s, c)]
+}
+
+fn virgin_stress(law: &impl MembraneLaw<History<1> = PeakStrains<1>>, f: Gradient<1>) -> Stress<1> {
+    law.stress(&Deformation::from(f), &mut History::virgin(), 0.0)
+}
+
+fn stored(law: &impl MembraneLaw<History<1> = PeakStrains<1>>, f: Gradient<1>) -> f64 {
+    law.energy(&Deformation::from(f), &History::virgin()).stored[0]
+}
+
+#[test]
+fn stress_is_the_derivative_of_the_energy() {
+    each_law!(|law| check_derivative(law, 0.0));
+}
+
+#[test]
+fn engineering_stresses_do_work_on_the_strains() {
+    each_law!(check_work);
+}
+
+#[test]
+fn the_bound_holds_in_general_position() {
+    each_law!(check_bound);
+}
+
+/// Second differences of the energy along random motions of unit size against the bound, at random stretches and at
+/// those within the strain for which it holds.
+fn check_random_bound<E: StrainEnergy>(law: &Hyperelastic<E>, largest: f64) {
+    let mut random = random(7);
+    let mut closest = 0.0_f64;
+    for _ in 0..1500 {
+        let [first, second] = [0, 1].map(|_| 0.6 * (largest / 0.6).powf(random()));
+        let angles = [6.3 * random(), 6.3 * random()];
+        let f = turned([first, second], angles);
+        let bound = law.stiffness(&Deformation::from(f), &PeakStrains::virgin()).any[0];
+        let near = [0, 1].map(|_| 1.0 + NEAR * (2.0 * random() - 1.0));
+        let f = turned([first * near[0], second * near[1]], angles);
+        for _ in 0..12 {
+            let motion: [f64; 6] = std::array::from_fn(|_| random() - 0.5);
+            let size = motion.iter().map(|m| m * m).sum::<f64>().sqrt();
+            let step = 2e-4 * first.min(second);
+            let energy = |t: f64| {
+                let mut moved = f;
+                moved.iter_mut().flatten().zip(motion).for_each(|(f, m)| f[0] += t * step * m / size);
+                stored(law, moved)
+            };
+            let stiffness = (energy(1.0) - 2.0 * energy(0.0) + energy(-1.0)) / (step * step);
+            closest = closest.max(stiffness / bound);
+            assert!(stiffness <= 1.08 * bound + 10.0, "{stiffness} over {bound} at {first}, {second}, {near:?}");
+        }
+    }
+    assert!(closest > 0.6, "the bound is {} of the largest stiffness found", 1.0 / closest);
+}
+
+#[test]
+fn the_bound_holds_at_random_stretches() {
+    each_law!(|law| check_random_bound(law, 4.0));
+}
+
+/// Up to stretches whose I₁ − 3 is 0.98 of the limit.
+#[test]
+fn the_bound_holds_near_the_limit_of_gent() {
+    for wrinkling in [false, true] {
+        let law = Hyperelastic { energy: Gent { mu: MU, jm: 10.0 }, wrinkling };
+        let mut random = random(3);
+        for _ in 0..400 {
+            let second = 0.7 + 1.5 * random();
+            let reach = |first: f64| {
+                let natural = if wrinkling { second.max(1.0 / first.sqrt()) } else { second };
+                first * first + natural * natural + (first * natural).powi(-2) - 3.0
+            };
+            let (mut low, mut high) = (1.0, 5.0);
+            let share = 0.9 + 0.08 * random();
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if reach(middle) < share * 10.0 { low = middle } else { high = middle }
+            }
+            let first = 0.5 * (low + high);
+            let f = turned([first, second], [0.0; 2]);
+            let bound = law.stiffness(&Deformation::from(f), &PeakStrains::virgin()).any[0];
+            let near = first * (1.0 + 0.9 * NEAR);
+            let energy = |t: f64| stored(&law, turned([near * (1.0 + 1e-5 * t), second], [0.0; 2]));
+            let stiffness = (energy(1.0) - 2.0 * energy(0.0) + energy(-1.0)) / (1e-5 * near).powi(2);
+            let is_beyond = stiffness.is_nan() || reach(near * (1.0 + 1e-5)) >= 10.0;
+            assert!(bound.is_nan() || is_beyond || stiffness <= 1.01 * bound, "{stiffness} {bound} {first} {second}");
+        }
+    }
+}
+
+#[test]
+fn beyond_the_limit_of_gent_there_is_no_stress() {
+    let law = Hyperelastic { energy: Gent { mu: MU, jm: 10.0 }, wrinkling: true };
+    let f = turned([4.0, 1.0], [0.3, 0.2]);
+    assert!(virgin_stress(&law, f).p.iter().flatten().all(|p| p[0].is_nan()));
+    assert!(stored(&law, f).is_nan());
+    assert!(law.stiffness(&Deformation::from(f), &PeakStrains::virgin()).any[0].is_nan());
+    assert!(law.has_limit());
+}
+
+#[test]
+fn rotation_alone_gives_no_stress() {
+    each_law!(|law| {
+        let stress = virgin_stress(law, turned([1.0, 1.0], [0.4, 0.9]));
+        assert!(stress.p.iter().flatten().all(|p| p[0].abs() < 1e-14 * 1e7), "{:?}", stress.p);
+    });
+}
+
+/// Nominal principal stresses by a law's energy w(λ₁, λ₂, λ₃) of three stretches: differences of it in closed form.
+struct ClosedForm<'a> {
+    /// ∂w/∂λ_i of (λ₁, λ₂, λ₃), up to the pressure of incompressible film.
+    slope: &'a dyn Fn([f64; 3], usize) -> f64,
+}
+
+impl ClosedForm<'_> {
+    /// ∂W/∂λ₁ and ∂W/∂λ₂ with λ₃ = 1/(λ₁λ₂).
+    fn nominal(&self, [first, second]: [f64; 2]) -> [f64; 2] {
+        let third = 1.0 / (first * second);
+        let stretches = [first, second, third];
+        let pressure = third * (self.slope)(stretches, 2);
+        [0, 1].map(|i| (self.slope)(stretches, i) - pressure / stretches[i])
+    }
+}
+
+fn check_closed_form<E: StrainEnergy + Clone>(energy: &E, slope: &dyn Fn([f64; 3], usize) -> f64) {
+    let closed = ClosedForm { slope };
+    for wrinkling in [false, true] {
+        let law = Hyperelastic { energy: energy.clone(), wrinkling };
+        for stretch in [1.0 + 1e-4, 1.05, 1.3, 2.0, 3.5, 5.0_f64] {
+            let [uniaxial, equibiaxial, shear] = [[stretch, 1.0 / stretch.sqrt()], [stretch; 2], [stretch, 1.0]];
+            for at in [uniaxial, equibiaxial, shear] {
+                let expected = closed.nominal(at);
+                let stress = virgin_stress(&law, [[at[0], 0.0, 0.0], [0.0, at[1], 0.0]].map(|f| f.map(splat)));
+                let found = [stress.p[0][0][0], stress.p[1][1][0]];
+                for i in 0..2 {
+                    let error = (found[i] - expected[i]).abs();
+                    assert!(error < 1e-9 * expected[0].abs(), "{at:?}: {found:?} for {expected:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn stresses_of_incompressible_laws_are_their_closed_forms() {
+    let first = |s: [f64; 3]| s.iter().map(|s| s * s).sum::<f64>() - 3.0;
+    check_closed_form(&Polynomial::neo_hookean(MU), &|s, i| MU * s[i]);
+    let [c10, c01] = [0.4 * MU, 0.1 * MU];
+    let mooney = |s: [f64; 3], i: usize| 2.0 * c10 * s[i] + 2.0 * c01 * s[i] * (first(s) + 3.0 - s[i] * s[i]);
+    check_closed_form(&Polynomial::mooney_rivlin(c10, c01), &mooney);
+    let c = [0.18e6, -0.002e6, 0.000_05e6];
+    let yeoh = |s: [f64; 3], i: usize| 2.0 * s[i] * (c[0] + first(s) * (2.0 * c[1] + 3.0 * c[2] * first(s)));
+    check_closed_form(&Polynomial::yeoh(c), &yeoh);
+    check_closed_form(&Gent { mu: MU, jm: 97.2 }, &|s, i| MU * s[i] / (1.0 - first(s) / 97.2));
+    let ogden = |s: [f64; 3], i: usize| rubber().terms().iter().map(|t| t.mu * s[i].powf(t.alpha - 1.0)).sum();
+    check_closed_form(&rubber(), &ogden);
+}
+
+/// Compressible film: σ_i J = μ(λ_i² − 1) + λ ln J, and no σ₃.
+#[test]
+fn stresses_of_compressible_film_are_their_closed_form() {
+    for poisson in [0.0, 0.1, 0.3, 0.45, 0.4999] {
+        let young = 2e6;
+        let energy = CompressibleNeoHookean { young, poisson };
+        let mu = young / (2.0 * (1.0 + poisson));
+        let lame = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+        for stretch in [1.0 + 1e-4, 1.3, 2.5, 6.0_f64] {
+            let narrow = energy.natural_width(&[stretch * stretch])[0].sqrt();
+            for at in [[stretch, narrow], [stretch; 2], [stretch, 1.0]] {
+                let law = Hyperelastic { energy: energy.clone(), wrinkling: false };
+                let f = [[at[0], 0.0, 0.0], [0.0, at[1], 0.0]].map(|f| f.map(splat));
+                let third = law.thickness_ratio(&Deformation::from(f), &virgin_stress(&law, f))[0];
+                let volume = (at[0] * at[1] * third).ln();
+                let kirchhoff = |stretch: f64| mu * (stretch * stretch - 1.0) + lame * volume;
+                assert!(kirchhoff(third).abs() < 1e-9 * mu * (1.0 + lame / mu), "{poisson} {at:?}");
+                let stress = virgin_stress(&law, f);
+                let scale = kirchhoff(at[0]) / at[0];
+                for i in 0..2 {
+                    let error = (stress.p[i][i][0] - kirchhoff(at[i]) / at[i]).abs();
+                    assert!(error < 1e-9 * scale * (1.0 + 1e-3 * lame / mu), "{poisson} {at:?} {i}: {error} {scale}");
+                }
+                if at[1] == narrow {
+                    assert!(stress.p[1][1][0].abs() < 1e-9 * scale * (1.0 + lame / mu), "uniaxial {poisson} {at:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_thickness_is_solved_to_round_off() {
+    for poisson in [0.0, 1e-3, 0.1, 0.3, 0.45, 0.499, 0.499_999] {
+        let energy = CompressibleNeoHookean { young: 1.0, poisson };
+        let k = energy.ratio();
+        for step in -90..=90 {
+            let det = 10.0_f64.powf(0.1 * f64::from(step));
+            let [x, y] = energy.squared_thickness(&[det]);
+            let residual = x[0] - 1.0 + k * (y[0] + det.ln());
+            let terms = x[0] + 1.0 + k * (y[0].abs() + det.ln().abs());
+            assert!(residual.abs() < 2e-15 * terms, "ν {poisson}, D {det}: {residual} of {terms}");
+        }
+    }
+}
+
+/// The least energy over all lengths that wrinkles may take up.
+#[test]
+fn the_energy_of_wrinkled_film_is_relaxed() {
+    fn check<E: StrainEnergy + Clone>(law: &Hyperelastic<E>) {
+        let own = Hyperelastic { energy: law.energy.clone(), wrinkling: false };
+        let relaxing = Hyperelastic { energy: law.energy.clone(), wrinkling: true };
+        for stretches in [[1.4, 0.5], [3.0, 0.3], [1.1, 0.95], [2.0, 1.5]] {
+            let wider = (0..20_000)
+                .map(|k| stored(&own, turned([stretches[0], stretches[1] + 1e-4 * f64::from(k)], [0.3, 0.1])));
+            let least = wider.fold(f64::INFINITY, f64::min);
+            let relaxed = stored(&relaxing, turned(stretches, [0.3, 0.1]));
+            assert!(
+                (relaxed - least).abs() < 1e-7 * 1e6 && relaxed <= least * (1.0 + 1e-12),
+                "{stretches:?} {relaxed} {least}"
+            );
+        }
+        assert_eq!(stored(&relaxing, turned([0.99, 0.4], [0.3, 0.1])), 0.0);
+        let stress = virgin_stress(&relaxing, turned([0.99, 0.4], [0.3, 0.1]));
+        assert!(stress.p.iter().flatten().all(|p| p[0] == 0.0));
+    }
+    each_law!(check);
+}
+
+#[test]
+fn wrinkled_film_is_in_uniaxial_tension() {
+    let law = Hyperelastic { energy: rubber(), wrinkling: true };
+    let stretch = 1.7_f64;
+    let expected = virgin_stress(&law, turned([stretch, 1.0 / stretch.sqrt()], [0.0; 2])).tension[0][0];
+    let d = turned([stretch, 0.4], [0.0; 2]);
+    let stress = virgin_stress(&law, d);
+    assert!((stress.tension[0][0] / expected - 1.0).abs() < 1e-12);
+    assert!(stress.tension[1][0].abs() < 1e-12 * expected);
+    let thickness = law.thickness_ratio(&Deformation::from(d), &stress)[0];
+    assert!((thickness * stretch.sqrt() - 1.0).abs() < 1e-12, "{thickness}");
+}
+
+fn forces_lanewise<M: MembraneLaw<History<L> = PeakStrains<L>>, const L: usize>(
+    law: &M,
+    f: &Gradient<L>,
+) -> Gradient<L> {
+    law.stress(&Deformation::from(*f), &mut History::virgin(), 0.0).p
+}
+
+at_width! {
+    fn forces[M: MembraneLaw<History<L> = PeakStrains<L>>, const L: usize](law: &M, f: &Gradient<L>) -> Gradient<L> = forces_lanewise
+}
+
+#[test]
+fn any_number_of_lanes_and_any_instructions_give_the_same_bits() {
+    let mut random = random(11);
+    let films: Vec<Gradient<1>> = (0..64)
+        .map(|_| turned([0.5 + 3.0 * random(), 0.5 + 2.0 * random()], [6.3 * random(), 6.3 * random()]))
+        .collect();
+    fn check<E: StrainEnergy, const L: usize>(law: &Hyperelastic<E>, films: &[Gradient<1>]) {
+        for films in films.chunks(L) {
+            let f = [0, 1].map(|i| [0, 1, 2].map(|axis| std::array::from_fn(|l| films[l][i][axis][0])));
+            for width in Width::available() {
+                let p: Gradient<L> = forces(width, law, &f);
+                for (l, alone) in films.iter().enumerate() {
+                    let alone = virgin_stress(law, *alone).p;
+                    let same =
+                        (0..2).all(|i| (0..3).all(|axis| p[i][axis][l].to_bits() == alone[i][axis][0].to_bits()));
+                    assert!(same, "{width:?}, lane {l} of {L}");
+                }
+            }
+        }
+    }
+    each_law!(|law| {
+        check::<_, 4>(law, &films);
+        check::<_, 8>(law, &films);
+        check::<_, 16>(law, &films);
+    });
+}
