@@ -292,6 +292,7 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
             &[
                 "output.frames=20",
                 "frame.clamp={ force = \"200 N\", friction = 0.5, width = \"2 mm\" }",
+                "layers.prestrain={ md = 0.0, td = 0.0 }",
                 "loading.impact.duration=15ms",
             ],
         ),

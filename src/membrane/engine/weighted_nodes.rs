@@ -11,6 +11,8 @@ pub(super) struct WeightedNodes {
     pub(super) weights: [f64; 4],
     /// Velocity of each node per impulse on the sum, 1/kg: weight over mass, zero along held directions.
     response: [Vector3<f64>; 4],
+    /// How many of them count: those behind have the weight zero.
+    count: usize,
 }
 
 impl WeightedNodes {
@@ -18,19 +20,20 @@ impl WeightedNodes {
     pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
         let response =
             std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().at(of[k] as usize)) * weights[k]);
-        WeightedNodes { nodes: of, weights, response }
+        let count = weights.iter().rposition(|weight| *weight != 0.0).map_or(0, |last| last + 1);
+        WeightedNodes { nodes: of, weights, response, count }
     }
 
     /// The sum of what the nodes have: of their velocities, that of the point, m/s.
     #[inline(always)]
     pub(super) fn sum(&self, of: &Vectors) -> Vector3<f64> {
-        (0..4).map(|k| Vector3::from(of.at(self.nodes[k] as usize)) * self.weights[k]).sum()
+        (0..self.count).map(|k| Vector3::from(of.at(self.nodes[k] as usize)) * self.weights[k]).sum()
     }
 
     /// Adds what an `impulse` (N s) on the sum does to the velocities of the nodes; multiplied by a time, to their positions.
     #[inline(always)]
     pub(super) fn apply(&self, impulse: &Vector3<f64>, to: &mut Vectors) {
-        for k in 0..4 {
+        for k in 0..self.count {
             to.add(self.nodes[k] as usize, self.response[k].component_mul(impulse).into());
         }
     }
