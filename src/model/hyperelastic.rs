@@ -41,7 +41,7 @@ pub(super) fn check(written: &scenario::Hyperelastic, path: &str, mistakes: &mut
             let [c10, c01] = [written.c10?.0, written.c01?.0];
             if c10 + c01 <= 0.0 {
                 let message = "film of these coefficients has no stiffness: `c10` + `c01` is not above zero";
-                mistakes.report(&format!("{path}.c10"), message);
+                mistakes.report_with(&format!("{path}.c10"), message, "their sum is half the shear modulus at rest");
                 return None;
             }
             HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::mooney_rivlin(c10, c01), wrinkling })
@@ -49,10 +49,8 @@ pub(super) fn check(written: &scenario::Hyperelastic, path: &str, mistakes: &mut
         Energy::Yeoh => {
             let [c10, c20, c30] = [written.c10?.0, written.c20?.0, written.c30?.0];
             if c10 <= 0.0 {
-                mistakes.report(
-                    &format!("{path}.c10"),
-                    "film of these coefficients has no stiffness: `c10` is not above zero",
-                );
+                let message = "film of these coefficients has no stiffness: `c10` is not above zero";
+                mistakes.report_with(&format!("{path}.c10"), message, "it is half the shear modulus at rest");
                 return None;
             }
             HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::yeoh([c10, c20, c30]), wrinkling })
@@ -101,7 +99,8 @@ fn modulus(written: &Moduli, law: &str, path: &str, mistakes: &mut Mistakes<'_>)
     match written {
         Moduli::One(Pressure(mu)) if *mu > 0.0 => Some(*mu),
         Moduli::One(_) => {
-            mistakes.report(&path, "film of this modulus has no stiffness: `mu` is not above zero");
+            let message = "film of this modulus has no stiffness: `mu` is not above zero";
+            mistakes.report_with(&path, message, "it is the shear modulus at rest");
             None
         }
         Moduli::Terms(_) => {
@@ -128,8 +127,8 @@ fn ogden(mu: &Moduli, alpha: &[f64], path: &str, mistakes: &mut Mistakes<'_>) ->
         mistakes.report_with(&format!("{alpha_path}.{zero}"), "an exponent is zero", "leave the term out");
         return None;
     }
-    // The number of terms was checked before; there is no law of more.
     if mu.len() > Ogden::TERMS {
+        mistakes.report(&mu_path, format!("there are {} terms; the law has up to {}", mu.len(), Ogden::TERMS));
         return None;
     }
     let terms: Vec<OgdenTerm> = mu.iter().zip(alpha).map(|(mu, alpha)| OgdenTerm { mu: mu.0, alpha: *alpha }).collect();

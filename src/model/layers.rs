@@ -4,6 +4,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::specimen::{is_along_axes, symmetry};
 use super::{Face, Loading, Mistakes, Symmetry, material};
+use crate::lane::splat;
 use crate::material::{Curve, Law, LayerBreaks, Material};
 use crate::mesh::{Element, Meshing};
 use crate::number::significant;
@@ -248,6 +249,14 @@ fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
 fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     for (place, face) in faces.iter().enumerate() {
         let path = face_path(scenario, place);
+        let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
+        let stress =
+            face.material.law.virgin_stress([[splat(md), splat(0.0), splat(0.0)], [splat(0.0), splat(td), splat(0.0)]]);
+        if face.prestrain != [0.0; 2] && stress.iter().flatten().any(|stress| !stress[0].is_finite()) {
+            let message = "pre-strain stretches the film beyond the limit of its law";
+            mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
+            continue;
+        }
         let fibres = [("md", "MD"), ("td", "TD")].into_iter().zip(face.material.law.break_strains());
         for (((key, name), end), prestrain) in fibres.zip(face.prestrain) {
             if prestrain < end {

@@ -49,7 +49,7 @@ pub struct BodyFigures {
     pub prefix: String,
     /// Whether it met the film; without, it has neither a lowest point nor a rebound, and the film absorbed nothing of it.
     #[serde(skip)]
-    pub met_film: bool,
+    pub had_film_contact: bool,
     /// Largest filtered acceleration; none where it met nothing.
     pub peak_acceleration_m_s2: Option<f64>,
     /// Time of the largest filtered acceleration.
@@ -138,7 +138,7 @@ impl Impact {
 impl BodyFigures {
     const NONE: BodyFigures = BodyFigures {
         prefix: String::new(),
-        met_film: false,
+        had_film_contact: false,
         peak_acceleration_m_s2: None,
         time_of_peak_acceleration_s: None,
         peak_displacement_m: None,
@@ -151,10 +151,10 @@ impl BodyFigures {
     /// Measures of the channels of `signals` that begin with `prefix`.
     fn measure(impactor: &Impactor, prefix: &str, model: &Model, signals: &Recording) -> BodyFigures {
         let moves = impactor.mass.is_finite();
-        let met_film = met(signals, prefix, column::CONTACT_FORCE);
-        let met_any = met_film || met(signals, prefix, column::COLLISION_FORCE);
+        let had_film_contact = met(signals, prefix, column::CONTACT_FORCE);
+        let met_any = had_film_contact || met(signals, prefix, column::COLLISION_FORCE);
         let peak = channel(signals, prefix, column::ACCELERATION_FILTERED).largest().filter(|_| moves && met_any);
-        let deepest = channel(signals, prefix, column::DISPLACEMENT).smallest().filter(|_| moves && met_film);
+        let deepest = channel(signals, prefix, column::DISPLACEMENT).smallest().filter(|_| moves && had_film_contact);
         let rebound = lowest_point(signals, prefix).filter(|_| moves).and_then(|[time, _]| {
             let after = channel(signals, prefix, column::VELOCITY).window([time, f64::INFINITY]);
             after.largest()
@@ -162,7 +162,7 @@ impl BodyFigures {
         let absorption = |friction: &GuideFriction| absorption(impactor, model, friction, (signals, prefix));
         BodyFigures {
             prefix: prefix.to_owned(),
-            met_film,
+            had_film_contact,
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
             time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
@@ -179,7 +179,7 @@ impl BodyFigures {
         if self.rebound_velocity_m_s.is_some() {
             early
         } else {
-            BodyFigures { prefix: early.prefix, met_film: early.met_film, ..BodyFigures::NONE }
+            BodyFigures { prefix: early.prefix, had_film_contact: early.had_film_contact, ..BodyFigures::NONE }
         }
     }
 }

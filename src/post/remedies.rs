@@ -20,7 +20,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::Settled(_)
-        | Warning::FilmNotMet(_)
+        | Warning::NoFilmContact(_)
         | Warning::MisshapenElements { .. }
         | Warning::FrameHit { .. }
         | Warning::FilmCrossing { .. }

@@ -112,7 +112,7 @@ pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: boo
         .flat_map(|prefix| keys(prefix).iter().filter_map(move |key| card(key, prefix, summary)))
         .collect();
     let unmet: String =
-        bodies.iter().filter(|body| !body.met_film && !failed).map(|body| not_met(&body.prefix)).collect();
+        bodies.iter().filter(|body| !body.had_film_contact && !failed).map(|body| not_met(&body.prefix)).collect();
     format!("<ul class=\"cards\">\n{cards}{unmet}{}</ul>\n", film(summary, failed))
 }
 

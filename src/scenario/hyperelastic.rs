@@ -22,7 +22,7 @@ pub struct Hyperelastic {
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.1, 1e4]))]
     pub jm: Option<f64>,
     /// Coefficient of I₁ − 3 of `mooney-rivlin` and `yeoh`.
-    #[schemars(extend("x-likely" = [-1e9, 1e9]))]
+    #[schemars(extend("x-likely" = [1e2, 1e9]))]
     pub c10: Option<Pressure>,
     /// Coefficient of I₂ − 3 of `mooney-rivlin`.
     #[schemars(extend("x-likely" = [-1e9, 1e9]))]
@@ -76,7 +76,12 @@ pub enum Moduli {
 }
 
 fn moduli_schema(generator: &mut SchemaGenerator) -> Schema {
-    let mut one = generator.subschema_for::<Pressure>();
-    one.insert("x-likely".into(), serde_json::json!([-1e9, 1e9]));
-    json_schema!({ "anyOf": [one, { "type": "array", "items": one, "minItems": 1, "maxItems": 6 }] })
+    let mut likely = |range: [f64; 2]| {
+        let mut modulus = generator.subschema_for::<Pressure>();
+        modulus.insert("x-likely".into(), serde_json::json!(range));
+        modulus
+    };
+    // Moduli of terms may be small beside others, or negative.
+    let (one, term) = (likely([1e3, 1e9]), likely([-1e9, 1e9]));
+    json_schema!({ "anyOf": [one, { "type": "array", "items": term, "minItems": 1, "maxItems": 6 }] })
 }

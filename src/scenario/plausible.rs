@@ -99,7 +99,8 @@ pub(super) fn meant(value: f64, rule: &Rule, node: &Node) -> Option<String> {
     };
     match rule.dimension() {
         Some(dimension) => dimension.likelier(&number, value, likely),
-        None => (value > LEAST_PERCENTAGE && (likely[0]..=likely[1]).contains(&(value / 100.0)))
+        // What may well be larger than a hundred is no fraction.
+        None => (value > LEAST_PERCENTAGE && likely[1] < 100.0 && (likely[0]..=likely[1]).contains(&(value / 100.0)))
             .then(|| format!("{number} %")),
     }
 }

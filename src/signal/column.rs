@@ -137,9 +137,9 @@ columns! {
     /// Volume under an inflated film.
     VOLUME = "volume_m3", "volume", "m3", "volume" ("l"), 1e3;
         "of film under pressure, or under gas of a volume";
-    /// Deflection of the highest point of a film under pressure.
+    /// Deflection of the highest point of an inflated film.
     DEFLECTION = "deflection_m", "deflection", "m", "deflection" ("mm"), 1e3;
-        "of film under pressure";
+        "of film under pressure, or under gas of a volume";
 }
 
 /// The columns that each of several impactors has, their names beginning with that of the impactor.

@@ -15,7 +15,8 @@ use crate::scenario::Document;
 /// Why not, at its place.
 pub fn check(document: &Document, model: &Model) -> Result<(), Vec<Diagnostic>> {
     let key = |place: usize, key: &str| {
-        if model.impactors.len() > 1 { format!("impactor.{place}.{key}") } else { format!("impactor.{key}") }
+        let is_list = document.find("impactor.0").is_some();
+        if is_list { format!("impactor.{place}.{key}") } else { format!("impactor.{key}") }
     };
     let surfaces = model.impactors.iter().enumerate();
     let surfaces = surfaces.filter_map(|(place, impactor)| Some((place, mount::surface(&impactor.shape).err()?)));
@@ -61,7 +62,9 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
             of(*impactor, "position")
         }
         RunError::ImpactorsOverlap { names: [_, second], .. } => of(named(second), "position"),
-        RunError::Missed | RunError::Surface(_) => of(0, "position"),
+        RunError::Missed => of(0, "position"),
+        // Those of the impactors are known before.
+        RunError::Surface(_) => "frame.bars.radius".to_owned(),
         RunError::ClampTooWeak { .. } => "frame.clamp.force".to_owned(),
         RunError::FacesCross => "contact".to_owned(),
         RunError::StateMismatch(_) | RunError::Cancelled | RunError::Failure(_) => String::new(),

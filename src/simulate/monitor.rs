@@ -205,7 +205,7 @@ impl Monitor {
         let heavy = added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
         out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
         out.extend(of(missed, Warning::NoContact));
-        out.extend(of(met_others_alone, Warning::FilmNotMet));
+        out.extend(of(met_others_alone, Warning::NoFilmContact));
         let bodies = self.contacts.iter().zip(&names).zip(sizes);
         out.extend(bodies.flat_map(|((contact, name), size)| contact.warnings(name, size, self.has_bars)));
         out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));

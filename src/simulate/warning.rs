@@ -30,7 +30,7 @@ codes! {
     NO_CONTACT = "no-contact", Warning,
         "the impactor passed the film, or did not reach it, without touching it: its signals are those of a free fall",
         "correct `impactor.position` or the outline of the film, or use a longer duration";
-    FILM_NOT_MET = "film-not-met", Note,
+    FILM_NOT_MET = "no-film-contact", Note,
         "the impactor met other impactors or the frame's bars, but never the film: its displacement counts from its \
          start, and it has no lowest point, no rebound and no energy absorption",
         "nothing, where that is meant; otherwise correct `impactor.position` or use a longer duration";
@@ -212,7 +212,7 @@ pub enum Warning {
     /// The impactor did not touch the film.
     NoContact(ImpactorName),
     /// The impactor met other bodies alone.
-    FilmNotMet(ImpactorName),
+    NoFilmContact(ImpactorName),
     /// Elements in contact are large compared with the impactor.
     CoarseContact {
         /// Which one.
@@ -377,8 +377,8 @@ impl fmt::Display for Warning {
             Warning::NoContact(impactor) => {
                 write!(f, "no contact: {impactor} did not touch the film during the whole test")
             }
-            Warning::FilmNotMet(impactor) => {
-                write!(f, "film not met: {impactor} touched other bodies, and never the film")
+            Warning::NoFilmContact(impactor) => {
+                write!(f, "no contact with the film: {impactor} touched other bodies only")
             }
             Warning::CoarseContact { impactor, time, edge, size } => write!(
                 f,
@@ -484,7 +484,7 @@ impl Report for Warning {
             Warning::Settled(_) => &SETTLED,
             Warning::NotInEquilibrium(_) => &NOT_IN_EQUILIBRIUM,
             Warning::NoContact(_) => &NO_CONTACT,
-            Warning::FilmNotMet(_) => &FILM_NOT_MET,
+            Warning::NoFilmContact(_) => &FILM_NOT_MET,
             Warning::CoarseContact { .. } => &COARSE_CONTACT,
             Warning::Penetration { .. } => &PENETRATION,
             Warning::FrameHit { .. } => &FRAME_HIT,
@@ -506,7 +506,7 @@ impl Report for Warning {
     fn figures(&self) -> Map<String, Value> {
         let about = match self {
             Warning::NoContact(impactor)
-            | Warning::FilmNotMet(impactor)
+            | Warning::NoFilmContact(impactor)
             | Warning::Unfinished(impactor)
             | Warning::CoarseContact { impactor, .. }
             | Warning::Penetration { impactor, .. }
@@ -540,7 +540,7 @@ impl Report for Warning {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }
             Warning::AddedMass { face, share } => &[("face", face.into()), ("added_mass_share", share.into())],
-            Warning::NoContact(_) | Warning::FilmNotMet(_) | Warning::Unfinished(_) => &[],
+            Warning::NoContact(_) | Warning::NoFilmContact(_) | Warning::Unfinished(_) => &[],
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],

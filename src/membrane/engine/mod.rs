@@ -334,6 +334,12 @@ impl Engine {
     /// `over` (s) and moves them by `dt` (s), and its work to the ledger.
     fn fill(&mut self, over: f64, dt: f64) {
         let Some(filling) = &self.loads.filling else { return };
+        if self.failed > 0 {
+            // What elements that are deleted in this step enclosed stays filled: the run ends with it.
+            let flat = pressure::volume(&self.films, &self.nodes) - filling.at(self.time);
+            self.inflated.iter_mut().for_each(|before| before.volume += flat - self.flat_volume);
+            self.flat_volume = flat;
+        }
         let step = GasStep {
             target: self.flat_volume + filling.at(self.time + dt),
             kick: Kick::new(over, self.loads.damping),

@@ -66,7 +66,7 @@ fn elements(parent: &Node<'_, '_>, place: Affine, drawing: &mut Drawing) -> Resu
         let own: Option<Transform> = attribute(&element, "transform")?;
         let place = own.map_or(place, |t| place * Affine::new([t.a, t.b, t.c, t.d, t.e, t.f]));
         let name = element.tag_name().name();
-        let is_note = NOTES.contains(&name) || element.attribute("display") == Some("none");
+        let is_note = NOTES.contains(&name) || is_hidden(&element);
         match name {
             _ if is_note => {}
             "g" | "a" => elements(&element, place, drawing)?,
@@ -74,6 +74,15 @@ fn elements(parent: &Node<'_, '_>, place: Affine, drawing: &mut Drawing) -> Resu
         }
     }
     Ok(())
+}
+
+/// Whether an element is not shown, by its attribute or its style.
+fn is_hidden(element: &Node<'_, '_>) -> bool {
+    let in_style = |style: &str| {
+        let declarations = style.split(';').filter_map(|declaration| declaration.split_once(':'));
+        declarations.into_iter().any(|(property, value)| property.trim() == "display" && value.trim() == "none")
+    };
+    element.attribute("display") == Some("none") || element.attribute("style").is_some_and(in_style)
 }
 
 /// The lines of an element, in its own coordinates.
@@ -113,7 +122,12 @@ fn outline(element: &Node<'_, '_>) -> Result<BezPath, DrawingFault> {
             let (x, y) = (number("x")?, number("y")?);
             let (width, height) = (number("width")?, number("height")?);
             let rect = Rect::new(x, y, x + width, y + height);
-            let rounding = number("rx")?.max(number("ry")?).min(0.5 * width).min(0.5 * height);
+            let [rx, ry] = [number("rx")?, number("ry")?];
+            // One that is not written is the other; quarters of an ellipse are not supported.
+            if rx > 0.0 && ry > 0.0 && rx != ry {
+                return Err(unreadable(element, "ry"));
+            }
+            let rounding = rx.max(ry).min(0.5 * width).min(0.5 * height);
             // A rounding that does nothing would leave arcs of no length.
             if rounding > 0.0 { curved(&RoundedRect::from_rect(rect, rounding)) } else { rect.to_path(1.0) }
         }

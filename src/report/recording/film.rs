@@ -51,7 +51,7 @@ const COLOURINGS: [Colouring; 5] = [
         title: "Loss of thickness",
         words: "1 − h/h₀, %",
         factor: 100.0,
-        of: |state, element| 1.0 - state.thickness_ratio.get(element).copied().unwrap_or(1.0),
+        of: |state, element| 1.0 - state.thickness_ratio.get(element).copied().unwrap_or(f32::NAN),
     },
 ];
 

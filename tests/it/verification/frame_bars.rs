@@ -273,7 +273,11 @@ fn a_ball_bounces_from_a_bar() {
             } = *measures.first();
             let of_film = [peak_displacement_m, rebound_velocity_m_s, energy_absorption, film_energy_absorption];
             claims.holds(&what("figures of the film"), "none", of_film == [None; 4]);
-            claims.holds(&what("finding"), "film-not-met", measures.findings.iter().any(|f| f.code == "film-not-met"));
+            claims.holds(
+                &what("finding"),
+                "no-film-contact",
+                measures.findings.iter().any(|f| f.code == "no-film-contact"),
+            );
         }
     }
     claims.judge();

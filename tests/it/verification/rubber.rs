@@ -205,8 +205,7 @@ fn vertex(x: &[f64], y: &[f64], at: f64, reach: f64) -> f64 {
     at - 0.5 * c[1] / c[2]
 }
 
-/// Film of Gent's law ends the run where it is stretched to its limit, with the time and the face; nothing that is recorded
-/// is without a number.
+/// Film of Gent's law ends the run where it is stretched to its limit, with the time and the face.
 #[test]
 fn film_at_the_limit_of_its_law_ends_the_run() {
     let mut claims = Claims::of("rubber, limit of Gent");
@@ -228,6 +227,34 @@ fn film_at_the_limit_of_its_law_ends_the_run() {
         let message = failed.to_string();
         claims.holds(loading, &message, message.contains("film of face 1 is stretched to the limit of its law at"));
     }
+    claims.judge();
+}
+
+/// Fabric that gas bursts has the pressure at which it bursts under a given one; the element that fails does not change the
+/// volume of the gas.
+#[test]
+fn film_under_gas_bursts_at_the_pressure_of_the_ramp() {
+    let mut claims = Claims::of("burst by gas");
+    let burst = |loading: &str| {
+        let model = written(&format!(
+            "specimen.shape = {{ circle = {{ radius = 0.05 }} }}
+             specimen.material = {{ density = 915, thickness = 50e-6, fabric = {{ absorption = 0.5, md.curve = [[0, 0], [0.3, 20e6]], td.curve = [[0, 0], [0.3, 20e6]], shear.curve = [[0, 0], [1, 5e6]] }} }}
+             specimen.mesh = {{ element = \"quad4\", size = \"8 mm\" }}
+             specimen.symmetry = \"quarter\"
+             {loading}
+             output = {{ frames = 2, sample_rate = \"5 kHz\" }}"
+        ));
+        let outcome = simulate::run(&model, &mut |_| {}).expect("a run");
+        assert!(outcome.rupture_time.is_some(), "{loading}: no rupture");
+        let series = outcome.signals.series("pressure_Pa").expect("a pressure");
+        let (values, count) = (series.values(), series.len());
+        [values[count - 2], values[count - 1], series.largest().expect("a largest one")[1]]
+    };
+    let [_, given, _] = burst("loading.pressure = { pressure = 4e4, ramp = 0.2 }");
+    let [before, last, largest] = burst("loading.volume = { volume = 5e-4, ramp = 0.2 }");
+    claims.near("burst pressure, Pa", last, given, 0.03);
+    claims.near("that of the sample before, Pa", before, last, 0.03);
+    claims.near("largest pressure, Pa", largest, last, 0.03);
     claims.judge();
 }
 

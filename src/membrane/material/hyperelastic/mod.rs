@@ -54,7 +54,8 @@ pub trait StrainEnergy {
         principal.turned(self.stress(&principal.squares))
     }
 
-    /// Derivatives that bound the stiffness for strains within 0.5 %.
+    /// Derivatives that bound the stiffness at the strain and, where it grows without limit or with a power, within
+    /// 0.5 % of it. What is left of the growth between two updates of the time step its safety factor covers.
     fn tangent<const L: usize>(&self, c: &Squares<L>) -> Tangent<L>;
 
     /// Thickness over that of the undeformed film, λ₃; that of incompressible film unless the law has another.
