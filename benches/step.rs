@@ -377,7 +377,8 @@ fn faces() {
     println!();
 }
 
-/// The drop test with other impactors of the same size, mass and speed against that with the sphere, run by run in turn.
+/// The drop test with other impactors of the same size, mass and speed against that with the sphere, run by run in
+/// turn.
 fn impactors() {
     println!("## Impactors, one thread: 1008 over 40 ms, 40 × 40 × 2 elements\n");
     println!("| impactor | steps | s | times the sphere |\n|---|---|---|---|");
@@ -413,8 +414,8 @@ fn impactors() {
     let _ = std::fs::remove_dir_all(&folder);
 }
 
-/// A sphere of 120 mm radius as an OBJ file of 5 120 triangles, in m: an icosahedron, every triangle cut in four four times
-/// over.
+/// A sphere of 120 mm radius as an OBJ file of 5 120 triangles, in m: an icosahedron, every triangle cut in four four
+/// times over.
 fn sphere_of_triangles() -> String {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut corners: Vec<[f64; 3]> = vec![];

@@ -1,7 +1,7 @@
 //! Findings: what a run, a search or a reduction reports although it went on.
 //!
-//! Each module has its own `Warning` enum, whose variants carry figures and name a [`Code`]. [`Finding`] is what becomes
-//! of it in `summary.json`, on the page and on the terminal; nothing reads its message back.
+//! Each module has its own `Warning` enum, whose variants carry figures and name a [`Code`]. [`Finding`] is what
+//! becomes of it in `summary.json`, on the page and on the terminal; nothing reads its message back.
 
 use std::fmt;
 

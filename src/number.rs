@@ -15,8 +15,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     rounded(value, digits).to_string()
 }
 
-/// The number with so many significant digits, and all those before the point; with an exponent below 10^−digits and from
-/// 10^(digits + 3) on.
+/// The number with so many significant digits, and all those before the point; with an exponent below 10^−digits and
+/// from 10^(digits + 3) on.
 pub fn figure(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
@@ -30,8 +30,8 @@ pub fn figure(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// The number in the shortest form that reads back to it; with an exponent from 10^15 on and below 10^-6, where its digits
-/// would be zeros.
+/// The number in the shortest form that reads back to it; with an exponent from 10^15 on and below 10^-6, where its
+/// digits would be zeros.
 pub fn plain(value: f64) -> String {
     let is_plain = value == 0.0 || !value.is_finite() || (1e-6..1e15).contains(&value.abs());
     if is_plain { value.to_string() } else { format!("{value:e}") }

@@ -39,8 +39,8 @@ pub fn energy_absorption(body: Body, velocity: &[f64], displacement: &[f64]) -> 
     film_absorption(body, &GuideFriction::default(), velocity, displacement)
 }
 
-/// Energy absorption of the film alone: as [`energy_absorption`], but of the energy that the impactor would have without
-/// what its guide with `friction` dissipates (theory.md, equation 53).
+/// Energy absorption of the film alone: as [`energy_absorption`], but of the energy that the impactor would have
+/// without what its guide with `friction` dissipates (theory.md, equation 53).
 pub fn film_absorption(
     body: Body,
     friction: &GuideFriction,

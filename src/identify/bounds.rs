@@ -17,8 +17,9 @@ use thiserror::Error;
 /// vanishes on the bound.
 const INWARDS: f64 = 0.01;
 
-/// Distance from a bound, as a share of the box, or of the value where only one side is bounded, at which a point counts
-/// as on it. Towards a bound the transform gains as the square of u, so that a search meets its tolerances before it.
+/// Distance from a bound, as a share of the box, or of the value where only one side is bounded, at which a point
+/// counts as on it. Towards a bound the transform gains as the square of u, so that a search meets its tolerances
+/// before it.
 const CLOSE: f64 = 1e-4;
 
 /// A box: lower and upper bounds of the unknowns, infinite where there is none.

@@ -60,8 +60,8 @@ impl SignalLabel {
     }
 }
 
-/// The convergence history of `result` over unknowns with these `names`; the curves that its objective compared come from `evaluator`, and `is_virtual`
-/// says whether all references are virtual recordings.
+/// The convergence history of `result` over unknowns with these `names`; the curves that its objective compared come
+/// from `evaluator`, and `is_virtual` says whether all references are virtual recordings.
 pub(crate) fn convergence_history(
     result: &SearchResult,
     title: String,

@@ -170,8 +170,8 @@ impl<'a> Forest<'a> {
         Grid { nodes: self.nodes, cells: out }.in_order_of_use()
     }
 
-    /// The four elements of a leaf; beside finer leaves, templates of three, or of four smaller ones in a corner between
-    /// two of them. The third corner of an undivided one is the middle of the leaf.
+    /// The four elements of a leaf; beside finer leaves, templates of three, or of four smaller ones in a corner
+    /// between two of them. The third corner of an undivided one is the middle of the leaf.
     fn leaf(&mut self, cell: usize, out: &mut Vec<[u32; 4]>) {
         let Cell { corners, middles, .. } = self.cells[cell];
         let centre = self.centre(corners, middles);

@@ -11,8 +11,8 @@ const PASSES: usize = 12;
 /// Improvement of the least scaled Jacobian below which a node stays, so that regular parts do.
 const WORTH: f64 = 1e-6;
 
-/// Moves nodes towards the mean of their neighbours, in passes, each where this improves the least scaled Jacobian of its
-/// elements. Nodes of the outline, whose edges belong to one element, stay.
+/// Moves nodes towards the mean of their neighbours, in passes, each where this improves the least scaled Jacobian of
+/// its elements. Nodes of the outline, whose edges belong to one element, stay.
 pub(crate) fn smooth<const N: usize>(nodes: &mut [Point3<f64>], elements: &[[u32; N]]) {
     let around = Around::new(nodes.len(), elements);
     for _ in 0..PASSES {

@@ -125,7 +125,8 @@ impl Keys<'_> {
 }
 
 impl Impactor {
-    /// Where its centre is over the plane at `height` (m) when it is `radius` (m) above it, in free flight; x and y in m.
+    /// Where its centre is over the plane at `height` (m) when it is `radius` (m) above it, in free flight; x and y in
+    /// m.
     fn meeting_point(&self, loading: &Loading, height: f64, radius: f64) -> [f64; 2] {
         let Loading::Impact { gravity, .. } = loading else { return self.position };
         let Some(fall) = self.height.map(|start| start - height - radius).filter(|fall| *fall > 0.0) else {

@@ -47,7 +47,8 @@ pub struct BodyFigures {
     /// What the names of its figures and signals begin with; empty of a single impactor.
     #[serde(skip)]
     pub prefix: String,
-    /// Whether it met the film; without, it has neither a lowest point nor a rebound, and the film absorbed nothing of it.
+    /// Whether it met the film; without, it has neither a lowest point nor a rebound, and the film absorbed nothing of
+    /// it.
     #[serde(skip)]
     pub had_film_contact: bool,
     /// Largest filtered acceleration; none where it met nothing.
@@ -60,7 +61,8 @@ pub struct BodyFigures {
     pub time_of_peak_displacement_s: Option<f64>,
     /// Largest upward velocity after the lowest point; none without a rebound.
     pub rebound_velocity_m_s: Option<f64>,
-    /// D of the paper's equation 11, without what other impactors and the frame's bars did to it; none without a rebound.
+    /// D of the paper's equation 11, without what other impactors and the frame's bars did to it; none without a
+    /// rebound.
     pub energy_absorption: Option<f64>,
     /// The same of the film alone, without what the guide dissipates.
     pub film_energy_absorption: Option<f64>,
@@ -255,8 +257,8 @@ mod tests {
     use super::*;
     use crate::signal::Channel;
 
-    /// A bar takes all of the motion of a body that gave 2 J to the film and gets back 0.5 J of it, 0.3 J of which go into
-    /// its guide.
+    /// A bar takes all of the motion of a body that gave 2 J to the film and gets back 0.5 J of it, 0.3 J of which go
+    /// into its guide.
     #[test]
     fn what_bars_take_is_not_absorbed_by_the_film() {
         let text = "specimen.shape.circle.radius = 0.1

@@ -1,5 +1,5 @@
-//! Fields of host maps with known names, such as `run.summary`: misspelt ones are found before the script runs. A field may
-//! begin with the name of a part of the run: `head_energy_absorption` ends with an underscore and a known name.
+//! Fields of host maps with known names, such as `run.summary`: misspelt ones are found before the script runs. A field
+//! may begin with the name of a part of the run: `head_energy_absorption` ends with an underscore and a known name.
 
 use std::collections::HashSet;
 use std::path::Path;

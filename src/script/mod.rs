@@ -1,7 +1,7 @@
 //! The host of Rhai scripts: limits, calls, faults, values, and the output of a script.
 //!
-//! It offers scripts nothing by itself. A module that does registers its functions into the engine and describes them as
-//! [`Entry`] lines, whose examples the tests run: `functions`, `post` and `identify`.
+//! It offers scripts nothing by itself. A module that does registers its functions into the engine and describes them
+//! as [`Entry`] lines, whose examples the tests run: `functions`, `post` and `identify`.
 
 mod arguments;
 mod calls;

@@ -24,8 +24,8 @@ impl Annotations {
         &self.comments
     }
 
-    /// The comment that states the channel frequency class with which the channel called `name` was filtered, for tables,
-    /// which have no other place for it.
+    /// The comment that states the channel frequency class with which the channel called `name` was filtered, for
+    /// tables, which have no other place for it.
     pub fn filter_comment(name: &str, class: f64) -> String {
         format!("filtered before: {name} with CFC {class}")
     }

@@ -70,7 +70,8 @@ columns! {
     /// Acceleration of an impactor that does not only move along z, along y, before any filter.
     ACCELERATION_Y = "acceleration_y_m_s2", "acceleration_y", "m/s2", "acceleration" ("m/s²"), 1.0;
         "of an impactor that does not move along z alone";
-    /// Size of the acceleration of the centre of mass of an impactor that does not only move along z, before any filter.
+    /// Size of the acceleration of the centre of mass of an impactor that does not only move along z, before any
+    /// filter.
     ACCELERATION_RESULTANT = "acceleration_resultant_m_s2", "acceleration_resultant", "m/s2", "acceleration" ("m/s²"), 1.0;
         "of an impactor that does not move along z alone";
     /// Vertical force of the film on the impactor.
@@ -112,8 +113,8 @@ columns! {
     /// Pressure of the air between two faces over that of the surroundings.
     AIR_PRESSURE = "air_pressure_Pa", "air_pressure", "Pa", "air pressure" ("Pa"), 1.0;
         "with `air.cushion`";
-    /// Least distance of the middle surfaces of two faces; where none is within that in which they are followed, it is at
-    /// least this, which the column has then.
+    /// Least distance of the middle surfaces of two faces; where none is within that in which they are followed, it is
+    /// at least this, which the column has then.
     FILM_DISTANCE = "film_distance_m", "film_distance", "m", "distance" ("mm"), 1e3;
         "of several faces with `contact.film`";
     /// Nodes that press on another face of film.

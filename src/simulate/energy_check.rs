@@ -69,8 +69,8 @@ impl EnergyCheck {
         (error > STOP).then_some(Fault::EnergyBalance { time, error })
     }
 
-    /// Decrease of the losses in contact, friction and guide from their largest values, J: an error that the sum of all terms
-    /// does not show.
+    /// Decrease of the losses in contact, friction and guide from their largest values, J: an error that the sum of all
+    /// terms does not show.
     fn recovered(&mut self, energies: &Energies) -> f64 {
         let now = [energies.contact, energies.friction, energies.guide];
         (0..3)

@@ -112,8 +112,8 @@ fn around_polygon(polygon: &Polygon, mirrored: [bool; 2]) -> Vec<[[f64; 2]; 2]> 
     lines
 }
 
-/// Largest force (N) of friction in the clamp on the `length` (m) of a face whose edges in it have the length `whole` (m):
-/// 2 µF l/L (theory.md, equation 73).
+/// Largest force (N) of friction in the clamp on the `length` (m) of a face whose edges in it have the length `whole`
+/// (m): 2 µF l/L (theory.md, equation 73).
 fn friction_of(clamp: Clamp, length: f64, whole: f64) -> f64 {
     2.0 * clamp.friction * clamp.force * length / whole
 }
@@ -123,8 +123,8 @@ fn length_of(mesh: &Mesh, [a, b]: [u32; 2]) -> f64 {
     (mesh.nodes[a as usize] - mesh.nodes[b as usize]).norm()
 }
 
-/// Refuses a clamp that cannot hold the pre-strain of the face with `mesh` and the `held` edges, the last of `faces`: it
-/// would let go of the film as a shock at the start (theory.md, equation 73a).
+/// Refuses a clamp that cannot hold the pre-strain of the face with `mesh` and the `held` edges, the last of `faces`:
+/// it would let go of the film as a shock at the start (theory.md, equation 73a).
 ///
 /// # Errors
 /// [`RunError::ClampTooWeak`].

@@ -136,7 +136,8 @@ pub(super) fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
     }
 }
 
-/// Contact and pose of the impactor at this place among those of `model`: at its height, or with its lowest point on the highest point of the first face.
+/// Contact and pose of the impactor at this place among those of `model`: at its height, or with its lowest point on
+/// the highest point of the first face.
 pub(super) fn over_film(
     place: usize,
     model: &Model,

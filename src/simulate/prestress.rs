@@ -4,8 +4,8 @@ use crate::lane::splat;
 use crate::material::Gradient;
 use crate::model::Face;
 
-/// First Piola–Kirchhoff stress (Pa) along MD and TD of a face that is stretched in all directions by `stretch` beyond its
-/// pre-strain; components along MD, TD and its normal.
+/// First Piola–Kirchhoff stress (Pa) along MD and TD of a face that is stretched in all directions by `stretch` beyond
+/// its pre-strain; components along MD, TD and its normal.
 pub(super) fn of_face(face: &Face, stretch: f64) -> Gradient<1> {
     let [md, td] = face.prestrain.map(|prestrain| (1.0 + prestrain) * stretch);
     face.material.law.virgin_stress([[md, 0.0, 0.0], [0.0, td, 0.0]].map(|v| v.map(splat)))

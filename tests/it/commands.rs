@@ -352,8 +352,8 @@ fn equal_names_in_two_projects_are_two_scripts() {
     assert!(workbench::error(&refused).contains("one/a.rhai and is not replaced"), "{}", workbench::error(&refused));
 }
 
-/// What a scenario hardly means is printed before its run and is a finding of a script; a rebound that says nothing is one
-/// of runs that rebound.
+/// What a scenario hardly means is printed before its run and is a finding of a script; a rebound that says nothing is
+/// one of runs that rebound.
 #[test]
 fn early_findings_are_printed_before_a_run_and_are_those_of_scripts() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -535,8 +535,8 @@ fn skewed(changes: &[String]) -> Model {
     model::check(&document).unwrap_or_else(|mistakes| panic!("{mistakes:?}"))
 }
 
-/// The law of the shipped film, its coupon at 45°, the shear curve from that, and the coupon of this curve: the same with
-/// the default, 12 to 14 % low with the paper's rhombus, whose fibres do not stretch.
+/// The law of the shipped film, its coupon at 45°, the shear curve from that, and the coupon of this curve: the same
+/// with the default, 12 to 14 % low with the paper's rhombus, whose fibres do not stretch.
 #[test]
 fn a_shear_curve_gives_its_coupon_back_by_the_default_alone() {
     let strains: Vec<f64> = (0..=80).map(|i| 0.005 * f64::from(i)).collect();

@@ -95,8 +95,8 @@ fn coarse(script: &str, more: &[&str]) -> Json {
 }
 
 /// Six multipliers from one acceleration have wider intervals than three, and each further signal or test narrows them;
-/// with a drop onto a strip along TD they depend least on each other. An error of the model that changes more slowly, and
-/// a tower that is less known, widen them. Searches from one signal end far off although their misfit is small.
+/// with a drop onto a strip along TD they depend least on each other. An error of the model that changes more slowly,
+/// and a tower that is less known, widen them. Searches from one signal end far off although their misfit is small.
 #[test]
 fn further_signals_make_multipliers_identifiable() {
     let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm", "--arg", "evaluations=100"];

@@ -259,7 +259,8 @@ fn assert_same(one: &Outcome, other: &Outcome, what: &str) {
 }
 
 /// Every law, loading, element and kind of impactor that the golden cases have: rupture, a rotating sphere, faces of
-/// their own, triangles, a slow test whose mass is scaled, a graded mesh with added mass, bars, film that leaves its clamp.
+/// their own, triangles, a slow test whose mass is scaled, a graded mesh with added mass, bars, film that leaves its
+/// clamp.
 #[test]
 fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [

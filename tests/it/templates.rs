@@ -81,7 +81,8 @@ fn puncture_tests_give_force_travel_and_energy() {
     }
 }
 
-/// The bisected mass parts darts that the film holds from those that break it, and the staircase finds it within a step.
+/// The bisected mass parts darts that the film holds from those that break it, and the staircase finds it within a
+/// step.
 #[test]
 fn the_failure_mass_of_a_dart_is_found() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -40,8 +40,8 @@ impl LoadCell {
         if fits { Ok(()) } else { Err(MachineError::LoadCell(*self)) }
     }
 
-    /// What the cell reads of a `force` (N) that is linear between the times `time` (s), from rest under the first: exact
-    /// for that force (Nigam and Jennings, Bull. Seismol. Soc. Am. 59, 1969).
+    /// What the cell reads of a `force` (N) that is linear between the times `time` (s), from rest under the first:
+    /// exact for that force (Nigam and Jennings, Bull. Seismol. Soc. Am. 59, 1969).
     pub fn read(&self, time: &[f64], force: &[f64]) -> Vec<f64> {
         let natural = (self.stiffness / self.jaw_mass).sqrt();
         let (decay, damped) = (self.damping * natural, natural * (1.0 - self.damping * self.damping).sqrt());
@@ -104,8 +104,8 @@ pub enum MachineError {
 
 impl Machine {
     /// Records a `coupon` whose film follows `curve` and is broken beyond its end, at `strains`; `noise` (N) is added
-    /// to the force row by row. The force is that of the rounded displacement, so rounding adds no error; the deflection of
-    /// the load cell is left out of the strain.
+    /// to the force row by row. The force is that of the rounded displacement, so rounding adds no error; the
+    /// deflection of the load cell is left out of the strain.
     pub fn pull(
         &self,
         coupon: &Coupon,

@@ -199,8 +199,8 @@ mod tests {
         }
     }
 
-    /// With fibres that hardly stretch, the work of shear per stress-free volume is left: half of the paper's shear stress
-    /// times cos γ, since the sides of a square within the coupon carry tension of the fibres besides shear.
+    /// With fibres that hardly stretch, the work of shear per stress-free volume is left: half of the paper's shear
+    /// stress times cos γ, since the sides of a square within the coupon carry tension of the fibres besides shear.
     #[test]
     fn of_stiff_fibres_the_angle_is_that_of_the_rhombus() {
         let stiff = material::Curve::new(vec![[1.0, 1e15]]).unwrap();

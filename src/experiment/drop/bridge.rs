@@ -23,8 +23,8 @@ pub struct Bridged {
 }
 
 /// Bridges gaps of `reading` that last `longest` s or less, and the samples within `masks` ([from, to], s) whatever
-/// their duration: of a gap beside a mask only the part outside the masks counts. Samples without value before the first
-/// measured one and after the last are left out.
+/// their duration: of a gap beside a mask only the part outside the masks counts. Samples without value before the
+/// first measured one and after the last are left out.
 pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
     let is_masked = |t: f64| masks.iter().any(|[from, to]| (*from..=*to).contains(&t));
     let measured: Vec<[f64; 2]> = reading.samples().filter(|[t, value]| value.is_finite() && !is_masked(*t)).collect();

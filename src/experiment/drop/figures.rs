@@ -9,8 +9,8 @@ use crate::experiment::contact::SpeedSource;
 use crate::number::clean_time;
 use crate::signal::{Series, column};
 
-/// Figures of a drop, units in their names; times of peaks count from contact. Those that rest on an accelerometer at the
-/// end of its range are none.
+/// Figures of a drop, units in their names; times of peaks count from contact. Those that rest on an accelerometer at
+/// the end of its range are none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// On the recording's clock.

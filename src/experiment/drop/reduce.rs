@@ -148,8 +148,8 @@ impl Fall<'_> {
         Ok((Drop { time_constant: Some(coupling.time_constant()), offset, ..drop }, restored))
     }
 
-    /// The drops at the ends of an interval about `best`, which is as wide as it is where the fall closes without a doubt
-    /// that `best` does not leave.
+    /// The drops at the ends of an interval about `best`, which is as wide as it is where the fall closes without a
+    /// doubt that `best` does not leave.
     fn closing(&self, best: Coupling, ends: [Coupling; 2], is_doubtful: bool) -> [Option<(Drop, Series)>; 2] {
         let closed = |coupling| self.coupled(coupling).ok().filter(|(drop, _)| is_doubtful || !drop.is_doubtful());
         ends.map(|end| {

@@ -321,7 +321,8 @@ mod tests {
         assert!(joined > 5.0 * along, "{found:?}");
     }
 
-    /// The minimum of this objective is at (7, 1.5). A search from (9.9, 0.5) ends in another valley, on the bound of k1.
+    /// The minimum of this objective is at (7, 1.5). A search from (9.9, 0.5) ends in another valley, on the bound of
+    /// k1.
     const TWO_VALLEYS: &str = r#"
         let flat = []; for i in 0..40 { flat.push(if i % 2 == 0 { 1 } else { -1 } / (40.0).sqrt()); }
         let valley = |p, q, depth| [p, q] + flat.map(|sample| depth * sample);

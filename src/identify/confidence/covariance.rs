@@ -9,8 +9,8 @@
 //! autoregressive estimate, and the fit absorbs tr(Uᵀ R U) samples of the noise of a part, hence
 //! γ = ‖r‖²/(n − tr(Uᵀ R U)). White noise in one part gives the textbook's s² (JᵀJ)⁻¹.
 //!
-//! A parameter that the fit held adds its own effect on the residuals to R, and a Gaussian prior of a fitted one is a further
-//! row of S: equations (126) and (127) of docs/theory.md.
+//! A parameter that the fit held adds its own effect on the residuals to R, and a Gaussian prior of a fitted one is a
+//! further row of S: equations (126) and (127) of docs/theory.md.
 
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
@@ -74,8 +74,8 @@ pub(super) struct PartNoise {
 }
 
 impl PartNoise {
-    /// The noise that the residuals of part `number`, from one, show, of which the fit absorbs some; from the rows of U,
-    /// whose first `rank` columns have an effect.
+    /// The noise that the residuals of part `number`, from one, show, of which the fit absorbs some; from the rows of
+    /// U, whose first `rank` columns have an effect.
     fn of_residuals(
         number: usize,
         residuals: &[f64],
@@ -352,8 +352,8 @@ impl Covariance {
         self.step(&linearization.residuals).into_iter().zip(standard_errors).map(relative).collect()
     }
 
-    /// The step −V Σ⁻¹ Uᵀ r of the parameters, in their units, that compensates the residuals r; the priors are centred at
-    /// the estimate.
+    /// The step −V Σ⁻¹ Uᵀ r of the parameters, in their units, that compensates the residuals r; the priors are centred
+    /// at the estimate.
     pub(super) fn step(&self, residuals: &DVector<f64>) -> Vec<f64> {
         let along = |i: usize| -self.left.column(i).rows(0, residuals.len()).dot(residuals) / self.singular[i];
         let along: Vec<f64> = (0..self.rank).map(along).collect();

@@ -38,8 +38,8 @@ pub struct Confidence {
     pub samples: usize,
     /// Number of independent residuals with the same information about the parameters.
     pub effective_samples: f64,
-    /// Degrees of freedom of the standard errors; the smallest where parts have noise of their own, infinite where the noise
-    /// is assumed.
+    /// Degrees of freedom of the standard errors; the smallest where parts have noise of their own, infinite where the
+    /// noise is assumed.
     pub freedom: f64,
     /// Student's quantile of the intervals.
     pub quantile: f64,
@@ -361,7 +361,8 @@ mod tests {
         ConfidenceOptions::new(["a", "b", "c"].map(str::to_owned).into())
     }
 
-    /// The covariance of least squares with noise of the covariance K is (JᵀJ)⁻¹ JᵀKJ (JᵀJ)⁻¹, whatever the residuals are.
+    /// The covariance of least squares with noise of the covariance K is (JᵀJ)⁻¹ JᵀKJ (JᵀJ)⁻¹, whatever the residuals
+    /// are.
     #[test]
     fn an_assumed_misfit_has_the_covariance_of_its_correlation_matrix() {
         let (found, correlation) = parabola(&[(150, 20.0), (50, 3.0)]);

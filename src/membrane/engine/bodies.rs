@@ -41,8 +41,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Kicks the bodies, resolves their contact and adds its losses to the ledger and to `sums`. Returns the largest speed
-    /// of a node in contact, m/s.
+    /// Kicks the bodies, resolves their contact and adds its losses to the ledger and to `sums`. Returns the largest
+    /// speed of a node in contact, m/s.
     pub(super) fn resolve_contact(&mut self, over: f64, dt: f64, sums: &mut StepSums) -> f64 {
         let before: Vec<RigidBody> = self.impacts.iter().map(|impact| impact.body.clone()).collect();
         let damped = self.loads.damping > 0.0;

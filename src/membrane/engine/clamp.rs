@@ -63,8 +63,8 @@ impl Clamp {
         Clamp { gone: vec![false; clamped.len()], nodes: clamped, start, width, multiplicity, next: vec![] }
     }
 
-    /// Finds how its nodes move in a step: they get the forces of the film and `gravity` (m/s², downward) over `over` (s),
-    /// stay on their plane, or on `bars`, and slip by what friction does not stop, over `dt` (s).
+    /// Finds how its nodes move in a step: they get the forces of the film and `gravity` (m/s², downward) over `over`
+    /// (s), stay on their plane, or on `bars`, and slip by what friction does not stop, over `dt` (s).
     pub(super) fn predict(
         &mut self,
         nodes: &Nodes,
@@ -102,7 +102,8 @@ impl Clamp {
         sums
     }
 
-    /// Moves its nodes as predicted, after all others, and lets go of those that have left it. Returns whether there are any.
+    /// Moves its nodes as predicted, after all others, and lets go of those that have left it. Returns whether there
+    /// are any.
     pub(super) fn advance(&mut self, nodes: &mut Nodes) -> bool {
         let mut any = false;
         for (k, clamped) in self.nodes.iter().enumerate() {

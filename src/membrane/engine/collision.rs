@@ -85,8 +85,8 @@ impl Collisions {
         true
     }
 
-    /// Energy that the impulses of the step dissipate, J, and the part of it that belongs to the half step after the full
-    /// one; `before` are the bodies before the step.
+    /// Energy that the impulses of the step dissipate, J, and the part of it that belongs to the half step after the
+    /// full one; `before` are the bodies before the step.
     pub(super) fn losses(&self, impacts: &[Impact], before: &[RigidBody]) -> [f64; 2] {
         let (mut behind, mut ahead) = (0.0, 0.0);
         for Collision { bodies: [a, b], arms, normal, normal_impulse, tangential_impulse, .. } in &self.points {

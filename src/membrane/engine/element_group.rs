@@ -45,8 +45,8 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Bound on the squared angular frequency of any element of `density` (kg/m³), rad²/s².
     fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64;
 
-    /// Adds mass to the elements of `density` (kg/m³) whose squared angular frequency is above `most` (rad²/s²); `add` is
-    /// called with the nodes of each and the mass of each of them, kg.
+    /// Adds mass to the elements of `density` (kg/m³) whose squared angular frequency is above `most` (rad²/s²); `add`
+    /// is called with the nodes of each and the mass of each of them, kg.
     fn add_mass(&mut self, density: f64, most: f64, position: &[&[f64]; 3], add: &mut dyn FnMut(&[u32], f64));
 
     /// Strains of the elements, in order, into `out`.

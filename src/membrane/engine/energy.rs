@@ -31,7 +31,8 @@ pub struct Energies {
     pub clamp: f64,
     /// Dissipated by mass-proportional damping.
     pub damping: f64,
-    /// External work by jaws, pressure, an impactor with prescribed motion or what launches an impactor, counted negative.
+    /// External work by jaws, pressure, an impactor with prescribed motion or what launches an impactor, counted
+    /// negative.
     pub external: f64,
 }
 

@@ -75,8 +75,8 @@ impl Impact {
         }
     }
 
-    /// The bars of the frame, which stand still at the height `z` (m) of the middle of their surface. Other bodies meet them
-    /// with their own restitution, through film of the thickness `cover` (m).
+    /// The bars of the frame, which stand still at the height `z` (m) of the middle of their surface. Other bodies meet
+    /// them with their own restitution, through film of the thickness `cover` (m).
     pub fn frame(contact: Contact, z: f64, cover: f64) -> Impact {
         let body = RigidBody::prescribed(Isometry3::translation(0.0, 0.0, z), 0.0);
         Impact { restitution: 1.0, cover, is_frame: true, ..Impact::new(body, contact) }

@@ -153,7 +153,8 @@ struct PreviousStep {
 }
 
 impl Engine {
-    /// An engine at time zero with one thread; `impacts` are the impactors, and after them the frame's bars if there are any.
+    /// An engine at time zero with one thread; `impacts` are the impactors, and after them the frame's bars if there
+    /// are any.
     ///
     /// # Panics
     /// Where `films` are not those mounted on `nodes`, in their order.
@@ -231,8 +232,8 @@ impl Engine {
         self.impacts.last().filter(|impact| impact.is_frame)
     }
 
-    /// Whether faces that have not moved since they were mounted or settled lie in the order in which they were mounted;
-    /// also where their contact is not computed.
+    /// Whether faces that have not moved since they were mounted or settled lie in the order in which they were
+    /// mounted; also where their contact is not computed.
     pub fn has_faces_in_order(&mut self) -> bool {
         let Engine { films, nodes, film_contact, .. } = self;
         film_contact.as_mut().is_none_or(|contact| contact.find_in_order(films, nodes))
@@ -351,8 +352,8 @@ impl Engine {
         self.inflated = Some(now);
     }
 
-    /// Adds the load of the air between the first two faces `dt` (s) after the last step, if it is computed, and its work
-    /// to the ledger.
+    /// Adds the load of the air between the first two faces `dt` (s) after the last step, if it is computed, and its
+    /// work to the ledger.
     fn press(&mut self, dt: f64) {
         let Some(air) = &self.loads.cushion else { return };
         let enclosed = Enclosed::between(&self.films, &self.nodes);
@@ -396,8 +397,8 @@ impl Engine {
         self.ledger.external_ahead = -0.5 * power * dt;
     }
 
-    /// Kicks nodes and bodies over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the bodies and with
-    /// each other. Returns the largest speed of a node, m/s.
+    /// Kicks nodes and bodies over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the bodies
+    /// and with each other. Returns the largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
         let clamping = self.predict_clamp(over, dt);
         let Engine { films, nodes, impacts, film_contact, .. } = self;

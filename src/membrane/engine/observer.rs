@@ -175,13 +175,14 @@ impl View<'_> {
         [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]))
     }
 
-    /// Pressure of the air between the first two faces over that of the surroundings, Pa; none where it is not computed.
+    /// Pressure of the air between the first two faces over that of the surroundings, Pa; none where it is not
+    /// computed.
     pub fn cushion_pressure(&self) -> Option<f64> {
         self.cushion.map(|cushion| cushion.pressure)
     }
 
-    /// Pressure under the last film (Pa) and the volume between it and where it was mounted, of the whole film (m³); none
-    /// where it is not inflated.
+    /// Pressure under the last film (Pa) and the volume between it and where it was mounted, of the whole film (m³);
+    /// none where it is not inflated.
     pub fn inflated(&self) -> Option<[f64; 2]> {
         self.inflated
     }
@@ -201,8 +202,8 @@ impl View<'_> {
         self.impacts.iter().map(|impact| &impact.body)
     }
 
-    /// State of contact of each impactor, and after them of the frame's bars, and half the smallest extent of each, m; the
-    /// radius of bars.
+    /// State of contact of each impactor, and after them of the frame's bars, and half the smallest extent of each, m;
+    /// the radius of bars.
     pub fn contact_states(&self) -> impl Iterator<Item = (ContactState, f64)> {
         let state =
             |Impact { body, contact, .. }: &Impact| (contact.state(self.nodes, &body.pose), contact.surface().size());

@@ -102,9 +102,9 @@ pub(super) struct GasStep {
     pub(super) gravity: f64,
 }
 
-/// Adds the load of the gas under the last of `films` to the forces of its nodes, which have all others: its pressure is
-/// that under which the volume is the target after the step, to first order (theory.md, equation 227). What the order
-/// leaves is made up in the next step.
+/// Adds the load of the gas under the last of `films` to the forces of its nodes, which have all others: its pressure
+/// is that under which the volume is the target after the step, to first order (theory.md, equation 227). What the
+/// order leaves is made up in the next step.
 pub(super) fn fill(films: &[Film], nodes: &mut Nodes, step: &GasStep) -> Inflated {
     let Some(film) = films.last() else { return Inflated { pressure: 0.0, volume: 0.0 } };
     let first = film.nodes.start;

@@ -44,8 +44,8 @@ pub struct Relaxation {
     pub steps: u64,
     /// Largest displacement of a node, m.
     pub displacement: f64,
-    /// Rise of the highest point of all film, by which impactors in contact with it were lifted, m: slack film may settle above the plane
-    /// in which it was mounted.
+    /// Rise of the highest point of all film, by which impactors in contact with it were lifted, m: slack film may
+    /// settle above the plane in which it was mounted.
     pub lift: f64,
 }
 
@@ -69,9 +69,9 @@ impl Relaxation {
 
 impl Engine {
     /// Brings the films that are `wanted`, one entry each, to equilibrium with their pre-strain and their weight before
-    /// the first step; jaws stand still and nothing touches the film but the frame's bars, without friction; the impactor stays above it. Where the residual
-    /// of these films as mounted is below 10⁻³, nothing is changed. Histories and energies count from the equilibrium;
-    /// initial velocities stay as they are.
+    /// the first step; jaws stand still and nothing touches the film but the frame's bars, without friction; the
+    /// impactor stays above it. Where the residual of these films as mounted is below 10⁻³, nothing is changed.
+    /// Histories and energies count from the equilibrium; initial velocities stay as they are.
     ///
     /// Each step calls `proceed` with its progress, which ends the relaxation by `false`.
     ///
@@ -204,8 +204,8 @@ impl Engine {
         chosen(&self.films, wanted).map(of_film).fold(0.0, larger)
     }
 
-    /// Sum of squares of the nodal forces of `film` under a strain of [`ROUND_OFF`], N²: mass over the square of the step
-    /// is a stiffness, and the root of a node's area a length.
+    /// Sum of squares of the nodal forces of `film` under a strain of [`ROUND_OFF`], N²: mass over the square of the
+    /// step is a stiffness, and the root of a node's area a length.
     fn squared_round_off(&self, film: &Film) -> f64 {
         let per_strain = ROUND_OFF / self.time_step.now().powi(2);
         let force = |mass: &f64| per_strain * mass * (mass / (film.density() * film.thickness)).sqrt();

@@ -471,8 +471,8 @@ mod tests {
         assert_eq!((body.kinetic_energy(&body.clone()), body.potential_energy(9.81)), (0.0, 0.0));
     }
 
-    /// Contact with film on a line and on a hinge is an inelastic collision of the one coordinate, and a pendulum has its
-    /// period and its energy.
+    /// Contact with film on a line and on a hinge is an inelastic collision of the one coordinate, and a pendulum has
+    /// its period and its energy.
     #[test]
     fn guides_admit_one_coordinate() {
         let at = Vector3::new(0.4, 0.1, -0.3);

@@ -30,7 +30,8 @@ impl WeightedNodes {
         (0..self.count).map(|k| Vector3::from(of.at(self.nodes[k] as usize)) * self.weights[k]).sum()
     }
 
-    /// Adds what an `impulse` (N s) on the sum does to the velocities of the nodes; multiplied by a time, to their positions.
+    /// Adds what an `impulse` (N s) on the sum does to the velocities of the nodes; multiplied by a time, to their
+    /// positions.
     #[inline(always)]
     pub(super) fn apply(&self, impulse: &Vector3<f64>, to: &mut Vectors) {
         for k in 0..self.count {
@@ -43,8 +44,8 @@ impl WeightedNodes {
         (0..4).map(|k| self.response[k] * self.weights[k]).sum()
     }
 
-    /// The same of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in all of them
-    /// has no part in it.
+    /// The same of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in all
+    /// of them has no part in it.
     pub(super) fn inverse_free_mass(&self) -> f64 {
         let free = |k: usize| {
             let largest = self.response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs()));

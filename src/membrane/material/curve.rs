@@ -135,8 +135,8 @@ impl Curve {
         Curve { points, segments }
     }
 
-    /// The curve whose stress is the sum of those of `first` and `second` times their `weights`, which are not negative.
-    /// It ends where the longer one does.
+    /// The curve whose stress is the sum of those of `first` and `second` times their `weights`, which are not
+    /// negative. It ends where the longer one does.
     pub fn weighted(first: &Curve, second: &Curve, weights: [f64; 2]) -> Curve {
         let mut strains: Vec<f64> = first.points.iter().chain(&second.points).map(|point| point[0]).collect();
         strains.sort_by(f64::total_cmp);
@@ -156,8 +156,8 @@ impl Curve {
         self.stress_lanes(&[strain])[0]
     }
 
-    /// Least strain with `stress` (Pa), on the last slope beyond the last point; infinite where the curve does not reach
-    /// it.
+    /// Least strain with `stress` (Pa), on the last slope beyond the last point; infinite where the curve does not
+    /// reach it.
     pub fn strain_at(&self, stress: f64) -> f64 {
         let ends = self.points.iter().map(|point| point[1]);
         let within = self.segments.iter().zip(ends).find(|(_, end)| *end >= stress).map(|(segment, _)| segment);

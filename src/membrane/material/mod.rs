@@ -152,8 +152,8 @@ pub trait MembraneLaw {
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L>;
     /// Bound on the tangent stiffness at and near deformation `d`, on loading and unloading.
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stiffness<L>;
-    /// Thickness over that of stress-free film at deformation `d`, where the law has `stress`; NaN where the law does not
-    /// define it.
+    /// Thickness over that of stress-free film at deformation `d`, where the law has `stress`; NaN where the law does
+    /// not define it.
     fn thickness_ratio<const L: usize>(&self, d: &Deformation<L>, stress: &Stress<L>) -> Lane<L>;
     /// Slopes of the law at rest along MD and TD, of a fabric those of its own curves, Pa.
     fn moduli(&self) -> [f64; 2];
@@ -173,7 +173,8 @@ pub trait MembraneLaw {
     fn has_thickness(&self) -> bool {
         true
     }
-    /// Whether it admits stretches up to a limit only, where stress and stiffness become infinite; beyond it both are NaN.
+    /// Whether it admits stretches up to a limit only, where stress and stiffness become infinite; beyond it both are
+    /// NaN.
     fn has_limit(&self) -> bool {
         false
     }

@@ -1,4 +1,5 @@
-//! Meshes from files: STL, OBJ, VTU and MSH (Gmsh), triangles and quadrilaterals, coordinates in m. Outlines from DXF and SVG.
+//! Meshes from files: STL, OBJ, VTU and MSH (Gmsh), triangles and quadrilaterals, coordinates in m. Outlines from DXF
+//! and SVG.
 
 mod checks;
 mod drawing;
@@ -26,8 +27,9 @@ pub use drawing::DrawingFault;
 pub use fault::{Fault, MshFault, VtuFault};
 pub use outline::polygon;
 
-/// Reads a film, `scale` (m) the length of one unit of the file's coordinates: every element is oriented counter-clockwise seen from +z, nodes within a millionth of the extent from
-/// a mirror plane are moved onto it, and nodes without an element are left out.
+/// Reads a film, `scale` (m) the length of one unit of the file's coordinates: every element is oriented
+/// counter-clockwise seen from +z, nodes within a millionth of the extent from a mirror plane are moved onto it, and
+/// nodes without an element are left out.
 ///
 /// With symmetry the file contains the computed half or quarter only. For elements of three nodes, quadrilaterals are
 /// split along their shorter diagonal; triangles of a file stay triangles.

@@ -9,18 +9,21 @@ use super::{dxf, svg};
 use crate::file;
 use crate::mesh::Polygon;
 
+/// Reads the bytes of a drawing.
+type Reader = fn(&[u8]) -> Result<Drawing, DrawingFault>;
+
 /// Longest file that is read, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 /// Coordinates are whole numbers over this, 1/m: a power of two, 0.001 nm apart.
 const ROUNDED: f64 = (1_u64 << 40) as f64;
 
-/// The outline drawn in a DXF or SVG file, with the drawing's own unit, or `unit` (m) where it gives none. The largest loop
-/// is the outline, the others are its holes.
+/// The outline drawn in a DXF or SVG file, with the drawing's own unit, or `unit` (m) where it gives none. The largest
+/// loop is the outline, the others are its holes.
 ///
 /// # Errors
 /// [`DrawingFault`].
 pub fn polygon(path: &Path, unit: Option<f64>) -> Result<Polygon, DrawingFault> {
-    let (read, by): (fn(&[u8]) -> Result<Drawing, DrawingFault>, _) = match super::extension(path).as_str() {
+    let (read, by): (Reader, _) = match super::extension(path).as_str() {
         "dxf" => (dxf::read, "$INSUNITS"),
         "svg" => (svg::read, "width and height"),
         _ => return Err(DrawingFault::Format),

@@ -1,5 +1,5 @@
-//! Lines of SVG: paths and basic shapes with their transforms. The y axis of a film points up, that of SVG down: y changes
-//! its sign.
+//! Lines of SVG: paths and basic shapes with their transforms. The y axis of a film points up, that of SVG down: y
+//! changes its sign.
 
 use std::str::FromStr;
 

@@ -1,5 +1,5 @@
-//! Delaunay refinement: circumcentres of triangles that are too large or too narrow become nodes (Ruppert, J. Algorithms
-//! 18, 1995), in rounds of those that do not disturb each other.
+//! Delaunay refinement: circumcentres of triangles that are too large or too narrow become nodes (Ruppert, J.
+//! Algorithms 18, 1995), in rounds of those that do not disturb each other.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -74,8 +74,8 @@ fn bad(
     bad
 }
 
-/// Adds the circumcentres of `bad` that lie in the film, apart from each other and from its edges. The edges to be halved
-/// in place of others; none where nothing is left to do.
+/// Adds the circumcentres of `bad` that lie in the film, apart from each other and from its edges. The edges to be
+/// halved in place of others; none where nothing is left to do.
 fn improve(
     boundary: &Boundary,
     polygon: &Polygon,

@@ -15,8 +15,8 @@ struct Colouring {
     of: fn(&FilmState, usize) -> f32,
 }
 
-/// What there is to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown. The last
-/// one only where a law gives the thickness.
+/// What there is to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown.
+/// The last one only where a law gives the thickness.
 const COLOURINGS: [Colouring; 5] = [
     Colouring {
         key: "largest",

@@ -1,5 +1,5 @@
-//! The snapshots of a run for ParaView: the series `film.pvd`, `impactor.pvd` and, of a frame with bars, `frame.pvd`, one
-//! file a snapshot.
+//! The snapshots of a run for ParaView: the series `film.pvd`, `impactor.pvd` and, of a frame with bars, `frame.pvd`,
+//! one file a snapshot.
 //!
 //! The film is complete with the mirror images of a part that was computed; failed elements are left out. Arrays on
 //! cells

@@ -175,8 +175,8 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
     sheets
 }
 
-/// What a channel is called: as a comment of the table states, or without the unit that a table writes behind the name, where no other channel has that
-/// name.
+/// What a channel is called: as a comment of the table states, or without the unit that a table writes behind the name,
+/// where no other channel has that name.
 fn long_name(channel: &MeasuredChannel, measurement: &Measurement) -> String {
     let MeasuredChannel { name, label, .. } = channel;
     if let Some(stated) = measurement.annotations.long_name(name) {

@@ -95,8 +95,8 @@ impl LoadCase for Impact<'_> {
 }
 
 impl Impact<'_> {
-    /// Channels of an impactor that starts at the height `start` (m): those of every one, and those of one that does not
-    /// move along z alone.
+    /// Channels of an impactor that starts at the height `start` (m): those of every one, and those of one that does
+    /// not move along z alone.
     fn of_body(&self, impactor: &Impactor, tracks: &Tracks, body: &BodyTracks, start: f64) -> [Vec<Channel>; 2] {
         let mass = if impactor.mass.is_finite() { impactor.mass } else { 0.0 };
         let start = body.first_contact.unwrap_or(start);

@@ -12,8 +12,8 @@ use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
 
-/// Decay times of a free oscillation in the rise of the volume. The pressure is recorded throughout, so damping must not
-/// add to it.
+/// Decay times of a free oscillation in the rise of the volume. The pressure is recorded throughout, so damping must
+/// not add to it.
 const DECAYS: f64 = 10.0;
 
 /// Factor on [`slow::PERIODS`]: the pressure is recorded from the flat film on, which is softer than stretched film.

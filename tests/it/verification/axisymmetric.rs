@@ -144,11 +144,12 @@ impl Sheet {
         at(pole).1.above_the_clamp()
     }
 
-    /// Two circles of stress-free radius `radius` (m), clamped at that radius, the second `gap` (m) above the first, which
-    /// the `pressure` (Pa) under the first presses on each other without friction: height of the pole over the clamp of each, m.
+    /// Two circles of stress-free radius `radius` (m), clamped at that radius, the second `gap` (m) above the first,
+    /// which the `pressure` (Pa) under the first presses on each other without friction: height of the pole over the
+    /// clamp of each, m.
     ///
-    /// Where they touch both have the slope φ(s) over the arc s, (R P₁)′ = P₂ cos φ/λ₁ for each, and together
-    /// φ′ Σ R P₁ = −sin φ Σ P₂/λ₁ − q r/h; beyond, each is free. Three figures are found: the stretches at the pole, and the arc
+    /// Where they touch both have the slope φ(s) over the arc s, (R P₁)′ = P₂ cos φ/λ₁ for each, and together φ′ Σ R P₁
+    /// = −sin φ Σ P₂/λ₁ − q r/h; beyond, each is free. Three figures are found: the stretches at the pole, and the arc
     /// at which they part.
     pub fn pressed_on_another(&self, radius: f64, gap: f64, pressure: f64, guess: [f64; 3]) -> [f64; 2] {
         let ends = |[first, second, arc]: [f64; 3]| {
@@ -166,8 +167,8 @@ impl Sheet {
         ends(newton(missing, guess, 1e-12 * radius)).map(|[_, z, ..]| -z)
     }
 
-    /// Two films that touch, from the pole with the stretches `pole` over `arc` (m): radius, height, slope, and material radius
-    /// and R P₁ of each.
+    /// Two films that touch, from the pole with the stretches `pole` over `arc` (m): radius, height, slope, and
+    /// material radius and R P₁ of each.
     fn together(&self, pole: [f64; 2], arc: f64, pressure: f64) -> [f64; 7] {
         let slope = |_: f64, [r, _, angle, one, f, other, g]: [f64; 7]| {
             let of = |material: f64, force: f64| {

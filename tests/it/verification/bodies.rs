@@ -141,8 +141,8 @@ fn a_body_in_flight_is_in_free_fall() {
     claims.judge();
 }
 
-/// Oblique impact of a ball that rolls off, of a dumbbell that tumbles, of a hammer on a hinge, and film that falls over a
-/// fixed ball.
+/// Oblique impact of a ball that rolls off, of a dumbbell that tumbles, of a hammer on a hinge, and film that falls
+/// over a fixed ball.
 #[test]
 fn energy_is_balanced_in_any_motion() {
     let mut claims = Claims::of("bodies");

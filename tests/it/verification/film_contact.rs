@@ -28,9 +28,9 @@ fn extreme(outcome: &droptower::simulate::Outcome, name: &str) -> f64 {
     channel(&outcome.signals, name).iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Eight layers that lie on each other are one membrane of eightfold thickness where nothing drags on them: all have the
-/// same shape. With friction they are not: each layer takes its own share of the normal force along, so the film sticks to the impactor
-/// no more than it did, and layers whose coefficient among each other is lower slip.
+/// Eight layers that lie on each other are one membrane of eightfold thickness where nothing drags on them: all have
+/// the same shape. With friction they are not: each layer takes its own share of the normal force along, so the film
+/// sticks to the impactor no more than it did, and layers whose coefficient among each other is lower slip.
 #[test]
 fn eight_separate_layers_act_as_one_of_eightfold_thickness() {
     let mut claims = Claims::of("film on film");
@@ -53,7 +53,8 @@ fn eight_separate_layers_act_as_one_of_eightfold_thickness() {
     claims.judge();
 }
 
-/// A disc blown up from below presses on another one above it: the one bulges more, the other carries a part of the pressure.
+/// A disc blown up from below presses on another one above it: the one bulges more, the other carries a part of the
+/// pressure.
 #[test]
 fn two_discs_pressed_into_each_other_are_two_membranes_of_revolution() {
     let mut claims = Claims::of("film on film");

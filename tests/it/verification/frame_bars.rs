@@ -229,8 +229,8 @@ fn film_that_leaves_its_clamp_is_free() {
     claims.judge();
 }
 
-/// A ball on the crest of a bar, with film between the two: v' = −e v, and the bar gets m v (1 + e). The film takes nothing
-/// of it.
+/// A ball on the crest of a bar, with film between the two: v' = −e v, and the bar gets m v (1 + e). The film takes
+/// nothing of it.
 #[test]
 fn a_ball_bounces_from_a_bar() {
     let mut claims = Claims::of("frame, bounce");

@@ -94,8 +94,8 @@ filter = \"none\"
 
 const FALLING: &str = "[loading.impact]\nvelocity = \"2 m/s\"\nduration = \"20 ms\"";
 
-/// Theory, equation (17d): twice the step takes four times the mass where all elements are alike, and where they are not
-/// just the small ones get mass.
+/// Theory, equation (17d): twice the step takes four times the mass where all elements are alike, and where they are
+/// not just the small ones get mass.
 #[test]
 fn added_mass_gives_elements_the_step_that_was_asked_for() {
     let mut claims = Claims::of("added mass");

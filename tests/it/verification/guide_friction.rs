@@ -20,9 +20,9 @@ fn bounce(friction: &str) -> droptower::model::Model {
     ))
 }
 
-/// Depth at the turning point by the balance of energy: the film takes at a depth what it takes there without friction, so
-/// that `F d` is the energy that the body has left at `d` then. The rim is met between the nodes, so that the balance is that of
-/// a body with edges.
+/// Depth at the turning point by the balance of energy: the film takes at a depth what it takes there without friction,
+/// so that `F d` is the energy that the body has left at `d` then. The rim is met between the nodes, so that the
+/// balance is that of a body with edges.
 #[test]
 fn a_guide_takes_its_force_over_the_path() {
     let mut claims = Claims::of("guide friction");

@@ -155,8 +155,8 @@ fn a_compressible_disc_follows_that_of_code_aster_beyond_its_limit() {
     claims.judge();
 }
 
-/// p a/(μ h) over the apex, from the equations of the membrane of revolution (relative tolerance 1e-10): the largest for
-/// neo-Hookean film, and rows for the other laws.
+/// p a/(μ h) over the apex, from the equations of the membrane of revolution (relative tolerance 1e-10): the largest
+/// for neo-Hookean film, and rows for the other laws.
 #[test]
 fn incompressible_discs_rise_as_membranes_of_revolution() {
     let mut claims = Claims::of("rubber, incompressible discs");
@@ -230,8 +230,8 @@ fn film_at_the_limit_of_its_law_ends_the_run() {
     claims.judge();
 }
 
-/// Fabric that gas bursts has the pressure at which it bursts under a given one; the element that fails does not change the
-/// volume of the gas.
+/// Fabric that gas bursts has the pressure at which it bursts under a given one; the element that fails does not change
+/// the volume of the gas.
 #[test]
 fn film_under_gas_bursts_at_the_pressure_of_the_ramp() {
     let mut claims = Claims::of("burst by gas");

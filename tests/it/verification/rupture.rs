@@ -54,8 +54,8 @@ fn a_failed_fibre_set_has_mass_but_no_force() {
     claims.judge();
 }
 
-/// Film pulled at 45 degrees, whose fibres are strained alike: when MD breaks, at its shorter break strain, TD carries on
-/// alone, and the energy that MD and shear stored is lost.
+/// Film pulled at 45 degrees, whose fibres are strained alike: when MD breaks, at its shorter break strain, TD carries
+/// on alone, and the energy that MD and shear stored is lost.
 #[test]
 fn the_other_fibres_stay() {
     let mut claims = Claims::of("the other fibres");

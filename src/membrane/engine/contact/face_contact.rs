@@ -17,8 +17,8 @@ use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
 /// deep when it is listed does not gain velocity.
 const RECOVERY: f64 = 0.02;
 
-/// The same on a body with edges, and of elements beside what holds them: film that is lifted there gains energy, which a slower
-/// recovery leaves to be small.
+/// The same on a body with edges, and of elements beside what holds them: film that is lifted there gains energy, which
+/// a slower recovery leaves to be small.
 const RECOVERY_AT_EDGES: f64 = 0.002;
 
 /// Largest number of Gauss–Seidel sweeps in a step.
@@ -293,8 +293,8 @@ impl Contact {
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
     }
 
-    /// Adds constraints of nodes that are not in contact, but less than `margin` (m) from the body at `pose`, so that other
-    /// film may press them onto it.
+    /// Adds constraints of nodes that are not in contact, but less than `margin` (m) from the body at `pose`, so that
+    /// other film may press them onto it.
     fn add_near_constraints(
         &self,
         constraints: &mut Vec<Constraint>,
@@ -342,17 +342,18 @@ impl Contact {
         constraint
     }
 
-    /// Whether the body at `pose` has reached what holds some corners of an element: such a corner is inside, or all are held.
+    /// Whether the body at `pose` has reached what holds some corners of an element: such a corner is inside, or all
+    /// are held.
     fn reaches_support(&self, corners: [u32; 4], nodes: &Nodes, pose: &Isometry3<f64>) -> bool {
         let mut held = corners.map(|n| n as usize).into_iter().filter(|n| nodes.is_held(*n));
         let is_inside = |n: usize| self.surface.project(pose, &nodes.position_of(n)).distance < self.offset[n];
         held.clone().count() == corners.len() || held.any(is_inside)
     }
 
-    /// Adds the constraints at points of an element, the candidate at this place, that would penetrate too far; none of one
-    /// that is held at a corner which the body has not reached: coarse elements beside the support would else be a stiff edge.
-    /// What supports a held corner takes its part of the impulse; none where neither film nor body yields. Returns how far the
-    /// element may move until a point of it penetrates so far, m; negative where that is not known.
+    /// Adds the constraints at points of an element, the candidate at this place, that would penetrate too far; none of
+    /// one that is held at a corner which the body has not reached: coarse elements beside the support would else be a
+    /// stiff edge. What supports a held corner takes its part of the impulse; none where neither film nor body yields.
+    /// Returns how far the element may move until a point of it penetrates so far, m; negative where that is not known.
     fn add_face_constraints(
         &self,
         (place, corners): (usize, [u32; 4]),

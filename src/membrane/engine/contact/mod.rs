@@ -1,14 +1,14 @@
 //! Kinematic contact between the impactor and the film.
 //!
 //! Predictor: every node whose position at the end of the step lies inside the impactor violates a contact constraint.
-//! Corrector: it gets the impulse that puts it onto the surface, and the impactor gets the opposite (theory.md,
-//! section 6). There is no penalty stiffness: nodes do not penetrate, and the stable time step stays that of the film.
-//! Friction is the tangential impulse that stops the slip of a node, bounded by μ times the normal one, so that a sticking node
+//! Corrector: it gets the impulse that puts it onto the surface, and the impactor gets the opposite (theory.md, section
+//! 6). There is no penalty stiffness: nodes do not penetrate, and the stable time step stays that of the film. Friction
+//! is the tangential impulse that stops the slip of a node, bounded by μ times the normal one, so that a sticking node
 //! does not creep.
 //!
 //! Between its nodes an element penetrates by the sagitta of its edges. Where that may exceed [`FACE_PENETRATION`] of
-//! the impactor's size, the deepest point of the element is constrained as well; an impactor with edges of its own is met at
-//! the deepest point of each of the element's triangles, or where corners and edges of a mesh meet it.
+//! the impactor's size, the deepest point of the element is constrained as well; an impactor with edges of its own is
+//! met at the deepest point of each of the element's triangles, or where corners and edges of a mesh meet it.
 
 mod contact_state;
 mod damping;
@@ -76,11 +76,12 @@ pub struct Contact {
 /// Allowed penetration of a face between its nodes over the impactor's size: below the one that gives a warning.
 const FACE_PENETRATION: f64 = 0.008;
 
-/// Radius of the body's edges where elements meet them, over the longest line of the smallest element (theory.md, equation
-/// 211).
+/// Radius of the body's edges where elements meet them, over the longest line of the smallest element (theory.md,
+/// equation 211).
 const EDGE_SHARE: f64 = 0.005;
 
-/// Allowed penetration of a face between its nodes, over the longest line of the smallest element; of shapes with edges.
+/// Allowed penetration of a face between its nodes, over the longest line of the smallest element; of shapes with
+/// edges.
 const FACE_SHARE: f64 = 0.002;
 
 /// Sagitta of an element over [`FACE_PENETRATION`] from which its deepest point is determined.
@@ -115,8 +116,8 @@ pub(super) struct Impulse {
 }
 
 impl Impulse {
-    /// The `impulse` (N s) of a body on a `node` that is pressed on another body, at `arm` (m) from the body's centre of
-    /// mass.
+    /// The `impulse` (N s) of a body on a `node` that is pressed on another body, at `arm` (m) from the body's centre
+    /// of mass.
     pub(super) fn pressing(node: usize, arm: Vector3<f64>, impulse: Vector3<f64>) -> Impulse {
         Impulse { node, arm, normal: impulse, tangential: Vector3::zeros() }
     }
@@ -251,8 +252,8 @@ impl Contact {
         }
     }
 
-    /// Adds the work of the step that ends with the velocities of `nodes` and `body`, which moved as `before`. Returns the
-    /// largest speed of a node in contact, m/s.
+    /// Adds the work of the step that ends with the velocities of `nodes` and `body`, which moved as `before`. Returns
+    /// the largest speed of a node in contact, m/s.
     pub(super) fn account(&mut self, nodes: &Nodes, body: &RigidBody, before: &RigidBody) -> f64 {
         let Some(swept) = &self.swept else {
             let sums = self.impulse_sums();

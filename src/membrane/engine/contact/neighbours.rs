@@ -54,8 +54,8 @@ pub(super) struct NeighbourElement {
 }
 
 impl Contact {
-    /// Sets the radius of edges and the allowed penetration by the elements as they first are: film that stretches does not
-    /// change them, which would do work.
+    /// Sets the radius of edges and the allowed penetration by the elements as they first are: film that stretches does
+    /// not change them, which would do work.
     fn set_allowance(&mut self, films: &[Film], nodes: &Nodes) {
         let surface = &self.surface;
         if surface.is_round() {

@@ -111,7 +111,8 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
 
 impl<const L: usize> Shape<L> {
     /// h = V Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ], of which node a gets −γ_a h; adds the part of the
-    /// stabilisation, which the share of layers `left` has, in ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
+    /// stabilisation, which the share of layers `left` has, in ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md,
+    /// equation 14).
     #[inline(always)]
     fn hourglass_force(
         &self,

@@ -150,8 +150,8 @@ impl Constraint {
         self.points.apply(&(self.normal * self.normal_impulse + self.tangential_impulse), velocity);
     }
 
-    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which stays
-    /// within Coulomb's cone of `friction`. Returns the change of the normal velocity, m/s.
+    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
+    /// stays within Coulomb's cone of `friction`. Returns the change of the normal velocity, m/s.
     pub(super) fn solve(&mut self, friction: f64, velocity: &mut Vectors) -> f64 {
         let relative = self.points.sum(velocity);
         let violation = self.target - relative.dot(&self.normal);

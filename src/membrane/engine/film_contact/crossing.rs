@@ -18,8 +18,8 @@ const LONGEST: usize = 512;
 pub(super) struct Crossing {
     /// That of the first of the two faces, then that of the second.
     pub(super) edges: [u32; 2],
-    /// Factor on the product of the first edge and the second that makes it point from the second to the first; zero where
-    /// they are parallel, or contact was given up.
+    /// Factor on the product of the first edge and the second that makes it point from the second to the first; zero
+    /// where they are parallel, or contact was given up.
     pub(super) sign: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
@@ -38,9 +38,9 @@ impl Crossing {
     }
 }
 
-/// Adds the crossings of `edge` over the faces that its nodes follow on one side. `tracking` is that of this side and that of
-/// the other one. Where these are two faces, since the outline of one ends between the nodes, the edge is followed over each.
-/// Crossings next to a node that lies on a corner are left out: that node has their distance.
+/// Adds the crossings of `edge` over the faces that its nodes follow on one side. `tracking` is that of this side and
+/// that of the other one. Where these are two faces, since the outline of one ends between the nodes, the edge is
+/// followed over each. Crossings next to a node that lies on a corner are left out: that node has their distance.
 pub(super) fn find(
     surface: &Surface,
     position: &Vectors,

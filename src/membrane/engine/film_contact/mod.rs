@@ -1,10 +1,10 @@
 //! Kinematic contact between faces of film.
 //!
 //! Every node follows the nearest triangle of the next face on either side of its own ([`tracking`]), every edge the
-//! edges that it crosses there ([`crossing`]); the [`broad_phase`] finds the first of them. Where one of them would come
-//! closer than the film is thick in a step ([`narrow_phase`]), a constraint gives both films opposite impulses
-//! ([`constraint`], [`solver`]; theory.md, section 6). The side on which a node lies is that on which it came, so film that
-//! moves by more than its thickness in a step does not pass through.
+//! edges that it crosses there ([`crossing`]); the [`broad_phase`] finds the first of them. Where one of them would
+//! come closer than the film is thick in a step ([`narrow_phase`]), a constraint gives both films opposite impulses
+//! ([`constraint`], [`solver`]; theory.md, section 6). The side on which a node lies is that on which it came, so film
+//! that moves by more than its thickness in a step does not pass through.
 
 mod broad_phase;
 mod constraint;
@@ -101,8 +101,8 @@ pub(super) struct FilmWork {
 /// State of contact between faces at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmContactState {
-    /// Least distance of the middle surfaces of two faces, m, up to the distance in which it is followed; negative where one
-    /// has passed through the other.
+    /// Least distance of the middle surfaces of two faces, m, up to the distance in which it is followed; negative
+    /// where one has passed through the other.
     pub distance: f64,
     /// Nodes that press on another face.
     pub nodes: usize,
@@ -114,7 +114,8 @@ pub struct FilmContactState {
 }
 
 impl FilmContact {
-    /// Contact of `films` mounted on `nodes`, counted for `multiplicity` mirror images, with the coefficient `friction`.
+    /// Contact of `films` mounted on `nodes`, counted for `multiplicity` mirror images, with the coefficient
+    /// `friction`.
     pub fn new(films: &[Film], nodes: &Nodes, friction: f64, multiplicity: f64) -> FilmContact {
         let count = nodes.mass.len();
         let surface = Surface::new(films);
@@ -260,8 +261,8 @@ impl FilmContact {
         self.predicted.clone_from(&nodes.velocity);
     }
 
-    /// Sum over all nodes of what contact of any kind changes in the work of mass-proportional damping, kg m²/s²:
-    /// m v̄·½Δv with the mean `v̄` of the velocities before the step and of the predictor and the change `Δv` by contact.
+    /// Sum over all nodes of what contact of any kind changes in the work of mass-proportional damping, kg m²/s²: m
+    /// v̄·½Δv with the mean `v̄` of the velocities before the step and of the predictor and the change `Δv` by contact.
     pub(super) fn damping_correction(&self, nodes: &Nodes) -> f64 {
         let of = |n: usize| {
             let [before, predicted, after] =

@@ -65,8 +65,8 @@ struct Step<'a> {
 }
 
 impl FilmContact {
-    /// Adds constraints of what is closer than allowed, or by less than `margin` (m) farther, at the end of a step of `dt`
-    /// (s), for which the nodes have their predicted positions.
+    /// Adds constraints of what is closer than allowed, or by less than `margin` (m) farther, at the end of a step of
+    /// `dt` (s), for which the nodes have their predicted positions.
     pub(super) fn detect(&mut self, nodes: &Nodes, [dt, margin]: [f64; 2], pool: &ThreadPool) {
         let (count, crossings) = (nodes.mass.len(), self.crossings.len());
         let cut = |end: usize, by: usize| (0..end).step_by(by).map(move |from| from..end.min(from + by));
@@ -234,8 +234,8 @@ struct FoundNodes {
 }
 
 at_width! {
-    /// Adds those of the nodes `range` that are closer to the plane of their triangle than allowed, or by less than `margin`
-    /// (m) farther, those that are not over it any more, and those that have left its corner, to `found`.
+    /// Adds those of the nodes `range` that are closer to the plane of their triangle than allowed, or by less than
+    /// `margin` (m) farther, those that are not over it any more, and those that have left its corner, to `found`.
     fn close_nodes[](
         tracking: &Tracking,
         position: &Vectors,
@@ -345,8 +345,8 @@ struct FoundCrossings {
 }
 
 at_width! {
-    /// Adds those of the crossings `range` that are closer than allowed, or by less than `margin` (m) farther, and those that
-    /// have turned, to `found`.
+    /// Adds those of the crossings `range` that are closer than allowed, or by less than `margin` (m) farther, and
+    /// those that have turned, to `found`.
     fn close_crossings[](
         crossings: &Crossings,
         position: &Vectors,

@@ -42,16 +42,16 @@ impl Sweeps {
 }
 
 impl FilmContact {
-    /// Moves the nodes, which have their predicted positions without contact at the end of a step of `dt` (s), by the impulses
-    /// of the last step: those of this one are nearly the same.
+    /// Moves the nodes, which have their predicted positions without contact at the end of a step of `dt` (s), by the
+    /// impulses of the last step: those of this one are nearly the same.
     pub(in crate::engine) fn predict(&mut self, nodes: &mut Nodes, dt: f64) {
         self.carried.iter().for_each(|carried| carried.apply(1.0, nodes, dt));
         self.has_begun = false;
     }
 
-    /// Finds what is too close at the predicted positions, and gives it the impulses of the last step; in further calls of a
-    /// step, adds what comes too close by the impulses of other contacts. Returns whether there is any constraint, or was one in
-    /// the last step.
+    /// Finds what is too close at the predicted positions, and gives it the impulses of the last step; in further calls
+    /// of a step, adds what comes too close by the impulses of other contacts. Returns whether there is any constraint,
+    /// or was one in the last step.
     pub(in crate::engine) fn begin(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
         if self.has_begun {
             self.extend(nodes, dt, pool);
@@ -78,7 +78,8 @@ impl FilmContact {
         self.has_impulses()
     }
 
-    /// Whether films have or had impulses in this step, under which nodes move differently from how they were predicted.
+    /// Whether films have or had impulses in this step, under which nodes move differently from how they were
+    /// predicted.
     fn has_impulses(&self) -> bool {
         !self.constraints.is_empty() || !self.carried.is_empty()
     }
@@ -122,8 +123,9 @@ impl FilmContact {
         true
     }
 
-    /// One sweep over the constraints of a step of `dt` (s), and one back: over all of them first, then over those that have
-    /// impulses until these do not change any more, then over all of them again. Returns whether all have converged.
+    /// One sweep over the constraints of a step of `dt` (s), and one back: over all of them first, then over those that
+    /// have impulses until these do not change any more, then over all of them again. Returns whether all have
+    /// converged.
     pub(in crate::engine) fn sweep(&mut self, nodes: &mut Nodes, dt: f64) -> bool {
         let Sweeps { has_converged, skips, active } = &mut self.sweeps;
         let (friction, velocity) = (self.friction, &mut nodes.velocity);
@@ -167,8 +169,8 @@ impl FilmContact {
         }
     }
 
-    /// Moves the nodes by the impulses of a step of `dt` (s), stores these, and adds their work. Returns the largest speed of
-    /// these nodes, m/s.
+    /// Moves the nodes by the impulses of a step of `dt` (s), stores these, and adds their work. Returns the largest
+    /// speed of these nodes, m/s.
     pub(in crate::engine) fn finish(&mut self, nodes: &mut Nodes, dt: f64) -> f64 {
         let Nodes { position, velocity, .. } = nodes;
         let mut fastest = 0.0_f64;

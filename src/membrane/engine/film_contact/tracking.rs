@@ -10,8 +10,9 @@ use crate::engine::nodes::Vectors;
 /// Share of an element by which a node may lie beside its triangle until it is followed to the next one.
 pub(super) const BESIDE: f64 = 1e-3;
 
-/// Distance along the triangle, over the least allowed one, within which a node lies on a corner. A crossing of their edges is
-/// as far apart as these two, but for the angle between the normals (theory.md, section 6), so that it is left to them.
+/// Distance along the triangle, over the least allowed one, within which a node lies on a corner. A crossing of their
+/// edges is as far apart as these two, but for the angle between the normals (theory.md, section 6), so that it is left
+/// to them.
 const ON_CORNER: f64 = 0.5;
 
 /// The same at which it does not do so any more.

@@ -119,8 +119,8 @@ impl Nodes {
         sums
     }
 
-    /// Kicks some nodes over `kick` (s), without damping, and moves them by `dt` (s); the mass against vertical motion is
-    /// divided by `lightness`. Returns their kinetic energy with these masses, J.
+    /// Kicks some nodes over `kick` (s), without damping, and moves them by `dt` (s); the mass against vertical motion
+    /// is divided by `lightness`. Returns their kinetic energy with these masses, J.
     pub(super) fn relax(&mut self, nodes: Range<usize>, kick: f64, dt: f64, gravity: f64, lightness: f64) -> f64 {
         let mut kinetic = 0.0;
         for n in nodes {

@@ -306,8 +306,8 @@ mod tests {
         }
     }
 
-    /// Both directions carry their part of the mean stress where their strains are equal, and the curve alone where film
-    /// contracts across as much as it is stretched; the same with equal curves at several rates.
+    /// Both directions carry their part of the mean stress where their strains are equal, and the curve alone where
+    /// film contracts across as much as it is stretched; the same with equal curves at several rates.
     #[test]
     fn biaxial_coupling_adds_its_stress_at_equal_strains() {
         let md = Curve::new(vec![[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]).unwrap();

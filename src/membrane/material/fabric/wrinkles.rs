@@ -1,7 +1,7 @@
 //! Film of two fibre sets that wrinkles: its relaxed energy.
 //!
-//! Wrinkles too fine for the mesh take up length, so that the fibres of film with the metric C = FᵀF may have any metric
-//! C* = C + d dᵀ; d is the direction across the wrinkles (theory.md, equations 8b, 8c):
+//! Wrinkles too fine for the mesh take up length, so that the fibres of film with the metric C = FᵀF may have any
+//! metric C* = C + d dᵀ; d is the direction across the wrinkles (theory.md, equations 8b, 8c):
 //!
 //! ```text
 //! W_r(C) = min W(C + d dᵀ) over d ,   S = 2 ∂W/∂C at C* :   S d = 0 ,  S positive semidefinite
@@ -37,8 +37,8 @@ const DIFFERENCE: f64 = 1e-8;
 const CURVATURE: f64 = 0.3;
 /// Largest square by which a first guess of wrinkles lengthens film.
 const GUESS: f64 = 0.1;
-/// Strain beyond the end of its slack to which a fibre is lengthened at least: its stretch stays above one in round-off,
-/// where shear depends on it.
+/// Strain beyond the end of its slack to which a fibre is lengthened at least: its stretch stays above one in
+/// round-off, where shear depends on it.
 const TAUT: f64 = 1e-12;
 
 /// √(x² + y²), with the same bits on every machine, unlike that of the platform's library.

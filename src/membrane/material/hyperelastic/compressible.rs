@@ -30,8 +30,8 @@ const STEPS: usize = 4;
 
 /// The root x of x − 1 + k (ln x + L) = 0, and its logarithm, where `log` holds L.
 ///
-/// In y = ln x the left side is convex and grows. Its root lies below −kL/(1 + k), since e^y ≥ 1 + y, below 1/k − L, since
-/// e^y ≥ 0, and below ln max(1, 1 − kL), since y or L is negative: Halley's method starts at the least of these.
+/// In y = ln x the left side is convex and grows. Its root lies below −kL/(1 + k), since e^y ≥ 1 + y, below 1/k − L,
+/// since e^y ≥ 0, and below ln max(1, 1 − kL), since y or L is negative: Halley's method starts at the least of these.
 #[inline(always)]
 fn thickness<const L: usize>(k: f64, log: &Lane<L>) -> [Lane<L>; 2] {
     let (mut x, mut y) = (splat(0.0), splat(0.0));

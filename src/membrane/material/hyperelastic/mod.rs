@@ -68,7 +68,8 @@ pub trait StrainEnergy {
         out
     }
 
-    /// n(c₁), the square of the width in uniaxial tension; that of incompressible film, 1/√c₁, unless the law has another.
+    /// n(c₁), the square of the width in uniaxial tension; that of incompressible film, 1/√c₁, unless the law has
+    /// another.
     #[inline(always)]
     fn natural_width<const L: usize>(&self, first: &Lane<L>) -> Lane<L> {
         let mut out = splat(0.0);

@@ -36,7 +36,8 @@ impl fmt::Display for Tension {
 
 impl HyperelasticLaw {
     /// The least stretch up to 10, and the kind of tension, from which on the law is unstable: ∂τ_i/∂ln λ_j of the
-    /// Kirchhoff stresses τ_i = c_i S_i in the plane is no longer positive definite (Hill, J. Mech. Phys. Solids 5, 1957).
+    /// Kirchhoff stresses τ_i = c_i S_i in the plane is no longer positive definite (Hill, J. Mech. Phys. Solids 5,
+    /// 1957).
     pub fn instability(&self) -> Option<(Tension, f64)> {
         match self {
             HyperelasticLaw::Polynomial(law) => instability(&law.energy),
@@ -96,8 +97,8 @@ mod tests {
         assert_eq!(instability(&Gent { mu: 1.0, jm: 30.0 }), None);
     }
 
-    /// In equibiaxial tension τ = 2 (λ² − λ⁻⁴)(c₁₀ + c₀₁ λ²) falls where the derivative by λ vanishes; shear gives way at or
-    /// before that.
+    /// In equibiaxial tension τ = 2 (λ² − λ⁻⁴)(c₁₀ + c₀₁ λ²) falls where the derivative by λ vanishes; shear gives way
+    /// at or before that.
     #[test]
     fn a_negative_second_coefficient_is_unstable() {
         let (c10, c01) = (1.0, -0.05);

@@ -212,8 +212,9 @@ impl Bars {
         Projection { distance: length - self.radius, normal }
     }
 
-    /// The point nearest to the walls of the bars of the points of a convex set, from `start` in it, by projections onto
-    /// the walls and onto the set in turn (all in body axes). Across a bar one turn is exact where the set is flat.
+    /// The point nearest to the walls of the bars of the points of a convex set, from `start` in it, by projections
+    /// onto the walls and onto the set in turn (all in body axes). Across a bar one turn is exact where the set is
+    /// flat.
     pub(super) fn nearest(&self, start: Vector, onto_set: impl Fn(Vector) -> Vector) -> Vector {
         const TURNS: usize = 8;
         const STILL: f64 = 1e-4;
@@ -230,8 +231,8 @@ impl Bars {
         point
     }
 
-    /// Points of a triangle (body axes) from which [`Bars::nearest`] is looked for: next to a round bar, a large triangle may
-    /// have several nearest points.
+    /// Points of a triangle (body axes) from which [`Bars::nearest`] is looked for: next to a round bar, a large
+    /// triangle may have several nearest points.
     pub(super) fn starts(&self, triangle: &Triangle) -> impl Iterator<Item = Vector> + use<> {
         let is_round = self.axes.iter().any(|axis| matches!(axis, Axis::Circle { .. }));
         let is_large = (triangle.a - triangle.b).length_squared() > self.radius * self.radius;
@@ -250,8 +251,8 @@ impl Bars {
         self.axes.iter().map(Axis::extent).fold(0.0, f64::max) + self.half_height + self.radius
     }
 
-    /// Points of the surface of each bar and quadrilaterals between them, for pictures: `sides` points around the section;
-    /// a circle has twice as many sections. Of each bar whether its sections close a ring.
+    /// Points of the surface of each bar and quadrilaterals between them, for pictures: `sides` points around the
+    /// section; a circle has twice as many sections. Of each bar whether its sections close a ring.
     pub(super) fn sections(&self, sides: u32) -> Vec<(Vec<Vec<Vector3<f64>>>, bool)> {
         let around = |centre: Vector2<f64>, across: Vector2<f64>| -> Vec<Vector3<f64>> {
             let point = |k: u32| {

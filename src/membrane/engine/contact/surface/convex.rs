@@ -79,7 +79,8 @@ impl Convex {
         }
     }
 
-    /// The shape whose faces lie `by` (m) inside these, less than [`Convex::inradius`], and how far its centre lies above.
+    /// The shape whose faces lie `by` (m) inside these, less than [`Convex::inradius`], and how far its centre lies
+    /// above.
     pub(super) fn shrunk(&self, by: f64) -> (Convex, f64) {
         match *self {
             Convex::Cylinder { radius, half } => (Convex::Cylinder { radius: radius - by, half: half - by }, 0.0),

@@ -40,8 +40,8 @@ fn closed_forms_are_the_projections_of_parry() {
     }
 }
 
-/// No sample of a triangle is nearer to a convex body than its nearest point, and none than its lower bound; from any place
-/// that the search starts at.
+/// No sample of a triangle is nearer to a convex body than its nearest point, and none than its lower bound; from any
+/// place that the search starts at.
 #[test]
 fn the_nearest_point_of_a_triangle_is_nearer_than_its_samples() {
     let shapes = [

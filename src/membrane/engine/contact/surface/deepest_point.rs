@@ -18,8 +18,8 @@ const LEAST_TOLERANCE: f64 = 1e-9;
 
 impl Surface {
     /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to
-    /// the axis of a capsule or a bar, or the centre of a ball, than √(d² − l²/3), with the distance d of the nearest corner and
-    /// the longest line l; other shapes have no bound.
+    /// the axis of a capsule or a bar, or the centre of a ball, than √(d² − l²/3), with the distance d of the nearest
+    /// corner and the longest line l; other shapes have no bound.
     pub(in crate::engine::contact) fn penetration_bound(
         &self,
         pose: &Isometry3<f64>,
@@ -63,9 +63,9 @@ impl Surface {
         search.found.pop()
     }
 
-    /// The points of an element where its signed distance from the body at `pose` is below `within` (m): the deepest one of
-    /// balls and capsules, which admit no second one apart from it, else one for each part of the element and edge. Those
-    /// of a convex body are `followed` from step to step, to within a `tolerance` (m) of the deepest.
+    /// The points of an element where its signed distance from the body at `pose` is below `within` (m): the deepest
+    /// one of balls and capsules, which admit no second one apart from it, else one for each part of the element and
+    /// edge. Those of a convex body are `followed` from step to step, to within a `tolerance` (m) of the deepest.
     pub(in crate::engine::contact) fn deep_points(
         &self,
         pose: &Isometry3<f64>,
@@ -164,8 +164,8 @@ fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>
     }
 }
 
-/// Offers the deepest point of each triangle of an element in a convex solid; `points` are its corners and their mean in body
-/// axes.
+/// Offers the deepest point of each triangle of an element in a convex solid; `points` are its corners and their mean
+/// in body axes.
 fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
     for [a, b] in sides(count) {
         let corners = [a, b, 4].map(|k| points[k]);

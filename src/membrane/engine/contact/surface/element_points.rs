@@ -14,8 +14,8 @@ pub(in crate::engine::contact) struct DeepestPoint {
     pub(in crate::engine::contact) weights: [f64; 4],
     /// The corner from which the side of its triangle begins.
     pub(in crate::engine::contact) side: usize,
-    /// Its distance along the normal from the farthest point of the body (m), whose edges count as sharp as they are. No
-    /// point of the element is deeper inside the body than this is below zero.
+    /// Its distance along the normal from the farthest point of the body (m), whose edges count as sharp as they are.
+    /// No point of the element is deeper inside the body than this is below zero.
     pub(in crate::engine::contact) extent: f64,
 }
 
@@ -36,8 +36,8 @@ pub(super) fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64
     weights
 }
 
-/// The points of an element that are nearer to a body than a distance: the deepest one, or one of each triangle, corner and
-/// edge.
+/// The points of an element that are nearer to a body than a distance: the deepest one, or one of each triangle, corner
+/// and edge.
 pub(super) struct Search {
     /// Distance below which a point counts, m.
     pub(super) within: f64,
@@ -53,8 +53,8 @@ pub(super) struct Search {
     pub(super) least: f64,
 }
 
-/// Where the corners of an element were, body axes, when no point of it was near the body, and how far they may move until
-/// one is.
+/// Where the corners of an element were, body axes, when no point of it was near the body, and how far they may move
+/// until one is.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(in crate::engine::contact) struct Clearance {
     corners: [[f64; 3]; 4],

@@ -174,8 +174,8 @@ impl Features {
         })
     }
 
-    /// Offers the `points` of an element, corners and mean in body axes with their projections on `mesh`, its points under
-    /// corners of the mesh and those where its edges cross edges of the mesh.
+    /// Offers the `points` of an element, corners and mean in body axes with their projections on `mesh`, its points
+    /// under corners of the mesh and those where its edges cross edges of the mesh.
     pub(super) fn deepest(
         &self,
         mesh: &TriMesh,
@@ -254,7 +254,8 @@ impl Features {
         Near { edges, vertices: vertices.into_iter().map(|n| (n, self.at(n))).collect() }
     }
 
-    /// Distance of an edge of film from an edge of the mesh that it crosses, with the share of the length where it does.
+    /// Distance of an edge of film from an edge of the mesh that it crosses, with the share of the length where it
+    /// does.
     fn across_edge(&self, edge: u32, [s, t]: &[Vector3<f64>; 2], reach: f64) -> Option<(Projection, f64)> {
         let Edge { ends, opposite } = self.edges[edge as usize];
         let [a, b] = ends.map(|n| self.at(n));

@@ -21,9 +21,9 @@ pub(in crate::engine) struct Meeting {
 }
 
 impl Surface {
-    /// The points of the body at `pose` that are within `reach` (m) of the `other` one, at `other_pose`: one of each pair
-    /// of parts of which one is a ball, else those of parry's contact manifold. Bars meet a ball on each of their lines, other
-    /// bodies with their straight pieces.
+    /// The points of the body at `pose` that are within `reach` (m) of the `other` one, at `other_pose`: one of each
+    /// pair of parts of which one is a ball, else those of parry's contact manifold. Bars meet a ball on each of their
+    /// lines, other bodies with their straight pieces.
     pub(in crate::engine) fn meetings(
         &self,
         pose: &Isometry3<f64>,

@@ -105,8 +105,8 @@ impl Surface {
         Surface::about_centre(Shape::Capsule(capsule), properties)
     }
 
-    /// A flat-ended cylinder along z of `radius` and `length` (m) whose edges are rounded with the radius `edge` (m). Its
-    /// inertia is that without rounding.
+    /// A flat-ended cylinder along z of `radius` and `length` (m) whose edges are rounded with the radius `edge` (m).
+    /// Its inertia is that without rounding.
     ///
     /// # Errors
     /// [`SurfaceError::NoVolume`], [`SurfaceError::NoFaces`].
@@ -131,8 +131,8 @@ impl Surface {
         Surface::solid(core, Vector::new(0.0, 0.0, up), outer.transform_by(&tip_down), edge)
     }
 
-    /// A box of the lengths `size` (m) along x, y and z whose edges are rounded with the radius `edge` (m). Its inertia is
-    /// that without rounding.
+    /// A box of the lengths `size` (m) along x, y and z whose edges are rounded with the radius `edge` (m). Its inertia
+    /// is that without rounding.
     ///
     /// # Errors
     /// [`SurfaceError::NoVolume`], [`SurfaceError::NoFaces`].
@@ -207,7 +207,8 @@ impl Surface {
         Ok(Surface { size, ..surface })
     }
 
-    /// A convex body: everything within `edge` (m) of `core` with its centre at `centre`, with the mass properties `outer`.
+    /// A convex body: everything within `edge` (m) of `core` with its centre at `centre`, with the mass properties
+    /// `outer`.
     fn solid(core: Convex, centre: Vector, outer: MassProperties, edge: f64) -> Result<Surface, SurfaceError> {
         Surface::about_centre(Shape::Solid(Solid::rounded(core, centre - outer.local_com, edge)), outer)
     }
@@ -270,8 +271,8 @@ impl Surface {
         self.inertia_per_mass
     }
 
-    /// Radius of the sharpest edge, m: zero where one is sharp, that of the sphere or capsule where there is none. That of
-    /// a mesh is of the curved surface that its triangles stand for.
+    /// Radius of the sharpest edge, m: zero where one is sharp, that of the sphere or capsule where there is none. That
+    /// of a mesh is of the curved surface that its triangles stand for.
     pub(super) fn edge_radius(&self) -> f64 {
         self.shape.edge_radius()
     }
@@ -297,8 +298,8 @@ impl Surface {
         matches!(&self.shape, Shape::Solid(solid) if solid.features().is_none())
     }
 
-    /// Whether it is a convex body other than a sphere or a capsule, whose tangents bound its distance: a cylinder, a cone, a
-    /// box, or such a mesh.
+    /// Whether it is a convex body other than a sphere or a capsule, whose tangents bound its distance: a cylinder, a
+    /// cone, a box, or such a mesh.
     pub(super) fn is_convex(&self) -> bool {
         matches!(&self.shape, Shape::Solid(solid) if solid.features().is_none_or(Features::is_convex))
     }

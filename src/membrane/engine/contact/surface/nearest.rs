@@ -11,8 +11,8 @@ use super::{Shape, Surface, vector};
 /// Distance around a point within which other triangles are looked at, over the size of the body.
 const AROUND: f64 = 0.01;
 
-/// The nearest triangle to a point when it was last searched. That a projection uses it changes no bit of the result, so it
-/// need not be saved.
+/// The nearest triangle to a point when it was last searched. That a projection uses it changes no bit of the result,
+/// so it need not be saved.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::engine::contact) struct Nearest {
     triangle: u32,
@@ -44,9 +44,9 @@ impl Surface {
         matches!(&self.shape, Shape::Solid(solid) if solid.features().is_some())
     }
 
-    /// Projection of the point at `arm` (m) from the centre of the body at `pose`, as of [`Surface::project`], with what is
-    /// known of the triangle of a mesh that is nearest. Where the point is farther than `beyond` (m), a lower bound of the
-    /// distance will do, without a normal.
+    /// Projection of the point at `arm` (m) from the centre of the body at `pose`, as of [`Surface::project`], with
+    /// what is known of the triangle of a mesh that is nearest. Where the point is farther than `beyond` (m), a lower
+    /// bound of the distance will do, without a normal.
     pub(in crate::engine::contact) fn project_on_mesh(
         &self,
         pose: &Isometry3<f64>,

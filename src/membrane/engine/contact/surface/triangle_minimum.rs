@@ -62,9 +62,10 @@ impl Descent<'_> {
         self.bound = self.bound.max(bound);
     }
 
-    /// Finds the least distance on the edge between the corners `ends`, where the slope along it is zero to within `tolerance`
-    /// (m over its length), from the tangents at its ends. Further ones are, in turn, where the two about the least distance
-    /// intersect, which is best at a bend, and where the slope between them is zero, which is best on a curve.
+    /// Finds the least distance on the edge between the corners `ends`, where the slope along it is zero to within
+    /// `tolerance` (m over its length), from the tangents at its ends. Further ones are, in turn, where the two about
+    /// the least distance intersect, which is best at a bend, and where the slope between them is zero, which is best
+    /// on a curve.
     fn edge(&mut self, ends: [usize; 2], tolerance: f64) {
         let slope = |tangent: &Tangent| tangent.at[ends[1]] - tangent.at[ends[0]];
         let corner = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == ends[k])));
@@ -75,14 +76,16 @@ impl Descent<'_> {
             let (falls, rises) = (slope(&left), slope(&right));
             for (is_level, tangent) in [(falls >= -tolerance, &left), (rises <= tolerance, &right)] {
                 if is_level {
-                    // Its normal is that of the least distance, where a nearer point may have one on the other side of it.
+                    // Its normal is that of the least distance, where a nearer point may have one on the other side of
+                    // it.
                     if tangent.projection.distance <= self.best.projection.distance + tolerance {
                         self.best = *tangent;
                     }
                     return;
                 }
             }
-            // The sum of both with these shares is constant along the edge, and a bound of its own for all of the triangle.
+            // The sum of both with these shares is constant along the edge, and a bound of its own for all of the
+            // triangle.
             let share = rises / (rises - falls);
             self.bound = self.bound.max(least(&[0, 1, 2].map(|k| left.at[k] * share + right.at[k] * (1.0 - share))));
             let [from, to] = [left.weights[ends[1]], right.weights[ends[1]]];
@@ -110,8 +113,8 @@ impl Descent<'_> {
         [self.best.weights[0], self.best.weights[1]]
     }
 
-    /// Looks at the point of the triangle under the farthest point of the core towards its plane, which is the nearest of
-    /// the whole plane. Returns whether the core lies on one side of the plane.
+    /// Looks at the point of the triangle under the farthest point of the core towards its plane, which is the nearest
+    /// of the whole plane. Returns whether the core lies on one side of the plane.
     fn under_core(&mut self) -> bool {
         let [p, q, m] = self.corners;
         let (u, v) = (p - m, q - m);
@@ -137,9 +140,9 @@ fn tangent(solid: &Solid, corners: &[Vector3<f64>; 3], weights: [f64; 3]) -> Tan
     Tangent { projection, weights, at }
 }
 
-/// The point of a triangle of `corners` (body axes, m) that is nearest to a convex `solid`, to within `tolerance` (m), if it
-/// is nearer than `within` (m): from the `place` of a point that was the nearest before, given by its shares of the first
-/// two corners.
+/// The point of a triangle of `corners` (body axes, m) that is nearest to a convex `solid`, to within `tolerance` (m),
+/// if it is nearer than `within` (m): from the `place` of a point that was the nearest before, given by its shares of
+/// the first two corners.
 pub(super) fn minimum(
     solid: &Solid,
     corners: &[Vector3<f64>; 3],
@@ -155,7 +158,8 @@ pub(super) fn minimum(
             return Some(Minimum::Beyond { bound: *bound, place: descent.place() });
         }
         let projection = best.projection;
-        // Its own tangent must say so: where several together do, as in the core, none of their normals is that of the contact.
+        // Its own tangent must say so: where several together do, as in the core, none of their normals is that of the
+        // contact.
         (projection.distance - best.least() <= tolerance).then(|| Minimum::At { projection, place: descent.place() })
     };
     if let Some(minimum) = ends(&descent) {
@@ -178,7 +182,8 @@ pub(super) fn minimum(
     if !is_apart || descent.best.projection.distance <= -solid.edge() {
         return Minimum::Cut;
     }
-    // The nearest point of the whole plane lies outside the triangle, so that the nearest of the triangle is on its edges.
+    // The nearest point of the whole plane lies outside the triangle, so that the nearest of the triangle is on its
+    // edges.
     let Descent { best, bound, .. } = descent;
     if best.projection.distance >= within {
         return Minimum::Beyond { bound: bound.max(within), place: descent.place() };

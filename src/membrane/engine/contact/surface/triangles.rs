@@ -115,7 +115,8 @@ mod tests {
             (Surface::sphere(radius), ball, -radius),
             (Surface::capsule(radius, length), ball + shaft, -radius - 0.5 * length),
             (Surface::cylinder(radius, length, 0.0), shaft, -0.5 * length),
-            // A box of the side 2r with edges of r/4: 8 m³ + 24 m² e + 6π m e² + 4π/3 e³ with the half side m of its core.
+            // A box of the side 2r with edges of r/4: 8 m³ + 24 m² e + 6π m e² + 4π/3 e³ with the half side m of its
+            // core.
             (Surface::cuboid([2.0 * radius; 3], 0.25 * radius), rounded_box(0.75 * radius, 0.25 * radius), -radius),
             // Its centre of mass is a quarter of its length above the flat end.
             (Surface::cone(radius, length, 0.0), shaft / 3.0, -0.75 * length),
