@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::nodes::Nodes;
-use super::pressure::ElementLoad;
+use super::pressure::{ElementLoad, add_volume};
 
 /// Air between the first two faces, whose edges are held. It has one pressure; while film is intact it leaves through
 /// vents alone.
@@ -59,11 +59,7 @@ impl Enclosed {
         let count = films.iter().take(2).map(|film| film.nodes.end).max().unwrap_or(0);
         let mut out = Enclosed { volume: 0.0, gradient: vec![Vector3::zeros(); count] };
         for (film, sign) in films.iter().zip([1.0, -1.0]) {
-            film.for_each_intact(|corners| {
-                let load = ElementLoad::of(corners, &nodes.position);
-                corners.iter().zip(load.areas).for_each(|(n, area)| out.gradient[*n as usize] += sign * area);
-                out.volume += sign * load.volume;
-            });
+            add_volume(film, &nodes.position, sign, &mut out.volume, (0, &mut out.gradient));
         }
         out
     }

@@ -90,6 +90,22 @@ pub(super) fn volume(films: &[Film], nodes: &Nodes) -> f64 {
     volume
 }
 
+/// Adds `sign` times the volume under a film, up to a constant, to `volume` (m³), and its gradient (m²) to that of the nodes
+/// from node `first` on.
+pub(super) fn add_volume(
+    film: &Film,
+    position: &Vectors,
+    sign: f64,
+    volume: &mut f64,
+    (first, gradient): (usize, &mut [Vector3<f64>]),
+) {
+    film.for_each_intact(|corners| {
+        let load = ElementLoad::of(corners, position);
+        corners.iter().zip(load.areas).for_each(|(n, area)| gradient[*n as usize - first] += sign * area);
+        *volume += sign * load.volume;
+    });
+}
+
 /// A step of the nodes under gas.
 pub(super) struct GasStep {
     /// Volume at its end, up to the constant of [`volume`], m³.
@@ -110,11 +126,7 @@ pub(super) fn fill(films: &[Film], nodes: &mut Nodes, step: &GasStep) -> Inflate
     let first = film.nodes.start;
     let mut gradient = vec![Vector3::zeros(); film.nodes.len()];
     let mut volume = 0.0;
-    film.for_each_intact(|corners| {
-        let load = ElementLoad::of(corners, &nodes.position);
-        corners.iter().zip(load.areas).for_each(|(n, area)| gradient[*n as usize - first] += area);
-        volume += load.volume;
-    });
+    add_volume(film, &nodes.position, 1.0, &mut volume, (first, &mut gradient));
     // Growth of the volume without gas, and by a pressure of 1 Pa.
     let (mut growth, mut response) = (0.0, 0.0);
     for (area, n) in gradient.iter().zip(film.nodes.clone()) {

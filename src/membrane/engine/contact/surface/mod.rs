@@ -289,8 +289,7 @@ impl Surface {
 
     /// Whether its nodes suffice for a fine mesh: a sphere, a capsule, or a mesh without sharp edges.
     pub(super) fn is_smooth(&self) -> bool {
-        let is_mesh = matches!(&self.shape, Shape::Solid(solid) if solid.features().is_some());
-        self.is_round() || (is_mesh && self.edge_radius() > 0.0)
+        self.is_round() || (self.is_mesh() && self.edge_radius() > 0.0)
     }
 
     /// Whether it is a cylinder, a cone or a box, whose tangents bound its distance.
