@@ -167,7 +167,7 @@ fn a_killed_search_resumes_with_the_same_bits_and_repeats_no_trial() {
 
 #[test]
 fn known_multipliers_are_found_from_the_signals_of_a_run() {
-    let (bench, scenario) = (Bench::new("20 mm"), shipped("scenarios/drop/1008.toml"));
+    let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
     let script = shipped("scripts/identify.rhai");
     let arguments = bench.over_the_recording(
         &script,
@@ -186,7 +186,7 @@ fn known_multipliers_are_found_from_the_signals_of_a_run() {
 
 #[test]
 fn intervals_of_multipliers_contain_them_and_do_not_depend_on_threads() {
-    let (bench, scenario) = (Bench::new("20 mm"), shipped("scenarios/drop/1008.toml"));
+    let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
     fs::write(bench.path("trust.rhai"), TRUST).expect("writable");
     let ask = |threads: &str| {
         let more = ["--arg", "seed=1", "--threads", threads, "--out", threads, "--json"];

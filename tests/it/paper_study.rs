@@ -59,24 +59,27 @@ fn check_table_9(summary: &Json) {
     assert_eq!(rows(summary, "leave_one_out").len(), 5);
 }
 
+const COARSE: &str = "specimen.mesh.size=40 mm";
+
 #[test]
 fn multipliers_are_found_within_two_per_cent_without_noise() {
     let folder = TempDir::new().expect("a folder");
-    let coarse = ["--arg", "recordings=exact", "--set", "specimen.mesh.size=20 mm"];
-    let summary = study(&folder, &coarse);
+    let summary = study(&folder, &["--arg", "recordings=exact", "--set", COARSE]);
     check_table_8(&summary, 0.02);
     check_table_9(&summary);
 }
 
-/// On the mesh and from the virtual recordings that are shipped.
+/// From virtual recordings made on the mesh that the study is run on.
 #[test]
 fn multipliers_are_found_within_five_per_cent_from_noisy_recordings() {
     let folder = TempDir::new().expect("a folder");
-    let summary = study(&folder, &[]);
+    let recordings = folder.path().join("recordings");
+    let recordings = recordings.to_str().expect("UTF-8");
+    let made = ["--arg", "part=drops", "--set", COARSE, "--quiet", "--out", recordings];
+    printed(&droptower(&root(), &[&["script", "scripts/make-virtual-tests.rhai"], &made[..]].concat()));
+    let summary = study(&folder, &["--arg", &format!("recordings={recordings}"), "--set", COARSE]);
     check_table_8(&summary, 0.05);
     check_table_9(&summary);
-    assert!(rows(&summary, "table_9").iter().all(|row| row["ruptured"] == false));
-    assert_eq!(rows(&summary, "prediction_1508")[0]["ruptured"], true);
 
     let film = folder.path().join("study/lldpe-averaged.toml");
     let shear = root().join("scenarios/materials/lldpe-shear.csv");
@@ -84,6 +87,17 @@ fn multipliers_are_found_within_five_per_cent_from_noisy_recordings() {
     let checked = printed(&droptower(folder.path(), &["check", film.to_str().expect("UTF-8")]));
     assert!(checked.starts_with("ok"), "{checked}");
     assert!(fs::read_to_string(film).expect("a film").contains("VIRTUAL"));
+}
+
+#[test]
+#[ignore = "two minutes: the study as it is shipped"]
+fn the_whole_study_finds_the_multipliers_and_predicts_the_rupture_of_1508() {
+    let folder = TempDir::new().expect("a folder");
+    let summary = study(&folder, &[]);
+    check_table_8(&summary, 0.05);
+    check_table_9(&summary);
+    assert!(rows(&summary, "table_9").iter().all(|row| row["ruptured"] == false));
+    assert_eq!(rows(&summary, "prediction_1508")[0]["ruptured"], true);
 }
 
 /// The summary of a study of the repository on a coarse mesh.
@@ -99,7 +113,7 @@ fn coarse(script: &str, more: &[&str]) -> Json {
 /// and a tower that is less known, widen them. Searches from one signal end far off although their misfit is small.
 #[test]
 fn further_signals_make_multipliers_identifiable() {
-    let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm", "--arg", "evaluations=100"];
+    let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm", "--arg", "evaluations=40"];
     let summary = coarse("scripts/identifiability.rhai", &scenario);
     let [three, six, others @ ..] = rows(&summary, "half_width") else { panic!("no rows") };
     for name in ["k1", "ke", "ky"] {
