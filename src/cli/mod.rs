@@ -72,7 +72,7 @@ enum Command {
     Schema,
     /// Explain a key (unit, range, default), a script function or the code of a finding
     Explain(explain::ExplainArgs),
-    /// Write a commented scenario to start from
+    /// Write a commented scenario or material to start from
     New(new::NewArgs),
     /// Compare runs with the first of them: scenarios, figures and signals
     Compare(compare::CompareArgs),

@@ -307,7 +307,7 @@ fn chains_of_files_are_limited() {
     assert_eq!(mistakes[0].message, "more than 32 files that extend one another");
 }
 
-const TEMPLATE: &str = include_str!("../../src/cli/templates/drop.toml");
+const TEMPLATE: &str = include_str!("../../src/cli/new/templates/drop.toml");
 
 /// Pieces of text that change the structure of a scenario.
 fn piece() -> impl Strategy<Value = String> {

@@ -8,15 +8,41 @@ use serde_json::Value as Json;
 use crate::workbench::{close, droptower, error, printed};
 
 const STANDARDS: [&str; 6] = ["d1709-a", "d1709-b", "d7192", "d5748", "iso7765-2", "en14477"];
+const MATERIALS: [&str; 9] = [
+    "fabric",
+    "rates",
+    "elastic",
+    "neo-hookean",
+    "compressible-neo-hookean",
+    "mooney-rivlin",
+    "yeoh",
+    "gent",
+    "ogden",
+];
 
 #[test]
 fn templates_pass_the_check_and_are_not_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
-    for kind in ["drop", "dart", "coupon", "indent", "pressure"].iter().chain(&STANDARDS) {
+    for kind in ["drop", "dart", "coupon", "indent", "pressure", "volume"].iter().chain(&STANDARDS) {
         let path = format!("{kind}.toml");
         printed(&droptower(folder.path(), &["new", kind, &path]));
         assert!(printed(&droptower(folder.path(), &["check", &path])).starts_with("ok"), "{kind}");
         assert_eq!(droptower(folder.path(), &["new", kind, &path]).status.code(), Some(2));
+    }
+}
+
+/// Every law that the language has, in a scenario.
+#[test]
+fn materials_pass_the_check_and_can_be_pulled() {
+    let folder = tempfile::tempdir().expect("a folder");
+    printed(&droptower(folder.path(), &["new", "coupon", "coupon.toml"]));
+    for kind in MATERIALS {
+        let path = format!("{kind}.toml");
+        printed(&droptower(folder.path(), &["new", "material", kind, &path]));
+        assert!(printed(&droptower(folder.path(), &["check", &path])).starts_with("ok"), "{kind}");
+        let (film, out) = (format!("specimen.material={path}"), format!("runs/{kind}"));
+        let short = ["--set", "specimen.mesh.size=5mm", "--set", "loading.stretch.until=0.1", "--out", &out];
+        printed(&droptower(folder.path(), &[&["run", "coupon.toml", "--set", &film][..], &short].concat()));
     }
 }
 
