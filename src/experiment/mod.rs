@@ -1,4 +1,4 @@
-//! The reduction of laboratory recordings: coupons and drops; virtual sensors.
+//! The reduction of laboratory recordings: coupons and drops; fits of laws; virtual sensors.
 
 pub mod absorption;
 pub mod contact;
@@ -7,6 +7,7 @@ pub mod coupon;
 pub mod drop;
 pub mod fall;
 mod fit;
+pub mod law_fit;
 pub mod ramp;
 pub mod release;
 pub mod sensor;
