@@ -14,6 +14,8 @@ fn all() -> impl Iterator<Item = &'static Code> {
         signal::CODES,
         confidence::CODES,
         experiment::CODES,
+        experiment::law_fit::CODES,
+        experiment::relaxation::CODES,
         model::CODES,
         simulate::CODES,
         script::CODES,

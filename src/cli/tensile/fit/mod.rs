@@ -1,15 +1,21 @@
-//! `droptower tensile fit`: a law fitted to measured stresses, or a relaxation to a measured modulus.
+//! `droptower tensile fit`: a law fitted to measured stresses, or a series to a relaxation modulus.
 
 mod args;
+mod law;
+mod law_figures;
+mod law_page;
+mod relaxation;
+mod relaxation_figures;
+mod relaxation_page;
+mod written;
 
 pub(super) use args::FitArgs;
 
 use crate::cli::{Failure, Shared};
-use crate::diagnostic::Diagnostic;
 
-pub(super) fn run(args: &FitArgs, _shared: &Shared) -> Result<(), Failure> {
-    match &args.law {
-        Some(law) => Err(Diagnostic::new(format!("fits of `{law}` are not supported yet")).into()),
-        None => Err(Diagnostic::new("fits of relaxation are not supported yet").into()),
+pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
+    match args.law {
+        Some(law) => law::run(law, args, shared),
+        None => relaxation::run(args, shared),
     }
 }

@@ -58,6 +58,29 @@ impl Energy {
     }
 }
 
+impl Energy {
+    /// Names of the coefficients; those of Ogden's law up to `most`, a modulus and an exponent a term.
+    pub fn names(self, most: usize) -> Vec<String> {
+        let fixed: &[&str] = match self {
+            Energy::NeoHookean => &["mu"],
+            Energy::CompressibleNeoHookean => &["young", "poisson"],
+            Energy::MooneyRivlin => &["c10", "c01"],
+            Energy::Yeoh => &["c10", "c20", "c30"],
+            Energy::Gent => &["mu", "jm"],
+            Energy::Ogden { terms } => {
+                let names = (1..=terms).flat_map(|term| [format!("mu_{term}"), format!("alpha_{term}")]);
+                return names.take(most).collect();
+            }
+        };
+        fixed.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    /// Whether the coefficient of this name is in Pa.
+    pub(in crate::experiment::law_fit) fn is_modulus(name: &str) -> bool {
+        !(name == "jm" || name == "poisson" || name.starts_with("alpha"))
+    }
+}
+
 impl fmt::Display for Energy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
