@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::experiment::law_fit::hyperelastic::Energy;
 use crate::experiment::law_fit::{Coefficient, LawChoice, LawFit, TestFit};
-use crate::experiment::relaxation::{Arrhenius, PronyFit, ShiftLaw, ShiftLawFit, Wlf};
+use crate::experiment::relaxation::{Arrhenius, PronyFit, ShiftLaw, ShiftLawFit, Wlf, ZERO_CELSIUS};
 use crate::number::{plain, rounded, significant};
 
 /// Significant digits of coefficients, whose errors compensate each other.
@@ -15,9 +15,6 @@ const FIGURE: usize = 4;
 
 /// Poisson's ratio of film where the user gives none: that of LDPE, assumed.
 pub const ASSUMED_POISSON: f64 = 0.44;
-
-/// Zero of the Celsius scale, K.
-const ZERO_CELSIUS: f64 = 273.15;
 
 /// What a material file needs beside its law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

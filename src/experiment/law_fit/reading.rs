@@ -30,7 +30,7 @@ pub enum StressReadingError {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        fault: StressFault,
+        fault: Box<StressFault>,
     },
 }
 
@@ -58,7 +58,7 @@ impl StressReadingError {
             StressReadingError::Read(error) => return error.hint(),
             StressReadingError::Content { fault, .. } => fault,
         };
-        match fault {
+        match &**fault {
             StressFault::Kind(error) => Some(error.hint().into()),
             StressFault::Column(_) => Some(
                 "a test has the columns `stretch` (or `strain`) and `stress`, a biaxial one `stretch_1`, `stretch_2`, \
@@ -79,7 +79,8 @@ impl StressReader {
     pub fn read(&self, path: &Path) -> Result<DataSet, StressReadingError> {
         let options = ReadOptions { channels: ChannelSelection::All, ..self.table.clone() };
         let table = file::columns(path, &options)?.over_samples();
-        self.data_set(path, &table).map_err(|fault| StressReadingError::Content { path: path.into(), fault })
+        self.data_set(path, &table)
+            .map_err(|fault| StressReadingError::Content { path: path.into(), fault: Box::new(fault) })
     }
 
     fn data_set(&self, path: &Path, table: &Measurement) -> Result<DataSet, StressFault> {

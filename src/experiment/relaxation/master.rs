@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::ZERO_CELSIUS;
+
 /// Difference of temperatures, K, that count as one: a chamber holds its temperature no better.
 const SAME_TEMPERATURE: f64 = 1.0;
 
@@ -41,7 +43,7 @@ pub struct Master {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MasterError {
     /// A temperature has no shift factor.
-    #[error("no shift factor within 1 K of {:.1} degC", temperature - 273.15)]
+    #[error("no shift factor within 1 K of {:.1} degC", temperature - ZERO_CELSIUS)]
     NoFactor {
         /// Of the relaxation, K.
         temperature: f64,
@@ -49,7 +51,7 @@ pub enum MasterError {
     /// Two neighbours have no modulus in common.
     #[error(
         "the relaxations at {:.1} and {:.1} degC have no modulus in common: their shift is unknown",
-        colder - 273.15, warmer - 273.15
+        colder - ZERO_CELSIUS, warmer - ZERO_CELSIUS
     )]
     NoOverlap {
         /// K.
@@ -78,7 +80,7 @@ impl Master {
     }
 
     /// The curve by overlap: from one temperature to the next the shift is the mean distance along log₁₀ t at equal
-    /// modulus (theory.md, equation 238). The factor is zero at the relaxation nearest to `reference` (K), or at the
+    /// modulus (theory.md, equation 236). The factor is zero at the relaxation nearest to `reference` (K), or at the
     /// middle one.
     pub fn overlapped(relaxations: &[Relaxation], reference: Option<f64>) -> Result<Master, MasterError> {
         let mut sorted: Vec<&Relaxation> = relaxations.iter().collect();

@@ -12,3 +12,6 @@ pub use prony::{Prony, PronyError, PronyFit, PronyTerm, fit_prony};
 pub use reading::{RelaxationData, RelaxationFault, RelaxationReadingError, read_relaxation, read_shift_factors};
 pub use shift::{Arrhenius, GAS_CONSTANT, ShiftFits, ShiftLaw, ShiftLawFit, Wlf, fit_shift};
 pub use warning::{CODES, Warning};
+
+/// Zero of the Celsius scale, K.
+pub const ZERO_CELSIUS: f64 = 273.15;

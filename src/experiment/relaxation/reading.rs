@@ -4,13 +4,10 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{Relaxation, ShiftFactor};
+use super::{Relaxation, ShiftFactor, ZERO_CELSIUS};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::{ChannelError, MeasuredChannel, Measurement, QuantityError};
 use crate::units::{Pressure, Time};
-
-/// Zero of the Celsius scale, K.
-const ZERO_CELSIUS: f64 = 273.15;
 
 /// Difference of temperatures of two rows, K, from which on they are of two relaxations.
 const NEXT_TEMPERATURE: f64 = 2.0;
@@ -36,7 +33,7 @@ pub enum RelaxationReadingError {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        fault: RelaxationFault,
+        fault: Box<RelaxationFault>,
     },
 }
 
@@ -70,7 +67,7 @@ impl RelaxationReadingError {
             RelaxationReadingError::Read(error) => return error.hint(),
             RelaxationReadingError::Content { fault, .. } => fault,
         };
-        Some(match fault {
+        Some(match &**fault {
             RelaxationFault::Column(_) => "a relaxation has the columns `time` and `modulus`, several have \
                 `temperature_degC` too, and shift factors `temperature_degC` and `log_shift`; --columns names them"
                 .into(),
@@ -87,7 +84,8 @@ impl RelaxationReadingError {
 /// `temperature_K` and, where rows of one temperature are not together, `set`.
 pub fn read_relaxation(path: &Path, options: &ReadOptions) -> Result<RelaxationData, RelaxationReadingError> {
     let table = table(path, options)?;
-    data(&table, options.time.as_deref()).map_err(|fault| RelaxationReadingError::Content { path: path.into(), fault })
+    data(&table, options.time.as_deref())
+        .map_err(|fault| RelaxationReadingError::Content { path: path.into(), fault: Box::new(fault) })
 }
 
 /// Reads the shift factors at `path`: columns `temperature_degC` or `temperature_K`, and `log_shift` (log₁₀ a_T).
@@ -103,7 +101,7 @@ pub fn read_shift_factors(path: &Path) -> Result<Vec<ShiftFactor>, RelaxationRea
         let pair = |(temperature, log): (f64, &f64)| ShiftFactor { temperature, log_shift: *log };
         Ok(temperatures.into_iter().zip(logs).map(pair).collect())
     };
-    factors().map_err(|fault| RelaxationReadingError::Content { path: path.into(), fault })
+    factors().map_err(|fault| RelaxationReadingError::Content { path: path.into(), fault: Box::new(fault) })
 }
 
 fn table(path: &Path, options: &ReadOptions) -> Result<Measurement, file::ReadError> {

@@ -7,14 +7,12 @@ use clap::{ArgGroup, Args, ValueEnum};
 use crate::cli::argument::{number, quantity};
 use crate::cli::signal::input::FileArgs;
 use crate::experiment::law_fit::{LawChoice, TestKind, Weighting};
+use crate::experiment::relaxation::ZERO_CELSIUS;
 use crate::scenario::fitted_material::FilmKeys;
 use crate::units::{Density, Length};
 
 /// Number of terms of a Prony series where none is given.
 const TERMS: usize = 12;
-
-/// Zero of the Celsius scale, K.
-const ZERO_CELSIUS: f64 = 273.15;
 
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("what").required(true).args(["law", "relaxation"])))]

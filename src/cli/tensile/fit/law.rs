@@ -1,6 +1,6 @@
 //! `droptower tensile fit --law`: a law fitted to tests.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::FitArgs;
 use super::law_figures::LawFigures;
@@ -10,10 +10,10 @@ use crate::cli::faults;
 use crate::cli::tensile::reduce::{all, paths};
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
+use crate::experiment::Warning;
 use crate::experiment::law_fit::{
     DataSet, FitError, FitOptions, LawChoice, StressReader, StressReadingError, TestKind, fit_law,
 };
-use crate::experiment::relaxation::Warning as MaterialWarning;
 use crate::finding::Finding;
 use crate::scenario::fitted_material::law_text;
 use crate::signal::file::ChannelSelection;
@@ -28,7 +28,7 @@ pub(super) fn run(law: LawChoice, args: &FitArgs, shared: &Shared) -> Result<(),
     let options = FitOptions { weighting: args.residual, stable_to: args.stable_to };
     let fit = fit_law(law, &sets, &predicted, &options).map_err(|error| fault(&error))?;
     let missing = places.material.as_ref().and(args.film().missing());
-    let incomplete = missing.map(|keys| Finding::new(&MaterialWarning::MaterialIncomplete { keys: keys.into() }));
+    let incomplete = missing.map(|keys| Finding::new(&Warning::MaterialIncomplete { keys: keys.into() }));
     let findings: Vec<Finding> = fit.findings().into_iter().chain(incomplete).collect();
     let material = law_text(&fit, &args.film());
     let written =
@@ -51,7 +51,7 @@ fn one_each<'v, T: Copy>(
     Ok(move |place: usize| if values.len() == 1 { values.first().copied() } else { values.get(place).copied() })
 }
 
-fn set(args: &FitArgs, path: &PathBuf, kind: Option<TestKind>, weight: Option<f64>) -> Result<DataSet, Diagnostic> {
+fn set(args: &FitArgs, path: &Path, kind: Option<TestKind>, weight: Option<f64>) -> Result<DataSet, Diagnostic> {
     let reader = StressReader { kind, table: args.file.options(ChannelSelection::All)? };
     let set = reader.read(path).map_err(|error| reading(&error))?;
     set.with_weight(weight.unwrap_or(1.0)).map_err(|error| at(path, &error))

@@ -11,8 +11,9 @@ use crate::cli::faults;
 use crate::cli::tensile::reduce::paths;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::{Diagnostic, listed};
+use crate::experiment::Warning;
 use crate::experiment::relaxation::{
-    Master, PronyFit, RelaxationData, RelaxationReadingError, ShiftFits, ShiftLawFit, Warning, fit_prony, fit_shift,
+    Master, PronyFit, RelaxationData, RelaxationReadingError, ShiftFits, ShiftLawFit, fit_prony, fit_shift,
     read_relaxation, read_shift_factors,
 };
 use crate::finding::Finding;
@@ -56,12 +57,11 @@ pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     if let (Some(_), Some(_), None) = (&fitted.master, args.shift, shift) {
         return Err(Diagnostic::new("the shift factors do not determine the law that is asked for").into());
     }
-    let mut warnings = fitted.fit.warnings.clone();
-    if places.material.is_some() {
-        warnings.extend(args.film().missing().map(|keys| Warning::MaterialIncomplete { keys: keys.into() }));
-        warnings.extend(args.poisson.is_none().then_some(Warning::PoissonAssumed { poisson: ASSUMED_POISSON }));
-    }
-    let findings: Vec<Finding> = warnings.iter().map(Finding::new).collect();
+    let incomplete = args.film().missing().map(|keys| Warning::MaterialIncomplete { keys: keys.into() });
+    let assumed = args.poisson.is_none().then_some(Warning::PoissonAssumed { poisson: ASSUMED_POISSON });
+    let of_material = [incomplete, assumed].into_iter().flatten().filter(|_| places.material.is_some());
+    let findings: Vec<Finding> =
+        fitted.fit.warnings.iter().map(Finding::new).chain(of_material.map(|one| Finding::new(&one))).collect();
     let (fit, source, poisson, film) = (&fitted.fit, fitted.source.as_str(), args.poisson, args.film());
     let material = relaxation_text(&RelaxationMaterial { fit, source, poisson, shift, film });
     let shown = places.material.as_ref().map(|_| material.as_str());

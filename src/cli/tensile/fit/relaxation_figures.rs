@@ -4,12 +4,9 @@ use serde::Serialize;
 
 use super::relaxation::Fitted;
 use crate::cli::{findings, table};
-use crate::experiment::relaxation::{ShiftLaw, ShiftLawFit};
+use crate::experiment::relaxation::{ShiftLaw, ShiftLawFit, ZERO_CELSIUS};
 use crate::finding::Finding;
 use crate::number::{figure, plain, rounded, significant};
-
-/// Zero of the Celsius scale, K.
-const ZERO_CELSIUS: f64 = 273.15;
 
 /// All figures; SI.
 #[derive(Serialize)]

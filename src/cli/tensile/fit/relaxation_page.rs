@@ -1,14 +1,11 @@
 //! The page of a fitted relaxation.
 
 use super::relaxation::Fitted;
-use crate::experiment::relaxation::ShiftLawFit;
+use crate::experiment::relaxation::{ShiftLawFit, ZERO_CELSIUS};
 use crate::finding::Finding;
 use crate::number::{figure, plain, rounded, significant};
 use crate::plot::{Axis, Curve, Look, Plot, Scale};
 use crate::report::{FitPage, FitTable, fit_page};
-
-/// Zero of the Celsius scale, K.
-const ZERO_CELSIUS: f64 = 273.15;
 
 /// The page with measured and fitted modulus, errors, terms and shift factors.
 pub(super) fn page(fitted: &Fitted, findings: &[Finding], material: Option<&str>) -> String {

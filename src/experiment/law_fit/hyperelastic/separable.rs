@@ -102,7 +102,7 @@ impl<'a> Separable<'a> {
     /// Whether the coefficient of this name lies on the bound of its range.
     pub(super) fn is_on_bound(&self, name: &str, value: f64) -> bool {
         match name {
-            "poisson" => value < ON_BOUND || value > LARGEST_POISSON * (1.0 - ON_BOUND),
+            "poisson" => !(ON_BOUND..LARGEST_POISSON * (1.0 - ON_BOUND)).contains(&value),
             "jm" => value > self.largest * LARGEST_LIMIT * (1.0 - ON_BOUND),
             name if name.starts_with("alpha") => {
                 let size = value.abs();

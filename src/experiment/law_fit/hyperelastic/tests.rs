@@ -92,7 +92,8 @@ fn a_fit_to_uniaxial_tests_alone_is_unsafe_for_biaxial_film() {
     let [uniaxial, wrong, right] = [&alone.tests[0], &alone.predictions[0], &all.predictions[0]];
     println!("equibiaxial error: {:?} alone, {:?} together", wrong.quality, right.quality);
     assert!(uniaxial.quality.r_squared > 0.998, "{:?}", uniaxial.quality);
-    assert!(wrong.quality.relative_rms > 1.0 && right.quality.relative_rms < 0.05);
+    assert!(wrong.quality.relative_rms > 0.3 && right.quality.relative_rms < 0.04);
+    assert!(wrong.quality.r_squared < 0.7 && right.quality.r_squared > 0.995);
 }
 
 #[test]
@@ -143,7 +144,7 @@ fn a_coefficient_that_is_not_determined_is_named() {
 fn stresses_that_fall_have_no_law() {
     let points = vec![[1.5, -1e5], [2.0, -2e5], [2.5, -3e5]];
     let set = DataSet::new("wrong", Measured::Tension(Tension::Uniaxial, points)).expect("a test");
-    let fit = |law: &str| fit_law(law.parse().expect("a law"), &[set.clone()], &[], &FitOptions::default());
+    let fit = |law: &str| fit_law(law.parse().expect("a law"), std::slice::from_ref(&set), &[], &FitOptions::default());
     assert_eq!(fit("neo-hookean").map(|_| ()), Err(FitError::NoStiffness));
     assert_eq!(fit("yeoh").map(|_| ()), Err(FitError::TooFew { samples: 3, unknowns: 3 }));
 }
