@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::experiment::law_fit::hyperelastic::Energy;
 use crate::experiment::law_fit::{Coefficient, LawChoice, LawFit, TestFit};
 use crate::experiment::relaxation::{Arrhenius, PronyFit, ShiftLaw, ShiftLawFit, Wlf, ZERO_CELSIUS};
+use crate::finding::Finding;
 use crate::number::{plain, rounded, significant};
 
 /// Significant digits of coefficients, whose errors compensate each other.
@@ -56,7 +57,8 @@ pub fn law_text(fit: &LawFit, film: &FilmKeys) -> String {
     text.extend(tests.map(|test| format!("# Fitted to {}.\n", described(test))));
     text.extend(fit.predictions.iter().map(|test| format!("# Predicted: {}.\n", described(test))));
     let _ = writeln!(text, "# Stable up to the stretch {} (Hill's criterion).", significant(stable_to(fit), FIGURE));
-    text.extend(fit.findings().iter().filter(|finding| finding.is_warning()).map(|finding| format!("# {finding}\n")));
+    let findings = fit.warnings.iter().map(Finding::new).filter(Finding::is_warning);
+    text.extend(findings.map(|finding| format!("# {finding}\n")));
     text.push_str(&film.lines());
     text.push_str(&table(fit));
     text

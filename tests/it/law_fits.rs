@@ -79,7 +79,9 @@ fn a_material_without_density_and_thickness_says_so() {
     let found = figures(&fit(folder.path(), &rubber(&TRELOAR), &["--law", "yeoh", "-o", "rubber.toml", "--json"]));
     assert!(codes(&found).contains(&"material-incomplete".to_owned()), "{found}");
     let checked = droptower(folder.path(), &["check", "rubber.toml"]);
-    assert!(error(&checked).contains("density"), "{}", error(&checked));
+    for key in ["missing key `density`", "missing key `thickness`"] {
+        assert!(error(&checked).contains(key), "{key} in {}", error(&checked));
+    }
 }
 
 #[test]
@@ -157,7 +159,7 @@ fn a_master_curve_becomes_a_prony_series() {
     let found = figures(&fit(folder.path(), &[master.display().to_string()], &more));
     let [rms, largest] = ["/relative_rms", "/largest_relative_error"].map(|pointer| number(&found, pointer));
     println!("ours: {rms} rms, {largest} at most, {} terms", found["terms"].as_array().expect("terms").len());
-    assert!(rms < 0.005 && number(&found, "/r_squared") > 0.9999, "{rms} {largest}");
+    assert!(rms < 0.003 && largest < 0.02 && number(&found, "/r_squared") > 0.9999, "{rms} {largest}");
     let own = file::columns(&data("relaxation/prony-terms.csv"), &ReadOptions::default()).expect("the terms");
     let terms = own.columns[0].values.iter().zip(&own.columns[1].values);
     let terms = terms.map(|(share, time)| PronyTerm { share: *share, time: *time }).collect();
@@ -169,7 +171,7 @@ fn a_master_curve_becomes_a_prony_series() {
     let their_rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
     let their_largest = errors.iter().fold(0.0, |most: f64, error| most.max(error.abs()));
     println!("NREL's: {their_rms} rms, {their_largest} at most");
-    assert!(rms <= their_rms && largest <= their_largest, "{rms} {their_rms} {largest} {their_largest}");
+    assert!(rms < 1.05 * their_rms && largest < their_largest, "{rms} {their_rms} {largest} {their_largest}");
     assert!((number(&found, "/instantaneous_modulus_Pa") / 1739.03e6 - 1.0).abs() < 0.03, "{found}");
     let material: toml::Table =
         fs::read_to_string(folder.path().join("film.toml")).expect("the material").parse().expect("TOML");
@@ -181,7 +183,7 @@ fn a_master_curve_becomes_a_prony_series() {
     assert!(folder.path().join("film.html").exists());
 }
 
-/// 21 temperatures: by overlap the shift factors are those that were published with them.
+/// 21 temperatures: by overlap the shift factors are nearly those that were published with them.
 #[test]
 fn temperatures_become_a_master_curve_and_laws_of_their_shift() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -198,6 +200,9 @@ fn temperatures_become_a_master_curve_and_laws_of_their_shift() {
     let pairs: Vec<(f64, f64)> = logs(&given).into_iter().zip(logs(&found)).collect();
     println!("{pairs:.2?}");
     assert_eq!(pairs.len(), 21);
+    // Published ones come from another method; differences add up from one temperature to the next.
+    assert!(pairs.iter().all(|(given, own)| (given - own).abs() < 1.3), "{pairs:.2?}");
+    assert!(pairs[7..].iter().all(|(given, own)| (given - own).abs() < 0.25), "{pairs:.2?}");
     for figures in [&given, &found] {
         let laws = ["/shift/wlf/rms_decades", "/shift/arrhenius/rms_decades"].map(|pointer| number(figures, pointer));
         println!(

@@ -8,6 +8,7 @@ mod data_set;
 mod fit;
 pub mod hyperelastic;
 mod intervals;
+mod options;
 mod quality;
 mod reading;
 mod result;
@@ -17,7 +18,8 @@ mod weighting;
 
 pub use choice::{LawChoice, LawChoiceError};
 pub use data_set::{BiaxialPoint, DataError, DataSet, Measured, range};
-pub use fit::{FitError, FitOptions, fit_law};
+pub use fit::fit_law;
+pub use options::{FitError, FitOptions};
 pub use quality::Quality;
 pub use reading::{StressFault, StressReader, StressReadingError};
 pub use result::{Coefficient, LawFit, TestFit};

@@ -67,7 +67,9 @@ impl LawFigures {
     }
 
     pub(super) fn text(&self) -> String {
-        let coefficients = self.coefficients.iter().map(CoefficientFigures::cells).collect::<Vec<_>>();
+        let coefficients = self.coefficients.iter().map(CoefficientFigures::cells);
+        let coefficients: Vec<Vec<String>> =
+            std::iter::once(COEFFICIENTS.map(String::from).to_vec()).chain(coefficients).collect();
         let test = |fitted: bool| move |test: &TestFigures| test.cells(fitted);
         let tests = self.tests.iter().map(test(true)).chain(self.predictions.iter().map(test(false)));
         let lines: Vec<Vec<String>> = std::iter::once(HEADER.map(String::from).to_vec()).chain(tests).collect();
@@ -81,7 +83,7 @@ impl LawFigures {
             "{}, {} residuals\n{}{}  {stability} (Hill's criterion)\n{}{}",
             self.law,
             self.residual,
-            table::aligned(&coefficients, 1),
+            table::aligned(&coefficients, 2),
             table::aligned(&lines, 2),
             findings::lines("", &self.findings),
             self.written.iter().map(|file| format!("wrote {file}\n")).collect::<String>()
@@ -89,20 +91,21 @@ impl LawFigures {
     }
 }
 
+const COEFFICIENTS: [&str; 5] = ["", "", "value", "95 % from", "to"];
+
 const HEADER: [&str; 7] = ["", "", "stresses", "R2", "rms (MPa)", "rms (%)", "largest (MPa)"];
 
 impl CoefficientFigures {
     fn cells(&self) -> Vec<String> {
         let (factor, unit) = if self.unit == "Pa" { (1e-6, "MPa") } else { (1.0, "") };
         let shown = |value: f64| figure(value * factor, 5);
-        let interval = match self.interval {
-            Some([low, high]) if low.is_finite() && high.is_finite() => {
-                format!("95 %: {} to {}", shown(low), shown(high))
-            }
-            Some(_) => "not determined".into(),
-            None => String::new(),
+        let ends = match self.interval {
+            Some(ends) if ends.iter().all(|end| end.is_finite()) => ends.map(shown),
+            Some(_) => ["not determined".into(), String::new()],
+            None => [String::new(), String::new()],
         };
-        vec![self.name.clone(), shown(self.value), unit.into(), interval]
+        let [low, high] = ends;
+        vec![self.name.clone(), unit.into(), shown(self.value), low, high]
     }
 }
 

@@ -1,6 +1,7 @@
 //! `droptower tensile fit`: a law fitted to measured stresses, or a series to a relaxation modulus.
 
 mod args;
+mod fitted;
 mod law;
 mod law_figures;
 mod law_page;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::FitArgs;
-use super::args::ShiftWord;
+use super::fitted::Fitted;
 use super::relaxation_figures::RelaxationFigures;
 use super::relaxation_page::page;
 use super::written::{Places, name};
@@ -13,31 +13,11 @@ use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::{Diagnostic, listed};
 use crate::experiment::Warning;
 use crate::experiment::relaxation::{
-    Master, PronyFit, RelaxationData, RelaxationReadingError, ShiftFits, ShiftLawFit, fit_prony, fit_shift,
-    read_relaxation, read_shift_factors,
+    Master, RelaxationData, RelaxationReadingError, fit_prony, fit_shift, read_relaxation, read_shift_factors,
 };
 use crate::finding::Finding;
 use crate::scenario::fitted_material::{ASSUMED_POISSON, RelaxationMaterial, relaxation_text};
 use crate::signal::file::ChannelSelection;
-
-/// A fitted relaxation, with its master curve where it comes from several temperatures.
-pub(super) struct Fitted {
-    pub(super) source: String,
-    pub(super) fit: PronyFit,
-    pub(super) master: Option<(Master, ShiftFits)>,
-}
-
-impl Fitted {
-    /// The law of the shift factors that is written: the one that is asked for, or the closer one.
-    fn shift(&self, asked: Option<ShiftWord>) -> Option<&ShiftLawFit> {
-        let (_, fits) = self.master.as_ref()?;
-        match asked {
-            Some(ShiftWord::Wlf) => fits.wlf.as_ref(),
-            Some(ShiftWord::Arrhenius) => fits.arrhenius.as_ref(),
-            None => fits.better(),
-        }
-    }
-}
 
 pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     let places = Places::of(args)?;

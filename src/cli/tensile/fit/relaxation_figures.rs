@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::relaxation::Fitted;
+use super::fitted::Fitted;
 use crate::cli::{findings, table};
 use crate::experiment::relaxation::{ShiftLaw, ShiftLawFit, ZERO_CELSIUS};
 use crate::finding::Finding;

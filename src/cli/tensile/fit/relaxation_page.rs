@@ -1,6 +1,6 @@
 //! The page of a fitted relaxation.
 
-use super::relaxation::Fitted;
+use super::fitted::Fitted;
 use crate::experiment::relaxation::{ShiftLawFit, ZERO_CELSIUS};
 use crate::finding::Finding;
 use crate::number::{figure, plain, rounded, significant};
