@@ -2,11 +2,9 @@
 
 use std::error::Error;
 
+use droptower::confidence::{Colour, Confidence, ConfidenceOptions, Linearization};
 use droptower::diagnostic::{Diagnostic, render};
-use droptower::identify::{
-    Colour, Confidence, ConfidenceOptions, Evaluation, Linearization, Method, Objective, Problem, ProfileError, Search,
-    minimize, with_evaluator,
-};
+use droptower::identify::{Evaluation, Method, Objective, Problem, ProfileError, Search, minimize, with_evaluator};
 use droptower::model;
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::{Series, norm::relative_residuals};
@@ -70,7 +68,9 @@ pub fn fit(objective: &dyn Objective, names: &[&str], start: Vec<f64>) -> Result
     let parameters = confidence.names.iter().zip(&confidence.x).zip(&confidence.intervals);
     let parameters =
         parameters.map(|((name, x), [lower, upper])| format!("{name} {x:.4} ({lower:.4} to {upper:.4})\n"));
-    let warnings = result.warnings.iter().chain(&confidence.warnings).map(|warning| format!("warning: {warning}\n"));
+    let warnings = result.warnings.iter().map(ToString::to_string);
+    let warnings = warnings.chain(confidence.warnings.iter().map(ToString::to_string));
+    let warnings = warnings.map(|warning| format!("warning: {warning}\n"));
     Ok(format!("{}: {}", result.best.reason, parameters.chain(warnings).collect::<String>()))
 }
 

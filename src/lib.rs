@@ -33,9 +33,9 @@
 //!
 //! The modules stand in the order in which data flows. A scenario file is read ([`scenario`]), checked into SI values
 //! ([`model`]), meshed ([`mesh`]), stepped through time ([`engine`], [`simulate`]), measured ([`post`]) and written
-//! ([`store`], [`report`]); [`signal`] and [`experiment`] reduce recordings, [`identify`] searches. No module uses one
-//! that stands below it, which `tests/it/architecture.rs` checks. `docs/theory.md` has the equations that comments
-//! cite, `docs/glossary.md` the terms.
+//! ([`store`], [`report`]); [`signal`] and [`experiment`] reduce recordings, [`identify`] searches, and [`confidence`]
+//! says how well what they find is known. No module uses one that stands below it, which `tests/it/architecture.rs`
+//! checks. `docs/theory.md` has the equations that comments cite, `docs/glossary.md` the terms.
 #![warn(missing_docs)]
 
 pub mod number;
@@ -47,6 +47,7 @@ pub use droptower_membrane::{engine, lane, material};
 pub mod mesh;
 pub mod signal;
 pub mod plot;
+pub mod confidence;
 pub mod experiment;
 pub mod scenario;
 pub mod model;

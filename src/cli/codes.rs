@@ -3,15 +3,25 @@
 use super::{Failure, Shared, checkpoint, print, print_json};
 use crate::diagnostic::closest;
 use crate::finding::Code;
-use crate::{experiment, identify, model, post, script, signal, simulate};
+use crate::{confidence, experiment, identify, model, post, script, signal, simulate};
 
 /// The word in place of a key that lists all codes.
 pub(super) const WORD: &str = "findings";
 
 /// All codes, module by module.
 fn all() -> impl Iterator<Item = &'static Code> {
-    let modules =
-        [signal::CODES, experiment::CODES, model::CODES, simulate::CODES, script::CODES, post::CODES, identify::CODES];
+    let modules = [
+        signal::CODES,
+        confidence::CODES,
+        experiment::CODES,
+        experiment::law_fit::CODES,
+        experiment::relaxation::CODES,
+        model::CODES,
+        simulate::CODES,
+        script::CODES,
+        post::CODES,
+        identify::CODES,
+    ];
     modules.into_iter().chain([checkpoint::CODES]).flatten().copied()
 }
 

@@ -85,7 +85,7 @@ enum Command {
     /// Read, filter, convert, rate and reduce recordings
     #[command(subcommand)]
     Signal(signal::SignalCommand),
-    /// Reduce coupon tests to moduli, yield points, strength and a material
+    /// Reduce coupon tests to a material, and fit laws to measured data
     #[command(subcommand)]
     Tensile(tensile::TensileCommand),
 }

@@ -91,6 +91,13 @@ codes! {
     DENSITY_ASSUMED = "density-assumed", Warning,
         "no density was given, so the material file states that of LLDPE",
         "give --density";
+    POISSON_ASSUMED = "poisson-assumed", Warning,
+        "no Poisson's ratio was given, so the material file states one that is assumed",
+        "give --poisson";
+    MATERIAL_INCOMPLETE = "material-incomplete", Warning,
+        "the material file lacks keys that a material needs, since they were not given: a scenario cannot use it before they \
+         are written",
+        "give --density and --thickness, or write them into the file or into the scenario that names it";
 }
 
 /// What a reduction reports although it continues.
@@ -302,6 +309,18 @@ pub enum Warning {
     /// A material file with an assumed density.
     #[error("the density in the material file is assumed (LLDPE)")]
     DensityAssumed,
+    /// Poisson's ratio is assumed.
+    #[error("Poisson's ratio in the material file is assumed: {}", significant(*poisson, 3))]
+    PoissonAssumed {
+        /// As assumed.
+        poisson: f64,
+    },
+    /// Keys of the material file were not given.
+    #[error("the material file lacks {keys}: not given")]
+    MaterialIncomplete {
+        /// The keys in words.
+        keys: String,
+    },
 }
 
 fn bridged(count: usize) -> String {
@@ -346,6 +365,8 @@ impl Report for Warning {
             Warning::SpeedNotMeasured { .. } => &SPEED_NOT_MEASURED,
             Warning::NoAbsorption => &NO_ABSORPTION,
             Warning::DensityAssumed => &DENSITY_ASSUMED,
+            Warning::PoissonAssumed { .. } => &POISSON_ASSUMED,
+            Warning::MaterialIncomplete { .. } => &MATERIAL_INCOMPLETE,
         }
     }
 
@@ -403,6 +424,8 @@ impl Report for Warning {
             Warning::SpeedNotMeasured { direction, velocity } => {
                 named(&[("direction", direction.name().into()), ("velocity_m_s", (*velocity).into())])
             }
+            Warning::PoissonAssumed { poisson } => named(&[("poisson", (*poisson).into())]),
+            Warning::MaterialIncomplete { keys } => named(&[("keys", keys.as_str().into())]),
             Warning::NoLaser
             | Warning::NoLaserNoHeight
             | Warning::NoEnergyAbsorption { .. }

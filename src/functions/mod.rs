@@ -8,6 +8,7 @@ mod coupon;
 mod curve;
 mod drop;
 mod files;
+mod law_fit;
 mod measures;
 mod plots;
 mod random;
@@ -32,6 +33,7 @@ pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "files", entries: files::ENTRIES },
     Chapter { title: "curves", entries: curve::ENTRIES },
     Chapter { title: "coupon tests", entries: coupon::ENTRIES },
+    Chapter { title: "fits of laws", entries: law_fit::ENTRIES },
     Chapter { title: "drop tests", entries: drop::ENTRIES },
     Chapter { title: "random numbers", entries: random::ENTRIES },
     Chapter { title: "thresholds", entries: threshold::ENTRIES },
@@ -49,6 +51,7 @@ pub fn engine(limits: Limits) -> Engine {
     drop::register(&mut engine);
     curve::register(&mut engine);
     coupon::register(&mut engine);
+    law_fit::register(&mut engine);
     engine
 }
 
@@ -57,6 +60,7 @@ pub fn register_reading(engine: &mut Engine) {
     recording::register(engine);
     table::register(engine);
     coupon::register_reading(engine);
+    law_fit::register_reading(engine);
 }
 
 /// Offers the functions whose output `collector` takes: figures, tables, plots, files, the log.
@@ -81,8 +85,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("r.csv");
         std::fs::write(&path, "time [ms],acceleration [g]\n0,1\n1,2\n").unwrap();
+        let stresses = folder.path().join("rubber-ut.csv");
+        std::fs::write(&stresses, "stretch,stress_MPa\n1,0\n2,0.7\n3,1.1\n").unwrap();
         let mut scope = Scope::new();
-        scope.push_constant("args", Map::from([("recording".into(), path.to_string_lossy().into_owned().into())]));
+        let args = [("recording", &path), ("stresses", &stresses)];
+        let args = args.map(|(name, path)| (name.into(), path.to_string_lossy().into_owned().into()));
+        scope.push_constant("args", Map::from(args));
         let engine = engine();
         for entry in REFERENCE.iter().flat_map(|chapter| chapter.entries) {
             let held = engine.eval_with_scope::<bool>(&mut scope.clone(), entry.example);

@@ -3,8 +3,8 @@
 //!
 //! [`minimize`] searches with one of three [methods](Method) from one or several starts. A [`TrialPool`] evaluates the
 //! trials of one or several searches in parallel, also speculatively, and writes them to a [`History`]; neither changes
-//! the result, to the bit. [`Confidence`] and [`profiles`] say how well the parameters are known. The bindings offer
-//! all of it to scripts.
+//! the result, to the bit. [`Confidence`](crate::confidence::Confidence) and [`profiles`] say how well the parameters
+//! are known. The bindings offer all of it to scripts.
 //!
 //! ```
 //! use droptower::identify::{Method, Problem, Search, SearchError, minimize, with_evaluator};
@@ -35,12 +35,7 @@ mod warning;
 
 pub use bindings::{REFERENCE, SearchEvent, SearchHost, register};
 pub use bounds::{Bounds, BoundsError, Side};
-pub use confidence::covariance::CovarianceError;
-pub use confidence::estimate::{Confidence, ConfidenceError};
-pub use confidence::identifiability::Direction;
-pub use confidence::linearization::{Linearization, LinearizationError};
-pub use confidence::noise::{Colour, Misfit, Noise};
-pub use confidence::options::ConfidenceOptions;
+pub use confidence::linearization::LinearizationError;
 pub use confidence::profile::{Profile, ProfileError, ProfilePoint, profiles};
 pub use confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
 pub use error::SearchError;

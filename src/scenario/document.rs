@@ -55,7 +55,7 @@ impl Document {
     /// Whether what was read as a scenario has the keys of a material and no specimen.
     pub fn is_material(&self) -> bool {
         let has = |key: &str| self.find(key).is_some();
-        !has("specimen") && ["density", "thickness", "fabric", "elastic"].into_iter().any(has)
+        !has("specimen") && ["density", "thickness", "fabric", "elastic", "hyperelastic"].into_iter().any(has)
     }
 
     /// The same scenario without the keys that `assignments` leave out, and with the others merged into it. Two that

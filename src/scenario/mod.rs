@@ -6,6 +6,7 @@ mod air;
 mod assignment;
 mod contact;
 pub mod coupon_material;
+pub mod fitted_material;
 mod curve_file;
 mod document;
 mod frame;

@@ -7,6 +7,7 @@ mod conversions;
 mod coupons;
 mod diagnostics;
 mod language;
+mod law_fits;
 mod documents;
 mod examples;
 mod golden;

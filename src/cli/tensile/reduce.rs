@@ -44,7 +44,7 @@ fn reader(args: &ReduceArgs, coupon: Coupon) -> Result<CouponReader, Diagnostic>
 }
 
 /// The files that paths and globs name, each once, in the order of the arguments.
-fn paths(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
+pub(super) fn paths(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
     let mut paths = all(patterns.iter().map(|pattern| expanded(pattern)))?.concat();
     let mut seen = std::collections::HashSet::new();
     paths.retain(|path| seen.insert(path.clone()));
@@ -52,7 +52,7 @@ fn paths(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
 }
 
 /// All values, or all mistakes.
-fn all<T>(results: impl Iterator<Item = Result<T, Diagnostic>>) -> Result<Vec<T>, Vec<Diagnostic>> {
+pub(super) fn all<T>(results: impl Iterator<Item = Result<T, Diagnostic>>) -> Result<Vec<T>, Vec<Diagnostic>> {
     let (values, mistakes): (Vec<_>, Vec<_>) = results.partition(Result::is_ok);
     let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
     if mistakes.is_empty() { Ok(values.into_iter().filter_map(Result::ok).collect()) } else { Err(mistakes) }

@@ -2,16 +2,16 @@
 
 use rhai::{Array, Dynamic, INT, Map};
 
-use crate::finding::{Finding, Severity};
+use crate::confidence::Confidence;
+use crate::finding::{Finding, Report, Severity};
 use crate::identify::bounds::Side;
-use crate::identify::confidence::estimate::Confidence;
 use crate::identify::confidence::profile::Profile;
 use crate::identify::confidence::refinement::Refinement;
 use crate::identify::convergence::thinned;
 use crate::identify::iteration::Iteration;
 use crate::identify::options::Search;
 use crate::identify::result::{SearchResult, StartResult};
-use crate::identify::warning::{NOT_CONVERGED, ON_BOUND, Warning};
+use crate::identify::warning::{NOT_CONVERGED, ON_BOUND};
 use crate::script::from_json;
 
 /// Largest number of values in the history of a result, which a longer one is thinned to: values of scripts are
@@ -196,7 +196,7 @@ fn profile_rows<'p>(profile: &'p Profile, names: &'p [String]) -> impl Iterator<
 
 /// `findings`, a list of maps with code, severity, message and figures, and `warnings`, the messages of the warnings
 /// among them.
-fn insert_findings<'w>(map: &mut Map, reports: impl Iterator<Item = &'w Warning>) {
+fn insert_findings<'w, W: Report + 'w>(map: &mut Map, reports: impl Iterator<Item = &'w W>) {
     insert(map, reports.map(|warning| map_of(&Finding::new(warning))).collect());
 }
 

@@ -6,8 +6,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::estimate::Confidence;
-use super::linearization::Linearization;
+use crate::confidence::Confidence;
+use crate::confidence::Linearization;
 use crate::identify::options::Search;
 
 /// Limit of trials of one fit.

@@ -1,12 +1,6 @@
-//! How well estimated parameters are known: linearization, covariance, identifiability, and profiles of the objective.
+//! How well estimated parameters are known: the linearization of an objective, and its profiles.
 
 mod constrained_fit;
-pub(super) mod covariance;
-pub(super) mod estimate;
-pub(super) mod identifiability;
-mod interval;
 pub(super) mod linearization;
-pub(super) mod noise;
-pub(super) mod options;
 pub(super) mod profile;
 pub(super) mod refinement;

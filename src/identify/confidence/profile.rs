@@ -10,9 +10,8 @@ use nalgebra::DVector;
 use thiserror::Error;
 
 use super::constrained_fit::{ConstrainedFit, NEGLIGIBLE, rise};
-use super::estimate::{Confidence, ConfidenceError};
-use super::interval::Interval;
-use super::linearization::{Failed, Linearization, LinearizationError, residuals};
+use super::linearization::{Failed, LinearizationError, residuals};
+use crate::confidence::{Confidence, ConfidenceError, Interval, Linearization};
 use crate::identify::bounds::Side;
 use crate::identify::error::{SearchError, SearchFailure};
 use crate::identify::objective::Evaluation;
@@ -289,10 +288,10 @@ pub(super) fn lowest(profiles: &[Profile], least: f64) -> Option<(usize, f64, &[
 mod tests {
     use nalgebra::DMatrix;
 
-    use super::super::noise::Colour;
-    use super::super::noise::tests::normals;
-    use super::super::options::ConfidenceOptions;
     use super::*;
+    use crate::confidence::Colour;
+    use crate::confidence::ConfidenceOptions;
+    use crate::confidence::normals;
     use crate::identify::bounds::Bounds;
     use crate::identify::options::Method;
     use crate::identify::point::unnamed;

@@ -3,10 +3,10 @@
 //! Where a profile finds a lower objective value than the estimate, the estimate is no minimum: the search continues
 //! from the lowest point of the profiles, and the profiles are computed again about the point that it finds.
 
-use super::estimate::Confidence;
-use super::linearization::{Linearization, LinearizationError};
-use super::options::ConfidenceOptions;
+use super::linearization::LinearizationError;
 use super::profile::{Profile, ProfileError, lowest, profiles};
+use crate::confidence::Confidence;
+use crate::confidence::{ConfidenceOptions, Linearization};
 use crate::identify::bounds::Bounds;
 use crate::identify::error::SearchError;
 use crate::identify::iteration::{Iteration, StopReason};
@@ -126,7 +126,7 @@ pub(in crate::identify) fn linearization(
 ) -> Result<Linearization, LinearizationError> {
     let linearization = Linearization::at_start(search, evaluator)?;
     match &options.parts {
-        Some(parts) => linearization.joined_from(parts),
+        Some(parts) => Ok(linearization.joined_from(parts)?),
         None => Ok(linearization),
     }
 }

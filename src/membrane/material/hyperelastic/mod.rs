@@ -17,6 +17,7 @@ mod ogden;
 mod polynomial;
 mod principal;
 mod stability;
+mod tension;
 #[cfg(test)]
 mod tests;
 
@@ -24,7 +25,7 @@ pub use compressible::CompressibleNeoHookean;
 pub use gent::Gent;
 pub use ogden::{Ogden, OgdenTerm};
 pub use polynomial::Polynomial;
-pub use stability::Tension;
+pub use tension::Tension;
 
 use serde::{Deserialize, Serialize};
 
@@ -152,6 +153,19 @@ impl HyperelasticLaw {
         }
     }
 }
+
+/// Evaluates `$value` with the energy of a [`HyperelasticLaw`].
+macro_rules! with_energy {
+    ($law:expr, $energy:ident => $value:expr) => {
+        match $law {
+            HyperelasticLaw::Polynomial(Hyperelastic { energy: $energy, .. }) => $value,
+            HyperelasticLaw::Gent(Hyperelastic { energy: $energy, .. }) => $value,
+            HyperelasticLaw::Ogden(Hyperelastic { energy: $energy, .. }) => $value,
+            HyperelasticLaw::CompressibleNeoHookean(Hyperelastic { energy: $energy, .. }) => $value,
+        }
+    };
+}
+use with_energy;
 
 /// C₁₁, C₂₂ and C₁₂ of a deformation (theory.md, equation 13).
 #[inline(always)]

@@ -1,8 +1,6 @@
 //! Hill's criterion of stability: stretches from which on a law gives way.
 
-use std::fmt;
-
-use super::{HyperelasticLaw, StrainEnergy};
+use super::{Hyperelastic, HyperelasticLaw, StrainEnergy, Tension, with_energy};
 
 /// Largest stretch that is checked.
 const MOST: f64 = 10.0;
@@ -13,52 +11,31 @@ const STEP: f64 = 0.01;
 /// Half the difference of ln λ over which the stress is differentiated.
 const DIFFERENCE: f64 = 1e-5;
 
-/// Kinds of tension in which a law is checked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tension {
-    /// Of a strip, which contracts across.
-    Uniaxial,
-    /// The same stretch in both directions.
-    Equibiaxial,
-    /// Of a wide strip, which keeps its width.
-    Plane,
-}
-
-impl fmt::Display for Tension {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Tension::Uniaxial => "uniaxial tension",
-            Tension::Equibiaxial => "equibiaxial tension",
-            Tension::Plane => "plane tension",
-        })
-    }
-}
-
 impl HyperelasticLaw {
     /// The least stretch up to 10, and the kind of tension, from which on the law is unstable: ∂τ_i/∂ln λ_j of the
     /// Kirchhoff stresses τ_i = c_i S_i in the plane is no longer positive definite (Hill, J. Mech. Phys. Solids 5,
     /// 1957).
     pub fn instability(&self) -> Option<(Tension, f64)> {
-        match self {
-            HyperelasticLaw::Polynomial(law) => instability(&law.energy),
-            HyperelasticLaw::Gent(law) => instability(&law.energy),
-            HyperelasticLaw::Ogden(law) => instability(&law.energy),
-            HyperelasticLaw::CompressibleNeoHookean(law) => instability(&law.energy),
-        }
+        self.instability_up_to(MOST)
+    }
+
+    /// The same up to the stretch `most`.
+    pub fn instability_up_to(&self, most: f64) -> Option<(Tension, f64)> {
+        with_energy!(self, energy => instability(energy, most))
+    }
+
+    /// Whether the law is stable at these principal stretches in the plane, by the same criterion.
+    pub fn is_stable_at(&self, stretches: [f64; 2]) -> bool {
+        with_energy!(self, energy => is_stable(energy, stretches.map(|stretch| stretch * stretch)))
     }
 }
 
-fn instability(energy: &impl StrainEnergy) -> Option<(Tension, f64)> {
-    let steps = ((MOST - 1.0) / STEP).round() as u32;
+fn instability(energy: &impl StrainEnergy, most: f64) -> Option<(Tension, f64)> {
+    let steps = ((most - 1.0) / STEP).round() as u32;
     let stretches = (0..=steps).map(|step| 1.0 + STEP * f64::from(step));
-    let states = stretches.flat_map(|stretch| {
-        let square = stretch * stretch;
-        let narrow = energy.natural_width(&[square])[0];
-        [(Tension::Uniaxial, narrow), (Tension::Equibiaxial, square), (Tension::Plane, 1.0)]
-            .map(|(tension, other)| (tension, stretch, [square, other]))
-    });
-    let unstable = states.into_iter().find(|(_, _, squares)| !is_stable(energy, *squares));
-    unstable.map(|(tension, stretch, _)| (tension, stretch))
+    let tensions = [Tension::Uniaxial, Tension::Equibiaxial, Tension::Plane];
+    let mut states = stretches.flat_map(|stretch| tensions.map(|tension| (tension, stretch)));
+    states.find(|(tension, stretch)| !is_stable(energy, tension.squares(energy, *stretch)))
 }
 
 /// Whether the stresses grow with the strains; also beyond the limit of a law, where there are none.
@@ -85,16 +62,16 @@ fn is_stable(energy: &impl StrainEnergy, squares: [f64; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{Gent, Hyperelastic, Ogden, OgdenTerm, Polynomial};
+    use crate::material::{Gent, Ogden, OgdenTerm, Polynomial};
 
     #[test]
     fn common_rubbers_are_stable() {
         let ogden = [(6.3e5, 1.3), (1.2e3, 5.0), (-1e4, -2.0)].map(|(mu, alpha)| OgdenTerm { mu, alpha });
-        assert_eq!(instability(&Ogden::new(&ogden)), None);
-        assert_eq!(instability(&Polynomial::neo_hookean(1.0)), None);
-        assert_eq!(instability(&Polynomial::mooney_rivlin(0.4, 0.1)), None);
-        assert_eq!(instability(&Polynomial::yeoh([0.18, -0.002, 0.000_05])), None);
-        assert_eq!(instability(&Gent { mu: 1.0, jm: 30.0 }), None);
+        assert_eq!(instability(&Ogden::new(&ogden), MOST), None);
+        assert_eq!(instability(&Polynomial::neo_hookean(1.0), MOST), None);
+        assert_eq!(instability(&Polynomial::mooney_rivlin(0.4, 0.1), MOST), None);
+        assert_eq!(instability(&Polynomial::yeoh([0.18, -0.002, 0.000_05]), MOST), None);
+        assert_eq!(instability(&Gent { mu: 1.0, jm: 30.0 }, MOST), None);
     }
 
     /// In equibiaxial tension τ = 2 (λ² − λ⁻⁴)(c₁₀ + c₀₁ λ²) falls where the derivative by λ vanishes; shear gives way

@@ -8,7 +8,7 @@
 use nalgebra::DMatrix;
 
 use super::linearization::Linearization;
-use crate::identify::warning::Warning;
+use super::warning::Warning;
 
 /// Half-width of the interval of 95 % of a combination, as a factor, above which it is poorly determined.
 const TOO_WIDE: f64 = 1.5;

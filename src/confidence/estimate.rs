@@ -9,7 +9,7 @@ use super::identifiability::{self, Direction};
 use super::interval::Interval;
 use super::linearization::Linearization;
 use super::options::ConfidenceOptions;
-use crate::identify::warning::Warning;
+use super::warning::Warning;
 
 /// Probability of a value below the upper end of a two-sided interval of 95 %.
 const BELOW_UPPER: f64 = 0.975;

@@ -2,7 +2,7 @@
 
 /// An interval, symmetric about the estimate or, for a relative one, about its logarithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Interval {
+pub(crate) struct Interval {
     x: f64,
     half_width: f64,
     relative: bool,
@@ -10,12 +10,12 @@ pub(super) struct Interval {
 
 impl Interval {
     /// The interval around `x`. Zero has no logarithm: its interval is absolute.
-    pub(super) fn new(x: f64, half_width: f64, relative: bool) -> Interval {
+    pub(crate) fn new(x: f64, half_width: f64, relative: bool) -> Interval {
         Interval { x, half_width, relative: relative && x != 0.0 }
     }
 
     /// The value `share` half-widths above the estimate.
-    pub(super) fn at(&self, share: f64) -> f64 {
+    pub(crate) fn at(&self, share: f64) -> f64 {
         let Interval { x, half_width, .. } = *self;
         if share == 0.0 || half_width == 0.0 {
             x

@@ -1,0 +1,23 @@
+//! How well estimated parameters are known: covariance and intervals of a linear model, and identifiability.
+//!
+//! Searches and fits of laws linearize their residuals; what follows from that is here.
+
+mod covariance;
+mod estimate;
+mod identifiability;
+mod interval;
+mod linearization;
+mod noise;
+mod options;
+mod warning;
+
+pub use covariance::CovarianceError;
+pub use estimate::{Confidence, ConfidenceError};
+pub use identifiability::Direction;
+pub(crate) use interval::Interval;
+pub use linearization::{Linearization, PartsError};
+#[cfg(test)]
+pub(crate) use noise::tests::normals;
+pub use noise::{Colour, Misfit, Noise};
+pub use options::ConfidenceOptions;
+pub use warning::{CODES, Warning};

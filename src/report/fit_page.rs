@@ -1,0 +1,50 @@
+//! The page of a fit: its figures, measured and fitted curves, residuals, and what it reports.
+
+use super::html::{self, escape};
+use super::plot;
+use crate::finding::Finding;
+use crate::plot::{Correlation, Plot};
+
+/// The content of the page of a fit.
+#[derive(Clone, Debug)]
+pub struct FitPage<'a> {
+    /// Heading.
+    pub title: &'a str,
+    /// Heading, names of the columns and rows of each table.
+    pub tables: Vec<FitTable>,
+    /// Measured and fitted curves, and residuals.
+    pub plots: Vec<Plot>,
+    /// Of the coefficients, where there is one.
+    pub correlation: Option<Correlation>,
+    /// What the fit reports.
+    pub findings: &'a [Finding],
+    /// The material file, where one is written.
+    pub material: Option<&'a str>,
+}
+
+/// A table of a fit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FitTable {
+    /// Heading.
+    pub title: &'static str,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Cells.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// The page of a fit.
+pub fn fit_page(fit: &FitPage<'_>) -> String {
+    let table = |table: &FitTable| html::section(table.title, &html::table("rows", &table.columns, &table.rows));
+    let matrix = fit.correlation.as_ref().map(|one| html::matrix(&one.title, &one.names, &one.rows));
+    let body = [
+        format!("<h1>{}</h1>\n", escape(fit.title)),
+        html::findings(Vec::new(), fit.findings),
+        fit.tables.iter().map(table).collect(),
+        html::section("Curves", &plot::figures(&fit.plots)),
+        html::section("Correlations", &matrix.unwrap_or_default()),
+        html::section("Material", &fit.material.map(html::verbatim).unwrap_or_default()),
+        format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
+    ];
+    html::page(fit.title, &body.concat())
+}

@@ -1,0 +1,223 @@
+//! `droptower tensile fit`: laws fitted to rubber in three kinds of tests, and a Prony series to a relaxation modulus.
+
+use std::fs;
+use std::path::Path;
+
+use droptower::experiment::relaxation::{Prony, PronyTerm, RelaxationData, read_relaxation};
+use droptower::signal::file::{self, ReadOptions};
+use serde_json::Value as Json;
+
+use crate::workbench::{data, droptower, error, figures, printed};
+
+fn rubber(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| data("rubber").join(format!("{name}.csv")).display().to_string()).collect()
+}
+
+/// `droptower tensile fit` in `folder`, on `files` and with `more`.
+fn fit(folder: &Path, files: &[String], more: &[&str]) -> std::process::Output {
+    let arguments = ["tensile", "fit"].into_iter().chain(files.iter().map(String::as_str)).chain(more.iter().copied());
+    droptower(folder, &arguments.collect::<Vec<_>>())
+}
+
+fn number(figures: &Json, pointer: &str) -> f64 {
+    figures.pointer(pointer).and_then(Json::as_f64).unwrap_or_else(|| panic!("{pointer} of {figures}"))
+}
+
+fn codes(figures: &Json) -> Vec<String> {
+    let findings = figures["findings"].as_array().expect("findings");
+    findings.iter().map(|finding| finding["code"].as_str().expect("a code").to_owned()).collect()
+}
+
+const TRELOAR: [&str; 3] = ["treloar-ut", "treloar-et", "treloar-ps"];
+
+#[test]
+fn treloars_rubber_becomes_a_material_and_a_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kawabata = rubber(&["kawabata-biaxial"]).remove(0);
+    let more = ["--law", "ogden:3", "-o", "rubber.toml", "--density", "930 kg/m3", "--thickness", "0.2 mm"];
+    let more: Vec<&str> = more.into_iter().chain(["--predict", &kawabata]).collect();
+    let text = printed(&fit(folder.path(), &rubber(&TRELOAR), &more));
+    for part in ["ogden:3, absolute residuals", "alpha_3", "biaxial tension, predicted", "stable up to the stretch 10"]
+    {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let material = fs::read_to_string(folder.path().join("rubber.toml")).expect("the material");
+    assert!(
+        material.contains("# Fitted to treloar-ut (uniaxial tension, stretches 1.02 to 7.6): R2 0.99"),
+        "{material}"
+    );
+    assert!(material.contains("# Predicted: kawabata-biaxial (biaxial tension"), "{material}");
+    let table: toml::Table = material.parse().expect("TOML");
+    assert_eq!(table["hyperelastic"]["law"].as_str(), Some("ogden"));
+    assert_eq!(table["hyperelastic"]["alpha"].as_array().map(Vec::len), Some(3));
+    let checked = droptower(folder.path(), &["check", "rubber.toml"]);
+    assert!(checked.status.success(), "{}", error(&checked));
+    let page = fs::read_to_string(folder.path().join("rubber.html")).expect("the page");
+    for part in [
+        "ogden:3 fitted to 3 tests",
+        "treloar-ps measured",
+        "Residuals",
+        "Biaxial tension",
+        "alpha_2",
+        "[hyperelastic]",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    // Again over its own files.
+    let again = figures(&fit(folder.path(), &rubber(&TRELOAR), &[&more[..], &["--json"]].concat()));
+    for test in 0..3 {
+        assert!(number(&again, &format!("/tests/{test}/r_squared")) >= 0.995, "{again}");
+    }
+    assert_eq!(again["tests"][0]["stresses"], 24);
+    assert!(number(&again, "/predictions/0/relative_rms") < 0.15 && again["predictions"][0]["stresses"] == 234);
+    assert!(again["unstable_from"].is_null() && !codes(&again).contains(&"material-incomplete".to_owned()));
+}
+
+#[test]
+fn a_material_without_density_and_thickness_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = figures(&fit(folder.path(), &rubber(&TRELOAR), &["--law", "yeoh", "-o", "rubber.toml", "--json"]));
+    assert!(codes(&found).contains(&"material-incomplete".to_owned()), "{found}");
+    let checked = droptower(folder.path(), &["check", "rubber.toml"]);
+    for key in ["missing key `density`", "missing key `thickness`"] {
+        assert!(error(&checked).contains(key), "{key} in {}", error(&checked));
+    }
+}
+
+#[test]
+fn uniaxial_data_alone_are_said_to_be_unsafe() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let equibiaxial = rubber(&["treloar-et"]).remove(0);
+    let more = ["--law", "ogden:2", "--predict", &equibiaxial, "--json"];
+    let alone = figures(&fit(folder.path(), &rubber(&TRELOAR[..1]), &more));
+    assert!(codes(&alone).contains(&"uniaxial-only".to_owned()), "{alone}");
+    let all = figures(&fit(folder.path(), &rubber(&TRELOAR), &more));
+    assert!(!codes(&all).contains(&"uniaxial-only".to_owned()), "{all}");
+    let [alone, all] = [&alone, &all].map(|found| number(found, "/predictions/0/relative_rms"));
+    assert!(alone > 1.0 && all < 0.15, "{alone} {all}");
+}
+
+/// The verbatim files have no header: names, units and kinds are options, and the tables of `data/rubber` are the same.
+#[test]
+fn files_without_header_are_read_by_options() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sheets = ["UT", "ET", "PS"].map(|kind| data("rubber_sheet/Treloar_1944").join(kind).with_extension("txt"));
+    let sheets = sheets.map(|path| path.display().to_string());
+    let columns = ["--columns", "stress [MPa],stretch", "--law", "gent", "--json"];
+    let coefficients = |output: &std::process::Output| figures(output)["coefficients"].to_string();
+    let expected = coefficients(&fit(folder.path(), &rubber(&TRELOAR), &["--law", "gent", "--json"]));
+    assert_eq!(coefficients(&fit(folder.path(), &sheets, &columns)), expected);
+    let kinds = [&columns[..], &["--test", "ut,et,ps"]].concat();
+    assert_eq!(coefficients(&fit(folder.path(), &sheets, &kinds)), expected);
+}
+
+#[test]
+fn mistakes_have_a_hint_and_nothing_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        fs::write(folder.path().join(name), text).expect("a file");
+        vec![name.to_owned()]
+    };
+    let unnamed = write("sheet.csv", "stretch,stress_MPa\n1,0\n2,1\n");
+    let unit = write("no-unit-ut.csv", "stretch,stress\n1,0\n2,1\n");
+    let other = write("x-ut.csv", "extension_mm,stress_MPa\n1,0\n2,1\n");
+    let contrary = write("y-ut.csv", "# test: equibiaxial\nstretch,stress_MPa\n1,0\n2,1\n");
+    let fallen = write("z-ut.csv", "stretch,stress_MPa\n2,-1\n3,-2\n4,-3\n");
+    let relaxed = write("r.csv", "time_s,modulus_MPa\n1,100\n2,90\n3,85\n");
+    let law = |more: &[&'static str]| [&["--law", "neo-hookean", "-o", "film.toml"], more].concat();
+    for (files, more, expected) in [
+        (&unnamed, law(&[]), &["sheet.csv: the kind of test is not known", "# test: uniaxial"][..]),
+        (&unnamed, law(&["--test", "ut,et"]), &["--test has 2 kinds of tests for 1 files"]),
+        (&unit, law(&[]), &["the unit of `stress` is not known", "--unit stress=MPa"]),
+        (&other, law(&[]), &["no channel `stretch`", "the columns `stretch` (or `strain`) and `stress`"]),
+        (&contrary, law(&[]), &["its name states uniaxial tension, its header equibiaxial tension"]),
+        (&fallen, law(&[]), &["no coefficients that fit have a stiffness at rest", "check signs"]),
+        (&unnamed, law(&["--test", "ut", "--stable-to", "1"]), &["expected a largest stretch above 1"]),
+        (&unnamed, vec!["--law", "hooke"], &["`hooke` is not a law that can be fitted: expected neo-hookean"]),
+        (&unnamed, vec!["--law", "yeoh", "--test", "ut"], &["2 measured stresses for 3 coefficients"]),
+        (&unnamed, vec![], &["--law <LAW>|--relaxation"]),
+        (&relaxed, vec!["--relaxation", "--terms", "3"], &["3 measured moduli for 3 terms"]),
+        (&relaxed, vec!["--relaxation", "--terms", "2", "--shift", "wlf"], &["the file has no temperatures"]),
+        (&relaxed, vec!["--relaxation", "--terms", "2", "--poisson", "0.5"], &["Poisson's ratio from -1 to 0.5"]),
+        (&relaxed, vec!["--relaxation", "--law", "yeoh"], &["cannot be used with"]),
+    ] {
+        let output = fit(folder.path(), files, &more);
+        assert_eq!(output.status.code(), Some(2), "{files:?} {more:?}: {}", error(&output));
+        for part in expected {
+            assert!(error(&output).contains(part), "{part} in {}", error(&output));
+        }
+    }
+    assert!(!folder.path().join("film.toml").exists() && !folder.path().join("film.html").exists());
+}
+
+/// The master curve of NREL's film with 31 terms, beside NREL's own 31.
+#[test]
+fn a_master_curve_becomes_a_prony_series() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let master = data("relaxation/master.csv");
+    let more = ["--relaxation", "--terms", "31", "-o", "film.toml", "--poisson", "0.4", "--json"];
+    let found = figures(&fit(folder.path(), &[master.display().to_string()], &more));
+    let [rms, largest] = ["/relative_rms", "/largest_relative_error"].map(|pointer| number(&found, pointer));
+    println!("ours: {rms} rms, {largest} at most, {} terms", found["terms"].as_array().expect("terms").len());
+    assert!(rms < 0.003 && largest < 0.02 && number(&found, "/r_squared") > 0.9999, "{rms} {largest}");
+    let own = file::columns(&data("relaxation/prony-terms.csv"), &ReadOptions::default()).expect("the terms");
+    let terms = own.columns[0].values.iter().zip(&own.columns[1].values);
+    let terms = terms.map(|(share, time)| PronyTerm { share: *share, time: *time }).collect();
+    let theirs = Prony { instantaneous: 1739.03e6, terms };
+    let Ok(RelaxationData::Curve(points)) = read_relaxation(&master, &ReadOptions::default()) else {
+        panic!("a curve")
+    };
+    let errors: Vec<f64> = points.iter().map(|[time, modulus]| theirs.modulus(*time) / modulus - 1.0).collect();
+    let their_rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+    let their_largest = errors.iter().fold(0.0, |most: f64, error| most.max(error.abs()));
+    println!("NREL's: {their_rms} rms, {their_largest} at most");
+    assert!(rms < 1.05 * their_rms && largest < their_largest, "{rms} {their_rms} {largest} {their_largest}");
+    assert!((number(&found, "/instantaneous_modulus_Pa") / 1739.03e6 - 1.0).abs() < 0.03, "{found}");
+    let material: toml::Table =
+        fs::read_to_string(folder.path().join("film.toml")).expect("the material").parse().expect("TOML");
+    let terms = material["prony"].as_array().expect("terms");
+    let share = |term: &toml::Value| term["share"].as_float().expect("a share");
+    assert!(terms.iter().map(share).sum::<f64>() < 1.0 && terms.len() > 20);
+    assert!(terms[0]["time"].as_str().is_some_and(|time| time.ends_with(" s")), "{:?}", terms[0]);
+    assert!(material["elastic"]["young"].as_str().is_some_and(|young| young.ends_with(" MPa")));
+    assert!(folder.path().join("film.html").exists());
+}
+
+/// 21 temperatures: by overlap the shift factors are nearly those that were published with them.
+#[test]
+fn temperatures_become_a_master_curve_and_laws_of_their_shift() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [raw, factors] = ["raw", "shift-factors"].map(|name| data("relaxation").join(name).with_extension("csv"));
+    let [raw, factors] = [raw, factors].map(|path| path.display().to_string());
+    let given = ["--relaxation", "--terms", "30", "--shift-factors", &factors, "-o", "film.toml", "--json"];
+    let given = figures(&fit(folder.path(), std::slice::from_ref(&raw), &given));
+    let found = ["--relaxation", "--terms", "30", "--reference", "3 degC", "--shift", "arrhenius", "-o", "own.toml"];
+    let found = figures(&fit(folder.path(), &[raw], &[&found[..], &["--json"]].concat()));
+    let logs = |figures: &Json| -> Vec<f64> {
+        let factors = figures["shift"]["factors"].as_array().expect("factors");
+        factors.iter().map(|factor| number(factor, "/log_shift")).collect()
+    };
+    let pairs: Vec<(f64, f64)> = logs(&given).into_iter().zip(logs(&found)).collect();
+    println!("{pairs:.2?}");
+    assert_eq!(pairs.len(), 21);
+    // Published ones come from another method; differences add up from one temperature to the next.
+    assert!(pairs.iter().all(|(given, own)| (given - own).abs() < 1.3), "{pairs:.2?}");
+    assert!(pairs[7..].iter().all(|(given, own)| (given - own).abs() < 0.25), "{pairs:.2?}");
+    for figures in [&given, &found] {
+        let laws = ["/shift/wlf/rms_decades", "/shift/arrhenius/rms_decades"].map(|pointer| number(figures, pointer));
+        println!(
+            "{} {laws:?} {} {}",
+            figures["shift"]["wlf"],
+            number(figures, "/relative_rms"),
+            figures["shift"]["arrhenius"]
+        );
+        assert!(laws.iter().all(|rms| *rms < 3.0), "{laws:?}");
+    }
+    let shift = |name: &str| -> toml::Table {
+        let text = fs::read_to_string(folder.path().join(name)).expect("the material");
+        text.parse::<toml::Table>().expect("TOML")["shift"].as_table().expect("a shift").clone()
+    };
+    assert!(shift("own.toml")["arrhenius"]["energy"].as_str().is_some_and(|energy| energy.ends_with(" kJ/mol")));
+    assert_eq!(shift("own.toml").len(), 1);
+    assert_eq!(shift("film.toml").len(), 1);
+}
