@@ -16,6 +16,7 @@ mod rate_curves;
 mod tension_field;
 #[cfg(test)]
 mod tests;
+mod viscous;
 
 pub use absorption::Absorption;
 pub use curve::{Curve, CurveError, Reading};
@@ -31,6 +32,10 @@ pub use layer_breaks::LayerBreaks;
 pub use multipliers::Multipliers;
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use tension_field::TensionField;
+pub use viscous::{
+    Arrhenius, GAS_CONSTANT, Measure, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousBase, ViscousLaw,
+    ViscousStep, WithoutCompression, Wlf, Written,
+};
 
 use serde::{Deserialize, Serialize};
 
@@ -171,6 +176,10 @@ pub trait MembraneLaw {
     fn break_range(&self) -> [[f64; 2]; 2] {
         [[f64::INFINITY; 2]; 2]
     }
+    /// What a Prony series on it needs; none where it cannot have one.
+    fn viscous(&self) -> Option<ViscousBase> {
+        None
+    }
     /// Whether it defines [`MembraneLaw::thickness_ratio`].
     fn has_thickness(&self) -> bool {
         true
@@ -237,6 +246,19 @@ impl Law {
         self.visit(BreakRange)
     }
 
+    /// What a Prony series on the law needs; none where it cannot have one.
+    pub fn viscous(&self) -> Option<ViscousBase> {
+        struct Viscous;
+        impl LawVisitor for Viscous {
+            type Output = Option<ViscousBase>;
+
+            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> Option<ViscousBase> {
+                law.viscous()
+            }
+        }
+        self.visit(Viscous)
+    }
+
     /// First Piola–Kirchhoff stress of virgin film at the gradient `f`, reached slowly, Pa of one layer.
     pub fn virgin_stress(&self, f: Gradient<1>) -> Gradient<1> {
         struct VirginStress(Deformation<1>);
@@ -280,6 +302,8 @@ pub struct Material {
     pub thickness: f64,
     /// Its constitutive law.
     pub law: Law,
+    /// Prony series on the law, where film is viscous.
+    pub viscosity: Option<Viscosity>,
     /// Lowest and highest strain rate (1/s) at which the curves were measured, as written, else the lowest and highest
     /// rate of the curves.
     pub measured_rates: Option<[f64; 2]>,

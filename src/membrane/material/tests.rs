@@ -2,7 +2,7 @@
 
 use super::*;
 
-pub(super) fn film(absorption: f64) -> Fabric {
+pub(in crate::material) fn film(absorption: f64) -> Fabric {
     let md = Curve::new(vec![[0.03, 8.4e6], [0.2, 20e6], [0.75, 29e6]]).unwrap();
     let td = Curve::new(vec![[0.04, 8e6], [0.14, 10e6], [6.0, 16e6]]).unwrap();
     let shear = Curve::new(vec![[0.3, 4e6], [1.2, 7e6]]).unwrap();
