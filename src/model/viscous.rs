@@ -104,7 +104,7 @@ fn shifted(
         let hint = match shift {
             Shift::Wlf(wlf) => {
                 let lowest = significant(wlf.reference.0 - wlf.c2.0, 4);
-                format!("Williams, Landel and Ferry's equation has a pole at {lowest} K; `arrhenius` has none")
+                format!("`wlf` has a pole at {lowest} K, `arrhenius` has none")
             }
             Shift::Arrhenius(_) => "it is too far from the reference".to_owned(),
         };

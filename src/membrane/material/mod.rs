@@ -11,6 +11,7 @@ mod fibre;
 mod history;
 mod hyperelastic;
 mod layer_breaks;
+mod measure;
 mod multipliers;
 mod rate_curves;
 mod tension_field;
@@ -29,12 +30,12 @@ pub use hyperelastic::{
     Tension,
 };
 pub use layer_breaks::LayerBreaks;
+pub use measure::{Measure, ViscousBase, WithoutCompression};
 pub use multipliers::Multipliers;
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use tension_field::TensionField;
 pub use viscous::{
-    Arrhenius, GAS_CONSTANT, Measure, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousBase, ViscousLaw,
-    ViscousStep, WithoutCompression, Wlf, Written,
+    Arrhenius, GAS_CONSTANT, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousLaw, ViscousStep, Wlf, Written,
 };
 
 use serde::{Deserialize, Serialize};

@@ -16,7 +16,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub use point::{Measure, ViscousBase, ViscousLaw, WithoutCompression};
+pub use point::ViscousLaw;
 pub use shift::{Arrhenius, GAS_CONSTANT, ShiftFactor, Wlf};
 pub use step::ViscousStep;
 
