@@ -12,7 +12,7 @@ use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Unobserved, Vecto
 use droptower::lane::Width;
 use droptower::material::{
     CompressibleNeoHookean, Elastic, Gent, Hyperelastic, HyperelasticLaw, Law, LawVisitor, MembraneLaw, Ogden,
-    OgdenTerm, Polynomial, TensionField,
+    OgdenTerm, Polynomial, PronyTerm, TensionField, Viscosity,
 };
 use droptower::mesh;
 use droptower::model::{self, Model};
@@ -186,7 +186,7 @@ fn laws() {
         type Output = f64;
 
         fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> f64 {
-            pass_of::<_, 8>(law, self.0, Width::best())
+            pass_of::<_, 8>(law, None, self.0, Width::best())
         }
     }
     let model = shipped(&["specimen.symmetry=none"]);
@@ -232,20 +232,62 @@ fn laws() {
         println!("| {name} | {taut:.1} | {:.2} | {wrinkling:.1} | {:.2} |", taut / fabric, wrinkling / fabric);
     }
     println!();
+    println!("| law | ns an element | with a Prony series of five terms, ns | times |\n|---|---|---|---|");
+    let of_fabric = |wrinkling: bool| {
+        let change = format!("specimen.material.fabric.wrinkling={wrinkling}");
+        shipped(&["specimen.symmetry=none", &change]).faces.remove(0).material.law
+    };
+    let films: [(&str, Law); 6] = [
+        ("fabric", of_fabric(false)),
+        ("elastic", elastic(false)),
+        ("neo-Hookean", neo_hookean(false)),
+        ("fabric, wrinkling", of_fabric(true)),
+        ("elastic, wrinkling", elastic(true)),
+        ("neo-Hookean, wrinkling", neo_hookean(true)),
+    ];
+    for (name, law) in films {
+        let [plain, viscous] = law.visit(Viscous(&model));
+        println!("| {name} | {plain:.1} | {viscous:.1} | {:.2} |", viscous / plain);
+    }
+    println!();
+}
+
+/// ns an element without and with a Prony series of five terms, the medians of measurements in turn.
+struct Viscous<'a>(&'a Model);
+
+impl LawVisitor for Viscous<'_> {
+    type Output = [f64; 2];
+
+    fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> [f64; 2] {
+        let term = |k: i32| PronyTerm { share: 0.1, time: 1e-4 * 10.0_f64.powi(k) };
+        let viscosity = Viscosity::new((0..5).map(term).collect()).expect("a series");
+        let pairs = (0..REPEATS)
+            .map(|_| [None, Some(&viscosity)].map(|film| pass_of::<_, 8>(law, film, self.0, Width::best())))
+            .collect::<Vec<_>>();
+        [0, 1].map(|film| median(pairs.iter().map(|pair| pair[film]).collect()))
+    }
 }
 
 fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
     let Law::Fabric(law) = &model.faces[0].material.law else { panic!("a fabric") };
-    pass_of::<_, L>(law, model, width)
+    pass_of::<_, L>(law, None, model, width)
 }
 
-/// Forces of the elements of the first face of `model` with `law`, ns an element.
-fn pass_of<M: MembraneLaw + Clone, const L: usize>(law: &M, model: &Model, width: Width) -> f64 {
+/// Forces of the elements of the first face of `model` with `law`, `viscous` or not, ns an element.
+fn pass_of<M: MembraneLaw + Clone, const L: usize>(
+    law: &M,
+    viscous: Option<&Viscosity>,
+    model: &Model,
+    width: Width,
+) -> f64 {
     let face = &model.faces[0];
     let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing).expect("a mesh");
     let stress_free = StressFree::new(face.md_angle, face.prestrain);
     let thickness = face.material.thickness * f64::from(face.layers);
     let mut patch = Patch::<_, L>::new(law.clone(), &mesh, &stress_free, thickness).expect("a patch");
+    if let Some(viscosity) = viscous {
+        patch = patch.with_viscosity(viscosity.clone());
+    }
     let mut position = Vectors::default();
     position.extend(mesh.nodes.iter().map(|p| [1.3 * p.x, 1.1 * p.y, 0.4 * p.x * p.y]));
     let mut force = Vectors::zero(mesh.nodes.len());

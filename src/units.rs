@@ -17,8 +17,11 @@ use crate::number;
 
 pub use unit::{STANDARD_GRAVITY, Unit, UnknownUnit};
 
-/// Powers of metre, kilogram, second and radian.
-type Powers = [i8; 4];
+/// Powers of metre, kilogram, second, radian, kelvin and mole.
+type Powers = [i8; 6];
+
+/// 0 °C, K.
+const ZERO_CELSIUS: f64 = 273.15;
 
 /// What a quantity measures: its name, its SI unit and the powers of the base units in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,6 +133,9 @@ impl Dimension {
         if unit.is_empty() {
             return Err(UnitError::NoUnit { dimension: self, text: text.to_owned() });
         }
+        if self.name == Temperature::DIMENSION.name && matches!(unit, "degC" | "°C") {
+            return Ok(value + ZERO_CELSIUS);
+        }
         let (factor, powers) = parse_unit(unit).map_err(|UnknownFactor(unit)| UnitError::UnknownUnit {
             dimension: self,
             unit,
@@ -158,6 +164,9 @@ impl Dimension {
             "J" => &["mJ", "J", "kJ"],
             "N s/m" => &["N s/m"],
             "Nm" => &["Nmm", "Nm", "kNm"],
+            "J/mol" => &["J/mol", "kJ/mol"],
+            "K" if self.name == Temperature::DIMENSION.name => &["degC", "K"],
+            "K" => &["K"],
             _ => &[],
         }
     }
@@ -224,7 +233,7 @@ struct UnknownFactor(String);
 
 /// Factor to SI and powers of a unit such as `kg/m3`: every factor after a `/` divides.
 fn parse_unit(unit: &str) -> Result<(f64, Powers), UnknownFactor> {
-    let mut total = (1.0, [0; 4]);
+    let mut total = (1.0, [0; 6]);
     for (place, group) in unit.split('/').enumerate() {
         let sign: i8 = if place == 0 { 1 } else { -1 };
         for factor in group.split(['*', '·', ' ']).filter(|f| !f.is_empty()) {
@@ -265,13 +274,15 @@ fn split_power(factor: &str) -> (&str, i8) {
 /// Factor to SI and powers of one unit symbol.
 fn look_up(symbol: &str) -> Option<(f64, Powers)> {
     match symbol {
-        "1" => return Some((1.0, [0; 4])),
+        "1" => return Some((1.0, [0; 6])),
+        "K" => return Some((1.0, [0, 0, 0, 0, 1, 0])),
+        "mol" => return Some((1.0, [0, 0, 0, 0, 0, 1])),
         // A moment is energy per radian; written so it is not taken for an energy.
-        "Nm" => return Some((1.0, [2, 1, -2, -1])),
-        "kNm" => return Some((1e3, [2, 1, -2, -1])),
+        "Nm" => return Some((1.0, [2, 1, -2, -1, 0, 0])),
+        "kNm" => return Some((1e3, [2, 1, -2, -1, 0, 0])),
         // 1/60 of a revolution a second.
-        "rpm" => return Some((std::f64::consts::TAU / 60.0, [0, 0, -1, 1])),
-        "Nmm" => return Some((1e-3, [2, 1, -2, -1])),
+        "rpm" => return Some((std::f64::consts::TAU / 60.0, [0, 0, -1, 1, 0, 0])),
+        "Nmm" => return Some((1e-3, [2, 1, -2, -1, 0, 0])),
         _ => {}
     }
     table::find(&spelled_as_uom(symbol))
@@ -347,45 +358,51 @@ macro_rules! quantities {
 
 quantities! {
     /// m.
-    Length: "a length", "m", "12 mm", [1, 0, 0, 0];
+    Length: "a length", "m", "12 mm", [1, 0, 0, 0, 0, 0];
     /// kg.
-    Mass: "a mass", "kg", "10.72 kg", [0, 1, 0, 0];
+    Mass: "a mass", "kg", "10.72 kg", [0, 1, 0, 0, 0, 0];
     /// s.
-    Time: "a time", "s", "120 ms", [0, 0, 1, 0];
+    Time: "a time", "s", "120 ms", [0, 0, 1, 0, 0, 0];
     /// m/s.
-    Velocity: "a velocity", "m/s", "4.16 m/s", [1, 0, -1, 0];
+    Velocity: "a velocity", "m/s", "4.16 m/s", [1, 0, -1, 0, 0, 0];
     /// m/s².
-    Acceleration: "an acceleration", "m/s2", "9.81 m/s2", [1, 0, -2, 0];
+    Acceleration: "an acceleration", "m/s2", "9.81 m/s2", [1, 0, -2, 0, 0, 0];
     /// Pa.
-    Pressure: "a pressure", "Pa", "8.4 MPa", [-1, 1, -2, 0];
+    Pressure: "a pressure", "Pa", "8.4 MPa", [-1, 1, -2, 0, 0, 0];
     /// kg/m³.
-    Density: "a density", "kg/m3", "915 kg/m3", [-3, 1, 0, 0];
+    Density: "a density", "kg/m3", "915 kg/m3", [-3, 1, 0, 0, 0, 0];
     /// kg/m².
-    AreaDensity: "a mass per area", "kg/m2", "0.1 kg/m2", [-2, 1, 0, 0];
+    AreaDensity: "a mass per area", "kg/m2", "0.1 kg/m2", [-2, 1, 0, 0, 0, 0];
     /// m².
-    Area: "an area", "m2", "20 cm2", [2, 0, 0, 0];
+    Area: "an area", "m2", "20 cm2", [2, 0, 0, 0, 0, 0];
     /// m³.
-    Volume: "a volume", "m3", "2 l", [3, 0, 0, 0];
+    Volume: "a volume", "m3", "2 l", [3, 0, 0, 0, 0, 0];
     /// rad.
-    Angle: "an angle", "rad", "45 deg", [0, 0, 0, 1];
+    Angle: "an angle", "rad", "45 deg", [0, 0, 0, 1, 0, 0];
     /// Hz.
-    Frequency: "a frequency", "Hz", "10 kHz", [0, 0, -1, 0];
+    Frequency: "a frequency", "Hz", "10 kHz", [0, 0, -1, 0, 0, 0];
     /// Strain per second.
-    Rate: "a rate", "1/s", "0.04 1/s", [0, 0, -1, 0];
+    Rate: "a rate", "1/s", "0.04 1/s", [0, 0, -1, 0, 0, 0];
     /// N.
-    Force: "a force", "N", "1.2 kN", [1, 1, -2, 0];
+    Force: "a force", "N", "1.2 kN", [1, 1, -2, 0, 0, 0];
     /// J.
-    Energy: "an energy", "J", "9.3 J", [2, 1, -2, 0];
+    Energy: "an energy", "J", "9.3 J", [2, 1, -2, 0, 0, 0];
     /// rad/s.
-    AngularVelocity: "an angular velocity", "rad/s", "90 deg/s", [0, 0, -1, 1];
+    AngularVelocity: "an angular velocity", "rad/s", "90 deg/s", [0, 0, -1, 1, 0, 0];
     /// kg m².
-    Inertia: "a moment of inertia", "kg m2", "0.02 kg m2", [2, 1, 0, 0];
+    Inertia: "a moment of inertia", "kg m2", "0.02 kg m2", [2, 1, 0, 0, 0, 0];
     /// N s/m.
-    ForcePerSpeed: "a force per velocity", "N s/m", "1.5 N s/m", [0, 1, -1, 0];
+    ForcePerSpeed: "a force per velocity", "N s/m", "1.5 N s/m", [0, 1, -1, 0, 0, 0];
     /// Nm.
-    Moment: "a moment", "Nm", "2.2 Nm", [2, 1, -2, -1];
+    Moment: "a moment", "Nm", "2.2 Nm", [2, 1, -2, -1, 0, 0];
+    /// K.
+    Temperature: "a temperature", "K", "23 degC", [0, 0, 0, 0, 1, 0];
+    /// K.
+    TemperatureDifference: "a temperature difference", "K", "50 K", [0, 0, 0, 0, 1, 0];
+    /// J/mol.
+    MolarEnergy: "an energy per mole", "J/mol", "100 kJ/mol", [2, 1, -2, 0, 0, -1];
     /// A number without unit.
-    Strain: "a strain", "1", "0.02 1", [0, 0, 0, 0];
+    Strain: "a strain", "1", "0.02 1", [0, 0, 0, 0, 0, 0];
 }
 
 /// Reads a number as SI and a text with its unit.
@@ -442,6 +459,11 @@ mod tests {
             (Frequency::DIMENSION, "10 kHz", 10e3),
             (Angle::DIMENSION, "180 deg", std::f64::consts::PI),
             (Time::DIMENSION, "120 ms", 0.12),
+            (Temperature::DIMENSION, "20 degC", 293.15),
+            (Temperature::DIMENSION, "-40 °C", 233.15),
+            (Temperature::DIMENSION, "300 K", 300.0),
+            (TemperatureDifference::DIMENSION, "50 K", 50.0),
+            (MolarEnergy::DIMENSION, "100 kJ/mol", 1e5),
             (Length::DIMENSION, "1e-3 m", 1e-3),
             (Mass::DIMENSION, "1.5e1 g", 0.015),
         ] {
@@ -463,6 +485,7 @@ mod tests {
             (Length::DIMENSION, "12", "expected a length with its unit, found \"12\""),
             (Velocity::DIMENSION, "4,16 m/s", "decimal comma in \"4,16 m/s\""),
             (Mass::DIMENSION, "3 foo", "unknown unit `foo` in \"3 foo\""),
+            (TemperatureDifference::DIMENSION, "50 degC", "unknown unit `degC` in \"50 degC\""),
             (Angle::DIMENSION, "left", "expected an angle, found \"left\", which does not start with a number"),
         ] {
             let error = dimension.parse(text).expect_err("not a quantity");
@@ -480,6 +503,7 @@ mod tests {
             (Velocity::DIMENSION, "4 m/sec", "did you mean \"4 m/s\"?"),
             (Pressure::DIMENSION, "8.4 mpa", "did you mean \"8.4 MPa\"?"),
             (Velocity::DIMENSION, "-4,16 m/s", "write it with a decimal point: \"-4.16 m/s\""),
+            (Temperature::DIMENSION, "23 degc", "did you mean \"23 degC\"?"),
             (Mass::DIMENSION, "3 foo", "write it like \"10.72 kg\", or as a bare number in kg"),
         ] {
             assert_eq!(dimension.parse(text).expect_err("not a quantity").hint(), hint);

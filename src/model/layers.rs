@@ -28,6 +28,7 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>
             face.md_angle = -angle;
         }
     }
+    rested(&mut faces, scenario, mistakes);
     mirrored(&faces, scenario, mistakes);
     prestrained(&faces, scenario, mistakes);
     taut(&faces, scenario, mistakes);
@@ -242,6 +243,17 @@ fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
                 mistakes.report_with(&path, "pressure on film that is wrinkled at the start", hint);
             }
         }
+    }
+}
+
+/// Lets viscous film rest between mounting and loading.
+fn rested(faces: &mut [Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+    let Some(rest) = scenario.specimen.rest else { return };
+    if faces.iter().all(|face| face.material.viscosity.is_none()) {
+        mistakes.out_of_place("specimen.rest", "no film has `prony`, by which its stress would relax");
+    }
+    for face in faces {
+        face.material.viscosity = face.material.viscosity.take().map(|viscosity| viscosity.rested(rest.0));
     }
 }
 

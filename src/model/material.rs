@@ -1,6 +1,6 @@
 //! The material of a layer: valid curves with their multipliers.
 
-use super::{Mistakes, hyperelastic};
+use super::{Mistakes, hyperelastic, viscous};
 use crate::material::{
     Curve, CurveError, Elastic, Fabric, FibreLaw, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
 };
@@ -29,7 +29,8 @@ pub fn check(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'
         mistakes.report_with(&path, "the highest rate is below the lowest", "write the lowest first");
     }
     let measured_rates = written_rates.or_else(|| law.rates());
-    Some(Material { density: written.density.0, thickness: written.thickness.0, law, measured_rates })
+    let viscosity = viscous::check(written, &law, path, mistakes);
+    Some(Material { density: written.density.0, thickness: written.thickness.0, law, viscosity, measured_rates })
 }
 
 fn elastic(written: &scenario::Elastic) -> Law {

@@ -17,6 +17,7 @@ mod reference;
 mod size;
 mod solver;
 mod specimen;
+mod viscous;
 mod warning;
 
 use std::path::{Path, PathBuf};

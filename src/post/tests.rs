@@ -25,6 +25,7 @@ pub(super) fn model() -> Model {
         density: 915.0,
         thickness: 12e-6,
         law: Law::Elastic(Elastic { young: 50e6, poisson: 0.44 }),
+        viscosity: None,
         measured_rates: None,
     };
     let face = Face {

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::hyperelastic::Hyperelastic;
 use super::schema;
-use crate::units::{Density, Length, Pressure, Rate};
+use super::viscous::{PronyOf, PronyTerm, Shift};
+use crate::units::{Density, Length, Pressure, Rate, Temperature};
 
 /// The laws that there are.
 const LAWS: &str = "the laws are `fabric`, `elastic` and `hyperelastic`";
@@ -15,7 +16,7 @@ const LAWS: &str = "the laws are `fabric`, `elastic` and `hyperelastic`";
 /// Material of one layer of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "x-future" = { "plastic": LAWS, "prony": LAWS, "rupture": "a film breaks at the last strain of its curves" },
+    "x-future" = { "plastic": LAWS, "rupture": "a film breaks at the last strain of its curves" },
     "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }, { "required": ["hyperelastic"] }]
 ))]
 pub struct Material {
@@ -41,6 +42,17 @@ pub struct Material {
     pub elastic: Option<Elastic>,
     /// Rubber-like film of any stretch, plane stress with the thickness that follows.
     pub hyperelastic: Option<Hyperelastic>,
+    /// Terms of a Prony series on the law, by which its stress relaxes; not on a fabric with `rates`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(min = 1, max = 64))]
+    pub prony: Vec<PronyTerm>,
+    /// Which film the law as written describes, where it has `prony`.
+    pub prony_of: Option<PronyOf>,
+    /// Temperature of the film, to which `shift` moves the times of `prony`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [150.0, 600.0]))]
+    pub temperature: Option<Temperature>,
+    /// How the times of `prony` change with temperature.
+    pub shift: Option<Shift>,
 }
 
 /// Two fibre sets at 90° and a shear curve, per layer.

@@ -29,6 +29,7 @@ mod specimen;
 mod tree;
 mod unset;
 mod validate;
+mod viscous;
 
 use std::path::PathBuf;
 
@@ -56,6 +57,7 @@ pub use resolved::{Assumption, assumptions, leaves};
 pub use solver::Solver;
 pub use specimen::{Around, AroundChoice, Circle, Element, Meshing, Polygon, Shape, Specimen, Symmetry};
 pub use tree::{Node, Table, Value};
+pub use viscous::{Arrhenius, PronyOf, PronyTerm, Shift, Wlf};
 
 /// A scenario as written: the film, its loading, and what is recorded.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

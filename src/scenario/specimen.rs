@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::impactor::{MeshFile, MeshUnit};
 use super::material::Material;
 use super::schema;
-use crate::units::{Angle, Length, Rate};
+use crate::units::{Angle, Length, Rate, Time};
 
 /// The film: outline, material, mesh.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -32,6 +32,10 @@ pub struct Specimen {
     #[serde(default = "undamped")]
     #[schemars(range(min = 0))]
     pub damping: Rate,
+    /// Time between mounting and loading of film with `prony`, which is mounted at once with its pre-strain; its stress has
+    /// relaxed entirely where it is left out.
+    #[schemars(extend("minimum" = 0))]
+    pub rest: Option<Time>,
 }
 
 fn undamped() -> Rate {

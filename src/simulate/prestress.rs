@@ -1,12 +1,14 @@
 //! The stress of film at its pre-strain.
 
 use crate::lane::splat;
-use crate::material::Gradient;
+use crate::material::{Gradient, Viscosity};
 use crate::model::Face;
 
 /// First Piola–Kirchhoff stress (Pa) along MD and TD of a face that is stretched in all directions by `stretch` beyond
-/// its pre-strain; components along MD, TD and its normal.
+/// its pre-strain; components along MD, TD and its normal. Viscous film has rested.
 pub(super) fn of_face(face: &Face, stretch: f64) -> Gradient<1> {
     let [md, td] = face.prestrain.map(|prestrain| (1.0 + prestrain) * stretch);
-    face.material.law.virgin_stress([[md, 0.0, 0.0], [0.0, td, 0.0]].map(|v| v.map(splat)))
+    let stress = face.material.law.virgin_stress([[md, 0.0, 0.0], [0.0, td, 0.0]].map(|v| v.map(splat)));
+    let share = face.material.viscosity.as_ref().map_or(1.0, Viscosity::mounted);
+    stress.map(|vector| vector.map(|[component]| [share * component]))
 }

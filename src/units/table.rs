@@ -31,50 +31,50 @@ static UNITS: LazyLock<Units> = LazyLock::new(|| {
         };
     }
     units! {
-        length: [1, 0, 0, 0] {
+        length: [1, 0, 0, 0, 0, 0] {
             yottameter, zettameter, exameter, petameter, terameter, gigameter, megameter, kilometer, hectometer,
             decameter, meter, decimeter, centimeter, millimeter, micrometer, nanometer, picometer, femtometer,
             attometer, zeptometer, yoctometer, angstrom, bohr_radius, astronomical_unit, chain, data_mile, fathom,
             fermi, foot, inch, microinch, micron, mil, mile, nautical_mile, parsec, rod, yard, leuga, stadium,
             actus, decempeda, passus, gradus, cubitum, palmipes, pes, palmus, uncia, digitus,
         }
-        mass: [0, 1, 0, 0] {
+        mass: [0, 1, 0, 0, 0, 0] {
             yottagram, zettagram, exagram, petagram, teragram, gigagram, megagram, kilogram, hectogram, decagram,
             gram, decigram, centigram, milligram, microgram, nanogram, picogram, femtogram, attogram, zeptogram,
             yoctogram, carat, dalton, grain, ounce, pennyweight, pound, slug, ton_assay, ton, libra, deunx, dextans,
             dodrans, bes, septunx, semis, quincunx, triens, sextans, sescuncia, uncia, semuncia, duella, sicilicus,
             sextula, semisextula, scrupulum, obolus, siliqua,
         }
-        time: [0, 0, 1, 0] {
+        time: [0, 0, 1, 0, 0, 0] {
             yottasecond, zettasecond, exasecond, petasecond, terasecond, gigasecond, megasecond, kilosecond,
             hectosecond, decasecond, second, decisecond, centisecond, millisecond, microsecond, nanosecond,
             picosecond, femtosecond, attosecond, zeptosecond, yoctosecond, day, hour, minute, shake, year,
         }
-        volume: [3, 0, 0, 0] {
+        volume: [3, 0, 0, 0, 0, 0] {
             cubic_meter, hectoliter, liter, deciliter, centiliter, milliliter, microliter, cubic_foot, cubic_inch,
             gallon, gallon_imperial, pint_liquid, fluid_ounce,
         }
-        angle: [0, 0, 0, 1] {
+        angle: [0, 0, 0, 1, 0, 0] {
             radian, revolution, degree, gon, mil, minute, second,
         }
-        frequency: [0, 0, -1, 0] {
+        frequency: [0, 0, -1, 0, 0, 0] {
             yottahertz, zettahertz, exahertz, petahertz, terahertz, gigahertz, megahertz, kilohertz, hectohertz,
             decahertz, hertz, decihertz, centihertz, millihertz, microhertz, nanohertz, picohertz, femtohertz,
             attohertz, zeptohertz, yoctohertz,
         }
-        pressure: [-1, 1, -2, 0] {
+        pressure: [-1, 1, -2, 0, 0, 0] {
             yottapascal, zettapascal, exapascal, petapascal, terapascal, gigapascal, megapascal, kilopascal,
             hectopascal, decapascal, pascal, decipascal, centipascal, millipascal, micropascal, nanopascal,
             picopascal, femtopascal, attopascal, zeptopascal, yoctopascal, atmosphere, atmosphere_technical, bar,
             millibar, millitorr, psi, torr,
         }
-        force: [1, 1, -2, 0] {
+        force: [1, 1, -2, 0, 0, 0] {
             yottanewton, zettanewton, exanewton, petanewton, teranewton, giganewton, meganewton, kilonewton,
             hectonewton, decanewton, newton, decinewton, centinewton, millinewton, micronewton, nanonewton,
             piconewton, femtonewton, attonewton, zeptonewton, yoctonewton, dyne, kilogram_force, gram_force, kip,
             ounce_force, poundal, pound_force, ton_force,
         }
-        energy: [2, 1, -2, 0] {
+        energy: [2, 1, -2, 0, 0, 0] {
             yottajoule, zettajoule, exajoule, petajoule, terajoule, gigajoule, megajoule, kilojoule, hectojoule,
             decajoule, joule, decijoule, centijoule, millijoule, microjoule, nanojoule, picojoule, femtojoule,
             attojoule, zeptojoule, yoctojoule, petaelectronvolt, teraelectronvolt, gigaelectronvolt,
@@ -84,7 +84,7 @@ static UNITS: LazyLock<Units> = LazyLock::new(|| {
         }
     }
     for (name, factor) in [("hl", 0.1), ("l", 1e-3), ("dl", 1e-4), ("cl", 1e-5), ("ml", 1e-6)] {
-        units.entry(name).or_insert((factor, [3, 0, 0, 0]));
+        units.entry(name).or_insert((factor, [3, 0, 0, 0, 0, 0]));
     }
     units
 });

@@ -13,9 +13,9 @@ const POUND_FORCE: f64 = 0.453_592_37 * STANDARD_GRAVITY;
 /// Pound-force per square inch, Pa.
 const PSI: f64 = POUND_FORCE / (0.0254 * 0.0254);
 
-const ACCELERATION: Powers = [1, 0, -2, 0];
-const FORCE: Powers = [1, 1, -2, 0];
-const STRESS: Powers = [-1, 1, -2, 0];
+const ACCELERATION: Powers = [1, 0, -2, 0, 0, 0];
+const FORCE: Powers = [1, 1, -2, 0, 0, 0];
+const STRESS: Powers = [-1, 1, -2, 0, 0, 0];
 
 /// The unit of a recorded quantity.
 #[derive(Clone, Debug)]
@@ -84,7 +84,8 @@ impl Unit {
         match self.dimension() {
             Some(dimension) => dimension.unit.to_owned(),
             None => {
-                let factors = ["m", "kg", "s", "rad"].iter().zip(self.powers).filter(|(_, power)| *power != 0);
+                let factors =
+                    ["m", "kg", "s", "rad", "K", "mol"].iter().zip(self.powers).filter(|(_, power)| *power != 0);
                 factors.map(|(base, power)| format!("{base}{power}")).collect::<Vec<_>>().join("*")
             }
         }
@@ -115,10 +116,10 @@ fn special(symbol: &str) -> Option<(f64, Powers)> {
         "lbf" => Some((POUND_FORCE, FORCE)),
         "psi" => Some((PSI, STRESS)),
         "ksi" => Some((1e3 * PSI, STRESS)),
-        "-" | "–" | "mm/mm" | "m/m" | "in/in" => Some((1.0, [0; 4])),
-        "%" | "percent" | "pct" => Some((0.01, [0; 4])),
-        "sec" | "seconds" | "second" => Some((1.0, [0, 0, 1, 0])),
-        "msec" => Some((1e-3, [0, 0, 1, 0])),
+        "-" | "–" | "mm/mm" | "m/m" | "in/in" => Some((1.0, [0; 6])),
+        "%" | "percent" | "pct" => Some((0.01, [0; 6])),
+        "sec" | "seconds" | "second" => Some((1.0, [0, 0, 1, 0, 0, 0])),
+        "msec" => Some((1e-3, [0, 0, 1, 0, 0, 0])),
         _ => None,
     }
 }

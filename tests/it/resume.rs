@@ -286,6 +286,8 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("indent-disc", &[]),
         ("inflation-square", &[]),
         ("inflation-rubber", &[]),
+        ("inflation-viscous", &["specimen.material.hyperelastic.wrinkling=false"]),
+        ("drop-viscous", &["output.frames=20"]),
         ("dart-polygon", &["output.frames=20"]),
         ("drop-bars", &["output.frames=20", "loading.impact.duration=15ms"]),
         (

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::element::{self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, OwnForces};
+use super::element::{self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, OwnForces, ViscousPoints};
 use super::failure::{self, Failures};
 use super::film_history::{FilmHistory, Reader};
 use super::footprint;
@@ -20,7 +20,7 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Number of integration points.
     fn points(&self) -> usize;
 
-    /// Number of history variables of the law, at all integration points.
+    /// Number of history variables, at all integration points.
     fn variables(&self) -> usize;
 
     /// Bytes of its arrays.
@@ -101,7 +101,7 @@ where
     }
 
     fn variables(&self) -> usize {
-        self.points() * self.elements.variables()
+        self.elements.count * self.elements.variables()
     }
 
     fn bytes(&self) -> usize {
@@ -121,7 +121,12 @@ where
     }
 
     fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) -> bool {
-        element::add_forces(width, &mut self.elements, &*self.law, position, dt, force)
+        let mounts = self.elements.viscous.as_ref().is_some_and(|viscous| viscous.mounts(dt));
+        let failed = element::add_forces(width, &mut self.elements, &*self.law, position, dt, force);
+        if mounts {
+            element::count_mounting(&mut self.elements, &*self.law, position);
+        }
+        failed
     }
 
     fn energy(&self, width: Width, position: &[&[f64]; 3]) -> ElementEnergy {
@@ -160,6 +165,7 @@ where
         for (history, _) in self.elements.blocks.iter_mut().flat_map(B::history_mut) {
             *history = M::History::virgin();
         }
+        self.elements.viscous.iter_mut().for_each(ViscousPoints::reset);
     }
 
     fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32])) {

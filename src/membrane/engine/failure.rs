@@ -54,6 +54,9 @@ where
                     history.left_mut(fibre)[lane] = left[fibre];
                 }
             }
+            if let Some(viscous) = &mut elements.viscous {
+                viscous.break_fibres([block, lane], before, left);
+            }
             lost.subtract(&energy_at(elements, [block, lane], law, position));
         }
         let failed = (0..2).any(|fibre| before[fibre] > 0.0 && left[fibre] == 0.0);

@@ -9,7 +9,7 @@ use crate::material::History;
 /// whatever the chunks and blocks that hold the elements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FilmHistory {
-    /// Those of the law, as many a point as it has.
+    /// Of each element those of the law, as many a point as it has, then those of its Prony series.
     variables: Vec<f64>,
     /// Volume of stress-free film, m³; zero once the element is deleted.
     volume: Vec<f64>,
@@ -21,7 +21,7 @@ impl FilmHistory {
         self.volume.len()
     }
 
-    /// Number of history variables of the law, at all points.
+    /// Number of history variables, at all points.
     pub(super) fn variables(&self) -> usize {
         self.variables.len()
     }
@@ -36,6 +36,8 @@ impl FilmHistory {
                 self.variables.extend(history.variables().map(|variable| variable[lane]));
                 self.volume.push(volume[lane]);
             }
+            let viscous = elements.viscous.iter().flat_map(|viscous| viscous.of_block(block));
+            self.variables.extend(viscous.map(|variable| variable[lane]));
         }
     }
 
@@ -67,6 +69,11 @@ impl Reader<'_> {
                     variable[lane] = *saved;
                     variable[copies.clone()].fill(*saved);
                 }
+            }
+            let viscous = elements.viscous.iter_mut().flat_map(|viscous| viscous.block_mut(block).1);
+            for (variable, saved) in viscous.zip(&mut self.variables) {
+                variable[lane] = *saved;
+                variable[copies.clone()].fill(*saved);
             }
         }
     }

@@ -20,6 +20,7 @@ mod film;
 mod film_contact;
 mod film_history;
 mod footprint;
+mod gas;
 mod guide_friction;
 mod impact;
 mod loads;
@@ -29,6 +30,7 @@ mod nodes;
 mod observer;
 mod patch;
 mod pressure;
+mod previous_step;
 mod relaxation;
 mod resolution;
 mod rigid_body;
@@ -75,7 +77,8 @@ use disjoint::Disjoint;
 use film::SharedFilm;
 use film_contact::FilmContact;
 use nodes::{Kick, StepSums};
-use pressure::{GasStep, Inflated};
+use pressure::Inflated;
+use previous_step::PreviousStep;
 use serde::{Deserialize, Serialize};
 
 /// Films, nodes, impactors and loads, and their integration in time.
@@ -140,16 +143,6 @@ struct EnergyLedger {
     clamp: f64,
     /// Part of `clamp` that belongs to the half step after the full one.
     clamp_ahead: f64,
-}
-
-/// State of the full step, stored for an observer while the nodes move on.
-#[derive(Default)]
-struct PreviousStep {
-    position: Vectors,
-    force: Vectors,
-    /// Half a step before the full one.
-    velocity: Vectors,
-    bodies: Vec<RigidBody>,
 }
 
 impl Engine {
@@ -323,48 +316,6 @@ impl Engine {
         self.failed += failures.failed;
     }
 
-    /// Adds the load of the pressure, if there is one, and its work to the ledger.
-    fn inflate(&mut self) {
-        let Some(inflation) = &self.loads.inflation else { return };
-        let now = pressure::inflate(&self.films, &mut self.nodes, inflation.at(self.time));
-        self.ledger.external -= self.loads.multiplicity * now.work_since(self.inflated);
-        self.inflated = Some(now);
-    }
-
-    /// Adds the load of the gas that is let in, if there is any, to the other forces of a step that kicks the nodes over
-    /// `over` (s) and moves them by `dt` (s), and its work to the ledger.
-    fn fill(&mut self, over: f64, dt: f64) {
-        let Some(filling) = &self.loads.filling else { return };
-        if self.failed > 0 {
-            // What elements that are deleted in this step enclosed stays filled: the run ends with it.
-            let flat = pressure::volume(&self.films, &self.nodes) - filling.at(self.time);
-            self.inflated.iter_mut().for_each(|before| before.volume += flat - self.flat_volume);
-            self.flat_volume = flat;
-        }
-        let step = GasStep {
-            target: self.flat_volume + filling.at(self.time + dt),
-            kick: Kick::new(over, self.loads.damping),
-            dt,
-            gravity: self.loads.film_gravity(),
-        };
-        let now = pressure::fill(&self.films, &mut self.nodes, &step);
-        self.ledger.external -= self.loads.multiplicity * now.work_since(self.inflated);
-        self.inflated = Some(now);
-    }
-
-    /// Adds the load of the air between the first two faces `dt` (s) after the last step, if it is computed, and its
-    /// work to the ledger.
-    fn press(&mut self, dt: f64) {
-        let Some(air) = &self.loads.cushion else { return };
-        let enclosed = Enclosed::between(&self.films, &self.nodes);
-        let now = air.after(self.cushion, air.volume + enclosed.volume - self.mounted_volume, dt);
-        for (n, gradient) in enclosed.gradient.iter().enumerate() {
-            self.nodes.force.add(n, (now.pressure * gradient).into());
-        }
-        self.ledger.external -= self.loads.multiplicity * now.work_since(self.cushion);
-        self.cushion = Some(now);
-    }
-
     /// Adds the forces of the films to those of their nodes.
     fn add_forces(&mut self, dt: f64) {
         let position = self.nodes.position.axes();
@@ -492,21 +443,5 @@ impl Engine {
             previous: &self.previous,
             pool: &self.pool,
         }
-    }
-}
-
-impl PreviousStep {
-    /// Bytes of its arrays.
-    fn bytes(&self) -> usize {
-        self.position.bytes() + self.force.bytes() + self.velocity.bytes()
-    }
-
-    /// Stores the present state.
-    fn store(&mut self, nodes: &Nodes, impacts: &[Impact]) {
-        self.position.clone_from(&nodes.position);
-        self.force.clone_from(&nodes.force);
-        self.velocity.clone_from(&nodes.velocity);
-        self.bodies.clear();
-        self.bodies.extend(impacts.iter().map(|impact| impact.body.clone()));
     }
 }

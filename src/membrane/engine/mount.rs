@@ -9,7 +9,7 @@ use super::mesh::Mesh;
 use super::nodes::Nodes;
 use super::section::Section;
 use crate::lane::LANES;
-use crate::material::{LawVisitor, MembraneLaw};
+use crate::material::{LawVisitor, MembraneLaw, ViscousLaw};
 
 /// Number of chunks of a film, where these stay within [`BLOCKS`].
 const CHUNKS: usize = 12;
@@ -23,6 +23,9 @@ impl Film {
     ///
     /// # Errors
     /// MD is perpendicular to an element.
+    ///
+    /// # Panics
+    /// Where a Prony series is on a law that cannot have one ([`crate::material::Law::viscous`]).
     pub fn mount(
         mesh: &Mesh,
         section: &Section,
@@ -75,7 +78,12 @@ impl Mount<'_> {
         B: Block<NODES, LANES>,
         B::Element: Shaped<NODES>,
     {
-        let &Section { density, thickness, .. } = self.section;
+        let Section { density, thickness, law, viscosity, .. } = self.section;
+        let (density, thickness) = (*density, *thickness);
+        let viscous = viscosity.as_ref().map(|viscosity| {
+            let base = law.viscous().expect("laws of viscous film are checked");
+            ViscousLaw::new(viscosity.clone(), base)
+        });
         let blocks = nodes.len().div_ceil(LANES);
         let size = LANES * blocks.div_ceil(CHUNKS).clamp(BLOCKS[0], BLOCKS[1]);
         for nodes in nodes.chunks(size) {
@@ -84,7 +92,11 @@ impl Mount<'_> {
                 let share = density * thickness * element.area() / NODES as f64;
                 nodes.iter().for_each(|n| self.masses[*n as usize] += share);
             }
-            self.groups.push(group(Blocks::new(nodes, &elements, thickness)));
+            let blocks = Blocks::new(nodes, &elements, thickness);
+            self.groups.push(group(match &viscous {
+                Some(law) => blocks.with_viscosity(law.clone()),
+                None => blocks,
+            }));
         }
         Ok(())
     }

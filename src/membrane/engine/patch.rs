@@ -4,7 +4,7 @@ use super::element::{self, Forces, Quads, StressFree, UndefinedFibreDirection};
 use super::mesh::Mesh;
 use super::nodes::Vectors;
 use crate::lane::Width;
-use crate::material::MembraneLaw;
+use crate::material::{MembraneLaw, Viscosity, ViscousLaw};
 
 /// The one-point quadrilaterals of a mesh with a law, `L` at once; `L` = 1 is the scalar kernel, element by element.
 /// The law need not be one of [`crate::material::Law`].
@@ -27,6 +27,15 @@ impl<M: MembraneLaw, const L: usize> Patch<M, L> {
     ) -> Result<Patch<M, L>, UndefinedFibreDirection> {
         let elements = element::shaped(&mesh.quads, &mesh.nodes, stress_free)?;
         Ok(Patch { law, quads: Quads::new(&mesh.quads, &elements, thickness) })
+    }
+
+    /// The same elements of viscous film.
+    ///
+    /// # Panics
+    /// Where the law cannot have a Prony series ([`MembraneLaw::viscous`]).
+    pub fn with_viscosity(self, viscosity: Viscosity) -> Patch<M, L> {
+        let base = self.law.viscous().expect("a law that can have a Prony series");
+        Patch { quads: self.quads.with_viscosity(ViscousLaw::new(viscosity, base)), law: self.law }
     }
 
     /// Adds the forces (N) at `position` (m), reached `dt` (s) after the position before, to `force`, with the vector

@@ -1,12 +1,14 @@
 //! The membrane section: what the elements of a face are made of.
 
-use crate::material::Law;
+use crate::material::{Law, Viscosity};
 
 /// Properties of the elements of a face, which act as one membrane.
 #[derive(Clone, Debug)]
 pub struct Section {
     /// Constitutive law of one layer.
     pub law: Law,
+    /// Prony series on the law, where film is viscous.
+    pub viscosity: Option<Viscosity>,
     /// kg/m³, with mass scaling.
     pub density: f64,
     /// Thickness of all layers, m.

@@ -9,7 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress};
+use super::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
 use crate::lane::{Lane, dot, larger, splat};
 
 /// Isotropic linear elasticity for small strain and any rotation; it carries compression.
@@ -125,6 +125,10 @@ impl MembraneLaw for Elastic {
 
     fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, stress: &Stress<L>) -> Lane<L> {
         self.thickness_stretch(&stress.tension)
+    }
+
+    fn viscous(&self) -> Option<ViscousBase> {
+        Some(ViscousBase::isotropic(self.young, self.poisson, false))
     }
 
     fn moduli(&self) -> [f64; 2] {

@@ -15,7 +15,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
-use super::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress};
+use super::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
 use crate::lane::{Lane, larger, splat};
 
 /// An elastic film without stiffness against compression.
@@ -108,6 +108,10 @@ impl MembraneLaw for TensionField {
 
     fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, stress: &Stress<L>) -> Lane<L> {
         self.0.thickness_stretch(&stress.tension)
+    }
+
+    fn viscous(&self) -> Option<ViscousBase> {
+        Some(ViscousBase::isotropic(self.0.young, self.0.poisson, true))
     }
 
     fn moduli(&self) -> [f64; 2] {

@@ -35,5 +35,6 @@ mod shapes;
 mod single_element;
 mod stability;
 mod stresses;
+mod viscous;
 mod warnings;
 mod waves;

@@ -303,6 +303,7 @@ fn a_balloon_has_the_pressure_of_the_sphere() {
         let mut nodes = Nodes::default();
         let section = droptower::engine::Section {
             law: material.law.clone(),
+            viscosity: None,
             density: material.density,
             thickness: THICK,
             md_angle: 0.2,

@@ -15,6 +15,9 @@ fn small() -> Model {
     shipped("drop/1008.toml", &["specimen.mesh.size=20mm"])
 }
 
+/// A change that makes film viscous.
+const PRONY: &str = "specimen.material.prony=[{ share = 0.3, time = \"1 ms\" }, { share = 0.2, time = \"20 ms\" }]";
+
 pub fn after(model: &Model, pool: ThreadPool, steps: usize) -> Vec<u64> {
     let mut engine: Engine = simulate::engine(model).expect("an engine").with_pool(pool);
     for _ in 0..steps {
@@ -51,6 +54,8 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=quad4-full", "specimen.damping=50"]), 400),
         (drop(&["specimen.mesh.size=20mm", "specimen.material.fabric.wrinkling=true"]), 1500),
         (drop(&["specimen.mesh.size=20mm", "specimen.material.fabric.biaxial=0.79"]), 400),
+        (drop(&["specimen.mesh.size=20mm", PRONY, "specimen.rest=1 ms"]), 400),
+        (drop(&["specimen.mesh.size=20mm", PRONY, "specimen.material.fabric.wrinkling=true"]), 400),
         // So coarse that there is face contact.
         (drop(&["specimen.mesh.size=50mm"]), 1500),
         (shipped("../tests/golden/indent-disc/scenario.toml", &[]), 400),
@@ -64,6 +69,7 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         ),
         (shipped("../tests/golden/inflation-square/scenario.toml", &[]), 400),
         (shipped("../tests/golden/inflation-rubber/scenario.toml", &[]), 400),
+        (shipped("../tests/golden/inflation-square/scenario.toml", &[PRONY]), 400),
     ];
     for (case, (model, steps)) in cases.iter().enumerate() {
         let expected = after(model, ThreadPool::new(1).at_width(Width::Baseline), *steps);
@@ -106,6 +112,9 @@ fn forces_of<M: MembraneLaw + Clone, const L: usize>(
     let stress_free = StressFree::new(face.md_angle, face.prestrain);
     let thickness = face.material.thickness * f64::from(face.layers);
     let mut patch = Patch::<_, L>::new(law.clone(), mesh, &stress_free, thickness).expect("a patch");
+    if let Some(viscosity) = &face.material.viscosity {
+        patch = patch.with_viscosity(viscosity.clone());
+    }
     let mut force = Vectors::zero(mesh.nodes.len());
     // Up, then part of the way back: on the curve and off it.
     for share in [1.0, 0.97] {
@@ -122,7 +131,7 @@ fn forces_of<M: MembraneLaw + Clone, const L: usize>(
 fn an_element_has_the_same_force_in_any_number_of_lanes() {
     let by_rate = "specimen.material=scenarios/materials/lldpe-rates.toml";
     let with = |change: &str| shipped("drop/1008.toml", &["specimen.mesh.size=20mm", change]);
-    let changes = [by_rate, "specimen.material.fabric.wrinkling=true", "specimen.material.fabric.biaxial=0.79"];
+    let changes = [by_rate, "specimen.material.fabric.wrinkling=true", "specimen.material.fabric.biaxial=0.79", PRONY];
     for model in std::iter::once(small()).chain(changes.map(with)) {
         let mesh = apart(&build(&model, &model.faces[0]).expect("a mesh"));
         let expected = forces::<1>(&mesh, &model, Width::Baseline);

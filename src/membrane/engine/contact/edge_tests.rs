@@ -148,6 +148,7 @@ impl Drop {
     fn engine(&self) -> Engine {
         let section = Section {
             law: Law::Elastic(Elastic { young: 2e8, poisson: 0.3 }),
+            viscosity: None,
             density: 1000.0,
             thickness: THICKNESS,
             md_angle: 0.0,

@@ -1,7 +1,8 @@
 //! Elements side by side, in blocks of lanes.
 
+use super::viscous::{MovedBlock, ViscousBlock, ViscousPoints};
 use crate::lane::{LANES, Lane, Lane3, splat};
-use crate::material::{Deformation, History, MembraneLaw, Stresses, stresses};
+use crate::material::{Deformation, Energy, History, MembraneLaw, Stiffness, Stresses, ViscousLaw, stresses};
 
 /// `L` elements of one kind with `NODES` nodes each: what a pass over a film computes of them.
 pub(crate) trait Block<const NODES: usize, const L: usize> {
@@ -16,18 +17,25 @@ pub(crate) trait Block<const NODES: usize, const L: usize> {
         Self::Element: 'a;
 
     /// Forces on nodes that moved to `x` in `dt` (s), into `out` (theory.md, equations 2 and 14); updates the history
-    /// variables. Whether a fibre is past its break strain.
-    fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; NODES], dt: f64, out: &mut [Lane3<L>; NODES]) -> bool
+    /// variables, and those of `viscous` film. Whether a fibre is past its break strain.
+    fn forces<M>(
+        &mut self,
+        law: &M,
+        viscous: Option<MovedBlock<'_, L>>,
+        x: &[Lane3<L>; NODES],
+        dt: f64,
+        out: &mut [Lane3<L>; NODES],
+    ) -> bool
     where
         M: MembraneLaw<History<L> = Self::History>;
 
     /// Energies of the elements with nodes at `x`.
-    fn energies<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
+    fn energies<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
     where
         M: MembraneLaw<History<L> = Self::History>;
 
     /// Bound on density × squared angular frequency × volume / nodes, summed over the points (theory.md, equation 17).
-    fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L>
+    fn stiffness<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> Lane<L>
     where
         M: MembraneLaw<History<L> = Self::History>;
 
@@ -35,7 +43,7 @@ pub(crate) trait Block<const NODES: usize, const L: usize> {
     fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L>;
 
     /// Stresses, thickness and fibres, averaged over the points.
-    fn details<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
+    fn details<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
     where
         M: MembraneLaw<History<L> = Self::History>;
 
@@ -96,12 +104,24 @@ impl<const L: usize> BlockDetails<L> {
     pub(super) const NONE: Self =
         BlockDetails { stress: [splat(0.0); 3], thickness_ratio: splat(0.0), fibres: [[splat(0.0); 3]; 2] };
 
-    /// Adds `share` of the details of one point with deformation `d` and `history`.
-    pub(super) fn add<M: MembraneLaw>(&mut self, law: &M, d: &Deformation<L>, history: &M::History<L>, share: f64) {
+    /// Adds `share` of the details of one point with deformation `d` and `history`, the point numbered so where film is
+    /// `viscous`.
+    pub(super) fn add<M: MembraneLaw>(
+        &mut self,
+        law: &M,
+        d: &Deformation<L>,
+        history: &M::History<L>,
+        viscous: Option<(ViscousBlock<'_, L>, usize)>,
+        share: f64,
+    ) {
         // The history includes this deformation, so that no time passes and no variable changes.
-        let response = law.stress(d, &mut history.clone(), 0.0);
-        let Stresses { md, td, shear } = stresses(d, &response);
+        let mut response = law.stress(d, &mut history.clone(), 0.0);
+        // Stress relaxes with a constant Poisson's ratio: the thickness is that of film strained at once.
         let thickness_ratio = law.thickness_ratio(d, &response);
+        if let Some((viscous, point)) = viscous {
+            response = viscous.stress(point, d);
+        }
+        let Stresses { md, td, shear } = stresses(d, &response);
         for l in 0..L {
             self.thickness_ratio[l] += share * thickness_ratio[l];
             for (mean, value) in self.stress.iter_mut().zip([md, td, shear]) {
@@ -111,6 +131,38 @@ impl<const L: usize> BlockDetails<L> {
                 mean[l] += share * value[l];
             }
         }
+    }
+}
+
+/// Energy of the point numbered `point` with deformation `d` and `history`.
+#[inline(always)]
+pub(super) fn point_energy<M: MembraneLaw, const L: usize>(
+    law: &M,
+    viscous: Option<ViscousBlock<'_, L>>,
+    point: usize,
+    d: &Deformation<L>,
+    history: &M::History<L>,
+) -> Energy<L> {
+    let energy = law.energy(d, history);
+    match viscous {
+        Some(viscous) => viscous.energy(point, d, &law.stress(d, &mut history.clone(), 0.0), &energy),
+        None => energy,
+    }
+}
+
+/// Bound on the stiffness of the point numbered `point` with deformation `d` and `history`.
+#[inline(always)]
+pub(super) fn point_stiffness<M: MembraneLaw, const L: usize>(
+    law: &M,
+    viscous: Option<ViscousBlock<'_, L>>,
+    point: usize,
+    d: &Deformation<L>,
+    history: &M::History<L>,
+) -> Stiffness<L> {
+    let stiffness = law.stiffness(d, history);
+    match viscous {
+        Some(viscous) => viscous.stiffness(point, d, stiffness),
+        None => stiffness,
     }
 }
 
@@ -158,13 +210,15 @@ pub(crate) struct Blocks<B, const NODES: usize, const L: usize = LANES> {
     pub blocks: Vec<B>,
     /// Mass of each block's elements over that of their film; empty where no mass was added.
     pub mass_factors: Vec<Lane<L>>,
+    /// The Prony series of viscous film.
+    pub viscous: Option<ViscousPoints<L>>,
 }
 
 impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L> {
     /// Blocks of elements and their nodes, of a film `thickness` (m, all layers) thick.
     pub(crate) fn new(nodes: &[[u32; NODES]], elements: &[B::Element], thickness: f64) -> Self {
         let count = nodes.len();
-        let mut out = Blocks { count, corners: vec![], blocks: vec![], mass_factors: vec![] };
+        let mut out = Blocks { count, corners: vec![], blocks: vec![], mass_factors: vec![], viscous: None };
         for first in (0..count).step_by(L) {
             let at = |l: usize| (first + l).min(count - 1);
             let weight = |l: usize| if first + l < count { thickness } else { 0.0 };
@@ -172,6 +226,18 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
             out.blocks.push(B::new(|l| (&elements[at(l)], weight(l))));
         }
         out
+    }
+
+    /// The same elements of viscous film.
+    pub(crate) fn with_viscosity(self, law: ViscousLaw) -> Self {
+        let viscous = ViscousPoints::new(law, self.blocks.len(), self.points());
+        Blocks { viscous: Some(viscous), ..self }
+    }
+
+    /// Viscous points of a block, where film is viscous.
+    #[inline(always)]
+    pub(crate) fn viscous_block(&self, block: usize) -> Option<ViscousBlock<'_, L>> {
+        self.viscous.as_ref().map(|viscous| viscous.block(block))
     }
 
     /// Block and lane of each element, in order.
@@ -184,10 +250,13 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
         self.blocks.first().map_or(0, |block| block.history().count())
     }
 
-    /// History variables of the law at one integration point.
+    /// History variables of one element: those of the law and of the Prony series at all its points.
     pub(crate) fn variables(&self) -> usize {
-        let first = self.blocks.first().and_then(|block| block.history().next());
-        first.map_or(0, |(history, _)| history.variables().count())
+        let of_law = self
+            .blocks
+            .first()
+            .map_or(0, |block| block.history().map(|(history, _)| history.variables().count()).sum::<usize>());
+        of_law + self.viscous.as_ref().map_or(0, ViscousPoints::per_block)
     }
 
     /// Share of the layers whose MD and TD fibres are not broken in the element at `block`, `lane`; none where it is

@@ -1,6 +1,7 @@
 //! Fully integrated elements: gradients of the shape functions at every integration point.
 
-use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
+use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, point_energy, point_stiffness};
+use super::viscous::{MovedBlock, ViscousBlock};
 use crate::lane::{Lane, Lane3, splat};
 use crate::material::{Deformation, History, MembraneLaw, PeakStrains, strains};
 
@@ -95,15 +96,25 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
     }
 
     #[inline(always)]
-    fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; NODES], dt: f64, out: &mut [Lane3<L>; NODES]) -> bool
+    fn forces<M>(
+        &mut self,
+        law: &M,
+        mut viscous: Option<MovedBlock<'_, L>>,
+        x: &[Lane3<L>; NODES],
+        dt: f64,
+        out: &mut [Lane3<L>; NODES],
+    ) -> bool
     where
         M: MembraneLaw<History<L> = P>,
     {
         let mut beyond = false;
         *out = [[splat(0.0); 3]; NODES];
-        for point in &mut self.points {
+        for (p, point) in self.points.iter_mut().enumerate() {
             let d = point.deformation(x);
-            let stress = law.stress(&d, &mut point.history, dt);
+            let mut stress = law.stress(&d, &mut point.history, dt);
+            if let Some(viscous) = &mut viscous {
+                viscous.advance(p, &d, &mut stress);
+            }
             point.subtract_stress(&stress.p, out);
             beyond |= super::is_beyond(law, &point.history, &point.volume);
         }
@@ -111,13 +122,13 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
     }
 
     #[inline(always)]
-    fn energies<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
+    fn energies<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
     where
         M: MembraneLaw<History<L> = P>,
     {
         let mut out = BlockEnergies::NONE;
-        for point in &self.points {
-            let energy = law.energy(&point.deformation(x), &point.history);
+        for (p, point) in self.points.iter().enumerate() {
+            let energy = point_energy(law, viscous, p, &point.deformation(x), &point.history);
             for l in 0..L {
                 out.stored[l] += point.volume[l] * energy.stored[l];
                 out.absorbed[l] += point.volume[l] * energy.absorbed[l];
@@ -127,13 +138,14 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
     }
 
     #[inline(always)]
-    fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L>
+    fn stiffness<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> Lane<L>
     where
         M: MembraneLaw<History<L> = P>,
     {
         let mut bound = splat(0.0);
-        for point in &self.points {
-            let eigenvalue = law.stiffness(&point.deformation(x), &point.history).eigenvalue_bound(&point.metric());
+        for (p, point) in self.points.iter().enumerate() {
+            let stiffness = point_stiffness(law, viscous, p, &point.deformation(x), &point.history);
+            let eigenvalue = stiffness.eigenvalue_bound(&point.metric());
             for l in 0..L {
                 bound[l] += point.volume[l] * eigenvalue[l];
             }
@@ -161,12 +173,15 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
         out
     }
 
-    fn details<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
+    fn details<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
     where
         M: MembraneLaw<History<L> = P>,
     {
         let mut out = BlockDetails::NONE;
-        self.points.iter().for_each(|point| out.add(law, &point.deformation(x), &point.history, 1.0 / POINTS as f64));
+        for (p, point) in self.points.iter().enumerate() {
+            let viscous = viscous.map(|viscous| (viscous, p));
+            out.add(law, &point.deformation(x), &point.history, viscous, 1.0 / POINTS as f64);
+        }
         out
     }
 

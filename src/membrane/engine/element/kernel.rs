@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, Blocks, Corners};
+use super::viscous::ViscousPass;
 use crate::engine::disjoint::Disjoint;
 use crate::lane::{LANES, Lane3, Width, at_width, splat};
 use crate::material::MembraneLaw;
@@ -114,9 +115,11 @@ fn add_forces_lanewise<
     let mut failed = false;
     let mut x = [[splat(0.0); 3]; NODES];
     let mut out = [[splat(0.0); 3]; NODES];
+    let mut viscous = elements.viscous.as_mut().map(|viscous| viscous.pass(dt));
     for (corners, block) in elements.corners.iter().zip(&mut elements.blocks) {
         gather(corners, position, &mut x);
-        failed |= block.forces(law, &x, dt, &mut out);
+        let viscous = viscous.as_mut().and_then(ViscousPass::next_block);
+        failed |= block.forces(law, viscous, &x, dt, &mut out);
         scatter(corners, &out, force);
     }
     failed
@@ -170,9 +173,9 @@ fn lane_energies_lanewise<
 ) -> BlockEnergies<L> {
     let mut x = [[splat(0.0); 3]; NODES];
     let mut sums = BlockEnergies::NONE;
-    for (corners, block) in elements.corners[blocks.clone()].iter().zip(&elements.blocks[blocks]) {
-        gather(corners, position, &mut x);
-        let energies = block.energies(law, &x);
+    for b in blocks {
+        gather(&elements.corners[b], position, &mut x);
+        let energies = elements.blocks[b].energies(law, elements.viscous_block(b), &x);
         for l in 0..L {
             sums.stored[l] += energies.stored[l];
             sums.absorbed[l] += energies.absorbed[l];
@@ -180,6 +183,33 @@ fn lane_energies_lanewise<
         }
     }
     sums
+}
+
+/// Counts the energy of viscous film that was just mounted as work done on it: it is mounted at once and rests then.
+/// Seldom called, and so compiled for the baseline width only.
+pub(crate) fn count_mounting<
+    B: Block<NODES, L>,
+    M: MembraneLaw<History<L> = B::History>,
+    const NODES: usize,
+    const L: usize,
+>(
+    elements: &mut Blocks<B, NODES, L>,
+    law: &M,
+    position: &[&[f64]; 3],
+) {
+    let Blocks { corners, blocks, viscous: Some(viscous), .. } = elements else { return };
+    let mut x = [[splat(0.0); 3]; NODES];
+    for (b, (corners, block)) in corners.iter().zip(blocks).enumerate() {
+        gather(corners, position, &mut x);
+        let (energies, volume) = (block.energies(law, None, &x), block.volume());
+        viscous.count_mounting(
+            b,
+            std::array::from_fn(|l| match volume[l] {
+                0.0 => 0.0,
+                volume => (energies.stored[l] + energies.absorbed[l]) / volume,
+            }),
+        );
+    }
 }
 
 /// Energies of all elements.
@@ -241,7 +271,7 @@ fn frequency_bound_lanewise<
     let mut largest = splat::<L>(0.0);
     for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
         gather(corners, position, &mut x);
-        let bound = block.stiffness(law, &x);
+        let bound = block.stiffness(law, elements.viscous_block(b), &x);
         let volume = block.volume();
         let factor = elements.mass_factors.get(b).copied().unwrap_or(splat(1.0));
         for l in 0..L {
@@ -271,9 +301,10 @@ pub(crate) fn add_mass<
 ) {
     let mut x = [[splat(0.0); 3]; NODES];
     let mut factors = vec![splat(1.0); elements.blocks.len()];
-    for ((corners, block), factors) in elements.corners.iter().zip(&elements.blocks).zip(&mut factors) {
+    for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
         gather(corners, position, &mut x);
-        let (bound, volume) = (block.stiffness(law, &x), block.volume());
+        let factors = &mut factors[b];
+        let (bound, volume) = (block.stiffness(law, elements.viscous_block(b), &x), block.volume());
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
             let own = density * volume[l] / NODES as f64;
             let factor = bound[l] / (own * most);
@@ -350,9 +381,10 @@ pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B:
 ) -> Vec<ElementDetail> {
     let mut x = [[splat(0.0); 3]; NODES];
     let mut out = Vec::with_capacity(elements.count.next_multiple_of(LANES));
-    for (corners, block) in elements.corners.iter().zip(&elements.blocks) {
+    for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
         gather(corners, position, &mut x);
-        let BlockDetails { stress, thickness_ratio, fibres } = block.details(law, &x);
+        let details = block.details(law, elements.viscous_block(b), &x);
+        let BlockDetails { stress, thickness_ratio, fibres } = details;
         out.extend((0..LANES).map(|l| ElementDetail {
             stress: stress.map(|s| s[l]),
             thickness_ratio: thickness_ratio[l],

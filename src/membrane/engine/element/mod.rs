@@ -10,15 +10,17 @@ mod one_point;
 mod quad4;
 mod reference;
 mod tri3;
+mod viscous;
 
 pub(crate) use block::{Block, Blocks};
 pub(crate) use gauss::Gauss;
 pub use kernel::{ElementDetail, ElementEnergy, ElementStrain};
 pub(crate) use kernel::{Forces, OwnForces};
-pub(super) use kernel::{add_forces, add_mass, details, energy, energy_at, frequency_bound, strains};
+pub(super) use kernel::{add_forces, add_mass, count_mounting, details, energy, energy_at, frequency_bound, strains};
 pub(crate) use one_point::OnePoint;
 pub(super) use one_point::OnePointElement;
 pub use reference::{StressFree, UndefinedFibreDirection};
+pub(crate) use viscous::ViscousPoints;
 
 use nalgebra::Point3;
 

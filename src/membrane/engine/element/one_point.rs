@@ -13,7 +13,8 @@
 //! b_aI = ∂N_a/∂X_I ,   s_a = ¼ Σ_I (h·X_I) b_aI
 //! ```
 
-use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
+use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, point_energy, point_stiffness};
+use super::viscous::{MovedBlock, ViscousBlock};
 use crate::lane::{Lane, Lane3, dot, splat};
 use crate::material::{Deformation, History, MembraneLaw, PeakStrains, Stress, strains};
 
@@ -83,12 +84,22 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
 
     /// [`Block::forces`], of parallelograms alone or of any quadrilaterals.
     #[inline(always)]
-    fn forces_of<M, const SKEWED: bool>(&mut self, law: &M, x: &[Lane3<L>; 4], dt: f64, out: &mut [Lane3<L>; 4]) -> bool
+    fn forces_of<M, const SKEWED: bool>(
+        &mut self,
+        law: &M,
+        viscous: Option<MovedBlock<'_, L>>,
+        x: &[Lane3<L>; 4],
+        dt: f64,
+        out: &mut [Lane3<L>; 4],
+    ) -> bool
     where
         M: MembraneLaw<History<L> = P>,
     {
         let shape = self.shape::<SKEWED>(x);
         let mut stress = law.stress(&shape.deformation, &mut self.history, dt);
+        if let Some(mut viscous) = viscous {
+            viscous.advance(0, &shape.deformation, &mut stress);
+        }
         let left = [self.history.left(0), self.history.left(1)];
         let h = shape.hourglass_force(&self.volume, &mut stress, stabilisation(law), left);
         for axis in 0..3 {
@@ -165,25 +176,32 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     }
 
     #[inline(always)]
-    fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; 4], dt: f64, out: &mut [Lane3<L>; 4]) -> bool
+    fn forces<M>(
+        &mut self,
+        law: &M,
+        viscous: Option<MovedBlock<'_, L>>,
+        x: &[Lane3<L>; 4],
+        dt: f64,
+        out: &mut [Lane3<L>; 4],
+    ) -> bool
     where
         M: MembraneLaw<History<L> = P>,
     {
         // Structured meshes are made of parallelograms, and theirs is the hot path.
         if self.skewed {
-            self.forces_of::<M, true>(law, x, dt, out)
+            self.forces_of::<M, true>(law, viscous, x, dt, out)
         } else {
-            self.forces_of::<M, false>(law, x, dt, out)
+            self.forces_of::<M, false>(law, viscous, x, dt, out)
         }
     }
 
     #[inline(always)]
-    fn energies<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockEnergies<L>
+    fn energies<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> BlockEnergies<L>
     where
         M: MembraneLaw<History<L> = P>,
     {
         let shape = self.shape::<true>(x);
-        let energy = law.energy(&shape.deformation, &self.history);
+        let energy = point_energy(law, viscous, 0, &shape.deformation, &self.history);
         let stabilisation = stabilisation(law);
         let f = &shape.deformation.f;
         let along = [dot(&f[0], &shape.q), dot(&f[1], &shape.q)];
@@ -200,7 +218,7 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     }
 
     #[inline(always)]
-    fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> Lane<L>
+    fn stiffness<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> Lane<L>
     where
         M: MembraneLaw<History<L> = P>,
     {
@@ -216,7 +234,7 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
             let skewed = self.skew[0][l] * self.skew[0][l] + self.skew[1][l] * self.skew[1][l];
             modes[l] = 0.25 + 2.0 * skewed;
         }
-        let mut bound = law.stiffness(&shape.deformation, &self.history).eigenvalue_bound(&g);
+        let mut bound = point_stiffness(law, viscous, 0, &shape.deformation, &self.history).eigenvalue_bound(&g);
         let stabilisation = stabilisation(law);
         let (squares, amplitude) = ([dot(&f[0], &f[0]), dot(&f[1], &f[1])], dot(&shape.q, &shape.q));
         for l in 0..L {
@@ -237,12 +255,13 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         BlockStrains { strain: [s.md, s.td, s.shear], peak, left }
     }
 
-    fn details<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockDetails<L>
+    fn details<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> BlockDetails<L>
     where
         M: MembraneLaw<History<L> = P>,
     {
         let mut out = BlockDetails::NONE;
-        out.add(law, &self.shape::<true>(x).deformation, &self.history, 1.0);
+        let viscous = viscous.map(|viscous| (viscous, 0));
+        out.add(law, &self.shape::<true>(x).deformation, &self.history, viscous, 1.0);
         out
     }
 

@@ -45,6 +45,7 @@ impl Scene {
     fn with(self, films: &[(Mesh, f64, [f64; 3])]) -> Run {
         let section = Section {
             law: Law::Elastic(Elastic { young: self.young, poisson: 0.3 }),
+            viscosity: None,
             density: 1000.0,
             thickness: THICKNESS,
             md_angle: 0.0,
@@ -257,6 +258,7 @@ fn cloths_come_to_rest_on_a_ball_without_crossing() {
 fn contact_at_mirror_planes_stays_bounded() {
     let section = Section {
         law: Law::Elastic(Elastic { young: 3e7, poisson: 0.3 }),
+        viscosity: None,
         density: 915.0,
         thickness: 288e-6,
         md_angle: 0.0,

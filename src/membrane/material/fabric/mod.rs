@@ -23,7 +23,10 @@ use serde::{Deserialize, Serialize};
 
 use super::fibre::FibreLaw;
 use super::history::PointHistory;
-use super::{Absorption, Curve, Deformation, Energy, LayerBreaks, MembraneLaw, Stiffness, Stress};
+use super::{
+    Absorption, Curve, Deformation, Energy, LayerBreaks, Measure, MembraneLaw, Stiffness, Stress, ViscousBase,
+    WithoutCompression,
+};
 use crate::lane::{Lane, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve,
@@ -237,6 +240,24 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
 
     fn has_thickness(&self) -> bool {
         false
+    }
+
+    /// None where a curve does not rise from the origin.
+    fn viscous(&self) -> Option<ViscousBase> {
+        let ([md, td], shear) = (self.moduli(), self.shear.initial_slope());
+        let between = match &self.coupling {
+            Coupling::Biaxial(law) => 0.5 * law.initial_slope(),
+            Coupling::None | Coupling::Wrinkles => 0.0,
+        };
+        let compression = match self.coupling {
+            Coupling::Wrinkles => WithoutCompression::AnyDirection,
+            Coupling::None | Coupling::Biaxial(_) => WithoutCompression::Fibres,
+        };
+        let determinant = (md + between) * (td + between) - between * between;
+        let compliance =
+            [(td + between) / determinant, (md + between) / determinant, -between / determinant, 1.0 / shear];
+        let rises = determinant > 0.0 && shear > 0.0;
+        rises.then_some(ViscousBase { measure: Measure::Fibres, compression, compliance })
     }
 
     fn moduli(&self) -> [f64; 2] {

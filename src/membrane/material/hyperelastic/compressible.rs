@@ -147,6 +147,10 @@ impl StrainEnergy for CompressibleNeoHookean {
         x
     }
 
+    fn poisson(&self) -> f64 {
+        self.poisson
+    }
+
     fn plane_modulus(&self) -> f64 {
         self.young / (1.0 - self.poisson * self.poisson)
     }

@@ -30,7 +30,7 @@ pub use tension::Tension;
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
-use super::{Deformation, Energy, LawVisitor, MembraneLaw, PeakStrains, Stiffness, Stress};
+use super::{Deformation, Energy, LawVisitor, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
 use crate::lane::{Lane, dot, splat};
 use principal::Principal;
 
@@ -82,6 +82,11 @@ pub trait StrainEnergy {
 
     /// Modulus of undeformed film in plane strain, Pa.
     fn plane_modulus(&self) -> f64;
+
+    /// Poisson's ratio of undeformed film; that of incompressible film unless the law has another.
+    fn poisson(&self) -> f64 {
+        0.5
+    }
 
     /// Whether there are stretches at which the energy becomes infinite, besides those to nothing.
     fn has_limit(&self) -> bool {
@@ -223,6 +228,12 @@ impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
 
     fn thickness_ratio<const L: usize>(&self, d: &Deformation<L>, _stress: &Stress<L>) -> Lane<L> {
         self.energy.thickness(&self.squares(d))
+    }
+
+    fn viscous(&self) -> Option<ViscousBase> {
+        let poisson = self.energy.poisson();
+        let young = self.energy.plane_modulus() * (1.0 - poisson * poisson);
+        Some(ViscousBase::isotropic(young, poisson, self.wrinkling))
     }
 
     fn moduli(&self) -> [f64; 2] {

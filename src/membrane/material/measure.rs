@@ -1,0 +1,127 @@
+//! What a law states of itself for a Prony series on it: the stress that relaxes, compression, compliance.
+
+use super::Deformation;
+use crate::lane::{Lane, dot, larger, splat};
+
+/// The stress that relaxes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// The second Piola–Kirchhoff stress S.
+    SecondPiola,
+    /// The forces along the fibres over their stress-free cross-section, m₁ S₁₁, m₂ S₂₂ and m₁ m₂ S₁₂ with the stretches
+    /// m_I ≥ 1 of the fibres: S itself decreases where a fibre is stretched under constant force.
+    Fibres,
+}
+
+/// How film that is shortened faster than it relaxes avoids compression: it is longer than its span then, and wrinkles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WithoutCompression {
+    /// Not at all: the law carries compression.
+    Carried,
+    /// Fibres carry no more compression than their law gives them.
+    Fibres,
+    /// No direction carries compression.
+    AnyDirection,
+}
+
+/// What a law states of itself for a Prony series on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViscousBase {
+    /// The stress that relaxes.
+    pub measure: Measure,
+    /// What it does under compression.
+    pub compression: WithoutCompression,
+    /// Compliance of film at rest by the stresses of the measure, 1/Pa: C₁₁, C₂₂, C₁₂ = C₂₁, and that of shear, by which
+    /// the energy is ½ C₃₃ S₁₂².
+    pub compliance: [f64; 4],
+}
+
+impl ViscousBase {
+    /// Isotropic film, with Young's modulus (Pa) and Poisson's ratio at rest.
+    pub(super) fn isotropic(young: f64, poisson: f64, is_wrinkling: bool) -> ViscousBase {
+        use WithoutCompression::{AnyDirection, Carried};
+        let compression = if is_wrinkling { AnyDirection } else { Carried };
+        let compliance = [1.0 / young, 1.0 / young, -poisson / young, 2.0 * (1.0 + poisson) / young];
+        ViscousBase { measure: Measure::SecondPiola, compression, compliance }
+    }
+
+    /// ½ s·C·s at rest, J/m³.
+    #[inline(always)]
+    pub(super) fn complementary<const L: usize>(&self, s: &[Lane<L>; 3]) -> Lane<L> {
+        let [first, second, between, shear] = self.compliance;
+        let mut out = splat(0.0);
+        for l in 0..L {
+            let normal = 0.5 * (first * s[0][l] * s[0][l] + second * s[1][l] * s[1][l]);
+            out[l] = normal + between * s[0][l] * s[1][l] + 0.5 * shear * s[2][l] * s[2][l];
+        }
+        out
+    }
+}
+
+/// A deformation in the measure of a law.
+pub(super) struct Measured<const L: usize> {
+    /// What the stresses do work on.
+    pub(super) strain: [Lane<L>; 3],
+    /// Stress of the measure over S.
+    pub(super) scale: [Lane<L>; 3],
+    /// S over the stress of the measure.
+    pub(super) inverse: [Lane<L>; 3],
+}
+
+impl Measure {
+    #[inline(always)]
+    pub(super) fn at<const L: usize>(self, d: &Deformation<L>) -> Measured<L> {
+        let [f1, f2] = &d.f;
+        let (mut c, product) = ([dot(f1, f1), dot(f2, f2)], dot(f1, f2));
+        for fibre in 0..2 {
+            for l in 0..L {
+                c[fibre][l] += d.stretch_variance[fibre][l];
+            }
+        }
+        let unscaled = [splat(1.0); 3];
+        let mut out = Measured { strain: [c[0], c[1], product], scale: unscaled, inverse: unscaled };
+        match self {
+            Measure::SecondPiola => {
+                for fibre in 0..2 {
+                    for l in 0..L {
+                        out.strain[fibre][l] *= 0.5;
+                    }
+                }
+            }
+            Measure::Fibres => {
+                for l in 0..L {
+                    let (first, second) = (c[0][l].sqrt(), c[1][l].sqrt());
+                    let (m1, m2) = (larger(first, 1.0), larger(second, 1.0));
+                    out.strain[0][l] = if first > 1.0 { first } else { 0.5 * (c[0][l] + 1.0) };
+                    out.strain[1][l] = if second > 1.0 { second } else { 0.5 * (c[1][l] + 1.0) };
+                    let (product, both) = (m1 * m2, 1.0 / (m1 * m2));
+                    (out.scale[0][l], out.scale[1][l], out.scale[2][l]) = (m1, m2, product);
+                    (out.inverse[0][l], out.inverse[1][l], out.inverse[2][l]) = (m2 * both, m1 * both, both);
+                }
+            }
+        }
+        out
+    }
+
+    /// Strains of undeformed film.
+    pub(super) fn undeformed(self) -> [f64; 3] {
+        match self {
+            Measure::SecondPiola => [0.5, 0.5, 0.0],
+            Measure::Fibres => [1.0, 1.0, 0.0],
+        }
+    }
+}
+
+impl<const L: usize> Measured<L> {
+    /// S of a stress of the measure.
+    #[inline(always)]
+    pub(super) fn unmeasured(&self, stress: &[Lane<L>; 3]) -> [Lane<L>; 3] {
+        let mut out = *stress;
+        for k in 0..3 {
+            for l in 0..L {
+                out[k][l] *= self.inverse[k][l];
+            }
+        }
+        out
+    }
+}
