@@ -11,8 +11,8 @@ use droptower::diagnostic;
 use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Unobserved, Vectors};
 use droptower::lane::Width;
 use droptower::material::{
-    CompressibleNeoHookean, Elastic, Gent, Hyperelastic, HyperelasticLaw, Law, LawVisitor, MembraneLaw, Ogden,
-    OgdenTerm, Polynomial, PronyTerm, TensionField, Viscosity,
+    CompressibleNeoHookean, Elastic, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic, HyperelasticLaw, Law,
+    LawVisitor, MembraneLaw, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, TensionField, Viscosity, Voce,
 };
 use droptower::mesh;
 use droptower::model::{self, Model};
@@ -186,7 +186,7 @@ fn laws() {
         type Output = f64;
 
         fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> f64 {
-            pass_of::<_, 8>(law, None, self.0, Width::best())
+            pass_of::<_, 8>(law, None, self.0, Width::best(), 0.0)
         }
     }
     let model = shipped(&["specimen.symmetry=none"]);
@@ -250,6 +250,7 @@ fn laws() {
         println!("| {name} | {plain:.1} | {viscous:.1} | {:.2} |", viscous / plain);
     }
     println!();
+    plastic(&model, fabric);
 }
 
 /// ns an element without and with a Prony series of five terms, the medians of measurements in turn.
@@ -262,23 +263,46 @@ impl LawVisitor for Viscous<'_> {
         let term = |k: i32| PronyTerm { share: 0.1, time: 1e-4 * 10.0_f64.powi(k) };
         let viscosity = Viscosity::new((0..5).map(term).collect()).expect("a series");
         let pairs = (0..REPEATS)
-            .map(|_| [None, Some(&viscosity)].map(|film| pass_of::<_, 8>(law, film, self.0, Width::best())))
+            .map(|_| [None, Some(&viscosity)].map(|film| pass_of::<_, 8>(law, film, self.0, Width::best(), 0.0)))
             .collect::<Vec<_>>();
         [0, 1].map(|film| median(pairs.iter().map(|pair| pair[film]).collect()))
     }
 }
 
-fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
-    let Law::Fabric(law) = &model.faces[0].material.law else { panic!("a fabric") };
-    pass_of::<_, L>(law, None, model, width)
+/// Plastic film whose elements do not flow, and whose elements all flow in every step, back and forth.
+fn plastic(model: &Model, fabric: f64) {
+    println!("| plastic | elastic steps, ns an element | over fabric | every element flows, ns | over fabric |");
+    println!("|---|---|---|---|---|");
+    let points = [[0.0, 8e6], [0.05, 10e6], [0.2, 12e6], [0.5, 20e6]];
+    let table = || Hardening::Table(FlowCurve::new(&points).expect("a flow curve"));
+    let voce = Hardening::Voce(Voce { initial: 8e6, saturation: 20e6, rate: 6.0 });
+    let cowper_symonds = FlowRate::CowperSymonds { reference: 40.0, exponent: 5.0 };
+    for (name, hardening, rate) in [
+        ("table of four points", table(), FlowRate::Independent),
+        ("Voce", voce, FlowRate::Independent),
+        ("table, Cowper–Symonds", table(), cowper_symonds),
+    ] {
+        let elastic = Elastic { young: 2e8, poisson: 0.45 };
+        let law = Plastic::new(elastic, Hill::from_strain_ratios([1.0, 0.8, 1.2]), hardening, rate);
+        let [elastic, flowing] = [0.0, 0.2].map(|swing| pass_of::<_, 8>(&law, None, model, Width::best(), swing));
+        println!("| {name} | {elastic:.1} | {:.2} | {flowing:.1} | {:.2} |", elastic / fabric, flowing / fabric);
+    }
+    println!();
 }
 
-/// Forces of the elements of the first face of `model` with `law`, `viscous` or not, ns an element.
+fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
+    let Law::Fabric(law) = &model.faces[0].material.law else { panic!("a fabric") };
+    pass_of::<_, L>(law, None, model, width, 0.0)
+}
+
+/// Forces of the elements of the first face of `model` with `law`, `viscous` or not, ns an element. Between two passes the
+/// film is stretched by the share `swing` or released again.
 fn pass_of<M: MembraneLaw + Clone, const L: usize>(
     law: &M,
     viscous: Option<&Viscosity>,
     model: &Model,
     width: Width,
+    swing: f64,
 ) -> f64 {
     let face = &model.faces[0];
     let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing).expect("a mesh");
@@ -290,12 +314,14 @@ fn pass_of<M: MembraneLaw + Clone, const L: usize>(
     }
     let mut position = Vectors::default();
     position.extend(mesh.nodes.iter().map(|p| [1.3 * p.x, 1.1 * p.y, 0.4 * p.x * p.y]));
+    let mut other = Vectors::default();
+    other.extend(position.iter().map(|x| x.map(|x| (1.0 + swing) * x)));
+    let places = if swing == 0.0 { [&position; 2] } else { [&position, &other] };
     let mut force = Vectors::zero(mesh.nodes.len());
     let passes = 2_000_000 / mesh.quads.len();
     let mut once = || {
-        seconds(|| (0..passes).for_each(|_| patch.add_forces(width, &position, 1e-6, black_box(&mut force))))
-            / (passes * mesh.quads.len()) as f64
-            * 1e9
+        let mut pass = |k: usize| patch.add_forces(width, places[k % 2], 1e-6, black_box(&mut force));
+        seconds(|| (0..passes).for_each(&mut pass)) / (passes * mesh.quads.len()) as f64 * 1e9
     };
     once();
     median((0..REPEATS).map(|_| once()).collect())

@@ -16,6 +16,7 @@ fn all() -> impl Iterator<Item = &'static Code> {
         experiment::CODES,
         experiment::law_fit::CODES,
         experiment::relaxation::CODES,
+        experiment::law_fit::plastic::CODES,
         model::CODES,
         simulate::CODES,
         script::CODES,

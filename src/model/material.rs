@@ -1,6 +1,6 @@
 //! The material of a layer: valid curves with their multipliers.
 
-use super::{Mistakes, hyperelastic, viscous};
+use super::{Mistakes, hyperelastic, plastic, viscous};
 use crate::material::{
     Curve, CurveError, Elastic, Fabric, FibreLaw, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
 };
@@ -11,17 +11,21 @@ use crate::units::Rate;
 /// The material written at `path`, which is empty for that of a material file; none where it is invalid.
 pub fn check(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Material> {
     let of = |table: &str| if path.is_empty() { table.to_owned() } else { format!("{path}.{table}") };
-    let (law, rates, place) = match (&written.fabric, &written.elastic, &written.hyperelastic) {
-        (Some(fabric), _, _) => {
+    let (law, rates, place) = match (&written.fabric, &written.elastic, &written.hyperelastic, &written.plastic) {
+        (Some(fabric), ..) => {
             let place = of("fabric");
             (self::fabric(fabric, &place, mistakes)?, fabric.measured_rates, place)
         }
-        (None, Some(written), _) => (elastic(written), written.measured_rates, of("elastic")),
-        (None, None, Some(written)) => {
+        (None, Some(written), ..) => (elastic(written), written.measured_rates, of("elastic")),
+        (None, None, Some(written), _) => {
             let place = of("hyperelastic");
             (hyperelastic::check(written, &place, mistakes)?, written.measured_rates, place)
         }
-        (None, None, None) => return None,
+        (None, None, None, Some(written)) => {
+            let place = of("plastic");
+            (plastic::check(written, &place, mistakes)?, written.measured_rates, place)
+        }
+        (None, None, None, None) => return None,
     };
     let written_rates = rates.map(|[from, to]| [from.0, to.0]);
     if written_rates.is_some_and(|[from, to]| to < from) {

@@ -12,6 +12,7 @@ mod layers;
 mod loading;
 mod material;
 mod output;
+mod plastic;
 mod post;
 mod reference;
 mod size;

@@ -157,6 +157,9 @@ fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
         (Law::Hyperelastic(_), _) => {
             return Err(refuse("a hyperelastic film has no curves; only a fabric has md, td and shear"));
         }
+        (Law::Plastic(_), _) => {
+            return Err(refuse("a plastic film has no curves; only a fabric has md, td and shear"));
+        }
         (Law::Fabric(fabric), "md") => Some(fabric.md()),
         (Law::Fabric(fabric), "td") => Some(fabric.td()),
         (Law::Fabric(fabric), "shear") => Some(fabric.shear()),

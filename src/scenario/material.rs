@@ -6,18 +6,17 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::hyperelastic::Hyperelastic;
+use super::plastic::Plastic;
+use super::point::Point;
 use super::schema;
 use super::viscous::{PronyOf, PronyTerm, Shift};
 use crate::units::{Density, Length, Pressure, Rate, Temperature};
 
-/// The laws that there are.
-const LAWS: &str = "the laws are `fabric`, `elastic` and `hyperelastic`";
-
 /// Material of one layer of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "x-future" = { "plastic": LAWS, "rupture": "a film breaks at the last strain of its curves" },
-    "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }, { "required": ["hyperelastic"] }]
+    "x-future" = { "rupture": "a film breaks at the last strain of its curves" },
+    "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }, { "required": ["hyperelastic"] }, { "required": ["plastic"] }]
 ))]
 pub struct Material {
     /// One line that describes it.
@@ -42,6 +41,8 @@ pub struct Material {
     pub elastic: Option<Elastic>,
     /// Rubber-like film of any stretch, plane stress with the thickness that follows.
     pub hyperelastic: Option<Hyperelastic>,
+    /// Film that yields and keeps a set, plane stress with the thickness that follows.
+    pub plastic: Option<Plastic>,
     /// Terms of a Prony series on the law, by which its stress relaxes; not on a fabric with `rates`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(min = 1, max = 64))]
@@ -179,13 +180,6 @@ pub struct Shear {
     #[schemars(schema_with = "schema::path_or_list::<Point>")]
     pub curve: Vec<Point>,
 }
-
-/// One point of a curve: engineering strain (or shear angle in rad) and stress.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Point(
-    #[schemars(range(min = 0))] pub f64,
-    #[schemars(range(min = 0), extend("x-likely" = [1e5, 1e11]))] pub Pressure,
-);
 
 /// The multipliers of a dynamic curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::film::Film;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::engine::{self, AddedMass, ContactState, ElementStrain, Relaxation, View};
+use crate::material::Law;
 use crate::model::{Model, SNAPSHOT_MEMORY};
 
 /// Figures that are known only at the end of a run.
@@ -19,6 +20,8 @@ pub(super) struct Figures<'a> {
     pub(super) balance: f64,
     /// Share of the strain increments outside the measured rates.
     pub(super) outside: f64,
+    /// Largest equivalent plastic strain of each face, where its law has one.
+    pub(super) plastic: Vec<Option<f64>>,
     /// Kinetic share of a slow test.
     pub(super) kinetic: Option<f64>,
     /// Mass added to the small elements of each face.
@@ -180,6 +183,7 @@ impl Monitor {
             relaxation,
             balance,
             outside,
+            plastic,
             kinetic,
             added_mass,
             snapshots,
@@ -224,6 +228,12 @@ impl Monitor {
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
         out.extend((outside > bounds::RATES && !nothing_hit).then_some(Warning::StrainRateOutside { share: outside }));
+        out.extend(plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
+            let (Some(strain), Law::Plastic(law)) = (*strain, &face.material.law) else { return None };
+            let end = law.hardening().end();
+            // Those of snapshots have single precision.
+            (strain > end + 1e-6).then_some(Warning::HardeningExceeded { face: place + 1, strain, end })
+        }));
         out.extend(kinetic.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),
             share if share > bounds::BARELY => Some(Warning::BarelyQuasiStatic { share }),

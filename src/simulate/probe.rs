@@ -275,6 +275,7 @@ impl<'a> Probe<'a> {
             relaxation,
             balance,
             outside: rates.outside,
+            plastic: largest_plastic_strains(&self.record.snapshots, mounting.films.len()),
             kinetic: kinetic_share,
             added_mass: &mounting.added_mass,
             snapshots,
@@ -375,4 +376,13 @@ impl Observer for Probe<'_> {
         }
         self.record.tracks.follow(track);
     }
+}
+
+/// Largest equivalent plastic strain of each face in `snapshots`; it never falls.
+fn largest_plastic_strains(snapshots: &[Snapshot], faces: usize) -> Vec<Option<f64>> {
+    let of_face = |face: usize| {
+        let states = snapshots.iter().filter_map(|snapshot| snapshot.films.get(face));
+        states.flat_map(|state| &state.plastic_strain).map(|strain| f64::from(*strain)).reduce(f64::max)
+    };
+    (0..faces).map(of_face).collect()
 }

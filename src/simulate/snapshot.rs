@@ -30,6 +30,8 @@ pub struct FilmState {
     pub failed: Vec<bool>,
     /// Thickness over that of stress-free film, one entry an element; empty where the law does not give it.
     pub thickness_ratio: Vec<f32>,
+    /// Equivalent plastic strain, one entry an element; empty where the law has none.
+    pub plastic_strain: Vec<f32>,
     /// Nodes of the face in contact with an impactor or the frame's bars, ascending.
     pub in_contact: Vec<u32>,
     /// Stresses and more, where the run takes detailed snapshots
@@ -69,11 +71,13 @@ pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed
         let is_needed = detailed || film.has_thickness();
         let details = if is_needed { film.details(&view.nodes.position) } else { vec![] };
         let thickness = details.iter().filter(|_| film.has_thickness()).map(|of| of.thickness_ratio as f32);
+        let plastic = details.iter().filter(|_| film.is_plastic()).map(|of| of.plastic_strain as f32);
         FilmState {
             positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
             strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
             failed: strains.iter().map(ElementStrain::has_failed).collect(),
             thickness_ratio: thickness.collect(),
+            plastic_strain: plastic.collect(),
             in_contact: of_face(&in_contact, &film.nodes),
             detail: detailed.then(|| detail(view, film, strains, &details)),
         }

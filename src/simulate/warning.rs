@@ -80,6 +80,9 @@ codes! {
     STRAIN_RATE_OUTSIDE = "strain-rate-outside", Warning,
         "more than 5 % of the film's strain increments lie outside the strain rates at which its curves were measured",
         "use curves that were measured at the rates of the test (`strain_rates` in the summary)";
+    HARDENING_EXCEEDED = "hardening-exceeded", Warning,
+        "plastic film flowed beyond the last point of its flow curve, from which on the flow stress is taken as constant",
+        "measure the hardening up to the plastic strain of the test (`hardening.curve`, `hardening.rates`), or give Voce's law";
     NOT_QUASI_STATIC = "not-quasi-static", Warning,
         "the kinetic energy of the film exceeds 1 % of the energy that it took up: inertia affects the force",
         "load more slowly or set a lower `mass_scaling`";
@@ -309,6 +312,15 @@ pub enum Warning {
         /// Share of the strain increments.
         share: f64,
     },
+    /// Plastic film flowed beyond its flow curve.
+    HardeningExceeded {
+        /// Number of the face, from one.
+        face: usize,
+        /// Largest equivalent plastic strain.
+        strain: f64,
+        /// Equivalent plastic strain at the end of the curve.
+        end: f64,
+    },
     /// A slow test whose inertia matters.
     NotQuasiStatic {
         /// Largest share of kinetic energy in the energy that the film took up.
@@ -459,6 +471,12 @@ impl fmt::Display for Warning {
                 "strain rate: {} % of the strain increments lie outside the rates at which the curves were measured",
                 percent(share)
             ),
+            Warning::HardeningExceeded { face, strain, end } => write!(
+                f,
+                "face {face} reached the equivalent plastic strain {}, its flow curve ends at {}",
+                number::significant(*strain, 3),
+                number::significant(*end, 3)
+            ),
             Warning::NotQuasiStatic { share } => {
                 write!(
                     f,
@@ -498,6 +516,7 @@ impl Report for Warning {
             Warning::FewerSnapshots { .. } => &FEWER_SNAPSHOTS,
             Warning::EnergyBalance { .. } => &ENERGY_BALANCE,
             Warning::StrainRateOutside { .. } => &STRAIN_RATE_OUTSIDE,
+            Warning::HardeningExceeded { .. } => &HARDENING_EXCEEDED,
             Warning::NotQuasiStatic { .. } => &NOT_QUASI_STATIC,
             Warning::BarelyQuasiStatic { .. } => &BARELY_QUASI_STATIC,
         }
@@ -544,6 +563,9 @@ impl Report for Warning {
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],
+            Warning::HardeningExceeded { face, strain, end } => {
+                &[("face", face.into()), ("plastic_strain", strain.into()), ("curve_end", end.into())]
+            }
             Warning::NotQuasiStatic { share } | Warning::BarelyQuasiStatic { share } => {
                 &[("kinetic_share", share.into())]
             }

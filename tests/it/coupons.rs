@@ -650,3 +650,42 @@ fn fitted(folder: &Path, more: &[&str]) -> Json {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("a summary")).expect("JSON")
 }
+
+/// `tensile fit` of a plastic law to the coupons of aluminium, and what it refuses.
+#[test]
+fn aluminium_becomes_a_plastic_material() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("aluminium.toml");
+    let out = out.to_str().unwrap();
+    let files = ["RD-01", "RD-02", "LT-01", "LT-02", "ST-02", "ST-04"]
+        .map(|name| format!("data/tension_anisotropic_al6061/cleaned_CA-{name}.csv"));
+    let fit = |directions: &str, more: &[&str]| {
+        let given = ["--columns", "stress [ksi],strain [-]", "--window", "0.001", "0.003", "--directions", directions];
+        let files = files.iter().map(String::as_str);
+        let arguments: Vec<&str> =
+            ["tensile", "fit"].into_iter().chain(files).chain(given).chain(more.iter().copied()).collect();
+        droptower(&arguments)
+    };
+    let all = "MD,MD,TD,TD,ND,ND";
+    for law in ["plastic:voce", "plastic:table"] {
+        let material = ["--law", law, "--density", "2700 kg/m3", "--thickness", "1 mm", "--poisson", "0.33", "-o", out];
+        let printed = workbench::printed(&fit(all, &material));
+        assert!(printed.contains("warning[unloading-not-measured]") && printed.contains("`r12` is 1"), "{printed}");
+        assert!(succeed(&["check", out]).starts_with("ok"));
+        let json: Json = serde_json::from_str(&workbench::printed(&fit(all, &["--law", law, "--json"]))).unwrap();
+        let young = json["young_modulus_Pa"].as_f64().unwrap();
+        assert!((young / 68.9e9 - 1.0).abs() < 0.03, "{json}");
+        assert_eq!(json["coupons"].as_array().unwrap().len(), 6);
+    }
+    for (directions, more, expected) in [
+        ("MD,TD", vec!["--law", "plastic:voce"], "2 directions for 6 files of coupons"),
+        ("TD,TD,TD,TD,ND,ND", vec!["--law", "plastic:voce"], "no coupon is along MD"),
+        (all, vec!["--law", "plastic:voce", "-o", out], "needs the density and the thickness"),
+        ("MD,MD,TD,TD,ND,XD", vec!["--law", "plastic:voce"], "`XD` is not a direction of a coupon"),
+        (all, vec!["--law", "plastic:power"], "`plastic:power` is not a law that can be fitted"),
+    ] {
+        let output = fit(directions, &more);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && text.contains(expected), "{expected}: {text}");
+    }
+}

@@ -32,6 +32,9 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Whether the law defines the thickness.
     fn has_thickness(&self) -> bool;
 
+    /// Whether the law has a plastic strain.
+    fn is_plastic(&self) -> bool;
+
     /// The same elements with the same history.
     fn boxed(&self) -> Box<dyn ElementGroup>;
 
@@ -114,6 +117,10 @@ where
 
     fn has_thickness(&self) -> bool {
         self.law.has_thickness()
+    }
+
+    fn is_plastic(&self) -> bool {
+        self.law.plastic_strain(&M::History::<LANES>::virgin()).is_some()
     }
 
     fn boxed(&self) -> Box<dyn ElementGroup> {

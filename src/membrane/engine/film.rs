@@ -83,6 +83,11 @@ impl Film {
         self.chunks.iter().any(|chunk| chunk.group.has_limit())
     }
 
+    /// Whether its law has a plastic strain.
+    pub fn is_plastic(&self) -> bool {
+        self.chunks.iter().any(|chunk| chunk.group.is_plastic())
+    }
+
     /// Whether its law defines its thickness.
     pub fn has_thickness(&self) -> bool {
         self.chunks.iter().any(|chunk| chunk.group.has_thickness())

@@ -183,6 +183,20 @@ impl Curve {
         stress
     }
 
+    /// Stress in each lane, as [`Curve::stress_lanes`], and slope, at a corner that of the segment behind it, Pa.
+    #[inline(always)]
+    pub(super) fn tangent<const L: usize>(&self, strain: &Lane<L>) -> [Lane<L>; 2] {
+        let [mut stress, mut slope] = [splat(0.0); 2];
+        for s in &self.segments {
+            for l in 0..L {
+                let from = strain[l] - s.start;
+                stress[l] += s.slope * smaller(larger(from, 0.0), s.length);
+                slope[l] += if (from >= 0.0) & (from < s.length) { s.slope } else { 0.0 };
+            }
+        }
+        [stress, slope]
+    }
+
     /// Stress and energy in each lane.
     #[inline(always)]
     pub fn read<const L: usize>(&self, strain: &Lane<L>) -> Reading<L> {

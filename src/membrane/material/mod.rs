@@ -11,8 +11,10 @@ mod fibre;
 mod history;
 mod hyperelastic;
 mod layer_breaks;
+mod log_interval;
 mod measure;
 mod multipliers;
+mod plastic;
 mod rate_curves;
 mod tension_field;
 #[cfg(test)]
@@ -32,6 +34,9 @@ pub use hyperelastic::{
 pub use layer_breaks::LayerBreaks;
 pub use measure::{Measure, ViscousBase, WithoutCompression};
 pub use multipliers::Multipliers;
+pub use plastic::{
+    FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Plastic, PlasticHistory, RateTable, RateTableError, Voce,
+};
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use tension_field::TensionField;
 pub use viscous::{
@@ -40,7 +45,7 @@ pub use viscous::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::lane::{LANES, Lane, Lane3, splat};
+use crate::lane::{LANES, Lane, Lane3, dot, splat};
 
 /// Deformation gradient of a membrane: the images f₁ = F a₁ and f₂ = F a₂ of the unit vectors along MD and TD
 /// of the stress-free film.
@@ -60,6 +65,21 @@ impl<const L: usize> From<Gradient<L>> for Deformation<L> {
     /// A uniform gradient.
     fn from(f: Gradient<L>) -> Deformation<L> {
         Deformation { f, stretch_variance: [splat(0.0); 2] }
+    }
+}
+
+impl<const L: usize> Deformation<L> {
+    /// C₁₁, C₂₂ and C₁₂ (theory.md, equation 13).
+    #[inline(always)]
+    fn metric(&self) -> elastic::Plane<L> {
+        let [f1, f2] = &self.f;
+        let mut c = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
+        for fibre in 0..2 {
+            for l in 0..L {
+                c[fibre][l] += self.stretch_variance[fibre][l];
+            }
+        }
+        c
     }
 }
 
@@ -156,6 +176,10 @@ pub trait MembraneLaw {
     /// Stress at deformation `d`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero
     /// while film is mounted.
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L>;
+    /// Stress at deformation `d` that the history includes: no time passes and no variable changes.
+    fn stress_of<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stress<L> {
+        self.stress(d, &mut history.clone(), 0.0)
+    }
     /// Energy at deformation `d`.
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L>;
     /// Bound on the tangent stiffness at and near deformation `d`, on loading and unloading.
@@ -179,6 +203,10 @@ pub trait MembraneLaw {
     }
     /// What a Prony series on it needs; none where it cannot have one.
     fn viscous(&self) -> Option<ViscousBase> {
+        None
+    }
+    /// Equivalent plastic strain, where the law has one.
+    fn plastic_strain<'a, const L: usize>(&self, _history: &'a Self::History<L>) -> Option<&'a Lane<L>> {
         None
     }
     /// Whether it defines [`MembraneLaw::thickness_ratio`].
@@ -205,6 +233,8 @@ pub enum Law {
     TensionField(TensionField),
     /// An energy of rubber-like film.
     Hyperelastic(HyperelasticLaw),
+    /// Elastoplastic, on logarithmic strain.
+    Plastic(Plastic),
 }
 
 impl Law {
@@ -223,14 +253,18 @@ impl Law {
         match self {
             Law::Fabric(fabric) => Law::Fabric(fabric.with_layer_breaks(breaks)),
             Law::RateFabric(fabric) => Law::RateFabric(fabric.with_layer_breaks(breaks)),
-            Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) => self,
+            Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) | Law::Plastic(_) => self,
         }
     }
 
     /// Lowest and highest strain rate (1/s) of all curves by strain rate; those of a fibre set with one curve have
     /// none.
     pub fn rates(&self) -> Option<[f64; 2]> {
-        let Law::RateFabric(fabric) = self else { return None };
+        let fabric = match self {
+            Law::RateFabric(fabric) => fabric,
+            Law::Plastic(law) => return law.rates(),
+            Law::Fabric(_) | Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) => return None,
+        };
         let ranges = [fabric.md().range(), fabric.td().range()];
         ranges.into_iter().flatten().reduce(|[low, high], [from, to]| [low.min(from), high.max(to)])
     }
@@ -281,6 +315,7 @@ impl Law {
             Law::Elastic(law) => visitor.visit(law),
             Law::TensionField(law) => visitor.visit(law),
             Law::Hyperelastic(law) => law.visit(visitor),
+            Law::Plastic(law) => visitor.visit(law),
         }
     }
 }

@@ -9,6 +9,23 @@ pub(in crate::material) fn film(absorption: f64) -> Fabric {
     Fabric::new(md, td, shear, absorption)
 }
 
+/// A sequence of numbers in 0..1.
+pub(super) fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Principal stretches along directions that are turned in the film and in space.
+pub(super) fn turned([first, second]: [f64; 2], angles: [f64; 2]) -> Gradient<1> {
+    let [(s, c), (t, d)] = angles.map(f64::sin_cos);
+    let [u, v] = [[0.8 * d, t, 0.6 * d], [-0.8 * t, d, -0.6 * t]];
+    let f = |a: f64, b: f64| [0, 1, 2].map(|i| splat(first * a * u[i] + second * b * v[i]));
+    [f(c, -s), f(s, c)]
+}
+
 /// Deformations in general position: stretched, sheared, turned out of the plane, one direction slack or both,
 /// uneven.
 fn deformations() -> Vec<Deformation<1>> {

@@ -284,6 +284,7 @@ mod tests {
             strains: vec![[0.1, 0.5, -0.2]; film.quads.len()],
             failed: (0..film.quads.len()).map(|at| at == 0).collect(),
             thickness_ratio: vec![],
+            plastic_strain: vec![],
             in_contact: vec![],
             detail: None,
         };

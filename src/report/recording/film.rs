@@ -16,8 +16,8 @@ struct Colouring {
 }
 
 /// What there is to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown.
-/// The last one only where a law gives the thickness.
-const COLOURINGS: [Colouring; 5] = [
+/// The last two only where a law gives the thickness or a plastic strain.
+const COLOURINGS: [Colouring; 6] = [
     Colouring {
         key: "largest",
         title: "Larger fibre strain",
@@ -53,14 +53,26 @@ const COLOURINGS: [Colouring; 5] = [
         factor: 100.0,
         of: |state, element| 1.0 - state.thickness_ratio.get(element).copied().unwrap_or(f32::NAN),
     },
+    Colouring {
+        key: "plastic",
+        title: "Plastic strain",
+        words: "equivalent, %",
+        factor: 100.0,
+        of: |state, element| state.plastic_strain.get(element).copied().unwrap_or(f32::NAN),
+    },
 ];
 
 /// Those of `snapshots`, all of one run.
 fn colourings<'a>(mut snapshots: impl Iterator<Item = &'a Snapshot>) -> &'static [Colouring] {
-    let first = snapshots.next();
-    let has_thickness =
-        first.is_some_and(|snapshot| snapshot.films.iter().any(|film| !film.thickness_ratio.is_empty()));
-    &COLOURINGS[..if has_thickness { 5 } else { 4 }]
+    let films = snapshots.next().map_or(&[][..], |snapshot| &snapshot.films);
+    let any = |of: fn(&FilmState) -> &Vec<f32>| films.iter().any(|film| !of(film).is_empty());
+    // Plastic film has a thickness too.
+    let count = match (any(|film| &film.plastic_strain), any(|film| &film.thickness_ratio)) {
+        (true, _) => 6,
+        (false, true) => 5,
+        (false, false) => 4,
+    };
+    &COLOURINGS[..count]
 }
 
 /// Least upper end of the colour range: strains below it are rounding errors.
@@ -175,6 +187,7 @@ mod tests {
             strains: vec![[0.1, 0.4, 0.3], [0.2, 0.0, -0.5], [7.0, 0.0, 0.0]],
             failed: vec![false, false, true],
             thickness_ratio: vec![],
+            plastic_strain: vec![],
             in_contact: vec![],
             detail: None,
         };
@@ -183,7 +196,7 @@ mod tests {
         for (strain, expected) in strains.iter().zip(expected) {
             assert!((strain - expected).abs() < 1e-5, "{strains:?}");
         }
-        assert_eq!(COLOURINGS.each_ref().map(|colouring| largest(colouring, &state)), [0.4, 0.2, 0.4, 0.5, 0.0]);
+        assert_eq!(COLOURINGS.each_ref().map(|colouring| largest(colouring, &state)), [0.4, 0.2, 0.4, 0.5, 0.0, 0.0]);
         let thin = FilmState { thickness_ratio: vec![0.9, 0.7, 0.1], ..state.clone() };
         assert!((largest(&COLOURINGS[4], &thin) - 0.3).abs() < 1e-6, "of the intact elements");
         let shear = nodal(&COLOURINGS[3], &film, &state);

@@ -318,6 +318,7 @@ mod tests {
             strains: vec![[strain; 3]],
             failed: vec![false],
             thickness_ratio: vec![],
+            plastic_strain: vec![],
             in_contact: vec![],
             detail: None,
         };

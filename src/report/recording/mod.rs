@@ -132,6 +132,7 @@ mod tests {
                 strains: vec![],
                 failed: vec![],
                 thickness_ratio: vec![],
+                plastic_strain: vec![],
                 in_contact: vec![],
                 detail: None,
             };

@@ -110,6 +110,9 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
         count("layers", &|cell| cell.sheet.face.layers),
         count("image", &|cell| cell.sheet.image.number),
     ];
+    if cells.iter().any(|cell| !cell.sheet.state.plastic_strain.is_empty()) {
+        arrays.push(of("plastic_strain", &|cell| cell.plastic_strain()));
+    }
     if with_thickness {
         arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.thickness_ratio()));
     }
@@ -152,6 +155,11 @@ impl Cell<'_> {
     /// NaN where its law does not give it.
     fn thickness_ratio(&self) -> f32 {
         self.sheet.state.thickness_ratio.get(self.element).copied().unwrap_or(f32::NAN)
+    }
+
+    /// NaN where its law has none.
+    fn plastic_strain(&self) -> f32 {
+        self.sheet.state.plastic_strain.get(self.element).copied().unwrap_or(f32::NAN)
     }
 
     fn area_ratio(&self) -> f32 {

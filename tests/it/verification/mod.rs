@@ -25,6 +25,7 @@ mod indentation;
 mod inflation;
 mod oscillation;
 mod patch;
+mod plastic;
 mod poisson_sheet;
 mod rates;
 mod rubber;

@@ -1,11 +1,14 @@
 //! The arguments of `droptower tensile fit`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
 
 use crate::cli::argument::{number, quantity};
 use crate::cli::signal::input::FileArgs;
+use crate::experiment::coupon::WINDOW;
+use crate::experiment::law_fit::plastic::{HardeningForm, PlasticDirection};
 use crate::experiment::law_fit::{LawChoice, TestKind, Weighting};
 use crate::experiment::relaxation::ZERO_CELSIUS;
 use crate::scenario::fitted_material::FilmKeys;
@@ -18,13 +21,13 @@ const TERMS: usize = 12;
 #[command(group(ArgGroup::new("what").required(true).args(["law", "relaxation"])))]
 pub(crate) struct FitArgs {
     /// Measured data, files or globs. For --law the columns `stretch` (or `strain`) and nominal `stress`, of a biaxial
-    /// test `stretch_1`, `stretch_2`, `stress_1`, `stress_2`; for --relaxation one file with `time` and `modulus` and,
+    /// test `stretch_1`, `stretch_2`, `stress_1`, `stress_2`, of plastic laws `strain` and `stress`; for --relaxation one file with `time` and `modulus` and,
     /// of several temperatures, `temperature_degC`
     #[arg(required = true, value_name = "DATA")]
     pub data: Vec<String>,
-    /// The law: neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent or ogden:N
+    /// The law: neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent, ogden:N, plastic:voce or plastic:table
     #[arg(long, value_name = "LAW")]
-    pub law: Option<LawChoice>,
+    pub law: Option<FittedLaw>,
     /// Fit a Prony series to a relaxation modulus
     #[arg(long)]
     pub relaxation: bool,
@@ -60,8 +63,8 @@ pub(crate) struct FitArgs {
     /// Most terms of the Prony series
     #[arg(long, value_name = "N", default_value_t = TERMS, conflicts_with = "law")]
     pub terms: usize,
-    /// Poisson's ratio, for the material file
-    #[arg(long, value_name = "RATIO", value_parser = number, conflicts_with = "law")]
+    /// Poisson's ratio, for the material file of a relaxation or of a plastic law
+    #[arg(long, value_name = "RATIO", value_parser = number)]
     pub poisson: Option<f64>,
     /// Shift factors of the temperatures: columns `temperature_degC` and `log_shift` (decades) [default: by overlap]
     #[arg(long, value_name = "FILE", conflicts_with = "law")]
@@ -73,7 +76,46 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "TEMPERATURE", value_parser = temperature, conflicts_with = "law")]
     pub reference: Option<f64>,
     #[command(flatten)]
+    pub plastic: PlasticArgs,
+    #[command(flatten)]
     pub file: FileArgs,
+}
+
+/// What only plastic laws need.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct PlasticArgs {
+    /// Directions of the coupons in the order of their files, for plastic laws: MD, TD, D3 (45°) or ND (normal)
+    #[arg(long, value_name = "DIRECTIONS", value_delimiter = ',', conflicts_with = "relaxation")]
+    pub directions: Vec<PlasticDirection>,
+    /// Strains between which the modulus is fitted, for plastic laws
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"], default_values_t = WINDOW, value_parser = number)]
+    pub window: Vec<f64>,
+    /// Plastic strain from which on the hardening is fitted, for plastic laws
+    #[arg(long, value_name = "STRAIN", default_value_t = 0.002, value_parser = number)]
+    pub offset: f64,
+}
+
+/// A law that the command fits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FittedLaw {
+    /// Of stresses over stretches.
+    Stresses(LawChoice),
+    /// Of film that yields.
+    Plastic(HardeningForm),
+}
+
+impl FromStr for FittedLaw {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<FittedLaw, String> {
+        match HardeningForm::named(word) {
+            Some(form) => Ok(FittedLaw::Plastic(form)),
+            None => {
+                let choice = word.parse().map(FittedLaw::Stresses);
+                choice.map_err(|error| format!("{error}; of film that yields {}", HardeningForm::WORDS))
+            }
+        }
+    }
 }
 
 /// A law of shift factors.

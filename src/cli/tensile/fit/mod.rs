@@ -5,6 +5,7 @@ mod fitted;
 mod law;
 mod law_figures;
 mod law_page;
+mod plastic;
 mod relaxation;
 mod relaxation_figures;
 mod relaxation_page;
@@ -12,11 +13,24 @@ mod written;
 
 pub(super) use args::FitArgs;
 
+use args::FittedLaw;
+
 use crate::cli::{Failure, Shared};
+use crate::diagnostic::Diagnostic;
 
 pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     match args.law {
-        Some(law) => law::run(law, args, shared),
+        Some(FittedLaw::Plastic(form)) => plastic::run(form, args, shared),
+        Some(FittedLaw::Stresses(law)) => {
+            refuse(args.poisson.is_some(), "--poisson", "plastic laws and of relaxation")?;
+            refuse(!args.plastic.directions.is_empty(), "--directions", "plastic laws")?;
+            law::run(law, args, shared)
+        }
         None => relaxation::run(args, shared),
     }
+}
+
+/// Refuses an option that is given but without effect.
+fn refuse(is_given: bool, option: &str, of: &str) -> Result<(), Diagnostic> {
+    if is_given { Err(Diagnostic::new(format!("{option} is an option of {of}")).hint("leave it out")) } else { Ok(()) }
 }

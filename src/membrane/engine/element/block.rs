@@ -95,14 +95,20 @@ pub(crate) struct BlockDetails<const L: usize> {
     pub stress: [Lane<L>; 3],
     /// Thickness over that of stress-free film; NaN where the law does not define it.
     pub thickness_ratio: Lane<L>,
+    /// Equivalent plastic strain; zero of a law without.
+    pub plastic_strain: Lane<L>,
     /// f₁ and f₂: the images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [Lane3<L>; 2],
 }
 
 impl<const L: usize> BlockDetails<L> {
     /// Zero, to be added to.
-    pub(super) const NONE: Self =
-        BlockDetails { stress: [splat(0.0); 3], thickness_ratio: splat(0.0), fibres: [[splat(0.0); 3]; 2] };
+    pub(super) const NONE: Self = BlockDetails {
+        stress: [splat(0.0); 3],
+        thickness_ratio: splat(0.0),
+        plastic_strain: splat(0.0),
+        fibres: [[splat(0.0); 3]; 2],
+    };
 
     /// Adds `share` of the details of one point with deformation `d` and `history`, the point numbered so where film is
     /// `viscous`.
@@ -114,16 +120,17 @@ impl<const L: usize> BlockDetails<L> {
         viscous: Option<(ViscousBlock<'_, L>, usize)>,
         share: f64,
     ) {
-        // The history includes this deformation, so that no time passes and no variable changes.
-        let mut response = law.stress(d, &mut history.clone(), 0.0);
+        let mut response = law.stress_of(d, history);
         // Stress relaxes with a constant Poisson's ratio: the thickness is that of film strained at once.
         let thickness_ratio = law.thickness_ratio(d, &response);
         if let Some((viscous, point)) = viscous {
             response = viscous.stress(point, d);
         }
         let Stresses { md, td, shear } = stresses(d, &response);
+        let plastic_strain = law.plastic_strain(history).copied().unwrap_or(splat(0.0));
         for l in 0..L {
             self.thickness_ratio[l] += share * thickness_ratio[l];
+            self.plastic_strain[l] += share * plastic_strain[l];
             for (mean, value) in self.stress.iter_mut().zip([md, td, shear]) {
                 mean[l] += share * value[l];
             }

@@ -369,6 +369,8 @@ pub struct ElementDetail {
     pub stress: [f64; 3],
     /// Thickness over that of stress-free film; NaN where the law does not define it.
     pub thickness_ratio: f64,
+    /// Equivalent plastic strain; zero of a law without.
+    pub plastic_strain: f64,
     /// Images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [[f64; 3]; 2],
 }
@@ -384,10 +386,11 @@ pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B:
     for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
         gather(corners, position, &mut x);
         let details = block.details(law, elements.viscous_block(b), &x);
-        let BlockDetails { stress, thickness_ratio, fibres } = details;
+        let BlockDetails { stress, thickness_ratio, plastic_strain, fibres } = details;
         out.extend((0..LANES).map(|l| ElementDetail {
             stress: stress.map(|s| s[l]),
             thickness_ratio: thickness_ratio[l],
+            plastic_strain: plastic_strain[l],
             fibres: fibres.map(|f| f.map(|axis| axis[l])),
         }));
     }

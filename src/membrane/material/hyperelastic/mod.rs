@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, LawVisitor, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
-use crate::lane::{Lane, dot, splat};
+use crate::lane::{Lane, splat};
 use principal::Principal;
 
 /// Squares of the principal stretches in the plane, the larger first.
@@ -172,24 +172,11 @@ macro_rules! with_energy {
 }
 use with_energy;
 
-/// C₁₁, C₂₂ and C₁₂ of a deformation (theory.md, equation 13).
-#[inline(always)]
-fn metric<const L: usize>(d: &Deformation<L>) -> Plane<L> {
-    let [f1, f2] = &d.f;
-    let mut c = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
-    for fibre in 0..2 {
-        for l in 0..L {
-            c[fibre][l] += d.stretch_variance[fibre][l];
-        }
-    }
-    c
-}
-
 impl<E: StrainEnergy> Hyperelastic<E> {
     /// Squared principal stretches at which the energy is evaluated.
     #[inline(always)]
     fn squares<const L: usize>(&self, d: &Deformation<L>) -> Squares<L> {
-        let principal = Principal::of(&metric(d));
+        let principal = Principal::of(&d.metric());
         if self.wrinkling { principal.relaxed(&self.energy).squares } else { principal.squares }
     }
 }
@@ -199,7 +186,7 @@ impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {
-        let c = metric(d);
+        let c = d.metric();
         let s = if self.wrinkling {
             let relaxed = Principal::of(&c).relaxed(&self.energy);
             let mut stress = self.energy.stress(&relaxed.squares);

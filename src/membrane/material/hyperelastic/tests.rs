@@ -1,6 +1,6 @@
 use super::*;
 use crate::lane::{Width, at_width};
-use crate::material::tests::{check_bound, check_derivative, check_work};
+use crate::material::tests::{check_bound, check_derivative, check_work, random, turned};
 use crate::material::{Gradient, History};
 
 /// Shear modulus of the laws, Pa.
@@ -30,23 +30,6 @@ macro_rules! each_law {
 fn rubber() -> Ogden {
     let terms = [(6.3e5, 1.3), (1.2e3, 5.0), (-1e4, -2.0)];
     Ogden::new(&terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }))
-}
-
-/// A sequence of numbers in 0..1.
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
-/// Principal stretches along directions that are turned in the film and in space.
-fn turned([first, second]: [f64; 2], angles: [f64; 2]) -> Gradient<1> {
-    let [(s, c), (t, d)] = angles.map(f64::sin_cos);
-    let [u, v] = [[0.8 * d, t, 0.6 * d], [-0.8 * t, d, -0.6 * t]];
-    let f = |a: f64, b: f64| [0, 1, 2].map(|i| splat(first * a * u[i] + second * b * v[i]));
-    [f(c, -s), f(s, c)]
 }
 
 fn virgin_stress(law: &impl MembraneLaw<History<1> = PeakStrains<1>>, f: Gradient<1>) -> Stress<1> {

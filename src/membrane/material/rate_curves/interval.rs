@@ -3,17 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::Curve;
-use crate::lane::{Lane, larger, ln, smaller, splat};
+use super::super::log_interval::LogInterval;
+use crate::lane::{Lane, larger, smaller, splat};
 
 /// The interval from the curve of one rate to that of the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct RateInterval {
     /// The higher rate, 1/s.
     pub(super) upper: f64,
-    /// Logarithm of the lower rate (1/s).
-    pub(super) log: f64,
-    /// 1/ln(r_{i+1}/r_i).
-    per_log: f64,
+    /// Between the two rates.
+    pub(super) log: LogInterval,
     /// The curve of the higher rate.
     pub(super) curve: Curve,
     /// Corners of the difference of both curves, from the origin on: strain, σ_{i+1} − σ_i (Pa).
@@ -31,18 +30,17 @@ impl RateInterval {
     pub(super) fn new(curves: &[(f64, Curve)], index: usize, averaging_strain: f64, longest: f64) -> RateInterval {
         let all: Vec<&Curve> = curves.iter().map(|(_, curve)| curve).collect();
         let ((from, lower), (to, upper)) = (&curves[index], &curves[index + 1]);
-        let log = ln(*from);
         let difference = difference(lower, upper, longest);
         let secant = secant(&difference, averaging_strain);
         let stress_ratio = stress_ratio(&all[..index + 2], &all, longest);
-        let (per_log, curve) = (1.0 / (ln(*to) - log), upper.clone());
-        RateInterval { upper: *to, log, per_log, curve, difference, secant, stress_ratio }
+        let (log, curve) = (LogInterval::new(*from, *to), upper.clone());
+        RateInterval { upper: *to, log, curve, difference, secant, stress_ratio }
     }
 
     /// The weight s of the upper curve: 0 below and 1 above the two rates.
     #[inline(always)]
     pub(super) fn weight(&self, log_rate: f64) -> f64 {
-        smaller(larger((log_rate - self.log) * self.per_log, 0.0), 1.0)
+        self.log.weight(log_rate)
     }
 
     /// Bound on |∂σ/∂r · ∂r/∂ε| (Pa) for a strain that grows from `from` to `to` (theory.md, equation 142).
@@ -62,7 +60,7 @@ impl RateInterval {
         let mut bound = splat(0.0);
         for l in 0..L {
             let early = if from[l] < averaging_strain { self.secant } else { 0.0 };
-            let hardening = self.per_log * larger(early, largest[l] / averaging_strain);
+            let hardening = self.log.per_log() * larger(early, largest[l] / averaging_strain);
             bound[l] = if to[l] >= from[l] { hardening } else { 0.0 };
         }
         bound

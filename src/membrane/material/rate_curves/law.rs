@@ -156,7 +156,7 @@ impl FibreLaw for RateCurves {
         let mut steepening = splat::<L>(absorption.steepening());
         for interval in &self.intervals {
             for l in 0..L {
-                steepening[l] = if interval.log < fastest[l] {
+                steepening[l] = if interval.log.log() < fastest[l] {
                     larger(interval.stress_ratio, steepening[l])
                 } else {
                     steepening[l]
@@ -178,7 +178,7 @@ impl FibreLaw for RateCurves {
             let own = interval.curve.largest_slope(&from, &to);
             let rising = interval.hardening(&history.peak, &most, self.averaging_strain);
             for l in 0..L {
-                let reachable = interval.log < fastest[l];
+                let reachable = interval.log.log() < fastest[l];
                 slope[l] = if reachable { larger(own[l], slope[l]) } else { slope[l] };
                 hardening[l] = if reachable { larger(rising[l], hardening[l]) } else { hardening[l] };
             }

@@ -1,0 +1,197 @@
+//! Plastic films: elastoplasticity in plane stress on logarithmic strain, with Hill's orthotropic yield function,
+//! isotropic hardening and rate dependence.
+//!
+//! The plastic strain is subtracted from the logarithmic strain of Lagrange (Miehe, Apel and Lambrecht, Comput. Methods
+//! Appl. Mech. Engng 191, 2002; theory.md, equations 250 to 267), so that the law of small strain holds between E and T,
+//! with MD and TD of stress-free film as axes:
+//!
+//! ```text
+//! E = ½ ln C ,   T = ℂ (E − E_p) ,   S = T : 2 ∂E/∂C
+//! σ̄(T) ≤ σ_y(p, ṗ) ,   Ė_p = ṗ ∂σ̄/∂T
+//! ```
+
+mod flow;
+mod hardening;
+mod hill;
+mod history;
+mod logarithm;
+mod modes;
+mod rate;
+#[cfg(test)]
+mod tests;
+
+pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
+pub use hill::Hill;
+pub use history::PlasticHistory;
+pub use rate::{FlowRate, RateTable, RateTableError};
+
+use serde::{Deserialize, Serialize};
+
+use super::elastic::{Elastic, Plane};
+use super::{Deformation, Energy, MembraneLaw, Stiffness, Stress};
+use crate::lane::{Lane, exp, larger, splat};
+use flow::Trial;
+use logarithm::Logarithm;
+use modes::Modes;
+
+/// A plastic film.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plastic {
+    elastic: Elastic,
+    hill: Hill,
+    hardening: Hardening,
+    rate: FlowRate,
+    modes: Modes,
+}
+
+impl Plastic {
+    /// Film with isotropic elasticity, Hill's yield function, whose yield surface must be closed, and the flow stress of
+    /// `hardening` along MD at the lowest `rate`.
+    pub fn new(elastic: Elastic, hill: Hill, hardening: Hardening, rate: FlowRate) -> Plastic {
+        let modes = Modes::new(elastic.young, elastic.poisson, &hill);
+        Plastic { elastic, hill, hardening, rate, modes }
+    }
+
+    /// The flow stress of slow flow.
+    pub fn hardening(&self) -> &Hardening {
+        &self.hardening
+    }
+
+    /// The yield function.
+    pub fn hill(&self) -> &Hill {
+        &self.hill
+    }
+
+    /// Lowest and highest rate of plastic strain of a table by rate, 1/s.
+    pub fn rates(&self) -> Option<[f64; 2]> {
+        self.rate.range()
+    }
+
+    /// Flow stress at the equivalent plastic strain `p` and its constant rate, 1/s, Pa.
+    pub fn flow_stress(&self, p: f64, rate: f64) -> f64 {
+        self.rate.at(self.hardening.flow(&[p]), p, rate)
+    }
+
+    /// Amplitudes of the elastic strain with the plastic strain `plastic`.
+    #[inline(always)]
+    fn amplitudes<const L: usize>(&self, log: &Logarithm<L>, plastic: &Plane<L>) -> Plane<L> {
+        let mut elastic = log.strain;
+        for i in 0..3 {
+            for l in 0..L {
+                elastic[i][l] -= plastic[i][l];
+            }
+        }
+        self.modes.amplitudes(&elastic)
+    }
+
+    /// The stress after the flow `gamma` of `trial`, whose amplitudes relax; updates the history.
+    #[inline(always)]
+    fn relax<const L: usize>(
+        &self,
+        trial: &Trial<'_, L>,
+        gamma: &Lane<L>,
+        amplitudes: &mut Plane<L>,
+        history: &mut PlasticHistory<L>,
+    ) -> Plane<L> {
+        let relaxed = trial.relaxed(gamma);
+        for i in 0..3 {
+            for l in 0..L {
+                amplitudes[i][l] *= relaxed.shares[i][l];
+            }
+        }
+        let t = self.modes.stress(amplitudes);
+        let ([along, across], Hill { h, n, .. }) = (self.hill.normal(), self.hill);
+        let mut p = *trial.before;
+        for l in 0..L {
+            p[l] += gamma[l] * relaxed.stress[l];
+            history.strain[0][l] += gamma[l] * (along * t[0][l] - h * t[1][l]);
+            history.strain[1][l] += gamma[l] * (across * t[1][l] - h * t[0][l]);
+            history.strain[2][l] += gamma[l] * n * t[2][l];
+        }
+        if !matches!(self.rate, FlowRate::Independent) {
+            let slow = self.hardening.flow(&p).stress;
+            for l in 0..L {
+                let over = larger(relaxed.stress[l] - slow[l], 0.0);
+                history.surplus[l] += 0.5 * (history.overstress[l] + over) * (p[l] - history.equivalent[l]);
+                history.overstress[l] = over;
+            }
+        }
+        history.equivalent = p;
+        t
+    }
+}
+
+impl MembraneLaw for Plastic {
+    type History<const L: usize> = PlasticHistory<L>;
+
+    #[inline(always)]
+    fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut PlasticHistory<L>, dt: f64) -> Stress<L> {
+        let log = Logarithm::of(&d.metric());
+        let mut amplitudes = self.amplitudes(&log, &history.strain);
+        let before = history.equivalent;
+        let trial = Trial {
+            stiffness: self.modes.stiffness,
+            softest: self.modes.softest(),
+            squares: self.modes.squares(&amplitudes),
+            before: &before,
+            flow_stress: self.hardening.flow(&before).stress,
+        };
+        // Where no lane flows, the rest changes nothing.
+        let t = match trial.flow(&self.hardening, &self.rate, dt) {
+            Some(gamma) => self.relax(&trial, &gamma, &mut amplitudes, history),
+            None => {
+                history.overstress = splat(0.0);
+                self.modes.stress(&amplitudes)
+            }
+        };
+        Elastic::first_piola(d, log.second_piola(&t))
+    }
+
+    #[inline(always)]
+    fn stress_of<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Stress<L> {
+        let log = Logarithm::of(&d.metric());
+        let t = self.modes.stress(&self.amplitudes(&log, &history.strain));
+        Elastic::first_piola(d, log.second_piola(&t))
+    }
+
+    /// All plastic work is absorbed: what hardening stores in the film does not come back.
+    #[inline(always)]
+    fn energy<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Energy<L> {
+        let amplitudes = self.amplitudes(&Logarithm::of(&d.metric()), &history.strain);
+        let mut absorbed = self.hardening.work(&history.equivalent);
+        for l in 0..L {
+            absorbed[l] += history.surplus[l];
+        }
+        Energy { stored: self.modes.stored(&amplitudes), absorbed }
+    }
+
+    /// That of elastic loading: flow lowers it.
+    #[inline(always)]
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Stiffness<L> {
+        let log = Logarithm::of(&d.metric());
+        let t = self.modes.stress(&self.amplitudes(&log, &history.strain));
+        let Elastic { young, poisson } = self.elastic;
+        Stiffness::in_any_direction(log.bound(&t, [self.elastic.plane(), poisson, 0.5 * young / (1.0 + poisson)]))
+    }
+
+    /// Plastic flow keeps the volume: ln λ₃ = (1 − 2ν)/Y (T₁₁ + T₂₂) − ½ ln det C, and T₁₁ + T₂₂ = C:S.
+    fn thickness_ratio<const L: usize>(&self, d: &Deformation<L>, stress: &Stress<L>) -> Lane<L> {
+        let c = d.metric();
+        let trace = logarithm::trace(&c, [&stress.tension[0], &stress.tension[1], &stress.cross]);
+        let volume = (1.0 - 2.0 * self.elastic.poisson) / self.elastic.young;
+        std::array::from_fn(|l| exp(volume * trace[l]) / (c[0][l] * c[1][l] - c[2][l] * c[2][l]).sqrt())
+    }
+
+    fn moduli(&self) -> [f64; 2] {
+        [self.elastic.plane(); 2]
+    }
+
+    #[inline(always)]
+    fn break_strains<const L: usize>(&self, _history: &PlasticHistory<L>) -> [Lane<L>; 2] {
+        [splat(f64::INFINITY); 2]
+    }
+
+    fn plastic_strain<'a, const L: usize>(&self, history: &'a PlasticHistory<L>) -> Option<&'a Lane<L>> {
+        Some(history.equivalent())
+    }
+}

@@ -1,0 +1,301 @@
+//! Film that yields: load cycles of single elements by hand, coupons of aluminium from their recordings to a fitted law to
+//! a simulation, and the set that a dart leaves.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+use droptower::experiment::law_fit::plastic::{
+    HardeningForm, PlasticCoupon, PlasticDirection, PlasticFit, PlasticRules, Ratio,
+};
+use droptower::material::{Elastic, FlowCurve, FlowRate, Hardening, Hill, Law, Material, Plastic};
+use droptower::model::Model;
+use droptower::signal::file::ReadOptions;
+use droptower::simulate::{self, Across};
+use nalgebra::Vector3;
+
+use super::claims::Claims;
+use super::random::Random;
+use super::scene::{forces, mounted, positions, set_positions};
+use super::sheet::{self, ELEMENTS, THICKNESS, distorted_element};
+use super::tower::{channel, run, shipped, written};
+use crate::workbench::root;
+
+const YOUNG: f64 = 2e8;
+const POISSON: f64 = 0.45;
+
+/// Film of the reference: r₀ = r₉₀, so that film at 45° does not shear.
+fn hill() -> Hill {
+    Hill::from_strain_ratios([0.7, 1.6, 0.7])
+}
+
+fn hardening() -> Hardening {
+    Hardening::Table(FlowCurve::new(&[[0.0, 8e6], [0.05, 10e6], [0.5, 20e6]]).expect("a flow curve"))
+}
+
+fn material() -> Material {
+    let elastic = Elastic { young: YOUNG, poisson: POISSON };
+    let law = Plastic::new(elastic, hill(), hardening(), FlowRate::Independent);
+    Material { law: Law::Plastic(law), ..sheet::elastic(1.0, 0.0) }
+}
+
+/// Uniaxial tension and compression at an angle from MD, by hand: T = Y (E − E_p), |T| ≤ R σ_y(p), dp = R |dE_p|.
+struct Strip {
+    ratio: f64,
+    /// Plastic strain ratio, width over thickness.
+    width: f64,
+    plastic: f64,
+    p: f64,
+}
+
+impl Strip {
+    fn at(angle: f64) -> Strip {
+        Strip { ratio: hill().stress_ratio(angle), width: hill().strain_ratio(angle), plastic: 0.0, p: 0.0 }
+    }
+
+    /// T and the strain across at the logarithmic strain `along`.
+    fn pulled(&mut self, along: f64) -> [f64; 2] {
+        let trial = YOUNG * (along - self.plastic);
+        let (mut low, mut high) = (0.0, along.abs() + self.plastic.abs());
+        for _ in 0..200 {
+            let growth = 0.5 * (low + high);
+            let flow = self.ratio * hardening().stress(self.p + self.ratio * growth);
+            if trial.abs() - YOUNG * growth > flow { low = growth } else { high = growth }
+        }
+        let growth = if high < 1e-15 { 0.0 } else { 0.5 * (low + high) };
+        self.plastic += growth * trial.signum();
+        self.p += self.ratio * growth;
+        let stress = YOUNG * (along - self.plastic);
+        [stress, -POISSON * stress / YOUNG - self.plastic * self.width / (1.0 + self.width)]
+    }
+}
+
+/// Logarithmic strains of a cycle: yield, unloading, yield in compression, and farther than before.
+const CYCLE: [f64; 10] = [0.02, 0.06, 0.2, 0.18, 0.12, 0.05, 0.0, 0.1, 0.22, 0.35];
+
+/// −Σ f ⊗ X over the volume: the nominal stresses along x and y of an element of this `area` (m²), Pa.
+fn nominal(force: &[Vector3<f64>], places: &[[f64; 3]], area: f64) -> [f64; 2] {
+    [0, 1].map(|axis| -force.iter().zip(places).map(|(f, x)| f[axis] * x[axis]).sum::<f64>() / (area * THICKNESS))
+}
+
+fn area(places: &[[f64; 3]]) -> f64 {
+    let next = |k: usize| places[(k + 1) % places.len()];
+    0.5 * (0..places.len()).map(|k| places[k][0] * next(k)[1] - next(k)[0] * places[k][1]).sum::<f64>()
+}
+
+/// A distorted element of each kind, MD along x, through the cycle along MD and along TD: P = T/λ.
+#[test]
+fn an_element_follows_a_load_cycle_by_hand() {
+    let mut claims = Claims::of("plastic, one element");
+    for (name, axis) in [("MD", 0), ("TD", 1)] {
+        let mut off = [0.0_f64; 2];
+        for kind in ELEMENTS {
+            let mesh = distorted_element(kind, &mut Random::new(5));
+            let (mut film, mut nodes) = mounted(&mesh, &sheet::face(material(), kind, [0.0; 2]));
+            let places = positions(&nodes);
+            let mut strip = Strip::at(FRAC_PI_2 * axis as f64);
+            for along in CYCLE {
+                let [stress, across] = strip.pulled(along);
+                let stretch = if axis == 0 { [along, across] } else { [across, along] }.map(f64::exp);
+                let mut n = 0;
+                set_positions(&mut nodes, |_, _| {
+                    n += 1;
+                    [stretch[0] * places[n - 1][0], stretch[1] * places[n - 1][1], 0.0]
+                });
+                let found = nominal(&forces(&mut film, &nodes), &places, area(&places));
+                off[0] = off[0].max((found[axis] * stretch[axis] - stress).abs() / 8e6);
+                off[1] = off[1].max(found[1 - axis].abs() / 8e6);
+            }
+        }
+        claims.at_most(&format!("{name}, stress off the closed form, over the yield stress"), off[0], 1e-9);
+        claims.at_most(&format!("{name}, stress across over the yield stress"), off[1], 1e-9);
+    }
+    claims.judge();
+}
+
+/// The scenario of a single element 5 mm long, pulled at an angle from MD.
+fn single(direction: &str, material: &str) -> Model {
+    written(&format!(
+        "specimen.shape = {{ rectangle = [\"5 mm\", \"10 mm\"] }}
+         specimen.mesh = {{ element = \"quad4\", size = \"10 mm\" }}
+         specimen.material = {{ density = 920, thickness = 1e-4, plastic = {{ {material} }} }}
+         loading.stretch = {{ direction = {direction}, velocity = \"0.02 m/s\", until = 0.4 }}"
+    ))
+}
+
+const KEYS: &str = "young = \"200 MPa\", poisson = 0.45, hill = { r0 = 0.7, r45 = 1.6, r90 = 0.7 }, \
+                    hardening = { curve = [[0, \"8 MPa\"], [0.05, \"10 MPa\"], [0.5, \"20 MPa\"]] }";
+
+/// A strip whose width is free, from the scenario's keys, at 0°, 45° and 90° from MD: stress and, where it is unloaded, the
+/// set.
+#[test]
+fn a_free_strip_follows_the_cycle_in_every_direction() {
+    let mut claims = Claims::of("plastic, free strip");
+    for (name, direction, angle) in
+        [("MD", "\"MD\"", 0.0), ("45°", "\"45 deg\"", FRAC_PI_4), ("TD", "\"TD\"", FRAC_PI_2)]
+    {
+        let model = single(direction, KEYS);
+        let strains = CYCLE.map(f64::exp_m1);
+        let found = simulate::pull(&model, &strains, Across::Free).expect("a strip");
+        let mut strip = Strip::at(angle);
+        let off = CYCLE.iter().zip(found).map(|(along, found)| {
+            let [stress, _] = strip.pulled(*along);
+            (found * along.exp() - stress).abs() / 8e6
+        });
+        claims.at_most(
+            &format!("{name}, stress off the closed form, over the yield stress"),
+            off.fold(0.0, f64::max),
+            1e-7,
+        );
+    }
+    claims.judge();
+}
+
+/// Film mounted with equal pre-strains beyond yield: T = R_b σ_y, R_b² = 1/(F + G), and it flows on at once.
+#[test]
+fn film_yields_under_its_pre_strain() {
+    let mut claims = Claims::of("plastic, pre-strain");
+    let (plane, ratio) = (YOUNG / (1.0 - POISSON), 1.0 / (hill().f + hill().g).sqrt());
+    let level = |strain: f64| {
+        let (mut low, mut high) = (0.0, strain);
+        for _ in 0..200 {
+            let plastic = 0.5 * (low + high);
+            let flow = ratio * hardening().stress(2.0 * ratio * plastic);
+            if plane * (strain - plastic) > flow { low = plastic } else { high = plastic }
+        }
+        plane * (strain - 0.5 * (low + high))
+    };
+    for pre in [0.01, 0.1_f64] {
+        let mut off = 0.0_f64;
+        for kind in ELEMENTS {
+            let mesh = distorted_element(kind, &mut Random::new(3));
+            let (mut film, mut nodes) = mounted(&mesh, &sheet::face(material(), kind, [pre; 2]));
+            let places = positions(&nodes);
+            for more in [1.0, 1.02] {
+                let mut n = 0;
+                set_positions(&mut nodes, |_, _| {
+                    n += 1;
+                    places[n - 1].map(|x| more * x)
+                });
+                // Σ f X over the mounted volume is P (1 + e) of the stress-free film over (1 + e)².
+                let expected = level(((1.0 + pre) * more).ln()) / ((1.0 + pre) * more) / (1.0 + pre);
+                for found in nominal(&forces(&mut film, &nodes), &places, area(&places)) {
+                    off = off.max((found / expected - 1.0).abs());
+                }
+            }
+        }
+        claims.at_most(&format!("pre-strain {pre}, stress off the closed form"), off, 1e-9);
+    }
+    claims.judge();
+}
+
+/// The coupons of 6061 aluminium: direction, then the stress of each recording over its engineering strain.
+fn aluminium() -> Vec<PlasticCoupon> {
+    let columns = ["stress [ksi]", "strain [-]"].map(String::from).to_vec();
+    let options = ReadOptions { names: columns, ..ReadOptions::default() };
+    let files = [("RD-01", "MD"), ("RD-02", "MD"), ("LT-01", "TD"), ("LT-02", "TD"), ("ST-02", "ND"), ("ST-04", "ND")];
+    let read = |(name, direction): (&str, &str)| {
+        let path = root().join(format!("data/tension_anisotropic_al6061/cleaned_CA-{name}.csv"));
+        let direction = direction.parse().expect("a direction");
+        PlasticCoupon::read(&path, direction, &options).unwrap_or_else(|error| panic!("{error}"))
+    };
+    files.map(read).to_vec()
+}
+
+/// Engineering stress of a coupon from where its elastic line meets zero, Pa.
+fn recorded(coupon: &PlasticCoupon, strain: f64) -> f64 {
+    let (_, curve) = coupon.modulus([0.001, 0.003]).expect("a modulus");
+    curve.at(strain).expect("a strain within the recording")
+}
+
+/// From the files to a law to a coupon: one element whose width is free, and a meshed strip between jaws, both against the
+/// recordings along MD and TD. Sheet metal of Hill's type follows one curve in all directions, these coupons not quite: the
+/// bound is the largest difference between two coupons of one direction.
+#[test]
+fn aluminium_goes_from_its_recordings_to_a_simulated_coupon() {
+    let mut claims = Claims::of("plastic, aluminium");
+    let coupons = aluminium();
+    for form in [HardeningForm::Voce, HardeningForm::Table] {
+        let rules = PlasticRules { form, window: [0.001, 0.003], offset: 0.002 };
+        let fit = PlasticFit::of(&coupons, &rules).unwrap_or_else(|error| panic!("{error}"));
+        claims.near(&format!("{form}, modulus of handbooks, Pa"), fit.young, 68.9e9, 0.03);
+        let [td, _, nd]: [Ratio; 3] = fit.ratios;
+        claims.near(&format!("{form}, yield stress along TD over MD"), td.value, 0.95, 0.02);
+        claims.near(&format!("{form}, yield stress along ND over MD"), nd.value, 0.94, 0.02);
+        let scatter = fit.scatter.iter().map(|(_, scatter)| *scatter).fold(0.0, f64::max);
+        claims.at_most(&format!("{form}, largest difference of two coupons of a direction"), scatter, 0.08);
+        for coupon in &fit.coupons {
+            let what =
+                format!("{form}, {} along {}, largest difference over its strength", coupon.name, coupon.direction);
+            claims.at_most(&what, coupon.largest / coupon.strength, scatter);
+        }
+        let material = Material {
+            density: 2700.0,
+            thickness: 1e-3,
+            law: Law::Plastic(Plastic::new(
+                Elastic { young: fit.young, poisson: 0.33 },
+                fit.hill(),
+                fit.hardening.clone(),
+                FlowRate::Independent,
+            )),
+            measured_rates: None,
+            viscosity: None,
+        };
+        for direction in [PlasticDirection::Md, PlasticDirection::Td] {
+            let mut model = single(&format!("\"{direction}\""), KEYS);
+            model.faces[0].material = material.clone();
+            let strains = [0.002, 0.004, 0.006, 0.01, 0.02, 0.03, 0.04, 0.05];
+            let element = simulate::pull(&model, &strains, Across::Free).expect("a strip");
+            let mut off = [0.0_f64; 2];
+            for (strain, found) in strains.iter().zip(element) {
+                off[0] = off[0].max((found / fit.stress(direction, *strain) - 1.0).abs());
+                let own: Vec<f64> =
+                    coupons.iter().filter(|c| c.direction == direction).map(|c| recorded(c, *strain)).collect();
+                let mean = own.iter().sum::<f64>() / own.len() as f64;
+                if *strain >= 0.006 {
+                    off[1] = off[1].max((found / mean - 1.0).abs());
+                }
+            }
+            claims.at_most(&format!("{form}, one element along {direction}, off the fitted curve"), off[0], 1e-8);
+            claims.at_most(&format!("{form}, one element along {direction}, off the mean recording"), off[1], scatter);
+        }
+    }
+    claims.judge();
+}
+
+/// The shipped strip of aluminium, between jaws that hold its ends, against the recordings.
+#[test]
+fn the_meshed_coupon_of_aluminium_follows_the_recordings() {
+    let mut claims = Claims::of("plastic, aluminium strip");
+    let outcome = run(&shipped("stretch/aluminium.toml", &[]));
+    let [strain, stress] = ["strain", "stress_Pa"].map(|name| channel(&outcome.signals, name));
+    let own: Vec<PlasticCoupon> =
+        aluminium().into_iter().filter(|coupon| coupon.direction == PlasticDirection::Md).collect();
+    let (mut off, mut scatter) = (0.0_f64, 0.0_f64);
+    for (strain, stress) in strain.iter().zip(stress).filter(|(strain, _)| (0.008..0.05).contains(*strain)) {
+        let [a, b] = [0, 1].map(|k| recorded(&own[k], *strain));
+        off = off.max((stress / (0.5 * (a + b)) - 1.0).abs());
+        scatter = scatter.max(2.0 * (a - b).abs() / (a + b));
+    }
+    claims.holds("two coupons along MD", &format!("differ by up to {scatter:.3}"), scatter > 0.03);
+    claims.at_most("strip off the mean of both coupons", off, scatter);
+    claims.at_most("energy balance error", outcome.energy_balance_error, 1e-3);
+    claims.at_most("kinetic share", outcome.kinetic_share.expect("a share"), 1e-2);
+    claims.judge();
+}
+
+/// A dart is thrown back and leaves a set: energy is conserved, most of it absorbed, and film that was stress-free is
+/// longer than before.
+#[test]
+fn a_dart_leaves_a_set() {
+    let mut claims = Claims::of("plastic, dart");
+    let outcome = run(&shipped("drop/plastic.toml", &[]));
+    claims.at_most("energy balance error", outcome.energy_balance_error, 1e-3);
+    let absorbed = channel(&outcome.signals, "absorbed_energy_J");
+    claims.holds("absorbed", &format!("{:?} J", absorbed.last()), absorbed.last().is_some_and(|last| *last > 0.1));
+    let last = outcome.snapshots.last().expect("a snapshot");
+    let plastic = last.films[0].plastic_strain.iter().fold(0.0_f32, |most, p| most.max(*p));
+    claims.holds("largest plastic strain", &format!("{plastic}"), (0.05..1.5).contains(&plastic));
+    let [first, end] =
+        [&outcome.snapshots[0], last].map(|s| s.films[0].thickness_ratio.iter().copied().fold(2.0, f32::min));
+    claims.holds("thickness", &format!("{first} {end}"), first > 0.996 && end < 0.97);
+    claims.judge();
+}
