@@ -164,6 +164,7 @@ impl Dimension {
             "J" => &["mJ", "J", "kJ"],
             "N s/m" => &["N s/m"],
             "Nm" => &["Nmm", "Nm", "kNm"],
+            "J/m2" => &["J/m2", "kJ/m2"],
             "J/mol" => &["J/mol", "kJ/mol"],
             "K" if self.name == Temperature::DIMENSION.name => &["degC", "K"],
             "K" => &["K"],
@@ -387,6 +388,8 @@ quantities! {
     Force: "a force", "N", "1.2 kN", [1, 1, -2, 0, 0, 0];
     /// J.
     Energy: "an energy", "J", "9.3 J", [2, 1, -2, 0, 0, 0];
+    /// J/m².
+    EnergyPerArea: "an energy per area", "J/m2", "8 kJ/m2", [0, 1, -2, 0, 0, 0];
     /// rad/s.
     AngularVelocity: "an angular velocity", "rad/s", "90 deg/s", [0, 0, -1, 1, 0, 0];
     /// kg m².

@@ -146,7 +146,7 @@ fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
 /// Depth at which a fibre set, straight from edge to edge over the impactor's lowest point and uniformly strained, is
 /// at its break strain, m. In any other shape of the film, the largest strain is larger.
 fn breaking_depth(face: &Face, fibre: usize, spans: &Spans<'_>) -> Option<f64> {
-    let limit = face.material.law.largest_break_strains()[fibre];
+    let limit = face.material.largest_break_strains()[fibre];
     let angle = face.md_angle + [0.0, 0.5 * PI][fibre];
     let ways = [spans.length(angle)?, spans.length(angle + PI)?];
     let own = ways.iter().sum::<f64>() / (1.0 + face.prestrain[fibre]);

@@ -269,7 +269,8 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>)
             mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
             continue;
         }
-        let fibres = [("md", "MD"), ("td", "TD")].into_iter().zip(face.material.law.break_strains());
+        let ends = face.material.break_strains();
+        let fibres = [("md", "MD"), ("td", "TD")].into_iter().zip(ends);
         for (((key, name), end), prestrain) in fibres.zip(face.prestrain) {
             if prestrain < end {
                 continue;

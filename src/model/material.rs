@@ -1,6 +1,6 @@
 //! The material of a layer: valid curves with their multipliers.
 
-use super::{Mistakes, hyperelastic, plastic, viscous};
+use super::{Mistakes, hyperelastic, plastic, rupture, viscous};
 use crate::material::{
     Curve, CurveError, Elastic, Fabric, FibreLaw, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
 };
@@ -34,7 +34,9 @@ pub fn check(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'
     }
     let measured_rates = written_rates.or_else(|| law.rates());
     let viscosity = viscous::check(written, &law, path, mistakes);
-    Some(Material { density: written.density.0, thickness: written.thickness.0, law, viscosity, measured_rates })
+    let rupture = rupture::check(written, &law, path, mistakes);
+    let (density, thickness) = (written.density.0, written.thickness.0);
+    Some(Material { density, thickness, law, viscosity, rupture, measured_rates })
 }
 
 fn elastic(written: &scenario::Elastic) -> Law {

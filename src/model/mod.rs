@@ -15,6 +15,7 @@ mod output;
 mod plastic;
 mod post;
 mod reference;
+mod rupture;
 mod size;
 mod solver;
 mod specimen;
@@ -149,6 +150,12 @@ impl Model {
         meshes
     }
 
+    /// Whether a tear of its film takes a fracture energy, so that the film holds beside it.
+    pub fn can_tear(&self) -> bool {
+        let energy = |face: &Face| face.material.rupture.as_ref().map_or(0.0, |rupture| rupture.fracture_energy);
+        self.faces.iter().any(|face| energy(face) > 0.0)
+    }
+
     /// The first impactor.
     pub fn impactor(&self) -> Option<&Impactor> {
         self.impactors.first()
@@ -197,6 +204,8 @@ pub struct Specimen {
     pub symmetry: Symmetry,
     /// Mass-proportional damping of the film, 1/s.
     pub damping: f64,
+    /// Points of each cut through all faces, m.
+    pub cuts: Vec<Vec<[f64; 2]>>,
 }
 
 /// Mirror planes through the origin; the computed part lies at x >= 0 and/or y >= 0.

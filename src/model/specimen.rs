@@ -20,7 +20,8 @@ pub fn check(specimen: &scenario::Specimen, mistakes: &mut Mistakes<'_>) -> Opti
             Outline::Mesh { path, scale }
         }
     };
-    Some(Specimen { shape, symmetry: symmetry(specimen), damping: specimen.damping.0 })
+    let cuts = specimen.cuts.iter().map(|cut| cut.iter().map(|point| point.map(|length| length.0)).collect()).collect();
+    Some(Specimen { shape, symmetry: symmetry(specimen), damping: specimen.damping.0, cuts })
 }
 
 /// The outline with its holes, from corners or a drawing.

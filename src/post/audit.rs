@@ -29,6 +29,15 @@ pub struct Audit {
     pub ruptured: bool,
     /// Time of the first rupture.
     pub rupture_time_s: Option<f64>,
+    /// Length of all tears in stress-free film; only of film with a rupture criterion of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torn_length_m: Option<f64>,
+    /// Their length × thickness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torn_area_m2: Option<f64>,
+    /// Energy that they took.
+    #[serde(rename = "fracture_energy_J", skip_serializing_if = "Option::is_none")]
+    pub fracture_energy_j: Option<f64>,
     /// Elements of all faces.
     pub elements: usize,
     /// Memory of the engine's own arrays over the number of elements.
@@ -140,6 +149,9 @@ impl Audit {
             energy_balance_error: outcome.energy_balance_error,
             ruptured: outcome.rupture_time.is_some(),
             rupture_time_s: outcome.rupture_time.map(clean_time),
+            torn_length_m: outcome.torn.map(|torn| torn.length),
+            torn_area_m2: outcome.torn.map(|torn| torn.area),
+            fracture_energy_j: outcome.torn.map(|torn| torn.energy),
             elements: outcome.elements,
             bytes_per_element: outcome.bytes as f64 / outcome.elements as f64,
             steps: outcome.steps,

@@ -209,7 +209,7 @@ pub fn lowest_point(signals: &Recording, prefix: &str) -> Option<[f64; 2]> {
 
 /// The smallest over the faces, along MD and TD.
 fn break_strains(model: &Model) -> [Option<f64>; 2] {
-    let strains = || model.faces.iter().map(|face| face.material.law.break_strains());
+    let strains = || model.faces.iter().map(|face| face.material.break_strains());
     [0, 1].map(|fibre| {
         let smallest = strains().map(|strains| strains[fibre]).fold(f64::INFINITY, f64::min);
         Some(smallest).filter(|strain| strain.is_finite())

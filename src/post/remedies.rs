@@ -28,6 +28,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::FilmContactUnresolved { .. }
         | Warning::StrainLocalisation { .. }
         | Warning::EnergyBalance { .. }
+        | Warning::ElementsTooWide { .. }
         | Warning::HardeningExceeded { .. }
         | Warning::StrainRateOutside { .. } => return warning.to_string(),
     };

@@ -17,7 +17,7 @@ pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
 /// The fields that a summary may have in a script: those of all kinds of loading. Of several impactors, those of each
 /// begin with its name.
-pub(super) const SUMMARY: [&str; 58] = [
+pub(super) const SUMMARY: [&str; 61] = [
     "scenario",
     "title",
     "droptower",
@@ -59,6 +59,9 @@ pub(super) const SUMMARY: [&str; 58] = [
     "energy_balance_error",
     "ruptured",
     "rupture_time_s",
+    "torn_length_m",
+    "torn_area_m2",
+    "fracture_energy_J",
     "elements",
     "bytes_per_element",
     "steps",

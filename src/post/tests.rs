@@ -26,6 +26,7 @@ pub(super) fn model() -> Model {
         thickness: 12e-6,
         law: Law::Elastic(Elastic { young: 50e6, poisson: 0.44 }),
         viscosity: None,
+        rupture: None,
         measured_rates: None,
     };
     let face = Face {
@@ -41,7 +42,12 @@ pub(super) fn model() -> Model {
     Model {
         name: "drop/pulse".into(),
         title: "A half-sine pulse".into(),
-        specimen: Specimen { shape: Outline::Circle { radius: 0.2 }, symmetry: Symmetry::None, damping: 0.0 },
+        specimen: Specimen {
+            shape: Outline::Circle { radius: 0.2 },
+            symmetry: Symmetry::None,
+            damping: 0.0,
+            cuts: vec![],
+        },
         faces: vec![face],
         frame: Frame { hold: Hold::All, bars: None, clamp: None },
         impactors: vec![Impactor {
@@ -114,6 +120,7 @@ fn outcome() -> Outcome {
         mass_scaling: None,
         added_mass: vec![],
         penetration: Some(f64::NAN),
+        torn: None,
         elements: 400,
         bytes: 160_000,
         threads: 2,

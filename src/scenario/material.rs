@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::hyperelastic::Hyperelastic;
 use super::plastic::Plastic;
 use super::point::Point;
+use super::rupture::Rupture;
 use super::schema;
 use super::viscous::{PronyOf, PronyTerm, Shift};
 use crate::units::{Density, Length, Pressure, Rate, Temperature};
@@ -15,7 +16,6 @@ use crate::units::{Density, Length, Pressure, Rate, Temperature};
 /// Material of one layer of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "x-future" = { "rupture": "a film breaks at the last strain of its curves" },
     "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }, { "required": ["hyperelastic"] }, { "required": ["plastic"] }]
 ))]
 pub struct Material {
@@ -54,6 +54,9 @@ pub struct Material {
     pub temperature: Option<Temperature>,
     /// How the times of `prony` change with temperature.
     pub shift: Option<Shift>,
+    /// When the film tears, and the energy that a tear takes; left out, fibres of a fabric break at the last strain of their
+    /// curves, and other film does not break.
+    pub rupture: Option<Rupture>,
 }
 
 /// Two fibre sets at 90° and a shear curve, per layer.

@@ -138,6 +138,15 @@ columns! {
     /// Volume under an inflated film.
     VOLUME = "volume_m3", "volume", "m3", "volume" ("l"), 1e3;
         "of film under pressure, or under gas of a volume";
+    /// Length of all tears in stress-free film.
+    TORN_LENGTH = "torn_length_m", "torn_length", "m", "torn length" ("mm"), 1e3;
+        "of film with `rupture`";
+    /// Length × thickness of all tears.
+    TORN_AREA = "torn_area_m2", "torn_area", "m2", "torn area" ("mm2"), 1e6;
+        "of film with `rupture`";
+    /// Energy that tears took.
+    FRACTURE_ENERGY = "fracture_energy_J", "fracture_energy", "J", "energy" ("J"), 1.0;
+        "of film with `rupture`";
     /// Deflection of the highest point of an inflated film.
     DEFLECTION = "deflection_m", "deflection", "m", "deflection" ("mm"), 1e3;
         "of film under pressure, or under gas of a volume";

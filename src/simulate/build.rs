@@ -54,6 +54,11 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         let mut section = mount::section(face, mass_scaling);
         section.density += model.air.map_or(0.0, |air| air.added_mass) / section.thickness;
         let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
+        for (cut, points) in model.specimen.cuts.iter().enumerate() {
+            if film.cut(&nodes, points) == 0 {
+                return Err(RunError::CutMisses { cut, face: films.len() + 1 });
+            }
+        }
         if let Some(step) = model.solver.smallest_step {
             added_mass.push(engine::add_mass(&mut film, &mut nodes, step));
         }

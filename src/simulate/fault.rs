@@ -84,6 +84,14 @@ pub enum RunError {
         /// Force of the clamp that holds it, N.
         needed: f64,
     },
+    /// A cut passes through the middle of no element.
+    #[error("a cut passes through no element of face {face}")]
+    CutMisses {
+        /// Its place among the cuts.
+        cut: usize,
+        /// The face, counted from one.
+        face: usize,
+    },
     /// Faces lie inside each other at the start.
     #[error("two faces pass through each other before the test")]
     FacesCross,
@@ -125,6 +133,9 @@ impl RunError {
             }
             RunError::FacesCross => {
                 "mount them further apart, or leave contact between them out with `contact.film = false`".to_owned()
+            }
+            RunError::CutMisses { .. } => {
+                "give points on the film, with symmetry on its computed part, further apart than an element".to_owned()
             }
             RunError::Missed => "change `impactor.position`".to_owned(),
             RunError::Mesh(_)

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
-use crate::engine::{self, AddedMass, ContactState, ElementStrain, Relaxation, View};
+use crate::engine::{self, AddedMass, ContactState, ElementStrain, Relaxation, TooWide, View};
 use crate::material::Law;
 use crate::model::{Model, SNAPSHOT_MEMORY};
 
@@ -45,6 +45,8 @@ pub(super) struct Monitor {
     slip: Option<(f64, f64)>,
     /// First time (s) and share of the held length of film that left its clamp.
     left: Option<(f64, f64)>,
+    /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
+    pub(super) too_wide: Option<TooWide>,
     has_bars: bool,
 }
 
@@ -117,6 +119,7 @@ impl Monitor {
             unresolved: [0; 2],
             slip: None,
             left: None,
+            too_wide: None,
             has_bars,
         }
     }
@@ -215,6 +218,7 @@ impl Monitor {
         out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));
         out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
+        out.extend(self.too_wide.map(|TooWide { width, ratio }| Warning::ElementsTooWide { width, ratio }));
         out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
         out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
         let [steps, all] = self.unresolved;

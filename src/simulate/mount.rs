@@ -47,6 +47,7 @@ pub fn section(face: &Face, mass_scaling: f64) -> Section {
     Section {
         law: face.material.law.clone(),
         viscosity: face.material.viscosity.clone(),
+        rupture: face.material.rupture.clone(),
         density: face.material.density * mass_scaling,
         thickness: face.material.thickness * f64::from(face.layers),
         md_angle: face.md_angle,

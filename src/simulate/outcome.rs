@@ -6,7 +6,7 @@ use super::film::Film;
 use super::rates::RateHistogram;
 use super::snapshot::Snapshot;
 use super::warning::Warning;
-use crate::engine::{AddedMass, Relaxation, Surface};
+use crate::engine::{AddedMass, Relaxation, Surface, Torn};
 use crate::lane::Width;
 use crate::signal::Recording;
 
@@ -47,6 +47,8 @@ pub struct Outcome {
     pub added_mass: Vec<AddedMass>,
     /// Largest penetration over the radius of an impactor.
     pub penetration: Option<f64>,
+    /// Tears at the end; only of film with a rupture criterion of its own.
+    pub torn: Option<Torn>,
     /// Number of elements.
     pub elements: usize,
     /// Memory of the engine's own arrays, bytes.

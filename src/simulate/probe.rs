@@ -17,7 +17,7 @@ use super::rise::{self, Rise};
 use super::snapshot::{self, Snapshot};
 use super::tracks::{BodyTracks, Tracks};
 use super::warning::bounds::KINETIC;
-use crate::engine::{self, ElementStrain, Engine, FilmContactState, Observer, Relaxation, Track, View};
+use crate::engine::{self, ElementStrain, Engine, FilmContactState, Observer, Relaxation, Torn, Track, View};
 use crate::model::Model;
 use crate::signal::{Channel, Recording, column};
 
@@ -139,11 +139,11 @@ impl<'a> Probe<'a> {
 
     /// Whether everything has been recorded by `time` (s).
     pub(super) fn is_done(&self, time: f64) -> bool {
-        let failed = self.record.rupture_time.is_some() && self.is_quasi_static();
+        let failed = self.record.rupture_time.is_some() && self.is_quasi_static() && !self.model.can_tear();
         failed || (time > self.duration && self.record.tracks.are_complete())
     }
 
-    /// Whether inertia must not matter; then the failure of the film ends the test.
+    /// Whether inertia must not matter; then the failure of film that cannot tear ends the test.
     fn is_quasi_static(&self) -> bool {
         self.loading.inertia() == Inertia::Negligible
     }
@@ -154,7 +154,7 @@ impl<'a> Probe<'a> {
     }
 
     fn not_in_equilibrium(&self) -> Option<Fault> {
-        let (time, share) = self.record.energy.kinetic_share();
+        let (time, share) = self.record.energy.kinetic_share(self.model.can_tear());
         if self.is_quasi_static() && share > KINETIC {
             return Some(Fault::NotQuasiStatic { time, share });
         }
@@ -211,6 +211,10 @@ impl<'a> Probe<'a> {
         if let Some(inflated) = view.inflated() {
             self.record.tracks.gas.push(view.time, inflated);
         }
+        if let Some(Torn { length, area, energy }) = view.torn() {
+            self.record.tracks.tears.push(view.time, [length, area, energy]);
+            self.record.monitor.too_wide = view.too_wide;
+        }
         if let Some(FilmContactState { distance, nodes, lost, unresolved }) = view.film_contact_state() {
             self.record.tracks.films.push(view.time, [distance, nodes as f64]);
             self.record.monitor.films(view.time, distance, lost);
@@ -252,7 +256,7 @@ impl<'a> Probe<'a> {
     /// The outcome after the last step of `engine`.
     pub(super) fn finish(self, engine: &Engine, mounting: Mounting, wall: Duration) -> Outcome {
         let slow = self.loading.inertia() != Inertia::Dynamic;
-        let kinetic_share = slow.then(|| self.record.energy.kinetic_share().1);
+        let kinetic_share = slow.then(|| self.record.energy.kinetic_share(self.model.can_tear()).1);
         let damping_share = slow.then(|| self.record.energy.damping_share());
         let balance = self.record.energy.balance_error();
         let settling = self.settling();
@@ -269,6 +273,7 @@ impl<'a> Probe<'a> {
         let unfinished = self.model.prefixes().into_iter().map(ends_loaded).collect();
         let snapshots = [self.model.output.frames, self.snapshots];
         let relaxation = self.record.relaxation;
+        let torn = self.record.tracks.tears.rows.last().copied();
         let figures = Figures {
             missed,
             met_others_alone,
@@ -298,6 +303,7 @@ impl<'a> Probe<'a> {
             mass_scaling: mounting.mass_scaling,
             added_mass: mounting.added_mass,
             penetration: self.record.penetration,
+            torn: torn.map(|[length, area, energy]| Torn { length, area, energy }),
             elements: engine.elements(),
             bytes: engine.bytes(),
             threads: engine.pool().threads(),
@@ -332,6 +338,12 @@ impl<'a> Probe<'a> {
             let nodes = nodes.into_iter().map(f64::round).collect();
             signals.channels.push(Channel { name: column::FILM_DISTANCE.name.into(), values: distance });
             signals.channels.push(Channel { name: column::FILM_CONTACT_NODES.name.into(), values: nodes });
+        }
+        if !tracks.tears.rows.is_empty() {
+            for (k, column) in [column::TORN_LENGTH, column::TORN_AREA, column::FRACTURE_ENERGY].iter().enumerate() {
+                let values = tracks.tears.rows.iter().take(signals.time.len()).map(|row| row[k]).collect();
+                signals.channels.push(Channel { name: column.name.into(), values });
+            }
         }
         signals
     }

@@ -37,6 +37,8 @@ pub(super) struct Tracks {
     pub(super) rise: Grid<1>,
     /// Pressure (Pa) and volume (m³) under inflated film.
     pub(super) gas: Grid<2>,
+    /// Length (m), area (m²) and energy (J) of tears; only of film with a rupture criterion of its own.
+    pub(super) tears: Grid<3>,
 }
 
 /// An impactor at the samples of a run.
@@ -146,6 +148,7 @@ impl Tracks {
             films: Grid::new(0.0, sample),
             rise: Grid::new(0.0, sample),
             gas: Grid::new(0.0, sample),
+            tears: Grid::new(0.0, sample),
         }
     }
 

@@ -57,6 +57,11 @@ codes! {
         "one element is strained much more than its neighbours; with a softening law or a coarse mesh the result from \
          then on depends on the mesh",
         "compare with a finer `specimen.mesh.size` and do not use figures from after that time";
+    ELEMENTS_TOO_WIDE = "elements-too-wide", Warning,
+        "an element that reached its limit away from a tear stored more energy than its tear takes: the rest was lost with \
+         it, so that where and when a tear starts depends on the mesh",
+        "use a smaller `specimen.mesh.size`, or a lower limit: an element stores at its limit less than \
+         `rupture.energy` over its width";
     FILM_CROSSING = "film-crossing", Warning,
         "one face of film passed through another, which film does not",
         "use a smaller `specimen.mesh.size` or `solver.step_factor`, and do not use what follows";
@@ -312,6 +317,13 @@ pub enum Warning {
         /// Share of the strain increments.
         share: f64,
     },
+    /// An element stored more than its tear takes.
+    ElementsTooWide {
+        /// Its width across the tear, m.
+        width: f64,
+        /// What it stored over what its tear takes.
+        ratio: f64,
+    },
     /// Plastic film flowed beyond its flow curve.
     HardeningExceeded {
         /// Number of the face, from one.
@@ -477,6 +489,14 @@ impl fmt::Display for Warning {
                 number::significant(*strain, 3),
                 number::significant(*end, 3)
             ),
+            Warning::ElementsTooWide { width, ratio } => write!(
+                f,
+                "elements too wide for the fracture energy: one of {} mm stored {} times what its tear takes; the widest \
+                 that fits is {} mm",
+                number::significant(1e3 * width, 3),
+                number::significant(*ratio, 3),
+                number::significant(1e3 * width / ratio, 2)
+            ),
             Warning::NotQuasiStatic { share } => {
                 write!(
                     f,
@@ -516,6 +536,7 @@ impl Report for Warning {
             Warning::FewerSnapshots { .. } => &FEWER_SNAPSHOTS,
             Warning::EnergyBalance { .. } => &ENERGY_BALANCE,
             Warning::StrainRateOutside { .. } => &STRAIN_RATE_OUTSIDE,
+            Warning::ElementsTooWide { .. } => &ELEMENTS_TOO_WIDE,
             Warning::HardeningExceeded { .. } => &HARDENING_EXCEEDED,
             Warning::NotQuasiStatic { .. } => &NOT_QUASI_STATIC,
             Warning::BarelyQuasiStatic { .. } => &BARELY_QUASI_STATIC,
@@ -563,6 +584,9 @@ impl Report for Warning {
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],
+            Warning::ElementsTooWide { width, ratio } => {
+                &[("width_m", width.into()), ("stored_over_fracture_energy", ratio.into())]
+            }
             Warning::HardeningExceeded { face, strain, end } => {
                 &[("face", face.into()), ("plastic_strain", strain.into()), ("curve_end", end.into())]
             }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::element::{self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, OwnForces, ViscousPoints};
+use super::element::{
+    self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, OwnForces, Tearing, Torn, ViscousPoints,
+};
 use super::failure::{self, Failures};
 use super::film_history::{FilmHistory, Reader};
 use super::footprint;
@@ -39,7 +41,7 @@ pub(super) trait ElementGroup: Send + Sync {
     fn boxed(&self) -> Box<dyn ElementGroup>;
 
     /// Adds the forces of the elements, whose nodes moved to `position` in `dt` (s), to `force`. Whether a fibre is
-    /// past its break strain.
+    /// past its break strain or a tear took energy.
     fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) -> bool;
 
     /// Energies, J.
@@ -58,7 +60,7 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Stress, thickness and fibres of the elements, in order.
     fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail>;
 
-    /// Breaks the fibres that are past their break strain.
+    /// Breaks the fibres that are past their break strain, and deletes what is torn.
     fn fail(&mut self, position: &[&[f64]; 3]) -> Failures;
 
     /// Appends the history variables.
@@ -69,6 +71,21 @@ pub(super) trait ElementGroup: Send + Sync {
 
     /// Resets the history variables to those of virgin film; deleted elements stay deleted.
     fn reset(&mut self);
+
+    /// Whether the elements have a rupture criterion of their own.
+    fn can_tear(&self) -> bool;
+
+    /// Tears so far, in film of this thickness (m, all layers).
+    fn torn(&self, thickness: f64) -> Torn;
+
+    /// Calls `show` with the nodes of every element that is deleted or whose tear is open.
+    fn for_each_open(&self, show: &mut dyn FnMut(&[u32]));
+
+    /// Finds the elements at the tip of a tear: those with a node for which `is_open`.
+    fn find_tips(&mut self, is_open: &dyn Fn(u32) -> bool);
+
+    /// Deletes the elements for whose nodes `wanted`. Their number.
+    fn delete(&mut self, wanted: &dyn Fn(&[u32]) -> bool) -> usize;
 
     /// Calls `show` with the nodes of every element, counted from `first`; of intact ones alone or of all.
     fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32]));
@@ -133,7 +150,7 @@ where
         if mounts {
             element::count_mounting(&mut self.elements, &*self.law, position);
         }
-        failed
+        failed | element::tear(width, &mut self.elements, &*self.law, position, dt)
     }
 
     fn energy(&self, width: Width, position: &[&[f64]; 3]) -> ElementEnergy {
@@ -173,6 +190,48 @@ where
             *history = M::History::virgin();
         }
         self.elements.viscous.iter_mut().for_each(ViscousPoints::reset);
+        self.elements.tearing.iter_mut().for_each(Tearing::reset);
+    }
+
+    fn can_tear(&self) -> bool {
+        self.elements.tearing.is_some()
+    }
+
+    fn torn(&self, thickness: f64) -> Torn {
+        let mut total = Torn::default();
+        let Some(tearing) = &self.elements.tearing else { return total };
+        for (block, lane) in self.elements.indices() {
+            total.add(&tearing.torn([block, lane], thickness));
+        }
+        total
+    }
+
+    fn for_each_open(&self, show: &mut dyn FnMut(&[u32])) {
+        let Blocks { corners, tearing, .. } = &self.elements;
+        for (b, l) in self.elements.indices() {
+            if self.elements.is_deleted(b, l) || tearing.as_ref().is_some_and(|tearing| tearing.is_open(b, l)) {
+                show(&corners[b].of(l));
+            }
+        }
+    }
+
+    fn find_tips(&mut self, is_open: &dyn Fn(u32) -> bool) {
+        let Blocks { count, corners, tearing: Some(tearing), .. } = &mut self.elements else { return };
+        for i in 0..*count {
+            let (b, l) = (i / LANES, i % LANES);
+            tearing.set_at_tip([b, l], corners[b].of(l).into_iter().any(is_open));
+        }
+    }
+
+    fn delete(&mut self, wanted: &dyn Fn(&[u32]) -> bool) -> usize {
+        let mut deleted = 0;
+        for (b, l) in self.elements.indices() {
+            if !self.elements.is_deleted(b, l) && wanted(&self.elements.corners[b].of(l)) {
+                self.elements.blocks[b].delete(l);
+                deleted += 1;
+            }
+        }
+        deleted
     }
 
     fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32])) {

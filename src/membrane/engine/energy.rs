@@ -15,7 +15,7 @@ pub struct Energies {
     pub stored: f64,
     /// Absorbed by the film's law.
     pub absorbed: f64,
-    /// Stored in fibres when they broke.
+    /// Stored in fibres when they broke, and in film that tore.
     pub rupture: f64,
     /// In the stabilisation against hourglass modes.
     pub hourglass: f64,

@@ -1,6 +1,6 @@
 //! Failure of fibre sets, layer by layer, and of elements.
 
-use super::element::{Block, Blocks, ElementEnergy, energy_at};
+use super::element::{Block, Blocks, ElementEnergy, TooWide, energy_at};
 use crate::lane::LANES;
 use crate::material::{History, MembraneLaw};
 
@@ -13,6 +13,10 @@ pub struct Failures {
     pub failed: usize,
     /// The energies that they lost.
     pub energy: ElementEnergy,
+    /// Of the elements that started to tear the one that stores most of what its tear takes, where it stores more.
+    pub too_wide: Option<TooWide>,
+    /// Whether a tear opened.
+    pub opened: bool,
 }
 
 impl Failures {
@@ -21,6 +25,8 @@ impl Failures {
         self.broken += other.broken;
         self.failed += other.failed;
         self.energy.add(&other.energy);
+        self.too_wide = TooWide::worse(self.too_wide, other.too_wide);
+        self.opened |= other.opened;
     }
 }
 
@@ -36,6 +42,9 @@ where
     B: Block<NODES, LANES>,
     M: MembraneLaw<History<LANES> = B::History>,
 {
+    if elements.tearing.is_some() {
+        return open_tears(elements);
+    }
     let mut total = Failures::default();
     for (block, lane) in elements.indices() {
         if elements.is_deleted(block, lane) {
@@ -60,7 +69,25 @@ where
             lost.subtract(&energy_at(elements, [block, lane], law, position));
         }
         let failed = (0..2).any(|fibre| before[fibre] > 0.0 && left[fibre] == 0.0);
-        total.add(&Failures { broken: 1, failed: usize::from(failed), energy: lost });
+        total.add(&Failures { broken: 1, failed: usize::from(failed), energy: lost, ..Failures::default() });
     }
     total
+}
+
+/// Deletes the elements whose tears have taken all of their forces.
+fn open_tears<B, const NODES: usize>(elements: &mut Blocks<B, NODES>) -> Failures
+where
+    B: Block<NODES, LANES>,
+{
+    let mut total = Failures::default();
+    for (block, lane) in elements.indices() {
+        let tearing = elements.tearing.as_ref().expect("a tear");
+        if !elements.is_deleted(block, lane) && tearing.share(block)[lane] == 0.0 {
+            elements.blocks[block].delete(lane);
+            total.broken += 1;
+            total.failed += 1;
+        }
+    }
+    let lost = elements.tearing.as_mut().expect("a tear").take_lost();
+    Failures { energy: lost.energy, too_wide: lost.too_wide, opened: lost.opened, ..total }
 }

@@ -5,9 +5,11 @@
 
 use std::ops::Range;
 
+use nalgebra::{Point2, Vector2};
+
 use super::colouring::first_fit;
 use super::disjoint::Disjoint;
-use super::element::{ElementDetail, ElementEnergy, ElementStrain, Forces};
+use super::element::{ElementDetail, ElementEnergy, ElementStrain, Forces, Torn};
 use super::element_group::ElementGroup;
 use super::failure::Failures;
 use super::film_history::FilmHistory;
@@ -33,7 +35,7 @@ pub(super) struct Chunk {
     colour: usize,
     /// Number of the first element among those of the film.
     first: usize,
-    /// Whether a fibre was past its break strain in the last pass over the forces.
+    /// Whether a fibre was past its break strain or a tear took energy in the last pass over the forces.
     failed: bool,
 }
 
@@ -119,6 +121,7 @@ impl Film {
     pub(super) fn restore(&mut self, history: &FilmHistory) {
         let mut reader = history.reader();
         self.chunks.iter_mut().for_each(|chunk| chunk.group.restore(&mut reader));
+        self.find_tips();
     }
 
     /// Resets the history variables of its elements to those of virgin film; deleted elements stay deleted.
@@ -208,13 +211,65 @@ impl Film {
         for chunk in self.chunks.iter_mut().filter(|chunk| chunk.failed) {
             total.add(&chunk.group.fail(&position));
         }
+        if total.opened || total.broken > 0 {
+            self.find_tips();
+        }
         total
+    }
+
+    /// Whether its elements have a rupture criterion of their own.
+    pub fn can_tear(&self) -> bool {
+        self.chunks.iter().any(|chunk| chunk.group.can_tear())
+    }
+
+    /// Its tears so far.
+    pub fn torn(&self) -> Torn {
+        let mut total = Torn::default();
+        self.chunks.iter().for_each(|chunk| total.add(&chunk.group.torn(self.thickness)));
+        total
+    }
+
+    /// Cuts the film: deletes the elements through which the lines between successive `corners` (m, in the plane of the
+    /// frame) pass and whose middle lies beside them. Mass stays at the nodes. The number of the elements.
+    pub fn cut(&mut self, nodes: &Nodes, corners: &[[f64; 2]]) -> usize {
+        let first = self.nodes.start;
+        let at = |node: &u32| nodes.position_of(first + *node as usize).xy();
+        let crossed = |element: &[u32]| {
+            let of_element: Vec<Point2<f64>> = element.iter().map(at).collect();
+            corners.windows(2).any(|ends| crosses([ends[0].into(), ends[1].into()], &of_element))
+        };
+        let deleted = self.chunks.iter_mut().map(|chunk| chunk.group.delete(&crossed)).sum();
+        self.find_tips();
+        deleted
+    }
+
+    /// Finds the elements at the tips of tears.
+    fn find_tips(&mut self) {
+        if !self.can_tear() {
+            return;
+        }
+        let mut open = vec![false; self.nodes.len()];
+        let mut mark = |element: &[u32]| element.iter().for_each(|node| open[*node as usize] = true);
+        self.chunks.iter().for_each(|chunk| chunk.group.for_each_open(&mut mark));
+        self.chunks.iter_mut().for_each(|chunk| chunk.group.find_tips(&|node| open[node as usize]));
     }
 
     /// The part of an array over all nodes that belongs to the film's own, an axis each.
     fn own<'a>(&self, axes: [&'a [f64]; 3]) -> [&'a [f64]; 3] {
         axes.map(|axis| &axis[self.nodes.clone()])
     }
+}
+
+/// Whether the line between two points passes through an element with these corners, whose middle lies beside it. Where
+/// it runs along edges, the elements to its right.
+fn crosses([from, to]: [Point2<f64>; 2], corners: &[Point2<f64>]) -> bool {
+    let (line, length) = ((to - from).normalize(), (to - from).norm());
+    let middle = corners.iter().map(|corner| corner.coords).sum::<Vector2<f64>>() / corners.len() as f64;
+    let along = line.dot(&(middle - from.coords));
+    let sides = corners.iter().map(|corner| line.perp(&(corner - from)));
+    let (least, most) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(d), b.max(d)));
+    let on_edge = 1e-6 * (most - least);
+    (0.0..length).contains(&along) && least < -on_edge && most > -on_edge
 }
 
 /// Nodes of all elements of a group, counted from `first`.

@@ -9,7 +9,8 @@ use crate::material::History;
 /// whatever the chunks and blocks that hold the elements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FilmHistory {
-    /// Of each element those of the law, as many a point as it has, then those of its Prony series.
+    /// Of each element those of the law, as many a point as it has, then those of its Prony series and of its
+    /// tear.
     variables: Vec<f64>,
     /// Volume of stress-free film, m³; zero once the element is deleted.
     volume: Vec<f64>,
@@ -37,7 +38,8 @@ impl FilmHistory {
                 self.volume.push(volume[lane]);
             }
             let viscous = elements.viscous.iter().flat_map(|viscous| viscous.of_block(block));
-            self.variables.extend(viscous.map(|variable| variable[lane]));
+            let tearing = elements.tearing.iter().flat_map(|tearing| tearing.of_block(block));
+            self.variables.extend(viscous.chain(tearing).map(|variable| variable[lane]));
         }
     }
 
@@ -71,7 +73,8 @@ impl Reader<'_> {
                 }
             }
             let viscous = elements.viscous.iter_mut().flat_map(|viscous| viscous.block_mut(block).1);
-            for (variable, saved) in viscous.zip(&mut self.variables) {
+            let tearing = elements.tearing.iter_mut().flat_map(|tearing| tearing.of_block_mut(block));
+            for (variable, saved) in viscous.chain(tearing).zip(&mut self.variables) {
                 variable[lane] = *saved;
                 variable[copies.clone()].fill(*saved);
             }

@@ -40,13 +40,15 @@ mod sync;
 mod thread_pool;
 #[cfg(test)]
 mod thread_pool_tests;
+#[cfg(test)]
+mod tearing_tests;
 mod time_step;
 mod weighted_nodes;
 
 pub use clamp::{Clamp, ClampedNode};
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use cushion::{Cushion, area};
-pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, UndefinedFibreDirection};
+pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, TooWide, Torn, UndefinedFibreDirection};
 pub use energy::Energies;
 pub use failure::Failures;
 pub use fault::Fault;
@@ -113,6 +115,8 @@ pub struct Engine {
     node_ranges: Vec<Range<usize>>,
     /// Elements that failed since [`Engine::step`] last returned.
     failed: usize,
+    /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
+    too_wide: Option<TooWide>,
 }
 
 /// Nodes of a range.
@@ -121,7 +125,7 @@ const NODES_PER_RANGE: usize = 1024;
 /// Running totals of losses and external work, J.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct EnergyLedger {
-    /// Stored in fibres when they broke.
+    /// Stored in fibres when they broke, and in film that tore.
     rupture: f64,
     /// Absorbed in fibres that broke.
     absorbed: f64,
@@ -196,6 +200,7 @@ impl Engine {
             colouring,
             node_ranges,
             failed: 0,
+            too_wide: None,
         };
         // The stiffness depends on history variables, which pre-strain changes.
         engine.forces(0.0);
@@ -308,6 +313,7 @@ impl Engine {
             self.ledger.absorbed += self.loads.multiplicity * energy.absorbed;
             failures.add(&of_film);
         }
+        self.too_wide = TooWide::worse(self.too_wide, failures.too_wide);
         if failures.broken > 0 {
             self.time_step.tear();
             self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
@@ -441,6 +447,7 @@ impl Engine {
                 .map(|now| [now.pressure, self.loads.multiplicity * (now.volume - self.flat_volume)]),
             ledger: self.ledger,
             previous: &self.previous,
+            too_wide: self.too_wide,
             pool: &self.pool,
         }
     }

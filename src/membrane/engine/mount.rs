@@ -78,12 +78,13 @@ impl Mount<'_> {
         B: Block<NODES, LANES>,
         B::Element: Shaped<NODES>,
     {
-        let Section { density, thickness, law, viscosity, .. } = self.section;
+        let Section { density, thickness, law, viscosity, rupture, .. } = self.section;
         let (density, thickness) = (*density, *thickness);
         let viscous = viscosity.as_ref().map(|viscosity| {
             let base = law.viscous().expect("laws of viscous film are checked");
             ViscousLaw::new(viscosity.clone(), base)
         });
+        let rupture = rupture.as_ref().map(|rupture| Arc::new(rupture.clone()));
         let blocks = nodes.len().div_ceil(LANES);
         let size = LANES * blocks.div_ceil(CHUNKS).clamp(BLOCKS[0], BLOCKS[1]);
         for nodes in nodes.chunks(size) {
@@ -93,8 +94,12 @@ impl Mount<'_> {
                 nodes.iter().for_each(|n| self.masses[*n as usize] += share);
             }
             let blocks = Blocks::new(nodes, &elements, thickness);
-            self.groups.push(group(match &viscous {
+            let blocks = match &viscous {
                 Some(law) => blocks.with_viscosity(law.clone()),
+                None => blocks,
+            };
+            self.groups.push(group(match &rupture {
+                Some(rupture) => blocks.with_rupture(Arc::clone(rupture)),
                 None => blocks,
             }));
         }

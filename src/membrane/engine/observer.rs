@@ -6,7 +6,7 @@ use super::film_contact::{FilmContact, FilmContactState};
 use super::thread_pool::ThreadPool;
 use super::{
     ContactState, ElementStrain, Energies, EnergyLedger, Engine, Fault, Film, Impact, Loads, Nodes, PreviousStep,
-    RigidBody, film,
+    RigidBody, TooWide, Torn, film,
 };
 
 /// Follows a run without changing it.
@@ -120,6 +120,8 @@ pub struct View<'a> {
     pub(super) inflated: Option<[f64; 2]>,
     pub(super) ledger: EnergyLedger,
     pub(super) previous: &'a PreviousStep,
+    /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
+    pub too_wide: Option<TooWide>,
     pub(super) pool: &'a ThreadPool,
 }
 
@@ -195,6 +197,17 @@ impl View<'_> {
     /// Largest slip in the frame's clamp (m) and the share of its force that holds film no longer, where film may slip.
     pub fn clamp_slip(&self) -> Option<[f64; 2]> {
         self.clamp.map(|clamp| [clamp.slip(self.nodes), clamp.gone()])
+    }
+
+    /// Tears of the whole film so far; none where no face has a rupture criterion of its own.
+    pub fn torn(&self) -> Option<Torn> {
+        let mut total = Torn::default();
+        for film in self.films.iter().filter(|film| film.can_tear()) {
+            total.add(&film.torn());
+        }
+        let copies = self.loads.multiplicity;
+        let whole = Torn { length: copies * total.length, area: copies * total.area, energy: copies * total.energy };
+        self.films.iter().any(Film::can_tear).then_some(whole)
     }
 
     /// The impactors, and after them the frame's bars, their velocities half a step after `time`.

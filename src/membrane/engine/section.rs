@@ -1,6 +1,6 @@
 //! The membrane section: what the elements of a face are made of.
 
-use crate::material::{Law, Viscosity};
+use crate::material::{Law, Rupture, Viscosity};
 
 /// Properties of the elements of a face, which act as one membrane.
 #[derive(Clone, Debug)]
@@ -9,6 +9,8 @@ pub struct Section {
     pub law: Law,
     /// Prony series on the law, where film is viscous.
     pub viscosity: Option<Viscosity>,
+    /// Rupture by a criterion of its own; without it fibres break at the end of their curves, and other film does not.
+    pub rupture: Option<Rupture>,
     /// kg/m³, with mass scaling.
     pub density: f64,
     /// Thickness of all layers, m.

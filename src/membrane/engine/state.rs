@@ -9,7 +9,7 @@ use super::film_contact::FilmContactHistory;
 use super::film_history::FilmHistory;
 use super::impact::ImpactState;
 use super::pressure::Inflated;
-use super::{EnergyLedger, Engine, Film, TimeStep, Vectors};
+use super::{EnergyLedger, Engine, Film, TimeStep, TooWide, Vectors};
 
 /// State of an engine between two steps. Forces are left out: they follow from the rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -22,6 +22,7 @@ pub struct State {
     ledger: EnergyLedger,
     inflated: Option<Inflated>,
     cushion: Option<CushionState>,
+    too_wide: Option<TooWide>,
     position: Vectors,
     velocity: Vectors,
     films: Vec<FilmHistory>,
@@ -54,6 +55,7 @@ impl Engine {
             ledger: *ledger,
             inflated: *inflated,
             cushion: *cushion,
+            too_wide: self.too_wide,
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::save).collect(),
@@ -76,6 +78,7 @@ impl Engine {
         self.ledger = state.ledger;
         self.inflated = state.inflated;
         self.cushion = state.cushion;
+        self.too_wide = state.too_wide;
         self.failed = 0;
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;

@@ -16,6 +16,7 @@ mod measure;
 mod multipliers;
 mod plastic;
 mod rate_curves;
+mod rupture;
 mod tension_field;
 #[cfg(test)]
 mod tests;
@@ -38,6 +39,8 @@ pub use plastic::{
     FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Plastic, PlasticHistory, RateTable, RateTableError, Voce,
 };
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
+pub(crate) use rupture::{AT_TIP, Densities, OPEN, Tear};
+pub use rupture::{Criterion, Limit, Rupture};
 pub use tension_field::TensionField;
 pub use viscous::{
     Arrhenius, GAS_CONSTANT, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousLaw, ViscousStep, Wlf, Written,
@@ -71,7 +74,7 @@ impl<const L: usize> From<Gradient<L>> for Deformation<L> {
 impl<const L: usize> Deformation<L> {
     /// C₁₁, C₂₂ and C₁₂ (theory.md, equation 13).
     #[inline(always)]
-    fn metric(&self) -> elastic::Plane<L> {
+    pub(crate) fn metric(&self) -> [Lane<L>; 3] {
         let [f1, f2] = &self.f;
         let mut c = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
         for fibre in 0..2 {
@@ -340,9 +343,34 @@ pub struct Material {
     pub law: Law,
     /// Prony series on the law, where film is viscous.
     pub viscosity: Option<Viscosity>,
+    /// Rupture by a criterion of its own.
+    pub rupture: Option<Rupture>,
     /// Lowest and highest strain rate (1/s) at which the curves were measured, as written, else the lowest and highest
     /// rate of the curves.
     pub measured_rates: Option<[f64; 2]>,
+}
+
+impl Material {
+    /// Strains along MD and TD at which film that is strained slowly breaks or starts to tear; infinite where these do not
+    /// follow from strains.
+    pub fn break_strains(&self) -> [f64; 2] {
+        self.limits().unwrap_or_else(|| self.law.break_strains())
+    }
+
+    /// The same however fast it is strained.
+    pub fn largest_break_strains(&self) -> [f64; 2] {
+        self.limits().unwrap_or_else(|| self.law.largest_break_strains())
+    }
+
+    /// The strains of a rupture criterion of its own that does not take them from the law.
+    fn limits(&self) -> Option<[f64; 2]> {
+        let Rupture { criterion, limit, .. } = self.rupture.as_ref()?;
+        match criterion {
+            Criterion::Break => None,
+            Criterion::Strain | Criterion::FibreStrain => Some([limit.smallest(); 2]),
+            Criterion::Stress | Criterion::Energy => Some([f64::INFINITY; 2]),
+        }
+    }
 }
 
 /// Strains of a deformation, the same measures for every law.

@@ -285,6 +285,7 @@ mod tests {
             failed: (0..film.quads.len()).map(|at| at == 0).collect(),
             thickness_ratio: vec![],
             plastic_strain: vec![],
+            damage: vec![],
             in_contact: vec![],
             detail: None,
         };

@@ -13,17 +13,20 @@ struct Colouring {
     factor: f32,
     /// Of an element, by its index.
     of: fn(&FilmState, usize) -> f32,
+    /// Whether film in this state has it; all has it where there is no such condition.
+    only: Option<fn(&FilmState) -> bool>,
 }
 
 /// What there is to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown.
-/// The last two only where a law gives the thickness or a plastic strain.
-const COLOURINGS: [Colouring; 6] = [
+/// The last three only where a law gives the thickness or a plastic strain, and where film can tear.
+const COLOURINGS: [Colouring; 7] = [
     Colouring {
         key: "largest",
         title: "Larger fibre strain",
         words: "max(MD, TD), %",
         factor: 100.0,
         of: |state, element| state.strains[element][0].max(state.strains[element][1]),
+        only: None,
     },
     Colouring {
         key: "md",
@@ -31,6 +34,7 @@ const COLOURINGS: [Colouring; 6] = [
         words: "MD, %",
         factor: 100.0,
         of: |state, element| state.strains[element][0],
+        only: None,
     },
     Colouring {
         key: "td",
@@ -38,6 +42,7 @@ const COLOURINGS: [Colouring; 6] = [
         words: "TD, %",
         factor: 100.0,
         of: |state, element| state.strains[element][1],
+        only: None,
     },
     Colouring {
         key: "shear",
@@ -45,6 +50,7 @@ const COLOURINGS: [Colouring; 6] = [
         words: "|γ|, °",
         factor: 180.0 / std::f32::consts::PI,
         of: |state, element| state.strains[element][2].abs(),
+        only: None,
     },
     Colouring {
         key: "thickness",
@@ -52,6 +58,7 @@ const COLOURINGS: [Colouring; 6] = [
         words: "1 − h/h₀, %",
         factor: 100.0,
         of: |state, element| 1.0 - state.thickness_ratio.get(element).copied().unwrap_or(f32::NAN),
+        only: Some(|state| !state.thickness_ratio.is_empty()),
     },
     Colouring {
         key: "plastic",
@@ -59,20 +66,23 @@ const COLOURINGS: [Colouring; 6] = [
         words: "equivalent, %",
         factor: 100.0,
         of: |state, element| state.plastic_strain.get(element).copied().unwrap_or(f32::NAN),
+        only: Some(|state| !state.plastic_strain.is_empty()),
+    },
+    Colouring {
+        key: "damage",
+        title: "Torn",
+        words: "share of the force lost, %",
+        factor: 100.0,
+        of: |state, element| state.damage.get(element).copied().unwrap_or(f32::NAN),
+        only: Some(|state| !state.damage.is_empty()),
     },
 ];
 
 /// Those of `snapshots`, all of one run.
-fn colourings<'a>(mut snapshots: impl Iterator<Item = &'a Snapshot>) -> &'static [Colouring] {
+fn colourings<'a>(mut snapshots: impl Iterator<Item = &'a Snapshot>) -> Vec<&'static Colouring> {
     let films = snapshots.next().map_or(&[][..], |snapshot| &snapshot.films);
-    let any = |of: fn(&FilmState) -> &Vec<f32>| films.iter().any(|film| !of(film).is_empty());
-    // Plastic film has a thickness too.
-    let count = match (any(|film| &film.plastic_strain), any(|film| &film.thickness_ratio)) {
-        (true, _) => 6,
-        (false, true) => 5,
-        (false, false) => 4,
-    };
-    &COLOURINGS[..count]
+    let is_shown = |colouring: &&Colouring| colouring.only.is_none_or(|is_in| films.iter().any(is_in));
+    COLOURINGS.iter().filter(is_shown).collect()
 }
 
 /// Least upper end of the colour range: strains below it are rounding errors.
@@ -188,6 +198,7 @@ mod tests {
             failed: vec![false, false, true],
             thickness_ratio: vec![],
             plastic_strain: vec![],
+            damage: vec![],
             in_contact: vec![],
             detail: None,
         };
@@ -196,7 +207,10 @@ mod tests {
         for (strain, expected) in strains.iter().zip(expected) {
             assert!((strain - expected).abs() < 1e-5, "{strains:?}");
         }
-        assert_eq!(COLOURINGS.each_ref().map(|colouring| largest(colouring, &state)), [0.4, 0.2, 0.4, 0.5, 0.0, 0.0]);
+        assert_eq!(
+            COLOURINGS.each_ref().map(|colouring| largest(colouring, &state)),
+            [0.4, 0.2, 0.4, 0.5, 0.0, 0.0, 0.0]
+        );
         let thin = FilmState { thickness_ratio: vec![0.9, 0.7, 0.1], ..state.clone() };
         assert!((largest(&COLOURINGS[4], &thin) - 0.3).abs() < 1e-6, "of the intact elements");
         let shear = nodal(&COLOURINGS[3], &film, &state);

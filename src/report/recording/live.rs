@@ -319,6 +319,7 @@ mod tests {
             failed: vec![false],
             thickness_ratio: vec![],
             plastic_strain: vec![],
+            damage: vec![],
             in_contact: vec![],
             detail: None,
         };

@@ -133,6 +133,7 @@ mod tests {
                 failed: vec![],
                 thickness_ratio: vec![],
                 plastic_strain: vec![],
+                damage: vec![],
                 in_contact: vec![],
                 detail: None,
             };

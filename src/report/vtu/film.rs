@@ -113,6 +113,9 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
     if cells.iter().any(|cell| !cell.sheet.state.plastic_strain.is_empty()) {
         arrays.push(of("plastic_strain", &|cell| cell.plastic_strain()));
     }
+    if cells.iter().any(|cell| !cell.sheet.state.damage.is_empty()) {
+        arrays.push(of("damage", &|cell| cell.damage()));
+    }
     if with_thickness {
         arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.thickness_ratio()));
     }
@@ -160,6 +163,11 @@ impl Cell<'_> {
     /// NaN where its law has none.
     fn plastic_strain(&self) -> f32 {
         self.sheet.state.plastic_strain.get(self.element).copied().unwrap_or(f32::NAN)
+    }
+
+    /// NaN where film has no rupture criterion of its own.
+    fn damage(&self) -> f32 {
+        self.sheet.state.damage.get(self.element).copied().unwrap_or(f32::NAN)
     }
 
     fn area_ratio(&self) -> f32 {

@@ -304,6 +304,7 @@ fn a_balloon_has_the_pressure_of_the_sphere() {
         let section = droptower::engine::Section {
             law: material.law.clone(),
             viscosity: None,
+            rupture: None,
             density: material.density,
             thickness: THICK,
             md_angle: 0.2,

@@ -149,6 +149,7 @@ impl Drop {
         let section = Section {
             law: Law::Elastic(Elastic { young: 2e8, poisson: 0.3 }),
             viscosity: None,
+            rupture: None,
             density: 1000.0,
             thickness: THICKNESS,
             md_angle: 0.0,

@@ -1,8 +1,13 @@
 //! Elements side by side, in blocks of lanes.
 
+use std::sync::Arc;
+
+use super::tearing::Tearing;
 use super::viscous::{MovedBlock, ViscousBlock, ViscousPoints};
 use crate::lane::{LANES, Lane, Lane3, splat};
-use crate::material::{Deformation, Energy, History, MembraneLaw, Stiffness, Stresses, ViscousLaw, stresses};
+use crate::material::{
+    Deformation, Energy, History, MembraneLaw, Rupture, Stiffness, Stresses, Tear, ViscousLaw, stresses,
+};
 
 /// `L` elements of one kind with `NODES` nodes each: what a pass over a film computes of them.
 pub(crate) trait Block<const NODES: usize, const L: usize> {
@@ -47,8 +52,32 @@ pub(crate) trait Block<const NODES: usize, const L: usize> {
     where
         M: MembraneLaw<History<L> = Self::History>;
 
+    /// Deformation, averaged over the points.
+    fn deformation(&self, x: &[Lane3<L>; NODES]) -> Deformation<L>;
+
+    /// Second Piola–Kirchhoff stresses S₁₁, S₂₂ and S₁₂ (Pa of one layer), averaged over the points.
+    fn stress<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> [Lane<L>; 3]
+    where
+        M: MembraneLaw<History<L> = Self::History>;
+
+    /// ∂N_a/∂X_I along MD and TD of the stress-free film, averaged over the points, 1/m.
+    fn gradients(&self) -> [[Lane<L>; 2]; NODES];
+
     /// Volume of stress-free film, m³; zero once it is deleted.
     fn volume(&self) -> Lane<L>;
+
+    /// Largest strain of a fibre set so far over that at which its fibres break, in the element in a lane: the largest
+    /// of its points.
+    fn break_ratio<M>(&self, law: &M, lane: usize) -> f64
+    where
+        M: MembraneLaw<History<L> = Self::History>,
+    {
+        let of_point = |(history, _): (&Self::History, &Lane<L>)| {
+            let breaks = law.break_strains::<L>(history);
+            [0, 1].map(|fibre| history.peak(fibre)[lane] / breaks[fibre][lane])
+        };
+        self.history().flat_map(of_point).fold(0.0, f64::max)
+    }
 
     /// Share of the layers whose MD and TD fibres are not broken in the element in a lane, at its present largest
     /// strains: the least of its points.
@@ -173,6 +202,25 @@ pub(super) fn point_stiffness<M: MembraneLaw, const L: usize>(
     }
 }
 
+/// Adds `share` of S₁₁, S₂₂ and S₁₂ of the point numbered `point` with deformation `d` and `history` to `sum`.
+pub(super) fn add_stress<M: MembraneLaw, const L: usize>(
+    sum: &mut [Lane<L>; 3],
+    law: &M,
+    viscous: Option<ViscousBlock<'_, L>>,
+    (point, d, history): (usize, &Deformation<L>, &M::History<L>),
+    share: f64,
+) {
+    let stress = match viscous {
+        Some(viscous) => viscous.stress(point, d),
+        None => law.stress_of(d, history),
+    };
+    for (mean, value) in sum.iter_mut().zip([&stress.tension[0], &stress.tension[1], &stress.cross]) {
+        for l in 0..L {
+            mean[l] += share * value[l];
+        }
+    }
+}
+
 impl<const L: usize> BlockEnergies<L> {
     /// Zero, to be added to.
     pub(super) const NONE: Self = BlockEnergies { stored: splat(0.0), absorbed: splat(0.0), hourglass: splat(0.0) };
@@ -219,13 +267,16 @@ pub(crate) struct Blocks<B, const NODES: usize, const L: usize = LANES> {
     pub mass_factors: Vec<Lane<L>>,
     /// The Prony series of viscous film.
     pub viscous: Option<ViscousPoints<L>>,
+    /// Tears of film with a rupture criterion of its own.
+    pub tearing: Option<Tearing<L>>,
 }
 
 impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L> {
     /// Blocks of elements and their nodes, of a film `thickness` (m, all layers) thick.
     pub(crate) fn new(nodes: &[[u32; NODES]], elements: &[B::Element], thickness: f64) -> Self {
         let count = nodes.len();
-        let mut out = Blocks { count, corners: vec![], blocks: vec![], mass_factors: vec![], viscous: None };
+        let mut out =
+            Blocks { count, corners: vec![], blocks: vec![], mass_factors: vec![], viscous: None, tearing: None };
         for first in (0..count).step_by(L) {
             let at = |l: usize| (first + l).min(count - 1);
             let weight = |l: usize| if first + l < count { thickness } else { 0.0 };
@@ -239,6 +290,12 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     pub(crate) fn with_viscosity(self, law: ViscousLaw) -> Self {
         let viscous = ViscousPoints::new(law, self.blocks.len(), self.points());
         Blocks { viscous: Some(viscous), ..self }
+    }
+
+    /// The same elements with a rupture criterion of their own.
+    pub(crate) fn with_rupture(self, rupture: Arc<Rupture>) -> Self {
+        let tearing = Tearing::new(rupture, self.blocks.iter().map(B::volume).collect());
+        Blocks { tearing: Some(tearing), ..self }
     }
 
     /// Viscous points of a block, where film is viscous.
@@ -257,13 +314,15 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
         self.blocks.first().map_or(0, |block| block.history().count())
     }
 
-    /// History variables of one element: those of the law and of the Prony series at all its points.
+    /// History variables of one element: those of the law and of the Prony series at all its points, and those of its
+    /// tear.
     pub(crate) fn variables(&self) -> usize {
         let of_law = self
             .blocks
             .first()
             .map_or(0, |block| block.history().map(|(history, _)| history.variables().count()).sum::<usize>());
-        of_law + self.viscous.as_ref().map_or(0, ViscousPoints::per_block)
+        let of_tear = self.tearing.as_ref().map_or(0, |_| Tear::VARIABLES);
+        of_law + self.viscous.as_ref().map_or(0, ViscousPoints::per_block) + of_tear
     }
 
     /// Share of the layers whose MD and TD fibres are not broken in the element at `block`, `lane`; none where it is

@@ -1,6 +1,7 @@
 //! Fully integrated elements: gradients of the shape functions at every integration point.
 
-use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, point_energy, point_stiffness};
+use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, add_stress, point_energy, point_stiffness};
+use super::tearing::add_deformation;
 use super::viscous::{MovedBlock, ViscousBlock};
 use crate::lane::{Lane, Lane3, splat};
 use crate::material::{Deformation, History, MembraneLaw, PeakStrains, strains};
@@ -183,6 +184,34 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
             out.add(law, &point.deformation(x), &point.history, viscous, 1.0 / POINTS as f64);
         }
         out
+    }
+
+    #[inline(always)]
+    fn deformation(&self, x: &[Lane3<L>; NODES]) -> Deformation<L> {
+        let mut out = Deformation::from([[splat(0.0); 3]; 2]);
+        for point in &self.points {
+            add_deformation(&mut out, &point.deformation(x), 1.0 / POINTS as f64);
+        }
+        out
+    }
+
+    fn stress<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> [Lane<L>; 3]
+    where
+        M: MembraneLaw<History<L> = P>,
+    {
+        let mut out = [splat(0.0); 3];
+        for (p, point) in self.points.iter().enumerate() {
+            let d = point.deformation(x);
+            add_stress(&mut out, law, viscous, (p, &d, &point.history), 1.0 / POINTS as f64);
+        }
+        out
+    }
+
+    fn gradients(&self) -> [[Lane<L>; 2]; NODES] {
+        let mean = |a: usize, i: usize, l: usize| {
+            self.points.iter().map(|point| point.gradient[a][i][l]).sum::<f64>() / POINTS as f64
+        };
+        std::array::from_fn(|a| std::array::from_fn(|i| std::array::from_fn(|l| mean(a, i, l))))
     }
 
     #[inline(always)]

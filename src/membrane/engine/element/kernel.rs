@@ -32,7 +32,7 @@ impl<'a> Forces<'a> {
 
 /// Positions of a block's nodes.
 #[inline(always)]
-fn gather<const NODES: usize, const L: usize>(
+pub(super) fn gather<const NODES: usize, const L: usize>(
     corners: &Corners<NODES, L>,
     position: &[&[f64]; 3],
     x: &mut [Lane3<L>; NODES],
@@ -93,7 +93,7 @@ fn scatter<const NODES: usize, const L: usize>(
 
 at_width! {
     /// Adds the forces of all elements, whose nodes moved to `position` in `dt` (s), to `force`, and updates their
-    /// history variables. Whether a fibre is past its break strain.
+    /// history variables. Whether a fibre is past its break strain, where film has no rupture criterion of its own.
     pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
     ) -> bool = add_forces_lanewise
@@ -116,10 +116,22 @@ fn add_forces_lanewise<
     let mut x = [[splat(0.0); 3]; NODES];
     let mut out = [[splat(0.0); 3]; NODES];
     let mut viscous = elements.viscous.as_mut().map(|viscous| viscous.pass(dt));
-    for (corners, block) in elements.corners.iter().zip(&mut elements.blocks) {
+    let tearing = elements.tearing.as_ref();
+    for (b, (corners, block)) in elements.corners.iter().zip(&mut elements.blocks).enumerate() {
         gather(corners, position, &mut x);
         let viscous = viscous.as_mut().and_then(ViscousPass::next_block);
-        failed |= block.forces(law, viscous, &x, dt, &mut out);
+        let beyond = block.forces(law, viscous, &x, dt, &mut out);
+        match tearing {
+            Some(tearing) => {
+                let share = tearing.next(b);
+                for force in out.iter_mut().flatten() {
+                    for l in 0..L {
+                        force[l] *= share[l];
+                    }
+                }
+            }
+            None => failed |= beyond,
+        }
         scatter(corners, &out, force);
     }
     failed
@@ -176,10 +188,11 @@ fn lane_energies_lanewise<
     for b in blocks {
         gather(&elements.corners[b], position, &mut x);
         let energies = elements.blocks[b].energies(law, elements.viscous_block(b), &x);
+        let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         for l in 0..L {
-            sums.stored[l] += energies.stored[l];
-            sums.absorbed[l] += energies.absorbed[l];
-            sums.hourglass[l] += energies.hourglass[l];
+            sums.stored[l] += share[l] * energies.stored[l];
+            sums.absorbed[l] += share[l] * energies.absorbed[l];
+            sums.hourglass[l] += share[l] * energies.hourglass[l];
         }
     }
     sums
@@ -324,7 +337,8 @@ pub struct ElementStrain {
     pub strain: [f64; 3],
     /// Largest MD and TD strain so far.
     pub peak: [f64; 2],
-    /// Share of the layers whose MD and TD fibres are not broken; zero where it is deleted.
+    /// Share of the layers whose MD and TD fibres are not broken, times that of the forces that it did not lose by
+    /// tearing; zero where it is deleted.
     pub left: [f64; 2],
     /// Volume of stress-free film, m³; zero once it is deleted.
     pub volume: f64,
@@ -351,12 +365,14 @@ fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
     out: &mut [ElementStrain],
 ) {
     let mut x = [[splat(0.0); 3]; NODES];
-    for ((corners, block), out) in elements.corners.iter().zip(&elements.blocks).zip(out.chunks_mut(LANES)) {
+    let blocks = elements.corners.iter().zip(&elements.blocks).zip(out.chunks_mut(LANES));
+    for (b, ((corners, block), out)) in blocks.enumerate() {
         gather(corners, position, &mut x);
         let BlockStrains { strain, peak, left } = block.strains(&x);
         let volume = block.volume();
+        let of_tear = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         for (l, out) in out.iter_mut().enumerate() {
-            let left = if volume[l] == 0.0 { [0.0; 2] } else { left.map(|share| share[l]) };
+            let left = if volume[l] == 0.0 { [0.0; 2] } else { left.map(|share| of_tear[l] * share[l]) };
             *out = ElementStrain { strain: strain.map(|s| s[l]), peak: peak.map(|p| p[l]), left, volume: volume[l] };
         }
     }
@@ -371,6 +387,8 @@ pub struct ElementDetail {
     pub thickness_ratio: f64,
     /// Equivalent plastic strain; zero of a law without.
     pub plastic_strain: f64,
+    /// Share of its forces that the element lost by tearing.
+    pub damage: f64,
     /// Images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [[f64; 3]; 2],
 }
@@ -387,8 +405,10 @@ pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B:
         gather(corners, position, &mut x);
         let details = block.details(law, elements.viscous_block(b), &x);
         let BlockDetails { stress, thickness_ratio, plastic_strain, fibres } = details;
+        let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         out.extend((0..LANES).map(|l| ElementDetail {
-            stress: stress.map(|s| s[l]),
+            stress: stress.map(|s| share[l] * s[l]),
+            damage: 1.0 - share[l],
             thickness_ratio: thickness_ratio[l],
             plastic_strain: plastic_strain[l],
             fibres: fibres.map(|f| f.map(|axis| axis[l])),

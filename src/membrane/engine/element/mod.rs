@@ -9,6 +9,7 @@ mod kernel;
 mod one_point;
 mod quad4;
 mod reference;
+mod tearing;
 mod tri3;
 mod viscous;
 
@@ -20,6 +21,9 @@ pub(super) use kernel::{add_forces, add_mass, count_mounting, details, energy, e
 pub(crate) use one_point::OnePoint;
 pub(super) use one_point::OnePointElement;
 pub use reference::{StressFree, UndefinedFibreDirection};
+pub(crate) use tearing::Tearing;
+pub(super) use tearing::tear;
+pub use tearing::{TooWide, Torn};
 pub(crate) use viscous::ViscousPoints;
 
 use nalgebra::Point3;

@@ -13,7 +13,7 @@
 //! b_aI = ∂N_a/∂X_I ,   s_a = ¼ Σ_I (h·X_I) b_aI
 //! ```
 
-use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, point_energy, point_stiffness};
+use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, add_stress, point_energy, point_stiffness};
 use super::viscous::{MovedBlock, ViscousBlock};
 use crate::lane::{Lane, Lane3, dot, splat};
 use crate::material::{Deformation, History, MembraneLaw, PeakStrains, Stress, strains};
@@ -263,6 +263,26 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         let viscous = viscous.map(|viscous| (viscous, 0));
         out.add(law, &self.shape::<true>(x).deformation, &self.history, viscous, 1.0);
         out
+    }
+
+    #[inline(always)]
+    fn deformation(&self, x: &[Lane3<L>; 4]) -> Deformation<L> {
+        self.shape::<true>(x).deformation
+    }
+
+    fn stress<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> [Lane<L>; 3]
+    where
+        M: MembraneLaw<History<L> = P>,
+    {
+        let mut out = [splat(0.0); 3];
+        add_stress(&mut out, law, viscous, (0, &self.deformation(x), &self.history), 1.0);
+        out
+    }
+
+    fn gradients(&self) -> [[Lane<L>; 2]; 4] {
+        let [first, second] = self.gradient;
+        let opposite = |of: [Lane<L>; 2]| of.map(|b| b.map(|b| -b));
+        [first, second, opposite(first), opposite(second)]
     }
 
     #[inline(always)]

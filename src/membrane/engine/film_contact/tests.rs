@@ -46,6 +46,7 @@ impl Scene {
         let section = Section {
             law: Law::Elastic(Elastic { young: self.young, poisson: 0.3 }),
             viscosity: None,
+            rupture: None,
             density: 1000.0,
             thickness: THICKNESS,
             md_angle: 0.0,
@@ -259,6 +260,7 @@ fn contact_at_mirror_planes_stays_bounded() {
     let section = Section {
         law: Law::Elastic(Elastic { young: 3e7, poisson: 0.3 }),
         viscosity: None,
+        rupture: None,
         density: 915.0,
         thickness: 288e-6,
         md_angle: 0.0,

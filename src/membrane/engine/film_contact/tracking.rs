@@ -290,6 +290,7 @@ mod tests {
         let section = Section {
             law,
             viscosity: None,
+            rupture: None,
             density: 1.0,
             thickness: 1e-3,
             md_angle: 0.0,

@@ -1,0 +1,130 @@
+//! Tears against energy balances of Griffith's kind, on meshes of several sizes.
+
+use nalgebra::Point3;
+
+use super::{Engine, Film, Jaw, Loads, Mesh, Nodes, Section, Torn, Unobserved};
+use crate::material::{Criterion, Elastic, Law, Limit, Rupture};
+
+/// Γ, J/m².
+const FRACTURE_ENERGY: f64 = 1370.0;
+
+/// Young's modulus, Pa.
+const YOUNG: f64 = 2e8;
+
+const POISSON: f64 = 0.3;
+
+/// m.
+const THICKNESS: f64 = 1e-4;
+
+fn section() -> Section {
+    Section {
+        law: Law::Elastic(Elastic { young: YOUNG, poisson: POISSON }),
+        viscosity: None,
+        rupture: Some(Rupture {
+            criterion: Criterion::Strain,
+            limit: Limit::One(0.5),
+            fracture_energy: FRACTURE_ENERGY,
+        }),
+        density: 1000.0,
+        thickness: THICKNESS,
+        md_angle: 0.0,
+        prestrain: [0.0; 2],
+        full_integration: false,
+    }
+}
+
+/// Cells × cells of `size` (m), whose nodes lie where `place` puts those of their rows and columns.
+fn cells(columns: u32, rows: u32, place: impl Fn(u32, u32) -> Point3<f64>) -> Mesh {
+    let width = columns + 1;
+    let nodes = (0..=rows).flat_map(|j| (0..width).map(move |i| (i, j))).map(|(i, j)| place(i, j)).collect();
+    let quad = |i: u32, j: u32| [j * width + i, j * width + i + 1, (j + 1) * width + i + 1, (j + 1) * width + i];
+    Mesh { nodes, quads: (0..rows).flat_map(|j| (0..columns).map(move |i| quad(i, j))).collect(), ..Mesh::default() }
+}
+
+/// What a test of a strip gave.
+#[derive(Debug)]
+struct Outcome {
+    /// Strain at which the tear started.
+    start: f64,
+    /// Of the tear as it went through.
+    torn: Torn,
+    /// Energy lost in film that tore, J.
+    lost: f64,
+    /// Largest error of the energy balance over the energy exchanged.
+    imbalance: f64,
+}
+
+/// A strip `height` (m) between jaws along x and `length` long, cut in its middle over `cut` from the side, is pulled by
+/// `rate` (strain per s).
+fn strip(size: f64, [height, length, cut]: [f64; 3], rate: f64) -> Outcome {
+    let (columns, rows) = ((height / size).round() as u32 | 1, (length / size).round() as u32);
+    let size_x = height / f64::from(columns);
+    let at = |k: u32, size: f64| f64::from(k) * size;
+    let mesh = cells(columns, rows, |i, j| Point3::new(at(i, size_x) - 0.5 * height, at(j, size), 0.0));
+    let mut nodes = Nodes::default();
+    let mut film = Film::mount(&mesh, &section(), 0.0, &mut nodes).unwrap();
+    film.cut(&nodes, &[[0.0, 0.0], [0.0, cut]]);
+    let speed = 0.5 * rate * height;
+    let jaw = |side: u32, velocity: f64| Jaw {
+        nodes: (0..=rows).map(|j| j * (columns + 1) + side * columns).collect(),
+        velocity,
+    };
+    let jaws = vec![jaw(0, -speed), jaw(1, speed)];
+    for n in 0..nodes.mass.len() {
+        nodes.velocity.set(n, [2.0 * speed * nodes.position.at(n)[0] / height, 0.0, 0.0]);
+    }
+    for jaw in &jaws {
+        nodes.hold(jaw.nodes.iter().map(|n| *n as usize), [true; 3]);
+        jaw.nodes.iter().for_each(|n| nodes.velocity.set(*n as usize, [jaw.velocity, 0.0, 0.0]));
+    }
+    let loads = Loads { jaws, damping: 300.0, ..Loads::default() };
+    let mut engine = Engine::new(vec![film], nodes, [], loads);
+    let (mut start, mut imbalance, mut first) = (f64::NAN, 0.0_f64, None);
+    let whole = (length - cut) * THICKNESS;
+    loop {
+        let read = engine.read_step(|view| (view.time, view.energies(), view.torn().unwrap())).unwrap();
+        let (time, energies, torn) = read;
+        let first = *first.get_or_insert(energies);
+        let exchanged = energies.exchanged(&first);
+        if exchanged > 0.0 {
+            imbalance = imbalance.max((energies.total() - first.total()).abs() / exchanged);
+        }
+        if start.is_nan() && torn.area > 0.02 * whole {
+            start = rate * time;
+        }
+        if torn.area > 0.98 * whole || time * rate > 0.05 {
+            return Outcome { start, torn, lost: energies.rupture, imbalance };
+        }
+        for _ in 0..20 {
+            engine.step(&mut Unobserved).unwrap();
+        }
+    }
+}
+
+/// Strain at which the energy W of wide film between jaws `height` (m) apart suffices: W H = Γ (Rivlin and Thomas, J.
+/// Polym. Sci. 10, 1953).
+fn griffith(height: f64) -> f64 {
+    let modulus = YOUNG / (1.0 - POISSON * POISSON);
+    // ½ modulus E² with Green's strain E.
+    let green = (2.0 * FRACTURE_ENERGY / height / modulus).sqrt();
+    (1.0 + 2.0 * green).sqrt() - 1.0
+}
+
+#[test]
+fn a_wide_strip_tears_at_its_fracture_energy_on_any_mesh() {
+    let [height, length, cut] = [0.2, 0.4, 0.15];
+    let mut energies = vec![];
+    for size in [10e-3, 5e-3, 2.5e-3] {
+        let outcome = strip(size, [height, length, cut], 0.2);
+        let expected = griffith(height);
+        let energy = outcome.lost / ((length - cut) * THICKNESS);
+        println!("{size}: strain {:.5} for {expected:.5}, {energy:.0} J/m2, {outcome:?}", outcome.start);
+        assert!((outcome.torn.energy / outcome.lost - 1.0).abs() < 1e-6 && outcome.torn.length > 0.97 * (length - cut));
+        energies.push((size, outcome.start / expected - 1.0, energy / FRACTURE_ENERGY - 1.0, outcome.imbalance));
+    }
+    for (size, start, energy, imbalance) in energies {
+        assert!(start.abs() < 0.05, "{size} m: start {start}");
+        assert!(energy.abs() < 0.05, "{size} m: energy {energy}");
+        assert!(imbalance < 0.01, "{size} m: imbalance {imbalance}");
+    }
+}

@@ -1,0 +1,267 @@
+//! Rupture by a criterion of the element's own, and the softening that spends a fracture energy (theory.md, section 25).
+
+use serde::{Deserialize, Serialize};
+
+use crate::lane::ln;
+
+/// When film starts to tear, and what a tear takes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rupture {
+    /// What is compared with the limit.
+    pub criterion: Criterion,
+    /// The value at which an element starts to tear, in the unit of the criterion.
+    pub limit: Limit,
+    /// Fracture energy Γ, J per m² of cross-section of stress-free film; where it is zero, an element fails at once.
+    pub fracture_energy: f64,
+}
+
+/// What of an element is compared with the limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Criterion {
+    /// Largest principal engineering strain.
+    Strain,
+    /// Larger engineering strain of the two fibre sets.
+    FibreStrain,
+    /// Larger strain of a fibre set over that at which its curve ends.
+    Break,
+    /// Largest principal engineering stress: force over stress-free cross-section, Pa.
+    Stress,
+    /// Energy stored and absorbed, J per m³ of stress-free film.
+    Energy,
+}
+
+/// The value of a criterion at which film starts to tear.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Limit {
+    /// One value.
+    One(f64),
+    /// By the stress triaxiality: points (triaxiality, value), linear between and constant outside.
+    ByTriaxiality(Vec<[f64; 2]>),
+    /// By the strain rate: points (natural logarithm of the rate in 1/s, value), linear between and constant outside.
+    ByRate(Vec<[f64; 2]>),
+}
+
+impl Limit {
+    /// The smallest value that it has anywhere.
+    pub fn smallest(&self) -> f64 {
+        match self {
+            Limit::One(value) => *value,
+            Limit::ByTriaxiality(points) | Limit::ByRate(points) => {
+                points.iter().map(|[_, value]| *value).fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
+    /// The value for this stress triaxiality and this strain rate (1/s).
+    pub(crate) fn at(&self, triaxiality: f64, rate: f64) -> f64 {
+        match self {
+            Limit::One(value) => *value,
+            Limit::ByTriaxiality(points) => interpolated(points, triaxiality),
+            Limit::ByRate(points) => interpolated(points, if rate > 0.0 { ln(rate) } else { f64::NEG_INFINITY }),
+        }
+    }
+}
+
+/// The value at `x` of lines through `points`, constant outside.
+fn interpolated(points: &[[f64; 2]], x: f64) -> f64 {
+    let after = points.partition_point(|[at, _]| *at <= x);
+    let Some(before) = after.checked_sub(1) else { return points[0][1] };
+    let [from, value] = points[before];
+    points.get(after).map_or(value, |[to, next]| value + (next - value) * (x - from) / (to - from))
+}
+
+/// Share of the fracture energy of an element that is stored in it when it starts to tear at the tip of a tear: the mean
+/// over an element of the field of a crack has it when the crack grows, whatever the size of the element (theory.md,
+/// equation 304).
+pub(crate) const AT_TIP: f64 = 0.25;
+
+/// Share of its fracture energy that an element has spent when the elements around it are at the tip.
+pub(crate) const OPEN: f64 = 0.5;
+
+/// Share of its fracture energy below which the rest is lost with the element.
+const REST: f64 = 0.01;
+
+/// Tearing of one element: energies are those per stress-free volume of film that does not tear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tear {
+    /// Share of the film's forces that the element has, at the last position.
+    pub share: f64,
+    /// The same at the next position.
+    pub next: f64,
+    /// Energy spent since it started to tear, J/m³.
+    pub spent: f64,
+    /// Energy that was stored when it started to tear, J/m³; zero before.
+    pub start: f64,
+    /// Width of the element across the tear, m; zero before it started.
+    pub width: f64,
+    /// Energy stored at the last position, J/m³.
+    pub stored: f64,
+    /// Energy absorbed at the last position, J/m³.
+    pub absorbed: f64,
+    /// Largest principal strain when the criterion was half way to its smallest limit, and the time since then, s.
+    pub half_way: [f64; 2],
+}
+
+/// Energies of an element at a position, J/m³.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Densities {
+    pub stored: f64,
+    pub absorbed: f64,
+}
+
+impl Tear {
+    /// Number of its variables.
+    pub(crate) const VARIABLES: usize = 9;
+
+    /// Film that does not tear.
+    pub(crate) const NONE: Tear = Tear {
+        share: 1.0,
+        next: 1.0,
+        spent: 0.0,
+        start: 0.0,
+        width: 0.0,
+        stored: 0.0,
+        absorbed: 0.0,
+        half_way: [0.0; 2],
+    };
+
+    /// Its variables, always in the same order.
+    pub(crate) fn variables(&self) -> [f64; Tear::VARIABLES] {
+        let Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time] } = *self;
+        [share, next, spent, start, width, stored, absorbed, strain, time]
+    }
+
+    /// That of these variables, in the order of [`Tear::variables`].
+    pub(crate) fn of_variables(variables: [f64; Tear::VARIABLES]) -> Tear {
+        let [share, next, spent, start, width, stored, absorbed, strain, time] = variables;
+        Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time] }
+    }
+
+    /// Whether the element has started to tear.
+    pub(crate) fn has_started(&self) -> bool {
+        self.width > 0.0
+    }
+
+    /// Strain rate since the criterion was half way to its smallest limit, at the strain `strain`, 1/s.
+    pub(crate) fn rate(&self, strain: f64) -> f64 {
+        let [from, elapsed] = self.half_way;
+        if elapsed > 0.0 { (strain - from) / elapsed } else { 0.0 }
+    }
+
+    /// Share of the area of its tear that is open, where it takes `fracture_energy` (J/m²).
+    pub(crate) fn open(&self, fracture_energy: f64) -> f64 {
+        match self.has_started() {
+            false => 0.0,
+            true if self.next == 0.0 => 1.0,
+            true => (self.spent * self.width / fracture_energy).min(1.0),
+        }
+    }
+
+    /// Moves on to the next position, with these energies there. The energies that were lost on the way: the work of its
+    /// forces is that of their mean (theory.md, equation 302).
+    pub(crate) fn advance(&mut self, now: Densities) -> Densities {
+        let (before, mean) = (self.share, 0.5 * (self.share + self.next));
+        self.share = self.next;
+        let fallen = before - self.share;
+        let stored = 0.5 * (self.stored + now.stored) * fallen;
+        let absorbed = 0.5 * (self.absorbed + now.absorbed) * fallen;
+        if self.has_started() {
+            self.spent += stored + mean * (now.absorbed - self.absorbed).max(0.0);
+        }
+        (self.stored, self.absorbed) = (now.stored, now.absorbed);
+        Densities { stored, absorbed }
+    }
+
+    /// Starts to tear, in film of this fracture energy (J/m²), where the element is `width` (m) across the tear.
+    pub(crate) fn start(&mut self, width: f64) {
+        (self.start, self.width) = (self.stored, width);
+    }
+
+    /// Sets the share of the forces at the next position, in film of this fracture energy (J/m²): with the energy g = Γ/w
+    /// to be spent and the energy ψ stored, the share a follows
+    ///
+    /// ```text
+    /// a √(ψ/ψ₀) = b ,   g db = ψ da
+    /// ```
+    ///
+    /// from the present share a and the energy b g that is left (theory.md, equation 303): forces fall in proportion to
+    /// that energy, which is a straight line over the strain where these are proportional. Where ψ > g √(ψ/ψ₀), what the
+    /// element stores suffices to tear it at once.
+    pub(crate) fn soften(&mut self, fracture_energy: f64) {
+        if !self.has_started() || self.next == 0.0 {
+            return;
+        }
+        if fracture_energy == 0.0 {
+            self.next = 0.0;
+            return;
+        }
+        let per_volume = fracture_energy / self.width;
+        let left = 1.0 - self.spent / per_volume;
+        let (stretched, stored) = ((self.stored / self.start).sqrt(), self.stored / per_volume);
+        if self.share * stretched > left {
+            let next = if stretched > stored { (left - stored * self.share) / (stretched - stored) } else { 0.0 };
+            self.next = next.clamp(0.0, self.share);
+        }
+        if left < REST {
+            self.next = 0.0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stretches an elastic element of the stiffness E and width w in steps, with the energy E ε²/2, from the strain at
+    /// which it starts. The work of its forces and the energies lost.
+    fn stretched(young: f64, start: f64, width: f64, fracture_energy: f64, steps: usize) -> ([f64; 2], Tear) {
+        let (mut tear, mut force, mut work, mut lost) = (Tear::NONE, 0.0, 0.0, 0.0);
+        let mut strain = 0.0;
+        while tear.share > 0.0 && strain < 100.0 * start {
+            let step = start / steps as f64;
+            strain += step;
+            let stored = 0.5 * young * strain * strain;
+            let now = tear.next * young * strain;
+            work += 0.5 * (force + now) * step;
+            force = now;
+            lost += tear.advance(Densities { stored, absorbed: 0.0 }).stored;
+            if strain >= start && !tear.has_started() {
+                tear.start(width);
+            }
+            tear.soften(fracture_energy);
+        }
+        ([work, lost], tear)
+    }
+
+    #[test]
+    fn an_element_takes_its_fracture_energy_whatever_its_width() {
+        let fracture_energy = 8e3;
+        for width in [1e-4, 1e-3, 5e-3] {
+            let ([work, lost], tear) = stretched(2e8, 0.1, width, fracture_energy, 400);
+            let asked = fracture_energy / width;
+            assert!((lost / asked - 1.0).abs() < 0.011, "{lost} J/m³ for {asked}");
+            assert!((work / lost - 1.0).abs() < 1e-3, "work {work} for {lost}");
+            assert!(tear.share == 0.0 && tear.open(fracture_energy) == 1.0);
+        }
+    }
+
+    #[test]
+    fn an_element_that_stores_more_fails_at_once() {
+        let ([work, lost], tear) = stretched(2e8, 0.1, 20e-3, 8e3, 400);
+        assert!((work / 1e6 - 1.0).abs() < 0.01 && (lost / work - 1.0).abs() < 1e-9, "{work}, {lost}");
+        assert!(tear.share == 0.0);
+    }
+
+    #[test]
+    fn limits_by_triaxiality_and_by_rate() {
+        let by_triaxiality = Limit::ByTriaxiality(vec![[1.0 / 3.0, 1.2], [2.0 / 3.0, 0.8]]);
+        for (triaxiality, value) in [(0.0, 1.2), (0.5, 1.0), (2.0 / 3.0, 0.8), (0.7, 0.8)] {
+            assert!((by_triaxiality.at(triaxiality, 0.0) - value).abs() < 1e-12);
+        }
+        let by_rate = Limit::ByRate(vec![[ln(0.1), 1.0], [ln(10.0), 2.0]]);
+        for (rate, value) in [(0.0, 1.0), (0.1, 1.0), (1.0, 1.5), (10.0, 2.0), (1e3, 2.0)] {
+            assert!((by_rate.at(0.0, rate) - value).abs() < 1e-12);
+        }
+        assert_eq!((by_rate.smallest(), by_triaxiality.smallest()), (1.0, 0.8));
+    }
+}
