@@ -251,6 +251,26 @@ fn laws() {
     }
     println!();
     plastic(&model, fabric);
+    rupture();
+}
+
+/// Film that compares every element with the limit of a rupture criterion of its own, and none reaches it.
+fn rupture() {
+    println!("| drop test 1008, one thread | ns an element step | times |\n|---|---|---|");
+    let model = |changes: &[&str]| shipped(&[&["specimen.symmetry=none"], changes].concat());
+    let of = |criterion: &str, limit: &str| {
+        let rupture = format!(
+            "specimen.material.rupture={{ criterion = \"{criterion}\", limit = {limit}, energy = \"8 kJ/m2\" }}"
+        );
+        whole(&model(&[&rupture]), 1, Width::best()).0
+    };
+    let (plain, _) = whole(&model(&[]), 1, Width::best());
+    println!("| without a criterion of its own | {plain:.1} | 1 |");
+    for (criterion, limit) in [("strain", "50"), ("stress", "\"10 GPa\""), ("energy", "\"10 GJ/m3\"")] {
+        let cost = of(criterion, limit);
+        println!("| {criterion} | {cost:.1} | {:.2} |", cost / plain);
+    }
+    println!();
 }
 
 /// ns an element without and with a Prony series of five terms, the medians of measurements in turn.

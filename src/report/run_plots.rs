@@ -14,7 +14,7 @@ pub(super) fn signals(results: &Results) -> Vec<Plot> {
         Measures::Indent(_) => indent(signals),
         Measures::Inflation(_) => inflation(signals),
     };
-    own.into_iter().chain(frame(signals)).chain(slip(signals)).collect()
+    own.into_iter().chain(frame(signals)).chain(slip(signals)).chain(tears(signals).into_iter().flatten()).collect()
 }
 
 /// Share of the largest energy below which a term is named and not drawn; one that is zero throughout does not exist.
@@ -165,6 +165,15 @@ fn slip(signals: &Recording) -> Option<Plot> {
     let Column { name, axis, factor, .. } = column::CLAMP_SLIP;
     let slip = over_time("simulated", &signals.series(name)?, factor);
     Some(over_time_plot("Slip in the clamp of the frame", axis, [Some(slip)]))
+}
+
+/// Length of the tears of film that can tear, and the energy that they took.
+fn tears(signals: &Recording) -> [Option<Plot>; 2] {
+    let of = |Column { name, axis, factor, .. }: Column, title: &str| {
+        let curve = over_time("simulated", &signals.series(name)?, factor);
+        Some(over_time_plot(title, axis, [Some(curve)]))
+    };
+    [of(column::TORN_LENGTH, "Length of the tears"), of(column::FRACTURE_ENERGY, "Energy that the tears took")]
 }
 
 /// One column over another.

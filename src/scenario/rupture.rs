@@ -8,7 +8,6 @@ use crate::units::{EnergyPerArea, Pressure, Rate};
 /// When an element of film starts to tear, and the energy that its tear takes. In a fabric it takes the place of the break
 /// at the last strain of the curves, whose last slope then continues.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("oneOf" = [{ "required": ["limit"] }, { "required": ["triaxiality"] }, { "required": ["rate"] }, {}]))]
 pub struct Rupture {
     /// What of an element is compared with the limit.
     pub criterion: RuptureCriterion,

@@ -162,7 +162,9 @@ impl Monitor {
         if self.localised.is_some() {
             return;
         }
-        for (face, (film, strains)) in view.films.iter().zip(strains).enumerate() {
+        // Film that can tear is strained most where it does, and takes the same energy there on any mesh.
+        let films = view.films.iter().zip(strains).enumerate();
+        for (face, (film, strains)) in films.filter(|(_, (film, _))| !film.can_tear()) {
             let of_fibre = |s: &ElementStrain, fibre: usize| if s.left[fibre] > 0.0 { s.strain[fibre] } else { 0.0 };
             let largest = |s: &ElementStrain| of_fibre(s, 0).max(of_fibre(s, 1));
             let intact: Vec<f64> = strains.iter().filter(|s| s.volume > 0.0).map(largest).collect();

@@ -290,6 +290,8 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("drop-viscous", &["output.frames=20"]),
         ("stretch-plastic", &[]),
         ("drop-plastic", &["output.frames=20", "specimen.mesh.element=quad4-full"]),
+        ("stretch-tear", &[]),
+        ("drop-tear", &["output.frames=20"]),
         ("dart-polygon", &["output.frames=20"]),
         ("drop-bars", &["output.frames=20", "loading.impact.duration=15ms"]),
         (

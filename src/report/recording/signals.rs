@@ -84,7 +84,7 @@ const FIRST: [Pane; 7] = [
 ];
 
 /// Charts in tabs.
-const MORE: [Pane; 8] = [
+const MORE: [Pane; 9] = [
     Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE, SIMULATED)], measured: &[] },
     Pane {
         title: "Force of the impactors on each other, N",
@@ -125,6 +125,11 @@ const MORE: [Pane; 8] = [
     Pane {
         title: "Slip in the clamp, mm",
         channels: &[as_plotted(column::CLAMP_SLIP, "clamp_slip_mm", SIMULATED)],
+        measured: &[],
+    },
+    Pane {
+        title: "Length of the tears, mm",
+        channels: &[as_plotted(column::TORN_LENGTH, "torn_length_mm", SIMULATED)],
         measured: &[],
     },
 ];

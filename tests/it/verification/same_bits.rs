@@ -72,6 +72,8 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         (shipped("../tests/golden/inflation-square/scenario.toml", &[PRONY]), 400),
         // Until film under the dart flows.
         (shipped("../tests/golden/drop-plastic/scenario.toml", &["specimen.symmetry=none"]), 900),
+        // Until the tear runs.
+        (shipped("../tests/golden/stretch-tear/scenario.toml", &[]), 1800),
     ];
     for (case, (model, steps)) in cases.iter().enumerate() {
         let expected = after(model, ThreadPool::new(1).at_width(Width::Baseline), *steps);
