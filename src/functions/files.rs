@@ -109,7 +109,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "write_text(name, text)",
-        gives: "a text file among the results: .csv, .json, .md, .obj, .toml or .txt",
+        gives: "a text file among the results: .csv, .json, .md, .obj, .svg, .toml or .txt",
         example: r#"write_text("material.toml", "density = 915"); true"#,
     },
 ];

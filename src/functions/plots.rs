@@ -4,8 +4,8 @@ use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
 
 use super::files::Column;
 use crate::experiment::coupon;
-use crate::plot::{Axis, Curve, Look, Plot, Scale, TIME, Window};
-use crate::script::{Entry, HostResult, Options, OutputCollector, refuse, window};
+use crate::plot::{self, Axis, Curve, Look, Plot, Scale, TIME, Window};
+use crate::script::{Entry, File, HostResult, Options, OutputCollector, refuse, window};
 use crate::signal::Series;
 
 /// Least and most points of one curve; a longer one is thinned, with its extremes preserved.
@@ -24,7 +24,11 @@ pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
     });
     let own = collector.clone();
     engine.register_fn("plot", move |title: &str, options: Map, curves: Dynamic| {
-        own.plot(written(title, &options, &curves)?).map_err(refuse)
+        let plot = written(title, &options, &curves)?;
+        if let Some(name) = picture(&options)? {
+            own.file(File { name, content: plot::svg(&plot) }).map_err(refuse)?;
+        }
+        own.plot(plot).map_err(refuse)
     });
 }
 
@@ -53,7 +57,7 @@ struct Axes {
 
 fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
     let options = Options { of: "plot", map: options };
-    options.check(&["x", "y", "log_x", "log_y", "window", "window_name"])?;
+    options.check(&["x", "y", "log_x", "log_y", "window", "window_name", "picture"])?;
     let given = given(title, curves)?;
     let Axes { x, y, factors } = axes(title, &options, &given)?;
     let [least, most] = CURVE_POINTS;
@@ -159,6 +163,17 @@ fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes>
     Ok(Axes { x, y, factors })
 }
 
+/// The file of the picture, if there is to be one.
+fn picture(options: &Map) -> HostResult<Option<String>> {
+    let name = label(&Options { of: "plot", map: options }, "picture")?;
+    match name {
+        Some(name) if !name.ends_with(".svg") => {
+            Err(refuse(format!("a picture is a file that ends in .svg, not `{name}`")))
+        }
+        name => Ok(name),
+    }
+}
+
 fn label(options: &Options<'_>, name: &str) -> HostResult<Option<String>> {
     let Some(value) = options.map.get(name) else { return Ok(None) };
     match value.read_lock::<ImmutableString>() {
@@ -199,6 +214,11 @@ pub const ENTRIES: &[Entry] = &[
         gives: "the same with labels of the axes, logarithmic axes, and a marked window of x (s where signals are shown)",
         example: r#"let read = signal([0, 0.1], [0, 150]);
                     plot("Braking", #{ y: "acceleration (m/s²)", window: [0, 0.05], window_name: "loading" }, read); true"#,
+    },
+    Entry {
+        call: "plot(title, #{ …, picture: \"name.svg\" }, curves)",
+        gives: "the same, and its picture as a file among the results",
+        example: r#"plot("MD", #{ picture: "pictures/md.svg" }, curve([0, 0.26], [0, 8.4e6])); true"#,
     },
     Entry {
         call: "#{ name: signal | curve | [xs, ys] }",
@@ -283,6 +303,9 @@ mod tests {
             ("plot(\"a\", [[0, 1], [1, 2]])", "plot needs `x`"),
             ("plot(\"a\", #{ x: \"mm\" }, [[\"b\"], [1]])", "expected a number for a cell"),
             ("plot(\"a\", #{ x: 1 }, signal([0], [1]))", "`x` is a text, not i64"),
+            ("plot(\"a\", #{ picture: 1 }, signal([0], [1]))", "`picture` is a text, not i64"),
+            ("plot(\"a\", #{ picture: \"a.png\" }, signal([0], [1]))", "ends in .svg, not `a.png`"),
+            ("plot(\"a\", #{ picture: \"../a.svg\" }, signal([0], [1]))", "`../a.svg` cannot name a file"),
             ("plot(\"a\", #{ x: \"time\" }, signal([0], [1]))", "`time` has no unit at its end: add (ms) or (s)"),
             ("plot(\"a\", #{ z: \"time\" }, signal([0], [1]))", "plot has no option `z`; it takes x, y, log_x"),
             ("plot(\"a\", #{ log_y: 1 }, signal([0], [1]))", "log_y is true or false"),

@@ -38,6 +38,12 @@ pub(super) fn check(
         mistakes.label(&of("fabric.mounting"), "the mounting");
         return None;
     }
+    if matches!(law, Law::Plastic(_)) {
+        let message = "a plastic film cannot also have `prony`";
+        let hint = "its yield stress grows with the strain rate by `plastic.rate`; elastic, hyperelastic and fabric film relax";
+        mistakes.report_with(&place, message, hint);
+        return None;
+    }
     if law.viscous().is_none() {
         let message = "`prony` is not supported on this law";
         mistakes.report_with(

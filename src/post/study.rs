@@ -19,7 +19,7 @@ use crate::scenario::{Assignment, Document};
 use crate::script::{
     Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, refuse_key, to_json,
 };
-use crate::simulate::{self, Across, RunError, RunOptions};
+use crate::simulate::{self, Across, PullError, RunError, RunOptions};
 
 /// A checked scenario in a script. Cheap to clone.
 #[derive(Clone)]
@@ -132,19 +132,50 @@ impl Study {
     fn pull(&self, strains: Vec<f64>, options: &Map) -> HostResult<Curve> {
         let options = Options { of: "pull", map: options };
         options.check(&["across"])?;
-        let across = match options.map.get("across").map(Dynamic::to_string).as_deref() {
-            None | Some("held") => Across::Held,
-            Some("free") => Across::Free,
-            Some(other) => return Err(refuse(format!("across is \"held\" or \"free\", not \"{other}\""))),
-        };
-        let failed = |error| refuse(format!("{}: {error}", self.0.model.name));
-        let stresses = simulate::pull(&self.0.model, &strains, across).map_err(failed)?;
+        let stresses =
+            simulate::pull(&self.0.model, &strains, across(&options)?).map_err(|error| self.failed(error))?;
         Curve::new(strains, stresses).map_err(refuse)
+    }
+
+    /// Stresses (Pa) of a single element of the film at `strains`, forth and back, at the rate of the jaws or at given
+    /// times.
+    fn stresses(&self, strains: &[f64], options: &Map) -> HostResult<Array> {
+        let options = Options { of: "stresses", map: options };
+        options.check(&["across", "times"])?;
+        let (model, across) = (&self.0.model, across(&options)?);
+        let found = match options.map.get("times") {
+            None => simulate::pull(model, strains, across),
+            Some(times) => {
+                let times = times.clone().into_array();
+                let times = times.map_err(|found| refuse(format!("expected a list as times, found {found}")))?;
+                if times.len() != strains.len() {
+                    return Err(refuse(format!("{} times for {} strains", times.len(), strains.len())));
+                }
+                let point = |(time, strain): (&Dynamic, &f64)| Ok([number(time, "a time")?, *strain]);
+                let path = times.iter().zip(strains).map(point).collect::<HostResult<Vec<_>>>()?;
+                simulate::pull_along(model, &path, across)
+            }
+        };
+        Ok(found.map_err(|error| self.failed(error))?.into_iter().map(Dynamic::from).collect())
+    }
+
+    fn failed(&self, error: PullError) -> Box<EvalAltResult> {
+        refuse(format!("{}: {error}", self.0.model.name))
     }
 
     fn comparison(&self) -> HostResult<&super::ReferenceComparison> {
         let comparison = self.0.plan.comparison();
         comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
+    }
+}
+
+/// The option `across` of a single element.
+fn across(options: &Options<'_>) -> HostResult<Across> {
+    match options.map.get("across").map(Dynamic::to_string).as_deref() {
+        None | Some("held") => Ok(Across::Held),
+        Some("free") => Ok(Across::Free),
+        Some("equal") => Ok(Across::Equal),
+        Some(other) => Err(refuse(format!("across is \"held\", \"free\" or \"equal\", not \"{other}\""))),
     }
 }
 
@@ -247,6 +278,12 @@ pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
         .register_fn("pull", |study: &mut Study, strains: Array, more: Map| study.pull(self::strains(&strains)?, &more))
         .register_fn("pull", |study: &mut Study, at: Curve| study.pull(at.strain().to_vec(), &Map::new()))
         .register_fn("pull", |study: &mut Study, at: Curve, more: Map| study.pull(at.strain().to_vec(), &more))
+        .register_fn("stresses", |study: &mut Study, strains: Array| {
+            study.stresses(&self::strains(&strains)?, &Map::new())
+        })
+        .register_fn("stresses", |study: &mut Study, strains: Array, more: Map| {
+            study.stresses(&self::strains(&strains)?, &more)
+        })
         .register_get("reference", Study::reference)
         .register_get("window", Study::window)
         .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
@@ -307,12 +344,19 @@ pub const ENTRIES: &[Entry] = &[
         example: "scenario(args.scenario).simulate().summary.elements > 0",
     },
     Entry {
-        call: "scenario.pull(strains), scenario.pull(curve), scenario.pull(strains, #{ across: \"held\" | \"free\" })",
+        call: "scenario.pull(strains), scenario.pull(curve), scenario.pull(strains, #{ across: \"held\" | \"free\" | \"equal\" })",
         gives: "the curve of stress (Pa) of a single element of its film, pulled in the direction of `[loading.stretch]`, \
                 in equilibrium, at increasing strains or at those of a curve; zero past the break. Between jaws (\"held\") \
-                the width is held, that of a long strip is free",
+                the width is held, that of a long strip is free, and under equibiaxial tension the strains are equal",
         example: r#"let t = scenario("scenarios/stretch/single-element.toml"); let c = t.pull([0, 0.26, 0.84, 2]);
                     (c.at(0.84) / 20e6 - 1).abs() < 1e-9 && c.at(2) == 0"#,
+    },
+    Entry {
+        call: "scenario.stresses(strains), scenario.stresses(strains, #{ across, times })",
+        gives: "stresses (Pa) of the same element, a list: strains may also go back, which unloads the film, and times (s, from \
+                zero) take the place of the rate of the jaws, so that a strain can be held",
+        example: r#"let t = scenario("scenarios/stretch/single-element.toml"); let s = t.stresses([0.26, 0.13, 0.13], #{ times: [1, 2, 60] });
+                    (s[0] / 8.4e6 - 1).abs() < 1e-9 && s[1] < 0.2 * s[0] && s[2] == s[1]"#,
     },
     Entry {
         call: "simulate_all([scenario, …])",

@@ -52,7 +52,7 @@ pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
 const LEAST_SHARE: f64 = 1e-3;
 
 fn drawn(plot: &Plot, filled: bool) -> String {
-    let shown = |point: &&[f64; 2]| has_place(plot, point);
+    let shown = |point: &&[f64; 2]| plot.has_place(point);
     if !plot.curves.iter().any(|curve| curve.points.iter().any(|point| shown(&point))) {
         return String::new();
     }
@@ -65,16 +65,10 @@ fn drawn(plot: &Plot, filled: bool) -> String {
     )
 }
 
-/// Whether a point can be drawn on the axes.
-fn has_place(plot: &Plot, [x, y]: &[f64; 2]) -> bool {
-    let on = |axis: &Axis, value: f64| value.is_finite() && (axis.scale == Scale::Linear || value > 0.0);
-    on(&plot.x, *x) && on(&plot.y, *y)
-}
-
 /// The description for screen readers.
 fn description(plot: &Plot) -> String {
     let ends = |curve: &Curve, axis: usize| {
-        let places = curve.points.iter().filter(|point| has_place(plot, point)).map(|point| point[axis]);
+        let places = curve.points.iter().filter(|point| plot.has_place(point)).map(|point| point[axis]);
         places.fold(None, |ends: Option<[f64; 2]>, value| {
             let [low, high] = ends.unwrap_or([value; 2]);
             Some([low.min(value), high.max(value)])
@@ -94,7 +88,7 @@ fn contents(plot: &Plot, filled: bool) -> Value {
         let points = curve.thinned(MOST_POINTS).points;
         let column = |axis: usize| -> Vec<Value> {
             let number = |point: &[f64; 2]| {
-                if has_place(plot, point) { rounded(point[axis], DIGITS).into() } else { Value::Null }
+                if plot.has_place(point) { rounded(point[axis], DIGITS).into() } else { Value::Null }
             };
             points.iter().map(number).collect()
         };

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// Extensions that a file may have, all of text files.
-const ENDINGS: [&str; 6] = ["csv", "json", "md", "obj", "toml", "txt"];
+const ENDINGS: [&str; 7] = ["csv", "json", "md", "obj", "svg", "toml", "txt"];
 
 /// Most files of one script.
 const MOST_FILES: usize = 10_000;

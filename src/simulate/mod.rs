@@ -40,7 +40,7 @@ use mount::Mounting;
 pub use mount::{falling, section, surface};
 pub use outcome::Outcome;
 use probe::Probe;
-pub use pull::{Across, PullError, pull};
+pub use pull::{Across, PullError, pull, pull_along};
 pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot};
 pub use warning::{BodySize, CODES, ImpactorName, Warning};

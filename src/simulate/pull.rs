@@ -15,6 +15,8 @@ pub enum Across {
     Held,
     /// The transverse force is zero: a strip that is long compared with its width.
     Free,
+    /// The film is strained alike in both directions: equibiaxial tension.
+    Equal,
 }
 
 /// Why the curve of a single element cannot be computed.
@@ -35,6 +37,14 @@ pub enum PullError {
         /// The engineering strain.
         strain: f64,
     },
+    /// Time goes back.
+    #[error("expected times from zero on that do not go back, found {time} s after {before} s")]
+    Time {
+        /// The time, s.
+        time: f64,
+        /// The time before, s.
+        before: f64,
+    },
     /// No width is in equilibrium at the strain.
     #[error("no width of the film is in equilibrium at the strain {strain}")]
     NoWidth {
@@ -51,20 +61,32 @@ pub enum PullError {
 /// Another loading than a stretch, a strain of −1 or less, no transverse equilibrium.
 pub fn pull(model: &Model, strains: &[f64], across: Across) -> Result<Vec<f64>, PullError> {
     let mut element = SingleElement::of(model)?;
-    let (mut width, mut before) = (1.0, 0.0);
+    let (mut before, rate) = (0.0, element.rate);
     let stress = |strain: &f64| {
-        if !(strain.is_finite() && *strain > -1.0) {
-            return Err(PullError::Strain { strain: *strain });
-        }
-        let along = 1.0 + strain;
-        let dt = (strain - before).abs() / element.rate;
+        let dt = (strain - before).abs() / rate;
         before = *strain;
-        if across == Across::Free {
-            width = element.width(along, width, dt).ok_or(PullError::NoWidth { strain: *strain })?;
-        }
-        Ok(element.pulled([along, width], dt) / element.section)
+        element.stress(*strain, dt, across)
     };
     strains.iter().map(stress).collect()
+}
+
+/// The same at the points `[time (s), strain]` of a path, which starts without strain at the time zero; between two
+/// points of one strain the film is held.
+///
+/// # Errors
+/// As [`pull`], and a time before the one of the previous point.
+pub fn pull_along(model: &Model, path: &[[f64; 2]], across: Across) -> Result<Vec<f64>, PullError> {
+    let mut element = SingleElement::of(model)?;
+    let mut before = 0.0;
+    let stress = |[time, strain]: &[f64; 2]| {
+        if !(time.is_finite() && *time >= before) {
+            return Err(PullError::Time { time: *time, before });
+        }
+        let dt = time - before;
+        before = *time;
+        element.stress(*strain, dt, across)
+    };
+    path.iter().map(stress).collect()
 }
 
 /// One element of the size of the specimen.
@@ -79,6 +101,8 @@ struct SingleElement {
     section: f64,
     /// Strain rate of the jaws, 1/s.
     rate: f64,
+    /// Transverse stretch.
+    width: f64,
 }
 
 /// Transverse force over the force along the film that counts as balanced.
@@ -107,7 +131,21 @@ impl SingleElement {
         let film = Film::mount(&mesh, &section(&face, 1.0), face.height, &mut nodes)?;
         let sides = [Side::XPlus, Side::YPlus].map(|side| mesh.sides[side as usize].clone());
         let (flat, section, rate) = (nodes.position.clone(), stretch.section, stretch.velocity / x);
-        Ok(SingleElement { film, flat, nodes, sides, section, rate })
+        Ok(SingleElement { film, flat, nodes, sides, section, rate, width: 1.0 })
+    }
+
+    /// Engineering stress (Pa) at `strain`, reached within `dt` (s).
+    fn stress(&mut self, strain: f64, dt: f64, across: Across) -> Result<f64, PullError> {
+        if !(strain.is_finite() && strain > -1.0) {
+            return Err(PullError::Strain { strain });
+        }
+        let along = 1.0 + strain;
+        self.width = match across {
+            Across::Held => 1.0,
+            Across::Free => self.transverse_stretch(along, dt).ok_or(PullError::NoWidth { strain })?,
+            Across::Equal => along,
+        };
+        Ok(self.pulled([along, self.width], dt) / self.section)
     }
 
     /// Force (N) along the film that is stretched along and across within `dt` (s); updates its history and breaks
@@ -120,15 +158,15 @@ impl SingleElement {
         -self.nodes.total_force(&self.sides[0], 0)
     }
 
-    /// Transverse stretch in equilibrium where the film is stretched by `along` within `dt` (s), searched from `guess`.
-    fn width(&self, along: f64, guess: f64, dt: f64) -> Option<f64> {
+    /// Transverse stretch in equilibrium where the film is stretched by `along` within `dt` (s).
+    fn transverse_stretch(&self, along: f64, dt: f64) -> Option<f64> {
         let mut nodes = self.nodes.clone();
         let mut unbalanced = |across: f64| {
             load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across], dt);
             let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
             if across.abs() <= FORCE_TOLERANCE * pull.abs() { 0.0 } else { across }
         };
-        let bracket = bracket(guess, &mut unbalanced)?;
+        let bracket = bracket(self.width, &mut unbalanced)?;
         root(bracket, &mut unbalanced)
     }
 }

@@ -8,8 +8,19 @@ use serde_json::Value as Json;
 use crate::workbench::{close, droptower, error, printed};
 
 const STANDARDS: [&str; 6] = ["d1709-a", "d1709-b", "d7192", "d5748", "iso7765-2", "en14477"];
-const MATERIALS: [&str; 9] =
-    ["fabric", "rates", "elastic", "neo-hookean", "compressible-neo-hookean", "mooney-rivlin", "yeoh", "gent", "ogden"];
+const MATERIALS: [&str; 11] = [
+    "fabric",
+    "rates",
+    "elastic",
+    "neo-hookean",
+    "compressible-neo-hookean",
+    "mooney-rivlin",
+    "yeoh",
+    "gent",
+    "ogden",
+    "plastic",
+    "viscous",
+];
 
 #[test]
 fn templates_pass_the_check_and_are_not_overwritten() {

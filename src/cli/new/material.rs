@@ -33,6 +33,10 @@ pub(super) enum MaterialKind {
     Gent,
     /// Rubber, up to six terms
     Ogden,
+    /// Yields and keeps a set: polyethylene, aluminium
+    Plastic,
+    /// Relaxes: a Prony series on a law of rubber
+    Viscous,
 }
 
 impl MaterialKind {
@@ -50,6 +54,8 @@ impl MaterialKind {
             MaterialKind::Yeoh => include_str!("templates/materials/yeoh.toml"),
             MaterialKind::Gent => include_str!("templates/materials/gent.toml"),
             MaterialKind::Ogden => include_str!("templates/materials/ogden.toml"),
+            MaterialKind::Plastic => include_str!("templates/materials/plastic.toml"),
+            MaterialKind::Viscous => include_str!("templates/materials/viscous.toml"),
         };
         Template { text, scripts: &[] }
     }

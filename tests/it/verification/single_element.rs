@@ -125,6 +125,36 @@ fn quasi_static_stress_of_elastic_film_has_the_closed_form() {
     claims.judge();
 }
 
+/// Equal strains in both directions: P = E/(1−ν) (1+e)(e + e²/2).
+#[test]
+fn equibiaxial_stress_of_elastic_film_has_the_closed_form() {
+    let mut claims = Claims::of("single element, equibiaxial");
+    let model = shipped("stretch/single-element.toml", &[ELASTIC]);
+    let path: Vec<[f64; 2]> = (0..=60).map(|k| [f64::from(k), 0.01 * f64::from(k)]).collect();
+    let stresses = simulate::pull_along(&model, &path, Across::Equal).expect("a pull");
+    let exact = |e: f64| 50e6 / (1.0 - 0.44) * (1.0 + e) * (e + 0.5 * e * e);
+    let apart = path.iter().zip(&stresses).map(|([_, e], found)| (exact(*e) - found).abs()).fold(0.0, f64::max);
+    claims.at_most("stress off over E", apart / 50e6, 1e-8);
+    claims.judge();
+}
+
+/// Film that is stretched at once and held relaxes by its series: P = E* (1+e)(e + e²/2) (1 − Σ g (1 − exp(−t/τ))).
+#[test]
+fn held_film_relaxes_by_its_series() {
+    let mut claims = Claims::of("single element, relaxation");
+    let film = r#"specimen.material={ density = 915, thickness = 12e-6, elastic = { young = 50e6, poisson = 0.0 }, prony = [{ share = 0.3, time = 0.05 }, { share = 0.2, time = 0.5 }] }"#;
+    let model = shipped("stretch/single-element.toml", &[film]);
+    let path: Vec<[f64; 2]> = (0..=40).map(|k| [1e-9 + 0.05 * f64::from(k), 0.2]).collect();
+    let stresses = simulate::pull_along(&model, &path, Across::Free).expect("a pull");
+    let left = |t: f64| 1.0 - 0.3 * (1.0 - (-t / 0.05).exp()) - 0.2 * (1.0 - (-t / 0.5).exp());
+    let exact = |t: f64| 50e6 * 1.2 * 0.22 * left(t);
+    let apart = path.iter().zip(&stresses).map(|([t, _], found)| (found / exact(*t) - 1.0).abs()).fold(0.0, f64::max);
+    claims.at_most("stress off the closed form", apart, 1e-7);
+    claims.judge();
+    let back = simulate::pull_along(&model, &[[1.0, 0.1], [0.5, 0.2]], Across::Free).expect_err("time goes back");
+    assert_eq!(back.to_string(), "expected times from zero on that do not go back, found 0.5 s after 1 s");
+}
+
 #[test]
 fn quasi_static_stress_on_unloading_and_beyond_the_break() {
     let model = shipped("stretch/single-element.toml", &["specimen.material.fabric.absorption=0.5"]);

@@ -1,4 +1,8 @@
-//! Diagrams as values: axes, curves, and what is marked on them.
+//! Diagrams as values: axes, curves, and what is marked on them; their pictures.
+
+mod picture;
+
+pub use picture::svg;
 
 /// Label of an axis of time.
 pub const TIME: &str = "time (ms)";
@@ -85,12 +89,22 @@ impl Axis {
     pub fn linear(label: impl Into<String>) -> Axis {
         Axis { label: label.into(), scale: Scale::Linear }
     }
+
+    /// Whether the axis has a place for `value`.
+    fn has_place(&self, value: f64) -> bool {
+        value.is_finite() && (self.scale == Scale::Linear || value > 0.0)
+    }
 }
 
 impl Plot {
     /// A plot over linear axes without marks.
     pub fn new(title: impl Into<String>, [x, y]: [&str; 2], curves: Vec<Curve>) -> Plot {
         Plot { title: title.into(), x: Axis::linear(x), y: Axis::linear(y), curves, window: None }
+    }
+
+    /// Whether a point can be drawn on the axes.
+    pub fn has_place(&self, [x, y]: &[f64; 2]) -> bool {
+        self.x.has_place(*x) && self.y.has_place(*y)
     }
 }
 
