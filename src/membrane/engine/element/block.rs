@@ -202,6 +202,22 @@ pub(super) fn point_stiffness<M: MembraneLaw, const L: usize>(
     }
 }
 
+/// Adds `share` of the deformation `d` to `sum`.
+#[inline(always)]
+pub(super) fn add_deformation<const L: usize>(sum: &mut Deformation<L>, d: &Deformation<L>, share: f64) {
+    for fibre in 0..2 {
+        for l in 0..L {
+            sum.stretch_variance[fibre][l] += share * d.stretch_variance[fibre][l];
+        }
+        let (sum, d): (&mut Lane3<L>, &Lane3<L>) = (&mut sum.f[fibre], &d.f[fibre]);
+        for axis in 0..3 {
+            for l in 0..L {
+                sum[axis][l] += share * d[axis][l];
+            }
+        }
+    }
+}
+
 /// Adds `share` of S₁₁, S₂₂ and S₁₂ of the point numbered `point` with deformation `d` and `history` to `sum`.
 pub(super) fn add_stress<M: MembraneLaw, const L: usize>(
     sum: &mut [Lane<L>; 3],

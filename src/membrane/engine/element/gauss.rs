@@ -1,7 +1,8 @@
 //! Fully integrated elements: gradients of the shape functions at every integration point.
 
-use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, add_stress, point_energy, point_stiffness};
-use super::tearing::add_deformation;
+use super::block::{
+    Block, BlockDetails, BlockEnergies, BlockStrains, add_deformation, add_stress, point_energy, point_stiffness,
+};
 use super::viscous::{MovedBlock, ViscousBlock};
 use crate::lane::{Lane, Lane3, splat};
 use crate::material::{Deformation, History, MembraneLaw, PeakStrains, strains};

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, Blocks, Corners};
+use super::energy::ElementEnergy;
 use super::viscous::ViscousPass;
 use crate::engine::disjoint::Disjoint;
 use crate::lane::{LANES, Lane3, Width, at_width, splat};
@@ -135,33 +136,6 @@ fn add_forces_lanewise<
         scatter(corners, &out, force);
     }
     failed
-}
-
-/// Energies of elements, J.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ElementEnergy {
-    /// Returned on unloading.
-    pub stored: f64,
-    /// Absorbed by the law.
-    pub absorbed: f64,
-    /// In the stabilisation against hourglass modes.
-    pub hourglass: f64,
-}
-
-impl ElementEnergy {
-    /// Adds those of other elements.
-    pub fn add(&mut self, other: &ElementEnergy) {
-        self.stored += other.stored;
-        self.absorbed += other.absorbed;
-        self.hourglass += other.hourglass;
-    }
-
-    /// Subtracts those of other elements.
-    pub fn subtract(&mut self, other: &ElementEnergy) {
-        self.stored -= other.stored;
-        self.absorbed -= other.absorbed;
-        self.hourglass -= other.hourglass;
-    }
 }
 
 at_width! {

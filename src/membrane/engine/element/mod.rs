@@ -4,25 +4,28 @@
 //! → scatter.
 
 mod block;
+mod energy;
 mod gauss;
 mod kernel;
 mod one_point;
 mod quad4;
 mod reference;
+mod softening;
 mod tearing;
 mod tri3;
 mod viscous;
 
 pub(crate) use block::{Block, Blocks};
+pub use energy::ElementEnergy;
 pub(crate) use gauss::Gauss;
-pub use kernel::{ElementDetail, ElementEnergy, ElementStrain};
+pub use kernel::{ElementDetail, ElementStrain};
 pub(crate) use kernel::{Forces, OwnForces};
 pub(super) use kernel::{add_forces, add_mass, count_mounting, details, energy, energy_at, frequency_bound, strains};
 pub(crate) use one_point::OnePoint;
 pub(super) use one_point::OnePointElement;
 pub use reference::{StressFree, UndefinedFibreDirection};
+pub(super) use softening::tear;
 pub(crate) use tearing::Tearing;
-pub(super) use tearing::tear;
 pub use tearing::{TooWide, Torn};
 pub(crate) use viscous::ViscousPoints;
 

@@ -81,21 +81,24 @@ impl ViscousLaw {
         }
         if self.base.compression != WithoutCompression::Carried {
             let raised = self.without_compression(&at, &base, &now);
-            for k in 0..3 {
-                for l in 0..L {
-                    // The film is longer than its span: by this its own stress is higher.
-                    change[k][l] = (raised[k][l] - now[k][l]) / step.fresh;
-                    head[STRESS + k][l] += change[k][l];
-                }
-            }
-            for ([_, taken], overstress) in step.terms.iter().zip(terms) {
+            // Film is taut for the most part, and the terms are many.
+            if raised != now {
                 for k in 0..3 {
                     for l in 0..L {
-                        overstress[k][l] += taken * change[k][l];
+                        // The film is longer than its span: by this its own stress is higher.
+                        change[k][l] = (raised[k][l] - now[k][l]) / step.fresh;
+                        head[STRESS + k][l] += change[k][l];
                     }
                 }
+                for ([_, taken], overstress) in step.terms.iter().zip(terms) {
+                    for k in 0..3 {
+                        for l in 0..L {
+                            overstress[k][l] += taken * change[k][l];
+                        }
+                    }
+                }
+                now = raised;
             }
-            now = raised;
         }
         self.work(&at, &before, &now, head);
         *stress = Elastic::first_piola(d, at.unmeasured(&now));

@@ -1,0 +1,182 @@
+//! The pass over elements that compares them with the limit of their rupture and softens what tears (theory.md, section
+//! 25).
+
+use super::block::{Block, BlockEnergies, Blocks};
+use super::kernel::gather;
+use super::tearing::TooWide;
+use crate::lane::{Lane, at_width, splat};
+use crate::material::{AT_TIP, Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
+
+at_width! {
+    /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was lost.
+    pub(crate) fn tear[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
+        elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64,
+    ) -> bool = tear_lanewise, up to AVX2
+}
+
+#[inline(always)]
+fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
+    elements: &mut Blocks<B, NODES, L>,
+    law: &M,
+    position: &[&[f64]; 3],
+    dt: f64,
+) -> bool {
+    let Some(mut tearing) = elements.tearing.take() else { return false };
+    let mut x = [[splat(0.0); 3]; NODES];
+    let mut changed = false;
+    let fracture_energy = tearing.rupture.fracture_energy;
+    for b in 0..elements.blocks.len() {
+        let (block, volume) = (&elements.blocks[b], elements.blocks[b].volume());
+        gather(&elements.corners[b], position, &mut x);
+        let metric = block.deformation(&x).metric();
+        let BlockEnergies { stored, absorbed, hourglass } = block.energies(law, elements.viscous_block(b), &x);
+        let mut stress = None;
+        for l in (0..L).filter(|l| volume[*l] > 0.0) {
+            let mut tear = tearing.at(b, l);
+            let was_open = tear.open(fracture_energy) > OPEN;
+            let stored = (stored[l] + hourglass[l]) / volume[l];
+            let lost = tear.advance(Densities { stored, absorbed: absorbed[l] / volume[l] });
+            tearing.lost.energy.stored += volume[l] * lost.stored;
+            tearing.lost.energy.absorbed += volume[l] * lost.absorbed;
+            if dt > 0.0 && !tear.has_started() {
+                let mut stress = || *stress.get_or_insert_with(|| block.stress(law, elements.viscous_block(b), &x));
+                let element = Element { block, law, metric: metric.map(|c| c[l]), lane: l };
+                let starts = element.starts(&tearing.rupture, &mut tear, dt, &mut stress, tearing.is_at_tip(b, l));
+                if let Some(width) = starts {
+                    tear.start(width);
+                    let ratio = tear.start * width / fracture_energy;
+                    let too_wide = (ratio > 1.0 && ratio.is_finite()).then_some(TooWide { width, ratio });
+                    tearing.lost.too_wide = TooWide::worse(tearing.lost.too_wide, too_wide);
+                }
+            }
+            tear.soften(fracture_energy);
+            tearing.lost.opened |= !was_open && tear.open(fracture_energy) > OPEN;
+            changed |= tear.share != tear.next || lost.stored != 0.0 || lost.absorbed != 0.0;
+            tearing.set(b, l, &tear);
+        }
+    }
+    elements.tearing = Some(tearing);
+    changed
+}
+
+/// One element of a block.
+struct Element<'a, B, M> {
+    block: &'a B,
+    law: &'a M,
+    /// C₁₁, C₂₂ and C₁₂.
+    metric: [f64; 3],
+    lane: usize,
+}
+
+impl<B, M> Element<'_, B, M> {
+    /// Width across the tear, m, where it starts to tear.
+    #[inline(always)]
+    fn starts<const NODES: usize, const L: usize>(
+        &self,
+        rupture: &Rupture,
+        tear: &mut Tear,
+        dt: f64,
+        stress: &mut impl FnMut() -> [Lane<L>; 3],
+        at_tip: bool,
+    ) -> Option<f64>
+    where
+        B: Block<NODES, L>,
+        M: MembraneLaw<History<L> = B::History>,
+    {
+        let mut stress = || stress().map(|s| s[self.lane]);
+        let strain = largest(self.metric).sqrt() - 1.0;
+        let value = match rupture.criterion {
+            Criterion::Strain => strain,
+            Criterion::FibreStrain => self.metric[0].max(self.metric[1]).sqrt() - 1.0,
+            Criterion::Break => self.block.break_ratio(self.law, self.lane),
+            Criterion::Stress => largest(squared_stress(stress(), self.metric)).sqrt(),
+            Criterion::Energy => tear.stored + tear.absorbed,
+        };
+        let smallest = rupture.limit.smallest();
+        if value >= 0.5 * smallest {
+            let [from, elapsed] = &mut tear.half_way;
+            (*from, *elapsed) = if *elapsed == 0.0 { (strain, dt) } else { (*from, *elapsed + dt) };
+        } else {
+            tear.half_way = [0.0; 2];
+        }
+        let reaches =
+            value >= smallest && value >= rupture.limit.at(triaxiality(stress(), self.metric), tear.rate(strain));
+        let energy = rupture.fracture_energy;
+        if !reaches && !(at_tip && energy > 0.0 && tear.stored > 0.0) {
+            return None;
+        }
+        let width = width(&self.block.gradients().map(|of| of.map(|b| b[self.lane])), self.metric);
+        (reaches || tear.stored * width >= AT_TIP * energy).then_some(width)
+    }
+}
+
+/// Larger eigenvalue of a symmetric matrix with these components 11, 22 and 12.
+#[inline(always)]
+fn largest([first, second, between]: [f64; 3]) -> f64 {
+    let (mean, half) = (0.5 * (first + second), 0.5 * (first - second));
+    mean + (half * half + between * between).sqrt()
+}
+
+/// S C S: its eigenvalues are the squares of the principal engineering stresses.
+#[inline(always)]
+fn squared_stress([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> [f64; 3] {
+    let (a11, a12) = (s11 * c11 + s12 * c12, s11 * c12 + s12 * c22);
+    let (a21, a22) = (s12 * c11 + s22 * c12, s12 * c12 + s22 * c22);
+    [a11 * s11 + a12 * s12, a21 * s12 + a22 * s22, a11 * s12 + a12 * s22]
+}
+
+/// Stress triaxiality, mean stress over von Mises' equivalent stress, of plane stress (theory.md, equation 301); that of
+/// uniaxial tension without stress.
+#[inline(always)]
+fn triaxiality([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> f64 {
+    let sum = s11 * c11 + s22 * c22 + 2.0 * s12 * c12;
+    let product = (s11 * s22 - s12 * s12) * (c11 * c22 - c12 * c12);
+    let equivalent = (sum * sum - 3.0 * product).max(0.0).sqrt();
+    if equivalent > 0.0 { sum / (3.0 * equivalent) } else { 1.0 / 3.0 }
+}
+
+/// Width (m) of an element with these gradients of the shape functions (1/m) along the largest stretch, 2/Σ|n·∇N_a|
+/// (theory.md, equation 300; Oliver, Int. J. Numer. Meth. Engng 28, 1989).
+#[inline(always)]
+fn width<const NODES: usize>(gradients: &[[f64; 2]; NODES], metric: [f64; 3]) -> f64 {
+    let [c11, c22, c12] = metric;
+    let eigenvalue = largest(metric);
+    // Of the two columns of C − λ₂ the longer.
+    let (smaller, along) = (c11 + c22 - eigenvalue, [c11, c12]);
+    let candidates = [[along[0] - smaller, c12], [c12, c22 - smaller]];
+    let squared = candidates.map(|[a, b]| a * a + b * b);
+    let [a, b] = if squared[0] >= squared[1] { candidates[0] } else { candidates[1] };
+    let length = (a * a + b * b).sqrt();
+    let n = if length > 0.0 { [a / length, b / length] } else { [1.0, 0.0] };
+    2.0 / gradients.iter().map(|g| (n[0] * g[0] + n[1] * g[1]).abs()).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_width_of_a_square_and_of_one_at_45_degrees() {
+        let half = 0.5 / 0.01;
+        let square = [[-half, -half], [half, -half], [half, half], [-half, half]];
+        assert!((width(&square, [1.44, 1.0, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
+        assert!((width(&square, [1.0, 1.44, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
+        assert!((width(&square, [1.2, 1.2, 0.2]) / (2.0_f64.sqrt() * 0.01) - 1.0).abs() < 1e-12);
+        assert!((width(&square, [1.44, 1.44, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn triaxiality_and_principal_stress_of_known_states() {
+        let cases =
+            [([2e6, 0.0, 0.0], 1.0 / 3.0), ([2e6, 2e6, 0.0], 2.0 / 3.0), ([2e6, 1e6, 0.0], 1.0 / 3.0_f64.sqrt())];
+        for (stress, expected) in cases {
+            assert!((triaxiality(stress, [1.0, 1.0, 0.0]) - expected).abs() < 1e-12);
+        }
+        // S of a stretch λ along MD, with the engineering stress λ S.
+        let (lambda, s) = (1.5, 3e6);
+        assert!(
+            (largest(squared_stress([s, 0.0, 0.0], [lambda * lambda, 1.0, 0.0])).sqrt() / (lambda * s) - 1.0).abs()
+                < 1e-12
+        );
+    }
+}
