@@ -14,6 +14,9 @@ const MARGINS: [f64; 4] = [62.0, 34.0, 16.0, 46.0];
 /// Height of a line of the legend, px.
 const LINE: f64 = 18.0;
 
+/// Between the label of the x axis and the legend, px.
+const GAP: f64 = 10.0;
+
 /// Width of a character of the legend, px: an upper bound for its letters.
 const CHARACTER: f64 = 6.8;
 
@@ -30,7 +33,7 @@ const COLOURS: [&str; 8] = ["#1f77b4", "#d9480f", "#2b8a3e", "#9c36b5", "#c2255c
 /// have a tenth of a pixel; points without a place on the axes interrupt a curve.
 pub fn svg(plot: &Plot) -> String {
     let legend = legend(plot);
-    let height = SIZE[1] + LINE * legend.rows as f64;
+    let height = SIZE[1] + LINE * legend.rows as f64 + if legend.rows > 0 { GAP } else { 0.0 };
     let field = Field::of(plot);
     let [left, top, right, bottom] = field.edges();
     let mut out = format!(
@@ -187,7 +190,7 @@ fn legend(plot: &Plot) -> Legend {
     if plot.curves.len() < 2 {
         return legend;
     }
-    let (mut x, mut y) = (MARGINS[0], SIZE[1] + 4.0);
+    let (mut x, mut y) = (MARGINS[0], SIZE[1] + GAP + 4.0);
     for (curve, colour) in plot.curves.iter().zip(COLOURS.iter().cycle()) {
         let width = 40.0 + CHARACTER * curve.name.chars().count() as f64;
         if x > MARGINS[0] && x + width > SIZE[0] {

@@ -1,9 +1,9 @@
-//! Links in the documents point to files that exist.
+//! Links in the documents point to files that exist; pictures of curves are those of their script.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::workbench::root;
+use crate::workbench::{droptower, printed, root};
 
 fn documents() -> Vec<PathBuf> {
     let found = ["*.md", "docs/**/*.md", "data/**/*.md", "tests/**/*.md", "src/**/*.md"];
@@ -41,5 +41,41 @@ fn the_readme_links_every_document() {
         let name = document.file_name().into_string().expect("UTF-8");
         let path = format!("docs/{name}");
         assert!(!name.ends_with(".md") || linked.contains(&path.as_str()), "{path} is not linked");
+    }
+}
+
+/// The names and texts of the pictures in a folder, by name.
+fn pictures(folder: &Path) -> Vec<(String, String)> {
+    let pattern = folder.join("*.svg");
+    let paths = glob::glob(&pattern.to_string_lossy()).expect("a pattern").map(|path| path.expect("a file"));
+    let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
+    paths.map(|path| (name(&path), fs::read_to_string(&path).expect("a text"))).collect()
+}
+
+/// The numbers of a picture, and the text around them.
+fn parts(picture: &str) -> (Vec<f64>, String) {
+    let of_number = |c: char| c.is_ascii_digit() || ".-".contains(c);
+    (picture.split(|c| !of_number(c)).filter_map(|part| part.parse().ok()).collect(), picture.replace(of_number, ""))
+}
+
+/// Pictures of laws, and the figures beside them, are those of `scripts/which-law.rhai`; other mathematical libraries may
+/// move a point by a tenth of a pixel.
+#[test]
+fn the_pictures_of_laws_are_those_of_their_script() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("which-law");
+    let told = printed(&droptower(&root(), &["script", "scripts/which-law.rhai", "--out", &out.to_string_lossy()]));
+    let page = fs::read_to_string(root().join("docs/which-law.md")).expect("a text");
+    let rows: Vec<&str> = told.lines().take_while(|line| line.trim() != "sets").collect();
+    assert!(rows.len() > 6 && page.contains(&rows.join("\n")), "docs/which-law.md does not show\n{}", rows.join("\n"));
+    let (shipped, made) = (pictures(&root().join("docs/pictures/laws")), pictures(&out));
+    let names = |pictures: &[(String, String)]| pictures.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&shipped), names(&made));
+    for ((name, shipped), (_, made)) in shipped.iter().zip(&made) {
+        assert!(page.contains(&format!("(pictures/laws/{name})")), "docs/which-law.md does not show {name}");
+        let ((old, words), (new, same_words)) = (parts(shipped), parts(made));
+        let is_near = |(old, new): (&f64, &f64)| (old - new).abs() < 0.15;
+        let is_same = words == same_words && old.len() == new.len() && old.iter().zip(&new).all(is_near);
+        assert!(is_same, "docs/pictures/laws/{name} is not what scripts/which-law.rhai draws");
     }
 }

@@ -171,9 +171,9 @@ fn film_that_catches_a_mass_absorbs_by_its_loss_modulus() {
         let [[from, before, stored, absorbed_before], [to, after, _, absorbed_after]] = [returns[4], returns[8]];
         let lost = 1.0 - after / before;
         let expected = 1.0 - (exact[8][1] / exact[4][1]).powi(2);
-        claims.near(&what("energy lost in two cycles"), lost, expected, 2e-3);
+        claims.near(&what("energy lost in two cycles"), lost, expected, 1e-5);
         let absorbed = (absorbed_after - absorbed_before) / (before + stored);
-        claims.near(&what("energy absorbed in two cycles"), absorbed, expected, 2e-3);
+        claims.near(&what("energy absorbed in two cycles"), absorbed, expected, 1e-5);
         // The loss modulus is that of an oscillation that does not decay: to first order in tan δ it is the same.
         let omega = 4.0 * PI / (to - from);
         let x = |[_, time]: [f64; 2]| omega * time;
