@@ -96,7 +96,7 @@ pub enum CouponError {
         /// Name of the coupon.
         name: String,
         /// Which one.
-        fault: QuantityError,
+        fault: Box<QuantityError>,
     },
     /// The columns are no curve.
     #[error("{name}: {fault}")]
@@ -137,7 +137,7 @@ impl PlasticCoupon {
         let channel =
             |wanted: &str| table.channel(wanted).map_err(|fault| CouponError::Column { name: name.clone(), fault });
         let (strain, stress) = (channel("strain")?, channel("stress")?);
-        let quantity = |fault| CouponError::Quantity { name: name.clone(), fault };
+        let quantity = |fault| CouponError::Quantity { name: name.clone(), fault: Box::new(fault) };
         let strains = match &strain.unit {
             None => &strain.series,
             Some(_) => strain.quantity(Strain::DIMENSION).map_err(quantity)?,
