@@ -11,6 +11,11 @@ use crate::scenario::{self, Axis, Direction, Scenario};
 const HOLD: f64 = 0.5;
 
 impl Loading {
+    /// Whether gas presses on the film.
+    pub fn is_by_gas(&self) -> bool {
+        matches!(self, Loading::Pressure { .. } | Loading::Volume { .. })
+    }
+
     /// Simulated time, s; NaN for a stretch of another outline than a rectangle, which is reported separately.
     pub fn run_time(&self, shape: &Outline) -> f64 {
         match (self, shape) {

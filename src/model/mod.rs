@@ -72,6 +72,11 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let mut faces = layers::check(scenario, &loading, mistakes);
     let frame = frame::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
     let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
+    let holds_gas = loading.is_by_gas() || air.is_some_and(|air| air.cushion.is_some());
+    if holds_gas && !scenario.specimen.cuts.is_empty() {
+        let hint = "leave `cuts` out, or the gas";
+        mistakes.report_with("specimen.cuts", "film with cuts does not hold gas", hint);
+    }
     let impactors = impactor::check(scenario, &loading, mistakes);
     let first = impactors.as_deref().unwrap_or_default().first();
     let shape = specimen.as_ref().map(|specimen| &specimen.shape);

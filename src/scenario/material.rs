@@ -43,7 +43,7 @@ pub struct Material {
     pub hyperelastic: Option<Hyperelastic>,
     /// Film that yields and keeps a set, plane stress with the thickness that follows.
     pub plastic: Option<Plastic>,
-    /// Terms of a Prony series on the law, by which its stress relaxes; not on a fabric with `rates`.
+    /// Terms of a Prony series on the law, by which its stress relaxes; not on a fabric with `rates`, nor on plastic film.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(min = 1, max = 64))]
     pub prony: Vec<PronyTerm>,

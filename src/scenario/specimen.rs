@@ -32,8 +32,8 @@ pub struct Specimen {
     #[serde(default = "undamped")]
     #[schemars(range(min = 0))]
     pub damping: Rate,
-    /// Cuts through all faces, each a line through its points (x and y of each, m): elements whose middle a line passes
-    /// are left out, from the first point to the last. A tear of film with `rupture` starts from their ends.
+    /// Cuts through all faces, each a line through its points (x and y of each): the elements that it passes through are
+    /// left out, at its ends those whose middle lies before them. With symmetry, of the computed part. A tear of film with `rupture` starts from their ends.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000), inner(length(min = 2, max = 10_000)), extend("x-likely" = [-20.0, 20.0]))]
     pub cuts: Vec<Vec<[Length; 2]>>,

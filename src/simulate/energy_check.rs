@@ -9,6 +9,9 @@ use crate::signal::{Channel, Recording};
 /// Balance error, over the energy exchanged, that stops a run.
 const STOP: f64 = 0.1;
 
+/// Share of the energy taken up that tears have taken from which on film moves with them.
+const TORN: f64 = 0.01;
+
 /// Least divisor of the balance error over the run's own scale of energy.
 const FLOOR: f64 = 0.02;
 
@@ -98,10 +101,12 @@ impl EnergyCheck {
     }
 
     /// Time (s) and size of the largest ratio of kinetic energy to the energy that the film has taken up, where that is
-    /// more than a tenth of its maximum; of film that `can_tear` before it does, since a tear that runs moves the film.
+    /// more than a tenth of its maximum; of film that `can_tear` until a tear has taken a share of it, since one that runs
+    /// moves the film.
     pub(super) fn kinetic_share(&self, can_tear: bool) -> (f64, f64) {
         let least = 0.1 * self.most_taken_up();
-        let rows = self.time.iter().zip(&self.rows).take_while(|(_, e)| !can_tear || e.rupture == 0.0);
+        let rows =
+            self.time.iter().zip(&self.rows).take_while(|(_, e)| !can_tear || e.rupture <= TORN * self.taken_up(e));
         let rows = rows.filter(|(_, e)| self.taken_up(e) > least);
         let shares = rows.map(|(time, e)| (*time, e.kinetic_film / self.taken_up(e)));
         shares.fold((0.0, 0.0), |most, now| if now.1 > most.1 { now } else { most })

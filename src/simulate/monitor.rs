@@ -164,7 +164,7 @@ impl Monitor {
         }
         // Film that can tear is strained most where it does, and takes the same energy there on any mesh.
         let films = view.films.iter().zip(strains).enumerate();
-        for (face, (film, strains)) in films.filter(|(_, (film, _))| !film.can_tear()) {
+        for (face, (film, strains)) in films.filter(|(_, (film, _))| !film.takes_fracture_energy()) {
             let of_fibre = |s: &ElementStrain, fibre: usize| if s.left[fibre] > 0.0 { s.strain[fibre] } else { 0.0 };
             let largest = |s: &ElementStrain| of_fibre(s, 0).max(of_fibre(s, 1));
             let intact: Vec<f64> = strains.iter().filter(|s| s.volume > 0.0).map(largest).collect();

@@ -139,11 +139,12 @@ impl<'a> Probe<'a> {
 
     /// Whether everything has been recorded by `time` (s).
     pub(super) fn is_done(&self, time: f64) -> bool {
-        let failed = self.record.rupture_time.is_some() && self.is_quasi_static() && !self.model.can_tear();
+        let goes_on = self.model.can_tear() && !self.model.loading.is_by_gas();
+        let failed = self.record.rupture_time.is_some() && self.is_quasi_static() && !goes_on;
         failed || (time > self.duration && self.record.tracks.are_complete())
     }
 
-    /// Whether inertia must not matter; then the failure of film that cannot tear ends the test.
+    /// Whether inertia must not matter; then the failure of film that cannot tear, or that holds gas, ends the test.
     fn is_quasi_static(&self) -> bool {
         self.loading.inertia() == Inertia::Negligible
     }

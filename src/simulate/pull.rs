@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::loading;
 use super::mount::section;
-use crate::engine::{Film, Nodes, UndefinedFibreDirection, Vectors};
+use crate::engine::{Film, Nodes, Section, UndefinedFibreDirection, Vectors};
 use crate::mesh::{self, MeshError, Meshing, Outline, Side};
 use crate::model::{Face, Model};
 
@@ -55,7 +55,8 @@ pub enum PullError {
 
 /// Engineering stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one
 /// element of the size of the specimen, with the history variables of its law and the strain rate of the jaws. Beyond
-/// the break strain the stress is zero.
+/// the break strain the stress is zero; a rupture criterion of its own does not act, since what an element carries while it
+/// tears depends on its size.
 ///
 /// # Errors
 /// Another loading than a stretch, a strain of −1 or less, no transverse equilibrium.
@@ -128,9 +129,13 @@ impl SingleElement {
             Face { meshing: Meshing { element: face.meshing.element, size: x.max(*y), grading: None }, ..face.clone() };
         let mesh = mesh::build(&model.specimen.shape, [false; 2], &face.meshing)?;
         let mut nodes = Nodes::default();
-        let film = Film::mount(&mesh, &section(&face, 1.0), face.height, &mut nodes)?;
+        let section = Section { rupture: None, ..section(&face, 1.0) };
+        let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
+        let flat = nodes.position.clone();
+        // Film with a Prony series is mounted before its first strain, however fast that is reached.
+        load(&mut film, &mut nodes, &flat, [1.0; 2], 0.0);
         let sides = [Side::XPlus, Side::YPlus].map(|side| mesh.sides[side as usize].clone());
-        let (flat, section, rate) = (nodes.position.clone(), stretch.section, stretch.velocity / x);
+        let (section, rate) = (stretch.section, stretch.velocity / x);
         Ok(SingleElement { film, flat, nodes, sides, section, rate, width: 1.0 })
     }
 

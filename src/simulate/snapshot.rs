@@ -71,11 +71,11 @@ pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
 pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: bool) -> Snapshot {
     let in_contact = view.nodes_in_contact();
     let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| {
-        let is_needed = detailed || film.has_thickness() || film.can_tear();
+        let is_needed = detailed || film.has_thickness() || film.has_rupture();
         let details = if is_needed { film.details(&view.nodes.position) } else { vec![] };
         let thickness = details.iter().filter(|_| film.has_thickness()).map(|of| of.thickness_ratio as f32);
         let plastic = details.iter().filter(|_| film.is_plastic()).map(|of| of.plastic_strain as f32);
-        let damage = details.iter().filter(|_| film.can_tear()).map(|of| of.damage as f32);
+        let damage = details.iter().filter(|_| film.has_rupture()).map(|of| of.damage as f32);
         FilmState {
             positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
             strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),

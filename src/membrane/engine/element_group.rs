@@ -73,7 +73,10 @@ pub(super) trait ElementGroup: Send + Sync {
     fn reset(&mut self);
 
     /// Whether the elements have a rupture criterion of their own.
-    fn can_tear(&self) -> bool;
+    fn has_rupture(&self) -> bool;
+
+    /// Whether their tears take a fracture energy.
+    fn takes_fracture_energy(&self) -> bool;
 
     /// Tears so far, in film of this thickness (m, all layers).
     fn torn(&self, thickness: f64) -> Torn;
@@ -193,8 +196,12 @@ where
         self.elements.tearing.iter_mut().for_each(Tearing::reset);
     }
 
-    fn can_tear(&self) -> bool {
+    fn has_rupture(&self) -> bool {
         self.elements.tearing.is_some()
+    }
+
+    fn takes_fracture_energy(&self) -> bool {
+        self.elements.tearing.as_ref().is_some_and(|tearing| tearing.rupture.fracture_energy > 0.0)
     }
 
     fn torn(&self, thickness: f64) -> Torn {

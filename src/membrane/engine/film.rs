@@ -218,8 +218,13 @@ impl Film {
     }
 
     /// Whether its elements have a rupture criterion of their own.
-    pub fn can_tear(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.can_tear())
+    pub fn has_rupture(&self) -> bool {
+        self.chunks.iter().any(|chunk| chunk.group.has_rupture())
+    }
+
+    /// Whether its tears take a fracture energy.
+    pub fn takes_fracture_energy(&self) -> bool {
+        self.chunks.iter().any(|chunk| chunk.group.takes_fracture_energy())
     }
 
     /// Its tears so far.
@@ -230,13 +235,15 @@ impl Film {
     }
 
     /// Cuts the film: deletes the elements through which the lines between successive `corners` (m, in the plane of the
-    /// frame) pass and whose middle lies beside them. Mass stays at the nodes. The number of the elements.
+    /// frame) pass and whose middle lies beside them, and those at its bends. Mass stays at the nodes. The number of the elements.
     pub fn cut(&mut self, nodes: &Nodes, corners: &[[f64; 2]]) -> usize {
         let first = self.nodes.start;
         let at = |node: &u32| nodes.position_of(first + *node as usize).xy();
         let crossed = |element: &[u32]| {
             let of_element: Vec<Point2<f64>> = element.iter().map(at).collect();
+            let is_bend = |corner: &[f64; 2]| contains(&of_element, (*corner).into());
             corners.windows(2).any(|ends| crosses([ends[0].into(), ends[1].into()], &of_element))
+                || corners[1..corners.len() - 1].iter().any(is_bend)
         };
         let deleted = self.chunks.iter_mut().map(|chunk| chunk.group.delete(&crossed)).sum();
         self.find_tips();
@@ -245,7 +252,7 @@ impl Film {
 
     /// Finds the elements at the tips of tears.
     fn find_tips(&mut self) {
-        if !self.can_tear() {
+        if !self.has_rupture() {
             return;
         }
         let mut open = vec![false; self.nodes.len()];
@@ -270,6 +277,12 @@ fn crosses([from, to]: [Point2<f64>; 2], corners: &[Point2<f64>]) -> bool {
     let (least, most) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(d), b.max(d)));
     let on_edge = 1e-6 * (most - least);
     (0.0..length).contains(&along) && least < -on_edge && most > -on_edge
+}
+
+/// Whether an element with these corners, counter-clockwise, contains a point.
+fn contains(corners: &[Point2<f64>], point: Point2<f64>) -> bool {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).all(|(from, to)| (to - from).perp(&(point - from)) >= 0.0)
 }
 
 /// Nodes of all elements of a group, counted from `first`.

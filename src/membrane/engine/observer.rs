@@ -202,12 +202,12 @@ impl View<'_> {
     /// Tears of the whole film so far; none where no face has a rupture criterion of its own.
     pub fn torn(&self) -> Option<Torn> {
         let mut total = Torn::default();
-        for film in self.films.iter().filter(|film| film.can_tear()) {
+        for film in self.films.iter().filter(|film| film.has_rupture()) {
             total.add(&film.torn());
         }
         let copies = self.loads.multiplicity;
         let whole = Torn { length: copies * total.length, area: copies * total.area, energy: copies * total.energy };
-        self.films.iter().any(Film::can_tear).then_some(whole)
+        self.films.iter().any(Film::has_rupture).then_some(whole)
     }
 
     /// The impactors, and after them the frame's bars, their velocities half a step after `time`.

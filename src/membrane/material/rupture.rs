@@ -98,7 +98,7 @@ pub(crate) struct Tear {
     pub stored: f64,
     /// Energy absorbed at the last position, J/m³.
     pub absorbed: f64,
-    /// Largest principal strain when the criterion was half way to its smallest limit, and the time since then, s.
+    /// Largest principal strain before the criterion was half way to its smallest limit, and the time since then, s.
     pub half_way: [f64; 2],
 }
 
@@ -172,9 +172,9 @@ impl Tear {
         Densities { stored, absorbed }
     }
 
-    /// Starts to tear, in film of this fracture energy (J/m²), where the element is `width` (m) across the tear.
+    /// Starts to tear, where the element is `width` (m) across the tear.
     pub(crate) fn start(&mut self, width: f64) {
-        (self.start, self.width) = (self.stored, width);
+        (self.start, self.width) = (self.stored.max(f64::MIN_POSITIVE), width);
     }
 
     /// Sets the share of the forces at the next position, in film of this fracture energy (J/m²): with the energy g = Γ/w

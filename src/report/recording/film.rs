@@ -70,7 +70,7 @@ const COLOURINGS: [Colouring; 7] = [
     },
     Colouring {
         key: "damage",
-        title: "Torn",
+        title: "Damage",
         words: "share of the force lost, %",
         factor: 100.0,
         of: |state, element| state.damage.get(element).copied().unwrap_or(f32::NAN),

@@ -6,6 +6,7 @@ use super::voce::{self, Point};
 use super::{CouponError, HardeningForm, PlasticCoupon, PlasticDirection, TrueCurve, Warning};
 use crate::experiment::coupon::average::mean_of_means;
 use crate::material::{FlowCurve, Hardening, Hill};
+use crate::number::significant;
 
 /// Points of each coupon's curve that a fit uses.
 const POINTS: usize = 120;
@@ -76,6 +77,15 @@ pub enum PlasticFitError {
     /// No coupon is along MD.
     #[error("no coupon is along MD, whose flow stress is that of the hardening")]
     NoMachineDirection,
+    /// The coupons have no plastic strain in common.
+    #[error("the coupons flow over no plastic strain in common, from {} on", significant(*offset, 3))]
+    NothingInCommon {
+        /// Plastic strain from which on they are read.
+        offset: f64,
+    },
+    /// The moduli of the coupons have no mean.
+    #[error("the moduli of the coupons have no mean")]
+    NoModulus,
     /// The yield surface is open.
     #[error("the yield surface of the fitted ratios is open")]
     Open,
@@ -99,7 +109,7 @@ impl PlasticFit {
         let moduli = coupons.iter().map(|coupon| coupon.modulus(rules.window)).collect::<Result<Vec<_>, _>>()?;
         let groups: Vec<Vec<f64>> =
             along.iter().filter(|g| !g.is_empty()).map(|g| g.iter().map(|k| moduli[*k].0).collect()).collect();
-        let young = mean_of_means(&groups).map_err(|_| PlasticFitError::NoMachineDirection)?;
+        let young = mean_of_means(&groups).map_err(|_| PlasticFitError::NoModulus)?;
         let curves = coupons.iter().zip(&moduli).map(|(coupon, (_, curve))| {
             let flow = TrueCurve::of(curve, young, rules.offset, POINTS);
             flow.ok_or_else(|| CouponError::NoFlow { name: coupon.name.clone(), offset: rules.offset })
@@ -117,7 +127,10 @@ impl PlasticFit {
         let end = end.fold(f64::INFINITY, f64::min);
         let hardening = match rules.form {
             HardeningForm::Voce => Hardening::Voce(law),
-            HardeningForm::Table => Hardening::Table(table(coupons, &curves, &ratios, end)),
+            HardeningForm::Table => {
+                let table = table(coupons, &curves, &ratios, end);
+                Hardening::Table(table.ok_or(PlasticFitError::NothingInCommon { offset: rules.offset })?)
+            }
         };
         let mut fit = PlasticFit { young, hardening, ratios, end, coupons: vec![], scatter: vec![], warnings: vec![] };
         if !fit.hill().is_closed() {
@@ -212,8 +225,9 @@ fn points(coupons: &[PlasticCoupon], curves: &[TrueCurve], along: &[Vec<usize>],
     coupons.iter().zip(curves).flat_map(of_coupon).collect()
 }
 
-/// The mean flow stress of all directions at the corners, which lie closer at small strain; it does not fall.
-fn table(coupons: &[PlasticCoupon], curves: &[TrueCurve], ratios: &[Ratio; 3], end: f64) -> FlowCurve {
+/// The mean flow stress of all directions at the corners, which lie closer at small strain; it does not fall. None where
+/// the coupons have no plastic strain in common.
+fn table(coupons: &[PlasticCoupon], curves: &[TrueCurve], ratios: &[Ratio; 3], end: f64) -> Option<FlowCurve> {
     let mean = |p: f64| {
         let of_direction = |direction: &PlasticDirection| {
             let own = coupons.iter().zip(curves).filter(|(coupon, _)| coupon.direction == *direction);
@@ -227,21 +241,24 @@ fn table(coupons: &[PlasticCoupon], curves: &[TrueCurve], ratios: &[Ratio; 3], e
     // From where all coupons flow.
     let starts = coupons.iter().zip(curves).map(|(coupon, curve)| ratio(ratios, coupon.direction) * curve.points[0][0]);
     let start = starts.fold(0.0, f64::max);
+    if !(start > 0.0 && end > start) {
+        return None;
+    }
     let at = |k: usize| start + (end - start) * (k as f64 / CORNERS as f64).powi(2);
     let measured: Vec<[f64; 2]> = (0..=CORNERS).filter_map(|k| Some([at(k), mean(at(k))?])).collect();
-    let mut corners = vec![[0.0, first_stress(&measured)]];
+    let mut corners = vec![[0.0, first_stress(&measured)?]];
     for [p, stress] in measured {
         let below = corners[corners.len() - 1][1];
         corners.push([p, stress.max(below)]);
     }
-    FlowCurve::new(&corners).expect("corners ascend")
+    FlowCurve::new(&corners).ok()
 }
 
 /// Flow stress without plastic strain: back along the first piece, by at most a tenth of the stress there.
-fn first_stress(measured: &[[f64; 2]]) -> f64 {
-    let [[p, stress], [q, next]] = [measured[0], measured[1.min(measured.len() - 1)]];
+fn first_stress(measured: &[[f64; 2]]) -> Option<f64> {
+    let [[p, stress], [q, next], ..] = measured else { return None };
     let slope = if q > p { (next - stress).max(0.0) / (q - p) } else { 0.0 };
-    (stress - slope * p).max(0.9 * stress)
+    Some((stress - slope * p).max(0.9 * stress))
 }
 
 /// Largest difference of true stresses at one plastic strain over their mean, by direction.

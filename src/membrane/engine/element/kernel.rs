@@ -261,8 +261,9 @@ fn frequency_bound_lanewise<
         let bound = block.stiffness(law, elements.viscous_block(b), &x);
         let volume = block.volume();
         let factor = elements.mass_factors.get(b).copied().unwrap_or(splat(1.0));
+        let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         for l in 0..L {
-            let squared = bound[l] * NODES as f64 / (density * factor[l] * volume[l]);
+            let squared = share[l] * bound[l] * NODES as f64 / (density * factor[l] * volume[l]);
             // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
             let settled = (volume[l] == 0.0) | (squared <= largest[l]) | largest[l].is_nan();
             largest[l] = if settled { largest[l] } else { squared };
@@ -311,8 +312,7 @@ pub struct ElementStrain {
     pub strain: [f64; 3],
     /// Largest MD and TD strain so far.
     pub peak: [f64; 2],
-    /// Share of the layers whose MD and TD fibres are not broken, times that of the forces that it did not lose by
-    /// tearing; zero where it is deleted.
+    /// Share of the layers whose MD and TD fibres are not broken; zero where it is deleted.
     pub left: [f64; 2],
     /// Volume of stress-free film, m³; zero once it is deleted.
     pub volume: f64,
@@ -339,14 +339,12 @@ fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
     out: &mut [ElementStrain],
 ) {
     let mut x = [[splat(0.0); 3]; NODES];
-    let blocks = elements.corners.iter().zip(&elements.blocks).zip(out.chunks_mut(LANES));
-    for (b, ((corners, block), out)) in blocks.enumerate() {
+    for ((corners, block), out) in elements.corners.iter().zip(&elements.blocks).zip(out.chunks_mut(LANES)) {
         gather(corners, position, &mut x);
         let BlockStrains { strain, peak, left } = block.strains(&x);
         let volume = block.volume();
-        let of_tear = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         for (l, out) in out.iter_mut().enumerate() {
-            let left = if volume[l] == 0.0 { [0.0; 2] } else { left.map(|share| of_tear[l] * share[l]) };
+            let left = if volume[l] == 0.0 { [0.0; 2] } else { left.map(|share| share[l]) };
             *out = ElementStrain { strain: strain.map(|s| s[l]), peak: peak.map(|p| p[l]), left, volume: volume[l] };
         }
     }

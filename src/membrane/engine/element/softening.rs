@@ -33,6 +33,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
         let mut stress = None;
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
             let mut tear = tearing.at(b, l);
+            let had_started = tear.has_started();
             let was_open = tear.open(fracture_energy) > OPEN;
             let stored = (stored[l] + hourglass[l]) / volume[l];
             let lost = tear.advance(Densities { stored, absorbed: absorbed[l] / volume[l] });
@@ -51,7 +52,8 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
             }
             tear.soften(fracture_energy);
             tearing.lost.opened |= !was_open && tear.open(fracture_energy) > OPEN;
-            changed |= tear.share != tear.next || lost.stored != 0.0 || lost.absorbed != 0.0;
+            changed |= tear.has_started() != had_started || tear.share == 0.0 || tear.share != tear.next;
+            changed |= lost.stored != 0.0 || lost.absorbed != 0.0;
             tearing.set(b, l, &tear);
         }
     }
@@ -94,15 +96,15 @@ impl<B, M> Element<'_, B, M> {
         };
         let smallest = rupture.limit.smallest();
         if value >= 0.5 * smallest {
-            let [from, elapsed] = &mut tear.half_way;
-            (*from, *elapsed) = if *elapsed == 0.0 { (strain, dt) } else { (*from, *elapsed + dt) };
+            tear.half_way[1] += dt;
         } else {
-            tear.half_way = [0.0; 2];
+            tear.half_way = [strain, 0.0];
         }
         let reaches =
             value >= smallest && value >= rupture.limit.at(triaxiality(stress(), self.metric), tear.rate(strain));
         let energy = rupture.fracture_energy;
-        if !reaches && !(at_tip && energy > 0.0 && tear.stored > 0.0) {
+        // Film beside a tear may be compressed, which does not open it.
+        if !reaches && !(at_tip && energy > 0.0 && strain > 0.0) {
             return None;
         }
         let width = width(&self.block.gradients().map(|of| of.map(|b| b[self.lane])), self.metric);

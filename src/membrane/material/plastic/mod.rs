@@ -111,7 +111,8 @@ impl Plastic {
         if !matches!(self.rate, FlowRate::Independent) {
             let slow = self.hardening.flow(&p).stress;
             for l in 0..L {
-                let over = larger(relaxed.stress[l] - slow[l], 0.0);
+                // Of a lane that does not flow what is left is round-off.
+                let over = if gamma[l] > 0.0 { larger(relaxed.stress[l] - slow[l], 0.0) } else { 0.0 };
                 history.surplus[l] += 0.5 * (history.overstress[l] + over) * (p[l] - history.equivalent[l]);
                 history.overstress[l] = over;
             }
