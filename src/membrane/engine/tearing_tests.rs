@@ -41,6 +41,16 @@ fn cells(columns: u32, rows: u32, place: impl Fn(u32, u32) -> Point3<f64>) -> Me
     Mesh { nodes, quads: (0..rows).flat_map(|j| (0..columns).map(move |i| quad(i, j))).collect(), ..Mesh::default() }
 }
 
+/// Elements of a strip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Quadrilaterals of one point.
+    Quads,
+    /// Quadrilaterals of 2×2 points.
+    Full,
+    Triangles,
+}
+
 /// What a test of a strip gave.
 #[derive(Debug)]
 struct Outcome {
@@ -56,13 +66,18 @@ struct Outcome {
 
 /// A strip `height` (m) between jaws along x and `length` long, cut in its middle over `cut` from the side, is pulled by
 /// `rate` (strain per s).
-fn strip(size: f64, [height, length, cut]: [f64; 3], rate: f64) -> Outcome {
+fn strip(kind: Kind, size: f64, [height, length, cut]: [f64; 3], rate: f64) -> Outcome {
     let (columns, rows) = ((height / size).round() as u32 | 1, (length / size).round() as u32);
     let size_x = height / f64::from(columns);
     let at = |k: u32, size: f64| f64::from(k) * size;
-    let mesh = cells(columns, rows, |i, j| Point3::new(at(i, size_x) - 0.5 * height, at(j, size), 0.0));
+    let mut mesh = cells(columns, rows, |i, j| Point3::new(at(i, size_x) - 0.5 * height, at(j, size), 0.0));
+    if kind == Kind::Triangles {
+        let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+        mesh.tris = std::mem::take(&mut mesh.quads).into_iter().flat_map(halves).collect();
+    }
+    let section = Section { full_integration: kind == Kind::Full, ..section() };
     let mut nodes = Nodes::default();
-    let mut film = Film::mount(&mesh, &section(), 0.0, &mut nodes).unwrap();
+    let mut film = Film::mount(&mesh, &section, 0.0, &mut nodes).unwrap();
     film.cut(&nodes, &[[0.0, 0.0], [0.0, cut]]);
     let speed = 0.5 * rate * height;
     let jaw = |side: u32, velocity: f64| Jaw {
@@ -114,18 +129,22 @@ fn griffith(height: f64) -> f64 {
 fn a_wide_strip_tears_at_its_fracture_energy_on_any_mesh() {
     let [height, length, cut] = [0.2, 0.4, 0.15];
     let mut energies = vec![];
-    for size in [10e-3, 5e-3, 2.5e-3] {
-        let outcome = strip(size, [height, length, cut], 0.2);
+    let cases =
+        [(Kind::Quads, 10e-3), (Kind::Quads, 5e-3), (Kind::Quads, 2.5e-3), (Kind::Full, 5e-3), (Kind::Triangles, 5e-3)];
+    for (kind, size) in cases {
+        let outcome = strip(kind, size, [height, length, cut], 0.2);
         let expected = griffith(height);
         let energy = outcome.lost / ((length - cut) * THICKNESS);
-        println!("{size}: strain {:.5} for {expected:.5}, {energy:.0} J/m2, {outcome:?}", outcome.start);
+        println!("{kind:?} {size}: strain {:.5} for {expected:.5}, {energy:.0} J/m2, {outcome:?}", outcome.start);
         assert!((outcome.torn.energy / outcome.lost - 1.0).abs() < 1e-6 && outcome.torn.length > 0.97 * (length - cut));
-        energies.push((size, outcome.start / expected - 1.0, energy / FRACTURE_ENERGY - 1.0, outcome.imbalance));
+        energies.push((kind, size, outcome.start / expected - 1.0, energy / FRACTURE_ENERGY - 1.0, outcome.imbalance));
     }
-    for (size, start, energy, imbalance) in energies {
-        assert!(start.abs() < 0.03, "{size} m: start {start}");
-        assert!(energy.abs() < 0.05, "{size} m: energy {energy}");
-        assert!(imbalance < 0.01, "{size} m: imbalance {imbalance}");
+    for (kind, size, start, energy, imbalance) in energies {
+        // The share (304) was found on quadrilaterals of one point.
+        let bound = if kind == Kind::Quads { 0.03 } else { 0.07 };
+        assert!(start.abs() < bound, "{kind:?} {size} m: start {start}");
+        assert!(energy.abs() < 0.05, "{kind:?} {size} m: energy {energy}");
+        assert!(imbalance < 0.01, "{kind:?} {size} m: imbalance {imbalance}");
     }
 }
 
@@ -207,4 +226,29 @@ fn the_force_on_torn_trousers_is_that_of_the_fracture_energy() {
         println!("{size} m: force {force:.3} N for {expected:.3}, balance {imbalance:.1e}, energy {spent:.4}");
         assert!((force / expected - 1.0).abs() < 0.05 && imbalance < 0.01 && spent.abs() < 0.05, "{size} m");
     }
+}
+
+#[test]
+fn a_cut_with_a_bend_parts_film() {
+    let mesh = cells(20, 20, |i, j| Point3::new(f64::from(i), f64::from(j), 0.0));
+    let mut nodes = Nodes::default();
+    let mut film = Film::mount(&mesh, &section(), 0.0, &mut nodes).unwrap();
+    // From the lower edge to the middle, and from there to the right one.
+    film.cut(&nodes, &[[9.7, 0.0], [9.7, 10.4], [20.0, 10.4]]);
+    let mut reached = vec![false; nodes.mass.len()];
+    reached[0] = true;
+    loop {
+        let mut grown = false;
+        film.for_each_intact(|corners| {
+            if corners.iter().any(|n| reached[*n as usize]) && !corners.iter().all(|n| reached[*n as usize]) {
+                corners.iter().for_each(|n| reached[*n as usize] = true);
+                grown = true;
+            }
+        });
+        if !grown {
+            break;
+        }
+    }
+    assert!(!reached[20], "the lower right corner hangs together with the lower left one");
+    assert!(reached[20 * 21] && reached[21 * 21 - 1]);
 }

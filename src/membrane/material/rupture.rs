@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn an_element_that_stores_more_fails_at_once() {
         let ([work, lost], tear) = stretched(2e8, 0.1, 20e-3, 8e3, 400);
-        assert!((work / 1e6 - 1.0).abs() < 0.01 && (lost / work - 1.0).abs() < 1e-9, "{work}, {lost}");
+        assert!((work / 1e6 - 1.0).abs() < 0.01 && (lost / work - 1.0).abs() < 1e-5, "{work}, {lost}");
         assert!(tear.share == 0.0);
     }
 
