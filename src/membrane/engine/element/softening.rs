@@ -104,7 +104,8 @@ impl<B, M> Element<'_, B, M> {
             value >= smallest && value >= rupture.limit.at(triaxiality(stress(), self.metric), tear.rate(strain));
         let energy = rupture.fracture_energy;
         // Film beside a tear may be compressed, which does not open it.
-        if !reaches && !(at_tip && energy > 0.0 && strain > 0.0) {
+        let may_grow = at_tip && energy > 0.0 && strain > 0.0;
+        if !reaches && !may_grow {
             return None;
         }
         let width = width(&self.block.gradients().map(|of| of.map(|b| b[self.lane])), self.metric);
