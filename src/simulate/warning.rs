@@ -61,7 +61,7 @@ codes! {
         "an element that reached its limit away from a tear stored more energy than its tear takes: the rest was lost with \
          it, so that where and when a tear starts depends on the mesh",
         "use a smaller `specimen.mesh.size`, or a lower limit: an element stores at its limit less than \
-         `rupture.energy` over its width";
+         `specimen.material.rupture.energy` over its width";
     FILM_CROSSING = "film-crossing", Warning,
         "one face of film passed through another, which film does not",
         "use a smaller `specimen.mesh.size` or `solver.step_factor`, and do not use what follows";
@@ -87,7 +87,8 @@ codes! {
         "use curves that were measured at the rates of the test (`strain_rates` in the summary)";
     HARDENING_EXCEEDED = "hardening-exceeded", Warning,
         "plastic film flowed beyond the last point of its flow curve, from which on the flow stress is taken as constant",
-        "measure the hardening up to the plastic strain of the test (`hardening.curve`, `hardening.rates`), or give Voce's law";
+        "measure the hardening up to the plastic strain of the test (`specimen.material.plastic.hardening.curve`), or give \
+         Voce's law";
     NOT_QUASI_STATIC = "not-quasi-static", Warning,
         "the kinetic energy of the film exceeds 1 % of the energy that it took up: inertia affects the force",
         "load more slowly or set a lower `mass_scaling`";
