@@ -4,7 +4,7 @@
 use super::block::{Block, BlockEnergies, Blocks};
 use super::kernel::gather;
 use super::tearing::TooWide;
-use crate::lane::{Lane, at_width, splat};
+use crate::lane::{Lane, at_width, larger, splat};
 use crate::material::{AT_TIP, Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
 
 at_width! {
@@ -29,6 +29,12 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
         let (block, volume) = (&elements.blocks[b], elements.blocks[b].volume());
         gather(&elements.corners[b], position, &mut x);
         let metric = block.deformation(&x).metric();
+        let strains = strains(&metric);
+        let values = values(&tearing.rupture, block, law, &metric, || block.stress(law, elements.viscous_block(b), &x));
+        // Most blocks are far from a tear, and energies cost more than forces.
+        if values.is_some_and(|values| tearing.stays_whole(b, &values, &strains, dt)) {
+            continue;
+        }
         let BlockEnergies { stored, absorbed, hourglass } = block.energies(law, elements.viscous_block(b), &x);
         let mut stress = None;
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
@@ -41,7 +47,8 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
             tearing.lost.energy.absorbed += volume[l] * lost.absorbed;
             if dt > 0.0 && !tear.has_started() {
                 let mut stress = || *stress.get_or_insert_with(|| block.stress(law, elements.viscous_block(b), &x));
-                let element = Element { block, law, metric: metric.map(|c| c[l]), lane: l };
+                let value = values.map(|values| values[l]);
+                let element = Element { block, metric: metric.map(|c| c[l]), strain: strains[l], value, lane: l };
                 let starts = element.starts(&tearing.rupture, &mut tear, dt, &mut stress, tearing.is_at_tip(b, l));
                 if let Some(width) = starts {
                     tear.start(width);
@@ -61,16 +68,47 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
     changed
 }
 
+/// What the criterion compares with its limit, in each element of a block; none where that is an energy.
+#[inline(always)]
+fn values<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
+    rupture: &Rupture,
+    block: &B,
+    law: &M,
+    metric: &[Lane<L>; 3],
+    stress: impl FnOnce() -> [Lane<L>; 3],
+) -> Option<Lane<L>> {
+    let [c11, c22, c12] = metric;
+    Some(match rupture.criterion {
+        Criterion::Strain => strains(metric),
+        Criterion::FibreStrain => std::array::from_fn(|l| larger(c11[l], c22[l]).sqrt() - 1.0),
+        Criterion::Break => std::array::from_fn(|l| block.break_ratio(law, l)),
+        Criterion::Stress => {
+            let s = stress();
+            std::array::from_fn(|l| largest(squared_stress(s.map(|s| s[l]), [c11[l], c22[l], c12[l]])).sqrt())
+        }
+        Criterion::Energy => return None,
+    })
+}
+
+/// Largest principal nominal strain in each element of a block.
+#[inline(always)]
+fn strains<const L: usize>(metric: &[Lane<L>; 3]) -> Lane<L> {
+    std::array::from_fn(|l| largest(metric.each_ref().map(|c| c[l])).sqrt() - 1.0)
+}
+
 /// One element of a block.
-struct Element<'a, B, M> {
+struct Element<'a, B> {
     block: &'a B,
-    law: &'a M,
     /// C₁₁, C₂₂ and C₁₂.
     metric: [f64; 3],
+    /// Largest principal nominal strain.
+    strain: f64,
+    /// What the criterion compares with its limit, where that is no energy.
+    value: Option<f64>,
     lane: usize,
 }
 
-impl<B, M> Element<'_, B, M> {
+impl<B> Element<'_, B> {
     /// Width across the tear, m, where it starts to tear.
     #[inline(always)]
     fn starts<const NODES: usize, const L: usize>(
@@ -83,17 +121,10 @@ impl<B, M> Element<'_, B, M> {
     ) -> Option<f64>
     where
         B: Block<NODES, L>,
-        M: MembraneLaw<History<L> = B::History>,
     {
         let mut stress = || stress().map(|s| s[self.lane]);
-        let strain = largest(self.metric).sqrt() - 1.0;
-        let value = match rupture.criterion {
-            Criterion::Strain => strain,
-            Criterion::FibreStrain => self.metric[0].max(self.metric[1]).sqrt() - 1.0,
-            Criterion::Break => self.block.break_ratio(self.law, self.lane),
-            Criterion::Stress => largest(squared_stress(stress(), self.metric)).sqrt(),
-            Criterion::Energy => tear.stored + tear.absorbed,
-        };
+        let strain = self.strain;
+        let value = self.value.unwrap_or(tear.stored + tear.absorbed);
         let smallest = rupture.limit.smallest();
         if value >= 0.5 * smallest {
             tear.half_way[1] += dt;
@@ -120,7 +151,7 @@ fn largest([first, second, between]: [f64; 3]) -> f64 {
     mean + (half * half + between * between).sqrt()
 }
 
-/// S C S: its eigenvalues are the squares of the principal engineering stresses.
+/// S C S: its eigenvalues are the squares of the principal nominal stresses.
 #[inline(always)]
 fn squared_stress([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> [f64; 3] {
     let (a11, a12) = (s11 * c11 + s12 * c12, s11 * c12 + s12 * c22);

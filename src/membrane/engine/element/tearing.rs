@@ -12,7 +12,7 @@ use crate::material::{OPEN, Rupture, Tear};
 #[derive(Clone, Debug)]
 pub(crate) struct Tearing<const L: usize> {
     pub rupture: Arc<Rupture>,
-    /// The variables of [`Tear`].
+    /// The variables of [`Tear`]; of blocks far from a tear the energies are those of the last step near one.
     variables: Vec<[Lane<L>; Tear::VARIABLES]>,
     /// Which elements share a node with one that is open or deleted.
     at_tip: Vec<[bool; L]>,
@@ -140,6 +140,27 @@ impl<const L: usize> Tearing<L> {
     /// Notes whether an element is at the tip of a tear.
     pub(crate) fn set_at_tip(&mut self, [block, lane]: [usize; 2], at_tip: bool) {
         self.at_tip[block][lane] = at_tip;
+    }
+
+    /// Where no element of a block tears, is at the tip of a tear, or reaches the smallest limit with its one of `values`:
+    /// goes on to the next position after `dt` (s) with these strains. Whether that is so.
+    #[inline(always)]
+    pub(super) fn stays_whole(&mut self, block: usize, values: &Lane<L>, strains: &Lane<L>, dt: f64) -> bool {
+        let smallest = self.rupture.limit.smallest();
+        let [share, next, _, _, width, .., from, elapsed] = &mut self.variables[block];
+        let mut is_whole = true;
+        for l in 0..L {
+            let is_far = !(values[l] >= smallest) | (self.volumes[block][l] == 0.0);
+            is_whole &= is_far & (width[l] == 0.0) & (share[l] == 1.0) & (next[l] == 1.0) & !self.at_tip[block][l];
+        }
+        if is_whole && dt > 0.0 {
+            for l in 0..L {
+                let is_half_way = values[l] >= 0.5 * smallest;
+                from[l] = if is_half_way { from[l] } else { strains[l] };
+                elapsed[l] = if is_half_way { elapsed[l] + dt } else { 0.0 };
+            }
+        }
+        is_whole
     }
 
     /// What the last pass took.

@@ -13,8 +13,8 @@ use crate::material::elastic::Plane;
 /// Trials above the flow stress by less than this share do not flow.
 const ROUND_OFF: f64 = 4e-15;
 
-/// Stress over flow stress, less one, at which Newton's method takes its last step.
-const TOLERANCE: f64 = 1e-13;
+/// Stress over flow stress, less one, at which Newton's method takes its last step, which squares it.
+const TOLERANCE: f64 = 1e-10;
 
 /// Most steps of Newton's method or bisections: beyond the bisections of any bracket to round-off.
 const STEPS: usize = 120;
@@ -34,6 +34,8 @@ pub(super) struct Trial<'a, const L: usize> {
     pub(super) before: &'a Lane<L>,
     /// Flow stress at p before the step, slow, Pa.
     pub(super) flow_stress: Lane<L>,
+    /// σ̄ over it after the last step, Pa.
+    pub(super) overstress: &'a Lane<L>,
 }
 
 /// σ̄, 1/(1 + γκ_i) and −dσ̄/dγ.
@@ -85,9 +87,17 @@ impl<const L: usize> Trial<'_, L> {
         if open == splat(0.0) {
             return None;
         }
-        let slow = self.slow(hardening, &excess, open);
         let is_slow = dt <= 0.0 || matches!(rate, FlowRate::Independent);
-        Some(if is_slow { slow } else { self.rated(hardening, rate, dt, &excess, open, &slow) })
+        Some(match is_slow {
+            true => self.slow(hardening, &excess, open),
+            false => self.rated(hardening, rate, dt, &excess, open),
+        })
+    }
+
+    /// A bound on γ from above: σ̄ is at most that of the trial over 1 + γ min κ; a margin for round-off.
+    #[inline(always)]
+    fn most(&self, excess: f64) -> f64 {
+        excess / self.softest * (1.0 + 1e-6)
     }
 
     /// The root of σ_y(p + γσ̄)/σ̄ = 1 in `open` lanes.
@@ -95,9 +105,7 @@ impl<const L: usize> Trial<'_, L> {
     fn slow(&self, hardening: &Hardening, excess: &Lane<L>, open: Lane<L>) -> Lane<L> {
         let mut most = splat(0.0);
         for l in 0..L {
-            // σ̄ is at most that of the trial over 1 + γ min κ; a margin for round-off.
-            let bound = excess[l] / self.softest * (1.0 + 1e-6);
-            most[l] = if open[l] > 0.0 { bound } else { 0.0 };
+            most[l] = if open[l] > 0.0 { self.most(excess[l]) } else { 0.0 };
         }
         root(splat(0.0), [splat(0.0), most], open, |gamma| {
             let Relaxed { stress, slope, .. } = self.relaxed(gamma);
@@ -117,33 +125,29 @@ impl<const L: usize> Trial<'_, L> {
         })
     }
 
-    /// The root with the flow stress at the rate γσ̄/dt, in ln γ, from the `slow` one, which is above it.
+    /// The root with the flow stress at the rate γσ̄/dt, in ln γ, from the rate of the last step.
     #[inline(always)]
-    fn rated(
-        &self,
-        hardening: &Hardening,
-        rate: &FlowRate,
-        dt: f64,
-        excess: &Lane<L>,
-        open: Lane<L>,
-        slow: &Lane<L>,
-    ) -> Lane<L> {
+    fn rated(&self, hardening: &Hardening, rate: &FlowRate, dt: f64, excess: &Lane<L>, open: Lane<L>) -> Lane<L> {
         let log_dt = ln(dt);
-        let mut over = splat::<L>(1.0);
+        let (mut over, mut last) = (splat::<L>(1.0), splat::<L>(1.0));
         for l in 0..L {
             over[l] = if open[l] > 0.0 { excess[l] } else { 1.0 };
+            last[l] = if self.overstress[l] > 0.0 { self.overstress[l] / self.flow_stress[l] } else { over[l] };
         }
-        let fastest = rate.fastest(&over);
-        let (mut least, mut most) = (splat(0.0), splat(0.0));
+        let (fastest, last) = (rate.fastest(&over), rate.fastest(&last));
+        let (mut least, mut most, mut start) = (splat(0.0), splat(0.0), splat(0.0));
         for l in 0..L {
             let flows = open[l] > 0.0;
-            let slow = ln(if flows { slow[l] } else { 1.0 });
+            let slow = ln(if flows { self.most(excess[l]) } else { 1.0 });
             // The rate alone gives at most the whole excess: γ ≤ ṗ dt/σ̄ with σ̄ above the slow flow stress.
-            let bound = smaller(fastest[l] + log_dt - ln(self.flow_stress[l]), slow);
+            let per_rate = log_dt - ln(self.flow_stress[l]);
+            let bound = smaller(fastest[l] + per_rate, slow);
             most[l] = if flows { bound } else { 0.0 };
             least[l] = most[l] - DEEPEST;
+            let before = last[l] + log_dt - ln(self.flow_stress[l] + self.overstress[l]);
+            start[l] = larger(least[l], smaller(before, most[l]));
         }
-        let log = root(most, [least, most], open, |log| {
+        let log = root(start, [least, most], open, |log| {
             let gamma = log.map(exp);
             let Relaxed { stress, slope, .. } = self.relaxed(&gamma);
             let (mut p, mut log_rate) = (*self.before, splat(0.0));

@@ -129,13 +129,14 @@ impl MembraneLaw for Plastic {
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut PlasticHistory<L>, dt: f64) -> Stress<L> {
         let log = Logarithm::of(&d.metric());
         let mut amplitudes = self.amplitudes(&log, &history.strain);
-        let before = history.equivalent;
+        let (before, overstress) = (history.equivalent, history.overstress);
         let trial = Trial {
             stiffness: self.modes.stiffness,
             softest: self.modes.softest(),
             squares: self.modes.squares(&amplitudes),
             before: &before,
             flow_stress: self.hardening.flow(&before).stress,
+            overstress: &overstress,
         };
         // Where no lane flows, the rest changes nothing.
         let t = match trial.flow(&self.hardening, &self.rate, dt) {

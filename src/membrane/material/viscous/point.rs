@@ -56,27 +56,28 @@ impl ViscousLaw {
     ) {
         let at = self.base.measure.at(d);
         let base = self.base_stress(&at, stress);
-        let (head, terms) = variables.split_at_mut(FIRST_TERM);
+        let Some((head, terms)) = variables.split_first_chunk_mut::<FIRST_TERM>() else { return };
         let (terms, _) = terms.as_chunks_mut::<3>();
+        let long_term = self.long_term;
         let mut change = [splat::<L>(0.0); 3];
         let (mut before, mut now) = ([splat::<L>(0.0); 3], [splat::<L>(0.0); 3]);
+        // Component by component, so that the sums over the terms stay in registers.
         for k in 0..3 {
             for l in 0..L {
                 change[k][l] = base[k][l] - head[STRESS + k][l];
-                before[k][l] = self.long_term * head[STRESS + k][l];
-                now[k][l] = self.long_term * base[k][l];
-                head[STRESS + k][l] = base[k][l];
+                before[k][l] = long_term * head[STRESS + k][l];
+                now[k][l] = long_term * base[k][l];
             }
-        }
-        for ([kept, taken], overstress) in step.terms.iter().zip(terms.iter_mut()) {
-            for k in 0..3 {
+            head[STRESS + k] = base[k];
+            for (&[kept, taken], overstress) in step.terms.iter().zip(terms.iter_mut()) {
+                let old = overstress[k];
+                let mut new = old;
                 for l in 0..L {
-                    let old = overstress[k][l];
-                    let new = kept * old + taken * change[k][l];
-                    before[k][l] += old;
-                    now[k][l] += new;
-                    overstress[k][l] = new;
+                    new[l] = kept * old[l] + taken * change[k][l];
+                    before[k][l] += old[l];
+                    now[k][l] += new[l];
                 }
+                overstress[k] = new;
             }
         }
         if self.base.compression != WithoutCompression::Carried {
@@ -90,7 +91,7 @@ impl ViscousLaw {
                         head[STRESS + k][l] += change[k][l];
                     }
                 }
-                for ([_, taken], overstress) in step.terms.iter().zip(terms) {
+                for (&[_, taken], overstress) in step.terms.iter().zip(terms) {
                     for k in 0..3 {
                         for l in 0..L {
                             overstress[k][l] += taken * change[k][l];
@@ -118,7 +119,7 @@ impl ViscousLaw {
 
     /// Adds the work of a step over which the stress changed from `before` to `now`, and stores the strain.
     #[inline(always)]
-    fn work<const L: usize>(&self, at: &Measured<L>, before: &Plane<L>, now: &Plane<L>, head: &mut [Lane<L>]) {
+    fn work<const L: usize>(&self, at: &Measured<L>, before: &Plane<L>, now: &Plane<L>, head: &mut [Lane<L>; FIRST_TERM]) {
         for l in 0..L {
             let mut work = 0.0;
             for k in 0..2 {
