@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use source::{Crate, ModulePath};
 
 /// Folders of the packages that are checked.
-fn packages() -> [PathBuf; 2] {
-    ["src", "src/membrane"].map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder))
+fn packages() -> [PathBuf; 3] {
+    ["src", "src/membrane", "src/uncertainty"].map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder))
 }
 
 /// The modules of the `lib.rs` in `folder`, in its order.

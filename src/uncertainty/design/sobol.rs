@@ -1,0 +1,152 @@
+//! The Sobol' sequence with nested uniform scrambling.
+
+use std::sync::LazyLock;
+
+use super::DesignError;
+use crate::random::open_unit;
+
+/// Most factors, the dimensions of the embedded table.
+pub const MOST_FACTORS: usize = 256;
+
+/// Binary digits of the sequence: more points than 2³² are never asked for.
+const DIGITS: usize = 32;
+
+/// Primitive polynomials and initial direction numbers: dimension, degree s, polynomial a, and m₁ … m_s (Joe, Kuo 2008,
+/// new-joe-kuo-6, which minimizes the defects of two-dimensional projections).
+const TABLE: &str = include_str!("new-joe-kuo-6.256.txt");
+
+/// Direction numbers of every dimension, v₁ … v₃₂, the first digit in the highest bit.
+static DIRECTIONS: LazyLock<Vec<[u32; DIGITS]>> = LazyLock::new(|| {
+    let van_der_corput = std::array::from_fn(|digit| 1 << (DIGITS - 1 - digit));
+    std::iter::once(van_der_corput).chain(TABLE.lines().skip(1).map(directions)).collect()
+});
+
+/// Direction numbers of one row of the table by the recurrence v_k = a₁ v_{k−1} ⊕ … ⊕ v_{k−s} ⊕ v_{k−s}/2^s (Bratley,
+/// Fox 1988).
+fn directions(row: &str) -> [u32; DIGITS] {
+    let numbers: Vec<u32> = row.split_whitespace().map(|word| word.parse().expect("the table has numbers")).collect();
+    let (polynomial, initial) = (numbers[2], &numbers[3..]);
+    let degree = initial.len();
+    let mut v = [0; DIGITS];
+    for k in 0..DIGITS {
+        if k < degree {
+            v[k] = initial[k] << (DIGITS - 1 - k);
+            continue;
+        }
+        v[k] = v[k - degree] ^ (v[k - degree] >> degree);
+        for j in 1..degree {
+            if (polynomial >> (degree - 1 - j)) & 1 == 1 {
+                v[k] ^= v[k - j];
+            }
+        }
+    }
+    v
+}
+
+/// The first `samples` points.
+pub(super) fn points(factors: usize, samples: usize, seed: u64) -> Result<Vec<Vec<f64>>, DesignError> {
+    if factors > MOST_FACTORS {
+        return Err(DesignError::TooManyFactors { factors });
+    }
+    let keys: Vec<u64> = (0..factors).map(|factor| mixed(mixed(seed) ^ factor as u64)).collect();
+    let point = |index| {
+        let coordinate = |(v, &key): (&[u32; DIGITS], &u64)| open_unit(scrambled(unscrambled(v, index), key));
+        DIRECTIONS.iter().zip(&keys).map(coordinate).collect()
+    };
+    Ok((0..samples as u32).map(point).collect())
+}
+
+/// Digits of the point `index` of the sequence, the first in the highest bit.
+fn unscrambled(directions: &[u32; DIGITS], index: u32) -> u32 {
+    directions.iter().enumerate().filter(|(digit, _)| (index >> digit) & 1 == 1).fold(0, |sum, (_, v)| sum ^ v)
+}
+
+/// Nested uniform scrambling (Owen 1995): a digit is flipped or not by a random bit that all digits before it choose.
+///
+/// The random bits are a hash of those digits and of `key`, so that a point depends on its index alone; all digits
+/// beyond the 32 of the sequence are random.
+fn scrambled(digits: u32, key: u64) -> u64 {
+    let mut flipped = 0;
+    for place in 0..DIGITS {
+        // The digits before, with a one ahead that marks their number.
+        let before = (1_u64 << place) | (u64::from(digits) >> (DIGITS - place));
+        flipped |= ((mixed(key ^ mixed(before)) >> 63) as u32) << (DIGITS - 1 - place);
+    }
+    let beyond = mixed(key ^ mixed((1 << DIGITS) | u64::from(digits)));
+    (u64::from(digits ^ flipped) << DIGITS) | (beyond >> DIGITS)
+}
+
+/// A bijective hash of 64 bits (SplitMix64; Steele, Lea, Flood 2014).
+fn mixed(bits: u64) -> u64 {
+    let mut z = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::E;
+
+    use super::*;
+
+    /// The first points of the unscrambled sequence in natural order, as Joe and Kuo's own program prints them in the
+    /// order of Gray's code, for the first three dimensions.
+    #[test]
+    fn the_sequence_starts_as_published() {
+        let point = |index: u32| -> Vec<f64> {
+            DIRECTIONS[..3].iter().map(|v| f64::from(unscrambled(v, index)) / 2.0_f64.powi(32)).collect()
+        };
+        let gray = |index: u32| index ^ (index >> 1);
+        assert_eq!(point(gray(1)), [0.5, 0.5, 0.5]);
+        assert_eq!(point(gray(2)), [0.75, 0.25, 0.25]);
+        assert_eq!(point(gray(3)), [0.25, 0.75, 0.75]);
+        assert_eq!(point(gray(4)), [0.375, 0.375, 0.625]);
+        assert_eq!(point(gray(5)), [0.875, 0.875, 0.125]);
+        assert_eq!(point(gray(6)), [0.625, 0.125, 0.875]);
+    }
+
+    #[test]
+    fn every_dimension_is_stratified_before_and_after_the_scrambling() {
+        assert_eq!(DIRECTIONS.len(), MOST_FACTORS);
+        for (dimension, v) in DIRECTIONS.iter().enumerate() {
+            let stratum = |index| (scrambled(unscrambled(v, index), dimension as u64) >> 54) as usize;
+            let mut counts = vec![0; 1024];
+            (0..1024).for_each(|index| counts[stratum(index)] += 1);
+            assert!(counts.iter().all(|&count| count == 1), "dimension {dimension}");
+        }
+    }
+
+    /// A (0, m, 2)-net in base 2: of any shape of 256 equal boxes each holds one point.
+    #[test]
+    fn the_first_two_dimensions_fill_every_elementary_box() {
+        let points = points(2, 256, 11).unwrap();
+        for log_columns in 0..=8 {
+            let (columns, rows) = (1 << log_columns, 1 << (8 - log_columns));
+            let mut counts = vec![0; 256];
+            for point in &points {
+                let (column, row) = ((point[0] * columns as f64) as usize, (point[1] * rows as f64) as usize);
+                counts[column * rows + row] += 1;
+            }
+            assert!(counts.iter().all(|&count| count == 1), "{columns} × {rows}");
+        }
+    }
+
+    /// Root mean square error of the mean of a smooth function over seeds: it falls as n^−1.5, Monte Carlo's as n^−0.5.
+    #[test]
+    fn nested_scrambling_reaches_its_order() {
+        let error = |samples: usize| {
+            let squares = (0..64).map(|seed| {
+                let points = points(4, samples, seed).unwrap();
+                let product = |point: &Vec<f64>| point.iter().map(|x| 1.0 + (x.exp() + 1.0 - E) / 2.0).product::<f64>();
+                let mean = points.iter().map(product).sum::<f64>() / samples as f64;
+                (mean - 1.0) * (mean - 1.0)
+            });
+            (squares.sum::<f64>() / 64.0).sqrt()
+        };
+        let (coarse, fine) = (error(256), error(4096));
+        let order = (coarse / fine).log2() / 4.0;
+        println!("error {coarse:.2e} with 256 points, {fine:.2e} with 4096: order {order:.2}");
+        assert!(order > 1.2, "{order}");
+    }
+}

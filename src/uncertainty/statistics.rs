@@ -1,0 +1,252 @@
+//! Estimates from samples of equal weight, and how well they are known.
+
+use serde::{Deserialize, Serialize};
+
+use crate::normal;
+use crate::random::Stream;
+
+/// Confidence interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Interval {
+    /// Whether `value` lies in it, ends included.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+
+    /// Symmetric about `centre`: `deviation` times the normal quantile of this confidence to either side.
+    pub fn normal(centre: f64, deviation: f64, confidence: f64) -> Self {
+        let half = normal_factor(confidence) * deviation;
+        Self { low: centre - half, high: centre + half }
+    }
+}
+
+/// Deviations to either side of the mean between which a normal variable lies with this probability.
+pub(crate) fn normal_factor(confidence: f64) -> f64 {
+    -normal::quantile(0.5 * (1.0 - confidence))
+}
+
+/// An estimate and its interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// The estimate.
+    pub value: f64,
+    /// Its confidence interval; none where the samples do not tell.
+    pub interval: Option<Interval>,
+}
+
+/// Arithmetic mean; none of no samples.
+pub fn mean(samples: &[f64]) -> Option<f64> {
+    (!samples.is_empty()).then(|| samples.iter().sum::<f64>() / samples.len() as f64)
+}
+
+/// Variance with n − 1 in the denominator; none of fewer than two samples.
+pub fn variance(samples: &[f64]) -> Option<f64> {
+    let mean = mean(samples).filter(|_| samples.len() > 1)?;
+    Some(samples.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (samples.len() - 1) as f64)
+}
+
+/// Standard deviation with n − 1 in the denominator; none of fewer than two samples.
+pub fn deviation(samples: &[f64]) -> Option<f64> {
+    variance(samples).map(f64::sqrt)
+}
+
+/// Quantiles at the probabilities `at`, linear between order statistics of which the first is the quantile of 0 and the
+/// last that of 1 (type 7 of Hyndman, Fan 1996, the default of R and NumPy); none of no samples.
+///
+/// # Panics
+/// A probability is not within 0 and 1.
+pub fn quantiles(samples: &[f64], at: &[f64]) -> Option<Vec<f64>> {
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    (!sorted.is_empty()).then(|| at.iter().map(|&p| quantile_of_sorted(&sorted, p)).collect())
+}
+
+fn quantile_of_sorted(sorted: &[f64], p: f64) -> f64 {
+    assert!((0.0..=1.0).contains(&p), "a probability lies within 0 and 1, not {p}");
+    let place = p * (sorted.len() - 1) as f64;
+    let below = place as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+}
+
+/// Interval of a probability of which `count` of `trials` were counted, by the score test (Wilson 1927); the whole unit
+/// interval of no trials.
+///
+/// It needs no quantile but the normal one, has ends other than 0 and 1 where none or all were counted, and covers the
+/// probability on average as often as it says, where that of Clopper and Pearson (1934) covers more often and is
+/// accordingly wider (Brown, Cai, DasGupta 2001). Single probabilities may be covered a few per cent less often.
+///
+/// # Panics
+/// More are counted than tried.
+pub fn wilson(count: u64, trials: u64, confidence: f64) -> Interval {
+    assert!(count <= trials, "{count} of {trials} trials");
+    if trials == 0 {
+        return Interval { low: 0.0, high: 1.0 };
+    }
+    let (n, z) = (trials as f64, normal_factor(confidence));
+    let end = |successes: f64, failures: f64| {
+        // Lower end; its denominator adds positive terms only, so that it has all digits for rare events.
+        let root = z * (z * z + 4.0 * successes * failures / n).sqrt();
+        2.0 * successes * successes / n / (2.0 * successes + z * z + root)
+    };
+    let (successes, failures) = (count as f64, (trials - count) as f64);
+    Interval { low: end(successes, failures), high: 1.0 - end(failures, successes) }
+}
+
+/// How intervals are found by resampling (Efron 1979).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bootstrap {
+    /// Number of resamples; some hundreds for a deviation, a thousand for the ends of an interval.
+    pub resamples: usize,
+    /// Probability with which an interval should contain what is estimated.
+    pub confidence: f64,
+    /// What decides the resamples.
+    pub seed: u64,
+}
+
+impl Default for Bootstrap {
+    fn default() -> Self {
+        Self { resamples: 1000, confidence: 0.95, seed: 0 }
+    }
+}
+
+impl Bootstrap {
+    /// Percentile intervals of statistics of `count` samples: of each statistic between the quantiles of its values in
+    /// the resamples.
+    ///
+    /// `statistics` is given the indices of a resample. An interval is none where its statistic is undefined in one of
+    /// the resamples, or where there is no sample.
+    pub fn percentiles<const N: usize>(
+        &self,
+        count: usize,
+        statistics: impl FnMut(&[usize]) -> [Option<f64>; N],
+    ) -> [Option<Interval>; N] {
+        let tail = 0.5 * (1.0 - self.confidence);
+        self.replicates(count, statistics).map(|values| {
+            let ends = quantiles(&values?, &[tail, 1.0 - tail])?;
+            Some(Interval { low: ends[0], high: ends[1] })
+        })
+    }
+
+    /// Standard deviation of each statistic over the resamples.
+    pub fn deviations<const N: usize>(
+        &self,
+        count: usize,
+        statistics: impl FnMut(&[usize]) -> [Option<f64>; N],
+    ) -> [Option<f64>; N] {
+        self.replicates(count, statistics).map(|values| deviation(&values?))
+    }
+
+    /// Values of each statistic in all resamples.
+    fn replicates<const N: usize>(
+        &self,
+        count: usize,
+        mut statistics: impl FnMut(&[usize]) -> [Option<f64>; N],
+    ) -> [Option<Vec<f64>>; N] {
+        let mut values = std::array::from_fn(|_| Some(Vec::with_capacity(self.resamples)));
+        let mut stream = Stream::new(self.seed);
+        let mut indices = vec![0; count];
+        for _ in 0..if count == 0 { 0 } else { self.resamples } {
+            indices.iter_mut().for_each(|index| *index = stream.below(count));
+            for (values, value) in values.iter_mut().zip(statistics(&indices)) {
+                *values = values.take().zip(value).map(|(mut values, value)| {
+                    values.push(value);
+                    values
+                });
+            }
+        }
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_r() {
+        // quantile(c(3, 1, 4, 1, 5, 9, 2, 6), c(0, .1, .25, .5, .9, 1)) of R.
+        let samples = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
+        let found = quantiles(&samples, &[0.0, 0.1, 0.25, 0.5, 0.9, 1.0]).unwrap();
+        for (found, expected) in found.iter().zip([1.0, 1.0, 1.75, 3.5, 6.9, 9.0]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        assert_eq!(quantiles(&[], &[0.5]), None);
+        assert_eq!(quantiles(&[2.0], &[0.3]), Some(vec![2.0]));
+    }
+
+    #[test]
+    fn mean_and_deviation() {
+        assert_eq!(mean(&[1.0, 2.0, 6.0]), Some(3.0));
+        assert_eq!(deviation(&[1.0, 2.0, 6.0]), Some(7.0_f64.sqrt()));
+        assert_eq!((mean(&[]), deviation(&[1.0])), (None, None));
+    }
+
+    #[test]
+    fn wilsons_interval_is_the_published_one() {
+        // Newcombe 1998, table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29, at 95 %.
+        for (count, trials, low, high) in
+            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
+        {
+            let interval = wilson(count, trials, 0.95);
+            assert!((interval.low - low).abs() < 5e-5 && (interval.high - high).abs() < 5e-5, "{interval:?}");
+            let mirrored = wilson(trials - count, trials, 0.95);
+            assert!((mirrored.low + interval.high - 1.0).abs() < 1e-15);
+        }
+        assert_eq!(wilson(20, 20, 0.95).high, 1.0);
+        assert_eq!(wilson(0, 0, 0.95), Interval { low: 0.0, high: 1.0 });
+    }
+
+    /// Exact coverage, by the sum over all counts, averaged over probabilities and at its least.
+    #[test]
+    fn wilsons_interval_covers_on_average_what_it_says() {
+        for trials in [20_u64, 100, 1000] {
+            let intervals: Vec<Interval> = (0..=trials).map(|count| wilson(count, trials, 0.95)).collect();
+            let coverage = |p: f64| -> f64 {
+                let log_choose = |k: u64| {
+                    let factorial = |k: u64| libm::lgamma(k as f64 + 1.0);
+                    factorial(trials) - factorial(k) - factorial(trials - k)
+                };
+                let covered = (0..=trials).filter(|&count| intervals[count as usize].contains(p));
+                covered.map(|k| (log_choose(k) + k as f64 * p.ln() + (trials - k) as f64 * (1.0 - p).ln()).exp()).sum()
+            };
+            let all: Vec<f64> = (0..400).map(|step| coverage((f64::from(step) + 0.5) / 400.0)).collect();
+            let (average, least) = (mean(&all).unwrap(), all.iter().copied().fold(1.0, f64::min));
+            println!("{trials} trials: coverage {average:.4} on average, {least:.3} at least");
+            assert!((average - 0.95).abs() < 0.005 && least > 0.83, "{average} {least}");
+        }
+    }
+
+    #[test]
+    fn the_bootstrap_covers_a_mean_as_often_as_it_says() {
+        let (mut covered, studies) = (0, 400);
+        for seed in 0..studies {
+            let mut stream = Stream::new(1000 + seed);
+            let samples: Vec<f64> = (0..60).map(|_| stream.normal()).collect();
+            let bootstrap = Bootstrap { resamples: 300, seed, ..Bootstrap::default() };
+            let [interval] = bootstrap.percentiles(samples.len(), |indices| {
+                [Some(indices.iter().map(|&index| samples[index]).sum::<f64>() / indices.len() as f64)]
+            });
+            covered += u64::from(interval.unwrap().contains(0.0));
+        }
+        println!("95 % intervals of a mean of 60 samples covered it in {covered} of {studies} studies");
+        let coverage = wilson(covered, studies, 0.999);
+        // The percentile interval leaves out Student's factor and n/(n − 1): 94 % is its own coverage with 60 samples.
+        assert!(coverage.contains(0.94), "{coverage:?}");
+    }
+
+    #[test]
+    fn an_undefined_statistic_has_no_interval() {
+        let [one, other] = Bootstrap::default().percentiles(3, |indices| [Some(1.0), (indices[0] > 0).then_some(1.0)]);
+        assert_eq!((one, other), (Some(Interval { low: 1.0, high: 1.0 }), None));
+        let [none] = Bootstrap::default().percentiles(0, |_| [Some(1.0)]);
+        assert_eq!(none, None);
+    }
+}
