@@ -251,7 +251,7 @@ fn laws() {
     }
     println!();
     plastic(&model, fabric);
-    films();
+    laws_in_steps();
     rupture();
 }
 
@@ -352,7 +352,7 @@ fn pass_of<M: MembraneLaw + Clone, const L: usize>(
 }
 
 /// Whole steps of drop test 1008 with films of other laws, over those with the fabric.
-fn films() {
+fn laws_in_steps() {
     println!("| drop test 1008, one thread | ns an element step | over fabric | over its base |\n|---|---|---|---|");
     let terms = (0..5).map(|k| format!("{{ share = 0.1, time = \"{} ms\" }}", 0.1 * 10_f64.powi(k)));
     let prony = format!("prony = [{}]", terms.collect::<Vec<_>>().join(", "));

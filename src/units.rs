@@ -123,6 +123,11 @@ impl Dimension {
         DIMENSIONS.iter().copied().find(|d| d.name == name)
     }
 
+    /// The SI unit as the end of a column's name, `m_s2`; empty of a number without unit.
+    pub fn suffix(self) -> String {
+        if self.unit == "1" { String::new() } else { self.unit.replace('/', "_").replace(' ', "") }
+    }
+
     /// The value of `text` in the SI unit.
     pub fn parse(self, text: &str) -> Result<f64, UnitError> {
         if let Some(point) = with_decimal_point(text) {

@@ -4,7 +4,7 @@
 //! the compiler turns each into vector instructions of whatever width it may use. Every lane runs
 //! the same IEEE operations in the same order, so a result depends neither on that width nor on the number of lanes.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Elements that a block of the engine holds.
 pub const LANES: usize = 8;
@@ -17,7 +17,7 @@ pub type Lane3<const L: usize = LANES> = [Lane<L>; 3];
 
 /// Vector instructions that a kernel is run with. The operations and their order are the same in all of them, and so
 /// are the bits of the results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Width {
     /// What every processor of the platform has.
     #[serde(rename = "baseline")]

@@ -5,12 +5,13 @@ use std::f64::consts::FRAC_PI_3;
 use std::fmt;
 
 use nalgebra::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::Mesh;
 use super::topology::outlines;
 
 /// Extremes over the elements of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// Number of elements.
     pub elements: usize,

@@ -6,6 +6,7 @@ mod mistakes;
 mod frame;
 mod grading;
 mod hyperelastic;
+mod identity;
 mod impactor;
 mod indent;
 mod layers;
@@ -19,6 +20,7 @@ mod rupture;
 mod size;
 mod solver;
 mod specimen;
+mod variation;
 mod viscous;
 mod warning;
 
@@ -32,8 +34,10 @@ use crate::material::Material;
 use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
 use mistakes::Mistakes;
+pub use identity::Identity;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 pub(crate) use warning::ABSORPTION_NOT_GIVEN;
+pub use variation::{Factor, Input, Level, Point, PointsError, Values, Variation, variation};
 pub use warning::{CODES, Warning, warnings};
 
 /// Checks a scenario and converts it to SI values.
@@ -88,6 +92,9 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let reference = reference::check(scenario, mistakes);
     let post = post::check(scenario, mistakes);
     let contact = contact::check(scenario, faces.as_deref(), mistakes);
+    if let Some(written) = &scenario.variation {
+        variation::check(written, mistakes);
+    }
     let model = Model {
         title: scenario.title.clone().unwrap_or_else(|| name.clone()),
         name,

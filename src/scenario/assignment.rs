@@ -1,6 +1,6 @@
 //! One change of a scenario: `key.path = value`, from `--set` or from a script, or a key that is left out.
 
-use super::tree::{self, Node, Value};
+use super::tree::{self, Entry, Node, Table, Value};
 use super::unset::Unset;
 use crate::diagnostic::{Diagnostic, Source, Span};
 
@@ -62,6 +62,15 @@ impl Assignment {
         let source = Source::unfiled(origin, format!("{path} = {value}"));
         let tree = tree::parse(&source)?;
         Ok(Assignment { change: Change::Set(tree) })
+    }
+
+    /// A value written at `span` for a key path; files that it names are found from the folder of that text.
+    pub fn of_node(path: &str, span: &Span, value: &Node) -> Assignment {
+        let under = |node: Node, key: &str| {
+            let entry = Entry { key: key.to_owned(), key_span: span.clone(), node };
+            Node::new(Value::Table(Table { entries: vec![entry] }), span.clone())
+        };
+        Assignment { change: Change::Set(path.rsplit('.').fold(value.clone(), under)) }
     }
 
     pub(super) fn change(&self) -> &Change {

@@ -9,8 +9,12 @@ use super::grammar::{self, Rule};
 use super::merge::merge;
 use super::reader::Reader;
 use super::tree::{Entry, Node, Value};
+use super::variation::{self, VariedKey};
 use super::{Implausible, Material, Scenario, plausible, resolved, validate};
 use crate::diagnostic::{Diagnostic, Span, tidy_path};
+
+/// The table of what varies.
+const VARIATION: &str = "variation";
 
 /// A scenario or a material as written, merged along `extends`, with the source of each part.
 #[derive(Clone, Debug)]
@@ -156,6 +160,24 @@ impl Document {
         }
         let start = parts[..folders].iter().rposition(|part| part == "scenarios").map_or(folders, |place| place + 1);
         parts[start..].join("/")
+    }
+
+    /// The keys that vary from run to run of a sweep, as written.
+    pub fn varied_keys(&self) -> Vec<VariedKey> {
+        let rule = self.rule.under(VARIATION).and_then(Rule::table);
+        match (self.root.find(VARIATION).map(|node| &node.value), rule) {
+            (Some(Value::Table(table)), Some(rule)) => variation::varied_keys(table, rule),
+            _ => vec![],
+        }
+    }
+
+    /// The same scenario without what varies.
+    pub fn without_variation(&self) -> Document {
+        let mut document = self.clone();
+        if let Value::Table(table) = &mut document.root.value {
+            table.remove(VARIATION);
+        }
+        document
     }
 
     /// The node at the key path, e.g. `layers.faces.1`.

@@ -61,6 +61,8 @@ pub struct TableRule {
     pub group_required: bool,
     /// Keys that are reserved for later versions, each with what there is instead.
     pub future: Vec<Future>,
+    /// Whether its other keys are paths of keys that vary.
+    pub varied: bool,
 }
 
 /// What is reserved for later versions.
@@ -193,6 +195,15 @@ impl Rule {
             Rule::Number { .. } => matches!(value, Value::Whole(_) | Value::Number(_)),
             Rule::Flag => matches!(value, Value::Flag(_)),
             Rule::Either(rules) => rules.iter().any(|rule| rule.takes(value)),
+        }
+    }
+
+    /// The quantity or the number among the allowed values.
+    pub fn number(&self) -> Option<&Rule> {
+        match self {
+            Rule::Quantity(..) | Rule::Number { .. } => Some(self),
+            Rule::Either(rules) => rules.iter().find_map(Rule::number),
+            _ => None,
         }
     }
 
@@ -422,7 +433,13 @@ fn table(schema: &Json) -> TableRule {
         Some(branches) => branches.iter().map(|b| texts(&b["required"])).collect(),
         None => texts(&schema["not"]["required"]).into_iter().map(|key| vec![key]).collect(),
     };
-    TableRule { keys: keys(schema), groups, group_required: one_of.is_some(), future: future(&schema["x-future"]) }
+    TableRule {
+        keys: keys(schema),
+        groups,
+        group_required: one_of.is_some(),
+        future: future(&schema["x-future"]),
+        varied: schema["x-varied"].as_bool().unwrap_or(false),
+    }
 }
 
 fn keys(schema: &Json) -> Vec<Key> {

@@ -32,6 +32,7 @@ mod specimen;
 mod tree;
 mod unset;
 mod validate;
+mod variation;
 mod viscous;
 
 use std::path::PathBuf;
@@ -43,6 +44,7 @@ pub use air::{Air, Compression};
 pub use assignment::Assignment;
 pub use contact::Contact;
 pub use document::Document;
+pub use grammar::Rule;
 pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side};
 pub use hyperelastic::{Energy, Hyperelastic, Moduli};
 pub use impactor::{
@@ -63,16 +65,12 @@ pub use rupture::{Level, RatePoint, Rupture, RuptureCriterion, TriaxialPoint};
 pub use solver::Solver;
 pub use specimen::{Around, AroundChoice, Circle, Element, Meshing, Polygon, Shape, Specimen, Symmetry};
 pub use tree::{Node, Table, Value};
+pub use variation::{Correlation, Method, VariedKey, Variation};
 pub use viscous::{Arrhenius, PronyOf, PronyTerm, Shift, Wlf};
 
 /// A scenario as written: the film, its loading, and what is recorded.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend(
-    "not" = { "required": ["layers", "layer"] },
-    "x-future" = {
-        "variation": "a script varies keys: `droptower script`, `scenario.with`"
-    }
-))]
+#[schemars(extend("not" = { "required": ["layers", "layer"] }))]
 pub struct Scenario {
     /// One line that describes the scenario; the name of its file where it is left out.
     pub title: Option<String>,
@@ -114,4 +112,6 @@ pub struct Scenario {
     pub reference: Option<Reference>,
     /// Processing of the results.
     pub post: Option<Post>,
+    /// What varies from run to run of `droptower sweep`; other commands leave it out.
+    pub variation: Option<Variation>,
 }

@@ -102,7 +102,7 @@ fn open(schema: Json) -> Json {
                 map.shift_remove("oneOf");
             }
             map.shift_remove("not");
-            if map.contains_key("properties") {
+            if map.contains_key("properties") && map.get("x-varied").is_none() {
                 map.insert("additionalProperties".into(), json!(false));
             }
             Json::Object(map.into_iter().map(|(k, v)| (k, open(v))).collect())

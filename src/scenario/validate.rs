@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::grammar::{Key, Rule, TableRule};
 use super::plausible;
+use super::variation;
 use super::tree::{Entry, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Span, closest};
 use crate::units::{Angle, Dimension, with_decimal_point};
@@ -90,8 +91,12 @@ impl Walk {
         for entry in &table.entries {
             match rule.key(&entry.key) {
                 Some(key) => self.node(&entry.node, &key.rule, &place.under(entry)),
+                None if rule.varied => {}
                 None => self.report(unknown_key(entry, table, rule, place)),
             }
+        }
+        if rule.varied {
+            self.varied(table, rule);
         }
         for key in rule.keys.iter().filter(|key| key.required) {
             if table.get(&key.name).is_none() {
@@ -99,6 +104,16 @@ impl Walk {
             }
         }
         self.groups(table, rule, place);
+    }
+
+    /// Keys that vary, each with what it may have.
+    fn varied(&mut self, table: &Table, rule: &TableRule) {
+        for key in variation::varied_keys(table, rule) {
+            match key.choices() {
+                Ok(rule) => self.node(&key.node, &rule, &Place { path: key.path.clone(), span: key.span.clone() }),
+                Err(mistake) => self.report(mistake),
+            }
+        }
     }
 
     /// Keys that exclude one another: at most one group of them, and that one whole.

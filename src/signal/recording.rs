@@ -1,9 +1,11 @@
 //! Channels over one time axis.
 
+use serde::{Deserialize, Serialize};
+
 use super::Series;
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
     /// Name with its SI unit as suffix, e.g. `velocity_m_s`.
     pub name: String,
@@ -12,7 +14,7 @@ pub struct Channel {
 }
 
 /// Channels that share one time axis.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Sample times, s, strictly increasing.
     pub time: Vec<f64>,

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use super::film::Film;
 use super::rates::RateHistogram;
 use super::snapshot::Snapshot;
@@ -10,18 +12,20 @@ use crate::engine::{AddedMass, Relaxation, Surface, Torn};
 use crate::lane::Width;
 use crate::signal::Recording;
 
-/// The outcome of a run.
-#[derive(Clone, Debug)]
+/// The outcome of a run. It is serialized without its pictures: snapshots, topology and surfaces.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     /// Channels of `signals.csv`, in its order, without the filtered one (that is post-processing).
     pub signals: Recording,
     /// The energy audit, sampled with the signals: one channel a term, J.
     pub energies: Recording,
     /// States of films and impactors over time.
+    #[serde(skip)]
     pub snapshots: Vec<Snapshot>,
     /// Topology of the films, one entry a face.
     pub films: Vec<Film>,
     /// Surfaces of the impactors that move in the snapshots, and after them that of the frame's bars, if there are any.
+    #[serde(skip)]
     pub impactors: Vec<Surface>,
     /// Strain increments by strain rate.
     pub rates: RateHistogram,

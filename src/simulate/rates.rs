@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 0.01;
 
 /// Shares of the strain increments of the film by strain rate. An increment is the growth of the largest strain of an
 /// element and counts with the element's volume; only the loading phase is counted.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RateHistogram {
     /// Edges of the bins, 1/s, logarithmic.
     pub edges: Vec<f64>,

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::engine::Relaxation;
@@ -98,10 +99,10 @@ codes! {
 }
 
 /// The body that a warning is about: the only impactor, one of several by its name, or the bars of the frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImpactorName(Name);
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Name {
     Only,
     OfSeveral(String),
@@ -164,7 +165,7 @@ impl fmt::Display for ImpactorName {
 }
 
 /// The length of a body with which elements and penetrations are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BodySize {
     /// Of a body that is round, or of bars.
     Radius,
@@ -198,7 +199,7 @@ impl fmt::Display for BodySize {
 }
 
 /// What puts figures of a run in doubt. Faces are counted from one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Warning {
     /// The mesh of a face has an element with a small scaled Jacobian.
     MisshapenElements {

@@ -3,6 +3,7 @@
 mod origin;
 mod stored_run;
 pub mod checkpoints;
+pub mod evaluations;
 pub mod run_files;
 
 use std::collections::HashSet;
@@ -19,6 +20,7 @@ use crate::diagnostic::folder_of;
 use crate::file;
 
 pub use checkpoints::CheckpointStore;
+pub use evaluations::EvaluationStore;
 pub use origin::{Origin, path_from};
 pub use stored_run::{StoredRun, StoredRunError};
 

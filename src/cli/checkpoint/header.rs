@@ -2,14 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnostic::shown_path;
-use crate::file::Digest;
-use crate::mesh::Outline;
-use crate::model::{ImpactorShape, Model};
+use crate::model::{Identity, Model};
 use crate::scenario::{self, Document};
 
 /// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever
@@ -43,11 +39,8 @@ pub(super) struct CheckpointHeader {
     detailed: bool,
     /// The resolved scenario, for messages.
     scenario: String,
-    /// What determines the bits of the run: the checked model without its name, its paths and what is read after the
-    /// run.
-    model: Model,
-    /// The files of its meshes, specimen first.
-    meshes: Vec<Digest>,
+    /// What decides the bits of the run.
+    identity: Identity,
 }
 
 impl CheckpointHeader {
@@ -61,9 +54,8 @@ impl CheckpointHeader {
         every: Option<f64>,
         detailed: bool,
     ) -> io::Result<CheckpointHeader> {
-        let meshes = model.meshes().into_iter().map(|mesh| digest(mesh.path)).collect::<io::Result<_>>()?;
-        let (scenario, model) = (document.resolved(), decisive(model));
-        Ok(CheckpointHeader { version: VERSION.into(), every, detailed, scenario, model, meshes })
+        let (scenario, identity) = (document.resolved(), Identity::of(model)?);
+        Ok(CheckpointHeader { version: VERSION.into(), every, detailed, scenario, identity })
     }
 
     /// Reads the header at the start of a checkpoint.
@@ -97,7 +89,7 @@ impl CheckpointHeader {
         if self.detailed != other.detailed {
             return Some(format!("it was started with{} --vtu", if other.detailed { "" } else { "out" }));
         }
-        if self.model == other.model && self.meshes == other.meshes {
+        if self.identity == other.identity {
             return None;
         }
         let differences = differences(&other.scenario, &self.scenario);
@@ -108,29 +100,6 @@ impl CheckpointHeader {
             }
             all => all.join("; "),
         })
-    }
-}
-
-fn digest(path: &Path) -> io::Result<Digest> {
-    Digest::of_file(path).map_err(|error| io::Error::other(format!("{}: {error}", shown_path(path))))
-}
-
-/// The model without what does not determine the bits of its run: its name, the paths of its meshes, and what is read
-/// after the run.
-fn decisive(model: &Model) -> Model {
-    let mut model = Model { name: String::new(), title: String::new(), reference: None, post: None, ..model.clone() };
-    if let Outline::Mesh { path, .. } = &mut model.specimen.shape {
-        *path = PathBuf::new();
-    }
-    model.impactors.iter_mut().for_each(|impactor| without_paths(&mut impactor.shape));
-    model
-}
-
-fn without_paths(shape: &mut ImpactorShape) {
-    match shape {
-        ImpactorShape::Mesh { path, .. } => *path = PathBuf::new(),
-        ImpactorShape::Compound(parts) => parts.iter_mut().for_each(|part| without_paths(&mut part.shape)),
-        _ => {}
     }
 }
 
@@ -161,6 +130,8 @@ fn leaves(scenario: &str) -> BTreeMap<String, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     /// The header of a run of so many layers, whose resolved scenario is `scenario`.
@@ -208,20 +179,6 @@ mod tests {
         ] {
             assert_eq!(own.differs_from(&header(version, scenario, layers)).as_deref(), expected);
         }
-    }
-
-    #[test]
-    fn a_mesh_is_compared_by_what_its_file_holds() {
-        let folder = tempfile::tempdir().unwrap();
-        let [path, moved] = ["a.stl", "b.stl"].map(|name| folder.path().join(name));
-        let digests = |path: &Path| CheckpointHeader { meshes: vec![digest(path).unwrap()], ..header(VERSION, "", 8) };
-        std::fs::write(&path, "solid film").unwrap();
-        let before = digests(&path);
-        std::fs::rename(&path, &moved).unwrap();
-        assert_eq!(digests(&moved).differs_from(&before), None);
-        std::fs::write(&moved, "solid Film").unwrap();
-        assert!(digests(&moved).differs_from(&before).unwrap().ends_with("a file that it names has changed"));
-        assert!(digest(&path).is_err());
     }
 
     #[test]

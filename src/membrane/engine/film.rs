@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use nalgebra::{Point2, Vector2};
+use serde::{Deserialize, Serialize};
 
 use super::colouring::first_fit;
 use super::disjoint::Disjoint;
@@ -46,7 +47,7 @@ impl Clone for Chunk {
 }
 
 /// Mass added to small elements for a longer time step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AddedMass {
     /// kg.
     pub mass: f64,

@@ -53,7 +53,7 @@ impl TooWide {
 }
 
 /// Tears of elements so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Torn {
     /// Length of the tears in stress-free film, m.
     pub length: f64,

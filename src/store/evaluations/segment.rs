@@ -1,0 +1,212 @@
+//! A segment: a file that one process appends records to and others read while it grows.
+//!
+//! After its first line come entries: length of the content, checksum of the rest, kind, key, content.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::{Key, SegmentFigures};
+use crate::file;
+
+/// The first line of a segment.
+const MAGIC: &[u8] = b"droptower evaluations 01\n";
+
+/// Bytes of an entry before its content: length and checksum, then kind and key, which the checksum covers.
+const FRAME: usize = 8;
+const LEAD: usize = FRAME + 17;
+
+/// Most bytes of a content.
+const MOST: u32 = 64 << 20;
+
+/// What an entry is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Build of droptower that writes the segment; its first entry.
+    Header = 0,
+    /// An evaluation.
+    Record = 1,
+    /// The process is about to compute an evaluation.
+    Claim = 2,
+    /// The process is at work.
+    Alive = 3,
+    /// The process has given up its claims.
+    Closed = 4,
+}
+
+/// An entry of a segment, with the place of its content.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub kind: Kind,
+    pub key: Key,
+    pub offset: u64,
+    pub length: u32,
+}
+
+/// A segment that is read.
+#[derive(Debug)]
+pub(super) struct Segment {
+    file: File,
+    /// End of the last complete entry.
+    end: u64,
+    /// When it last grew; none of one that was old already.
+    pub grown: Option<Instant>,
+    /// Whether its process has given up its claims.
+    pub is_closed: bool,
+}
+
+/// The segment of this process.
+#[derive(Debug)]
+pub(super) struct OwnSegment {
+    pub path: PathBuf,
+    file: File,
+    end: u64,
+    /// When it last grew.
+    pub written: Instant,
+    /// Its place among the segments.
+    pub number: Option<u32>,
+}
+
+impl Kind {
+    fn of(byte: u8) -> Option<Kind> {
+        const ALL: [Kind; 5] = [Kind::Header, Kind::Record, Kind::Claim, Kind::Alive, Kind::Closed];
+        ALL.into_iter().find(|kind| *kind as u8 == byte)
+    }
+}
+
+impl Segment {
+    /// The segment at `path`; none where it is damaged or another build wrote it.
+    pub(super) fn open(path: &Path, build: &str) -> io::Result<Option<Segment>> {
+        let Some(mut segment) = Segment::open_any(path)? else { return Ok(None) };
+        Ok((segment.build()?.as_deref() == Some(build)).then_some(segment))
+    }
+
+    /// The segment at `path`; none where it is damaged.
+    pub(super) fn open_any(path: &Path) -> io::Result<Option<Segment>> {
+        let mut file = File::open(path)?;
+        let mut start = Vec::new();
+        (&mut file).take(MAGIC.len() as u64).read_to_end(&mut start)?;
+        // By the clocks of two machines, which may differ: at worst a claim is taken for alive or dead a while too long.
+        let age = file.metadata()?.modified()?.elapsed().unwrap_or_default();
+        let grown = Instant::now().checked_sub(age);
+        let segment = Segment { file, end: MAGIC.len() as u64, grown, is_closed: false };
+        Ok((start == MAGIC).then_some(segment))
+    }
+
+    /// The segment of this process, of which nothing remains to be read.
+    pub(super) fn of_own(own: &OwnSegment) -> io::Result<Segment> {
+        Ok(Segment { file: File::open(&own.path)?, end: u64::MAX, grown: None, is_closed: false })
+    }
+
+    /// What is said of the segment at `path`.
+    pub(super) fn figures(path: &Path) -> io::Result<SegmentFigures> {
+        let about = std::fs::metadata(path)?;
+        let age = about.modified()?.elapsed().unwrap_or_default();
+        let (mut build, mut evaluations) = (None, 0);
+        if let Some(mut segment) = Segment::open_any(path)? {
+            build = segment.build()?;
+            segment.follow(|entry| evaluations += usize::from(entry.kind == Kind::Record))?;
+        }
+        Ok(SegmentFigures { path: path.into(), build, evaluations, bytes: about.len(), age_s: age.as_secs_f64() })
+    }
+
+    /// The build in its first entry.
+    fn build(&mut self) -> io::Result<Option<String>> {
+        let (mut first, end) = (None, self.end);
+        self.follow(|entry| first = first.or(Some(entry)))?;
+        self.end = end;
+        let Some(Entry { kind: Kind::Header, offset, length, .. }) = first else { return Ok(None) };
+        Ok(String::from_utf8(self.read(offset, length)?).ok())
+    }
+
+    /// The content at a place.
+    pub(super) fn read(&mut self, offset: u64, length: u32) -> io::Result<Vec<u8>> {
+        self.file.seek(SeekFrom::Start(offset))?;
+        let mut content = vec![0; length as usize];
+        self.file.read_exact(&mut content)?;
+        Ok(content)
+    }
+
+    /// Gives the entries that were added. One that is not complete is looked for again the next time.
+    pub(super) fn follow(&mut self, mut take: impl FnMut(Entry)) -> io::Result<()> {
+        let length = self.file.metadata()?.len();
+        if length <= self.end {
+            return Ok(());
+        }
+        self.file.seek(SeekFrom::Start(self.end))?;
+        let mut reader = io::BufReader::with_capacity(1 << 20, &self.file);
+        let (mut content, is_first) = (Vec::new(), self.end == MAGIC.len() as u64);
+        while let Some(entry) = next(&mut reader, self.end, length, &mut content)? {
+            self.end = entry.offset + u64::from(entry.length);
+            take(entry);
+        }
+        if !is_first {
+            self.grown = Some(Instant::now());
+        }
+        Ok(())
+    }
+}
+
+/// The entry at `start` of a file of this length; none where it is not complete.
+fn next(reader: &mut impl Read, start: u64, length: u64, content: &mut Vec<u8>) -> io::Result<Option<Entry>> {
+    if length.saturating_sub(start) < LEAD as u64 {
+        return Ok(None);
+    }
+    let mut lead = [0; LEAD];
+    reader.read_exact(&mut lead)?;
+    let word = |at: usize| u32::from_le_bytes([lead[at], lead[at + 1], lead[at + 2], lead[at + 3]]);
+    let (size, checksum) = (word(0), word(4));
+    let offset = start + LEAD as u64;
+    if size > MOST || length - offset < u64::from(size) {
+        return Ok(None);
+    }
+    content.clear();
+    content.extend_from_slice(&lead[FRAME..]);
+    content.resize(LEAD - FRAME + size as usize, 0);
+    reader.read_exact(&mut content[LEAD - FRAME..])?;
+    let mut key = [0; 16];
+    key.copy_from_slice(&lead[FRAME + 1..]);
+    let kind = Kind::of(lead[FRAME]).filter(|_| file::checksum(content) == checksum);
+    Ok(kind.map(|kind| Entry { kind, key: Key(key), offset, length: size }))
+}
+
+impl OwnSegment {
+    /// A new segment in `folder`.
+    pub(super) fn create(folder: &Path, extension: &str, build: &str) -> io::Result<OwnSegment> {
+        let suffix = format!(".{extension}");
+        let draft = tempfile::Builder::new().prefix("").suffix(&suffix).rand_bytes(12).tempfile_in(folder)?;
+        let (_, path) = draft.keep().map_err(|error| error.error)?;
+        let mut file = OpenOptions::new().append(true).open(&path)?;
+        file.write_all(MAGIC)?;
+        let end = MAGIC.len() as u64;
+        let mut own = OwnSegment { path, file, end, written: Instant::now(), number: None };
+        own.append(Kind::Header, Key([0; 16]), build.as_bytes())?;
+        Ok(own)
+    }
+
+    /// Adds an entry; the place of its content.
+    pub(super) fn append(&mut self, kind: Kind, key: Key, content: &[u8]) -> io::Result<u64> {
+        let size = u32::try_from(content.len()).ok().filter(|size| *size <= MOST);
+        let size = size.ok_or_else(|| io::Error::other("an evaluation is too large to be kept"))?;
+        let mut entry = Vec::with_capacity(LEAD + content.len());
+        entry.extend_from_slice(&[0; FRAME]);
+        entry.push(kind as u8);
+        entry.extend_from_slice(&key.0);
+        entry.extend_from_slice(content);
+        let checksum = file::checksum(&entry[FRAME..]);
+        entry[..4].copy_from_slice(&size.to_le_bytes());
+        entry[4..FRAME].copy_from_slice(&checksum.to_le_bytes());
+        // One call, so that a killed process leaves at most its last entry incomplete.
+        self.file.write_all(&entry)?;
+        let offset = self.end + LEAD as u64;
+        self.end += entry.len() as u64;
+        self.written = Instant::now();
+        Ok(offset)
+    }
+
+    /// Makes sure that it is on the disk.
+    pub(super) fn sync(&self) -> io::Result<()> {
+        self.file.sync_data()
+    }
+}

@@ -1,0 +1,133 @@
+//! Records survive whatever happens to the processes that write them.
+
+use std::fs;
+
+use super::*;
+
+fn key(number: u8) -> Key {
+    Key([number; 16])
+}
+
+fn open(folder: &Path) -> EvaluationStore {
+    EvaluationStore::open(folder, "1").unwrap()
+}
+
+fn only_segment(folder: &Path) -> PathBuf {
+    let found = segments(folder).unwrap();
+    assert_eq!(found.len(), 1, "{found:?}");
+    found[0].clone()
+}
+
+#[test]
+fn records_are_read_back_by_the_same_build_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = open(folder.path());
+    assert!(store.is_empty() && segments(folder.path()).unwrap().is_empty(), "a store that is only read leaves nothing");
+    store.put(key(1), b"one").unwrap();
+    store.put(key(2), b"").unwrap();
+    assert_eq!(store.get(key(1)).unwrap().as_deref(), Some(&b"one"[..]));
+    drop(store);
+    let again = open(folder.path());
+    assert_eq!(again.len(), 2);
+    assert_eq!(again.get(key(2)).unwrap().as_deref(), Some(&b""[..]));
+    assert_eq!(again.get(key(3)).unwrap(), None);
+    assert!(EvaluationStore::open(folder.path(), "2").unwrap().is_empty());
+}
+
+#[test]
+fn processes_see_each_others_records() {
+    let folder = tempfile::tempdir().unwrap();
+    let stores = [open(folder.path()), open(folder.path())];
+    for (number, store) in (0..).zip(&stores) {
+        store.put(key(number), &[number]).unwrap();
+    }
+    for store in &stores {
+        store.refresh().unwrap();
+        assert!((0..2).all(|number| store.get(key(number)).unwrap() == Some(vec![number])));
+    }
+    stores[1].put(key(7), b"later").unwrap();
+    assert!(!stores[0].contains(key(7)));
+    stores[0].refresh().unwrap();
+    assert_eq!(stores[0].get(key(7)).unwrap().as_deref(), Some(&b"later"[..]));
+}
+
+#[test]
+fn a_segment_cut_anywhere_keeps_its_complete_records() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = open(folder.path());
+    let records: Vec<Vec<u8>> = (0..4).map(|number| vec![number; 10 * usize::from(number)]).collect();
+    let mut ends = vec![];
+    for (number, record) in (0..).zip(&records) {
+        store.put(key(number), record).unwrap();
+        ends.push(fs::metadata(only_segment(folder.path())).unwrap().len());
+    }
+    let path = only_segment(folder.path());
+    let whole = fs::read(&path).unwrap();
+    for length in 0..=whole.len() {
+        fs::write(&path, &whole[..length]).unwrap();
+        let complete = ends.iter().filter(|end| **end <= length as u64).count();
+        let found = open(folder.path());
+        assert_eq!(found.len(), complete, "{length} bytes");
+        let read = |number: u8| found.get(key(number)).unwrap();
+        assert!((0..complete).all(|number| read(number as u8).as_ref() == Some(&records[number])));
+    }
+}
+
+#[test]
+fn a_damaged_record_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = open(folder.path());
+    store.put(key(1), b"whole").unwrap();
+    store.put(key(2), b"damaged").unwrap();
+    let path = only_segment(folder.path());
+    let mut bytes = fs::read(&path).unwrap();
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    fs::write(&path, bytes).unwrap();
+    let found = open(folder.path());
+    assert!(found.contains(key(1)) && !found.contains(key(2)));
+}
+
+#[test]
+fn claims_hold_until_given_up_or_fulfilled() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, other] = [open(folder.path()), open(folder.path())];
+    assert!(one.claim(key(1)).unwrap() && one.claim(key(2)).unwrap());
+    other.refresh().unwrap();
+    assert!(!other.claim(key(1)).unwrap());
+    assert!(other.claim(key(3)).unwrap());
+    one.put(key(1), b"done").unwrap();
+    one.close().unwrap();
+    other.refresh().unwrap();
+    assert!(other.contains(key(1)) && other.claim(key(2)).unwrap());
+    // Whoever goes on working after all claims again.
+    assert!(one.claim(key(4)).unwrap());
+    other.refresh().unwrap();
+    assert!(!other.claim(key(4)).unwrap());
+}
+
+#[test]
+fn claims_of_an_old_segment_do_not_hold() {
+    let folder = tempfile::tempdir().unwrap();
+    let killed = open(folder.path());
+    killed.claim(key(1)).unwrap();
+    let file = fs::OpenOptions::new().append(true).open(only_segment(folder.path())).unwrap();
+    file.set_modified(std::time::SystemTime::now() - 2 * STALE).unwrap();
+    assert!(open(folder.path()).claim(key(1)).unwrap());
+}
+
+#[test]
+fn whole_runs_are_kept_beside_and_removed_with_their_segment() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = open(folder.path());
+    assert_eq!(store.run(key(1)).unwrap(), None);
+    store.put(key(1), b"figures").unwrap();
+    store.put_run(key(1), b"signals").unwrap();
+    assert_eq!(store.run(key(1)).unwrap().as_deref(), Some(&b"signals"[..]));
+    fs::write(store.run_path(key(1)), b"damaged!").unwrap();
+    assert_eq!(store.run(key(1)).unwrap(), None);
+    let [figures] = &EvaluationStore::list(folder.path()).unwrap()[..] else { panic!("one segment") };
+    assert_eq!((figures.build.as_deref(), figures.evaluations), (Some("1"), 1));
+    EvaluationStore::remove(folder.path(), &figures.path).unwrap();
+    assert!(!store.run_path(key(1)).exists() && open(folder.path()).is_empty());
+}
