@@ -16,3 +16,4 @@ pub mod correlation;
 pub mod statistics;
 pub mod screening;
 pub mod indices;
+pub mod surrogate;
