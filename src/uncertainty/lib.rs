@@ -17,3 +17,5 @@ pub mod statistics;
 pub mod screening;
 pub mod indices;
 pub mod surrogate;
+pub mod reliability;
+pub mod staircase;

@@ -32,8 +32,8 @@ pub enum ScreeningError {
 /// one before in one factor.
 ///
 /// Every factor takes the middles of `levels` equal parts of the unit interval, (i + ½)/levels, and steps by half of
-/// it: Morris's own levels include 0 and 1, where an unbounded distribution has no value. Start and order of the factors
-/// are random. More trajectories keep the first ones.
+/// it: Morris's own levels include 0 and 1, where an unbounded distribution has no value. Start and order of the
+/// factors are random. More trajectories keep the first ones.
 ///
 /// # Errors
 /// There is no factor, or the number of levels is odd or zero.

@@ -36,9 +36,8 @@ const MOST_BINS: usize = 50;
 /// The √n bins, at most 50, hold equally many points. What chance alone spreads their means by is subtracted (ε² of
 /// Kelley 1935), so that a coordinate without effect is zero on average and may be a little negative; from points that
 /// are spread more evenly than by chance, as those of a Sobol' sequence, indices are low by up to the number of bins
-/// over that of points. Intervals are the
-/// normal ones of the bootstrap's deviation. Points whose output is missing are left out. Coordinates may be correlated;
-/// then the indices of those that vary together share.
+/// over that of points. Intervals are the normal ones of the bootstrap's deviation. Points whose output is missing are
+/// left out. Coordinates may be correlated; then the indices of those that vary together share.
 ///
 /// # Errors
 /// There are fewer than eight outputs, or they do not vary.

@@ -30,11 +30,11 @@ pub enum IndicesError {
     Constant,
 }
 
-/// Rows of the unit cube for `blocks` blocks of d + 2 rows: a point A, a point B, and for every factor A with that factor
-/// of B (radial design; Saltelli et al. 2010).
+/// Rows of the unit cube for `blocks` blocks of d + 2 rows: a point A, a point B, and for every factor A with that
+/// factor of B (radial design; Saltelli et al. 2010).
 ///
-/// A and B are the halves of a scrambled Sobol' sequence of 2 d dimensions. More blocks keep the first ones; powers of two
-/// balance best.
+/// A and B are the halves of a scrambled Sobol' sequence of 2 d dimensions. More blocks keep the first ones; powers of
+/// two balance best.
 ///
 /// # Errors
 /// See [`DesignError`].
@@ -73,11 +73,11 @@ struct Blocks {
     mixed: Vec<f64>,
 }
 
-/// First-order and total indices of `factors` independent inputs from the outputs of [`rows`], with percentile intervals
-/// of the bootstrap over blocks.
+/// First-order and total indices of `factors` independent inputs from the outputs of [`rows`], with percentile
+/// intervals of the bootstrap over blocks.
 ///
-/// First order by Saltelli et al. (2010, table 2, estimator b), total by Jansen (1999). A block with a missing output is
-/// left out for the factors that need it. That biases the indices where it is the inputs that make a run fail.
+/// First order by Saltelli et al. (2010, table 2, estimator b), total by Jansen (1999). A block with a missing output
+/// is left out for the factors that need it. That biases the indices where it is the inputs that make a run fail.
 ///
 /// # Errors
 /// The outputs are not whole blocks, too many are missing, or they do not vary.

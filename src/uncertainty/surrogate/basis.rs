@@ -17,8 +17,8 @@ pub enum Family {
 impl Family {
     /// Values of degree 0 … `highest` at the point `u` of the open unit interval.
     ///
-    /// By the three-term recurrence of the monic polynomials, P₍ₙ₊₁₎ = x Pₙ − bₙ P₍ₙ₋₁₎, divided by their norms (Gautschi
-    /// 2004): √b₍ₙ₊₁₎ p₍ₙ₊₁₎ = x pₙ − √bₙ p₍ₙ₋₁₎.
+    /// By the three-term recurrence of the monic polynomials, P₍ₙ₊₁₎ = x Pₙ − bₙ P₍ₙ₋₁₎, divided by their norms
+    /// (Gautschi 2004): √b₍ₙ₊₁₎ p₍ₙ₊₁₎ = x pₙ − √bₙ p₍ₙ₋₁₎.
     pub(super) fn values(self, u: f64, highest: usize) -> Vec<f64> {
         let x = match self {
             Self::Legendre => 2.0 * u - 1.0,

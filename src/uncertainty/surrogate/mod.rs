@@ -108,9 +108,9 @@ pub struct Surrogate {
 impl Surrogate {
     /// Fits outputs at points of the open unit cube, one family an input; missing outputs are left out.
     ///
-    /// Terms are chosen by orthogonal matching pursuit from the products that the truncation allows, their number and the
-    /// degree by the error of k-fold cross-validation, in which every fold chooses terms of its own. Never more terms
-    /// than half the samples are taken.
+    /// Terms are chosen by orthogonal matching pursuit from the products that the truncation allows, their number and
+    /// the degree by the error of k-fold cross-validation, in which every fold chooses terms of its own. Never more
+    /// terms than half the samples are taken.
     ///
     /// # Errors
     /// See [`SurrogateError`].
@@ -265,8 +265,9 @@ fn cross_validated(columns: &[Vec<f64>], outputs: &[f64], order: &[usize], folds
         .collect();
     let mut best = (0, f64::INFINITY);
     for terms in 1.. {
-        let further = pursuits.iter_mut().map(Pursuit::step).fold(true, |all, one| all && one);
-        if !further || terms > best.0 + TERMS_TRIED {
+        // All go a step, also where one of them is at its end.
+        let ended = pursuits.iter_mut().map(Pursuit::step).filter(|further| !further).count();
+        if ended > 0 || terms > best.0 + TERMS_TRIED {
             break;
         }
         let error = pursuits.iter().map(Pursuit::prediction_error).sum();
