@@ -27,8 +27,17 @@ impl Interval {
     }
 }
 
+/// An output that counts: no missing one, and none that is no finite number.
+pub(crate) fn present(output: Option<f64>) -> Option<f64> {
+    output.filter(|output| output.is_finite())
+}
+
 /// Deviations to either side of the mean between which a normal variable lies with this probability.
+///
+/// # Panics
+/// The confidence is not within (0, 1).
 pub(crate) fn normal_factor(confidence: f64) -> f64 {
+    assert!(confidence > 0.0 && confidence < 1.0, "a confidence lies within 0 and 1, not {confidence}");
     -normal::quantile(0.5 * (1.0 - confidence))
 }
 
@@ -86,7 +95,7 @@ fn quantile_of_sorted(sorted: &[f64], p: f64) -> f64 {
 /// 2.7 % of studies where it should be in 2.5 % (probabilities up to 0.1, 20 to 1000 trials).
 ///
 /// # Panics
-/// More are counted than tried.
+/// More are counted than tried, or the confidence is not within (0, 1).
 pub fn wilson(count: u64, trials: u64, confidence: f64) -> Interval {
     assert!(count <= trials, "{count} of {trials} trials");
     if trials == 0 {
@@ -107,7 +116,7 @@ pub fn wilson(count: u64, trials: u64, confidence: f64) -> Interval {
 pub struct Bootstrap {
     /// Number of resamples; some hundreds for a deviation, a thousand for the ends of an interval.
     pub resamples: usize,
-    /// Probability with which an interval should contain what is estimated.
+    /// Probability with which an interval should contain what is estimated, within (0, 1).
     pub confidence: f64,
     /// What decides the resamples.
     pub seed: u64,
@@ -125,6 +134,9 @@ impl Bootstrap {
     ///
     /// `statistics` is given the indices of a resample. An interval is none where its statistic is undefined in one of
     /// the resamples, or where there is no sample.
+    ///
+    /// # Panics
+    /// The confidence is not within (0, 1).
     pub fn percentiles<const N: usize>(
         &self,
         count: usize,

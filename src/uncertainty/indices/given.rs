@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::statistics::{Bootstrap, Estimate, Interval};
+use crate::statistics::{Bootstrap, Estimate, Interval, present};
 
 /// Why there are no main effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -18,7 +18,7 @@ pub enum MainEffectsError {
     /// Too few outputs for two bins.
     #[error("{samples} samples are too few: at least {} are needed", LEAST_SAMPLES)]
     TooFewSamples {
-        /// Number of outputs that are not missing.
+        /// Number of finite outputs.
         samples: usize,
     },
     /// The output does not vary.
@@ -50,7 +50,7 @@ pub fn main_effects(
         return Err(MainEffectsError::Outputs { points: points.len(), outputs: outputs.len() });
     }
     let (points, outputs): (Vec<&Vec<f64>>, Vec<f64>) =
-        points.iter().zip(outputs).filter_map(|(point, output)| Some((point, (*output)?))).unzip();
+        points.iter().zip(outputs).filter_map(|(point, output)| Some((point, present(*output)?))).unzip();
     let samples = outputs.len();
     if samples < LEAST_SAMPLES {
         return Err(MainEffectsError::TooFewSamples { samples });

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::design::{self, DesignError, Levels, Method};
-use crate::statistics::{Bootstrap, Estimate};
+use crate::statistics::{Bootstrap, Estimate, present};
 
 /// Why there are no indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -62,7 +62,7 @@ pub struct FactorIndices {
     pub total: Estimate,
     /// Number of blocks that have all outputs of the factor.
     pub blocks: usize,
-    /// Number of blocks that were left out because an output is missing.
+    /// Number of blocks that were left out because an output is missing or no finite number.
     pub missing: usize,
 }
 
@@ -99,7 +99,9 @@ fn of_factor(
     rows: usize,
     bootstrap: &Bootstrap,
 ) -> Result<FactorIndices, IndicesError> {
-    let complete = outputs.chunks(rows).filter_map(|block| Some([block[0]?, block[1]?, block[2 + factor]?]));
+    let complete = outputs
+        .chunks(rows)
+        .filter_map(|block| Some([present(block[0])?, present(block[1])?, present(block[2 + factor])?]));
     let mut blocks = Blocks { a: Vec::new(), b: Vec::new(), mixed: Vec::new() };
     for [a, b, mixed] in complete {
         blocks.a.push(a);
@@ -126,7 +128,7 @@ impl Blocks {
     fn estimate(&self, indices: &[usize]) -> [Option<f64>; 2] {
         let n = indices.len() as f64;
         let sum = |of: &dyn Fn(usize) -> f64| indices.iter().map(|&index| of(index)).sum::<f64>();
-        // Outputs are taken from their mean: that changes no expectation, but the variance of the first-order estimator.
+        // Outputs are taken from their mean, which lowers the variance of the first-order estimator.
         let mean = sum(&|i| self.a[i] + self.b[i]) / (2.0 * n);
         let square = |x: f64| x * x;
         let variance = sum(&|i| square(self.a[i] - mean) + square(self.b[i] - mean)) / (2.0 * n - 1.0);

@@ -109,7 +109,7 @@ pub struct SamplingOptions {
     pub samples: usize,
     /// Most points that are given to the limit state at once.
     pub batch: usize,
-    /// Probability with which the interval should contain the probability of failure.
+    /// Probability with which the interval should contain the probability of failure, within (0, 1).
     pub confidence: f64,
     /// What decides the points.
     pub seed: u64,

@@ -17,7 +17,7 @@ pub struct SubsetOptions {
     pub levels: usize,
     /// Half the width of the uniform proposal, in standard deviations.
     pub reach: f64,
-    /// Probability with which the interval should contain the probability of failure.
+    /// Probability with which the interval should contain the probability of failure, within (0, 1).
     pub confidence: f64,
     /// What decides the points.
     pub seed: u64,

@@ -30,8 +30,8 @@ pub enum ProbitError {
     /// No specimen failed at a lower level than another survived: any deviation near zero fits, whatever the mean
     /// between.
     #[error(
-        "specimens survive up to level {survived} and fail from level {failed} on: the outcomes do not overlap and tell no \
-         deviation"
+        "specimens survive up to level {survived} and fail from level {failed} on: \
+         outcomes that do not overlap tell no deviation"
     )]
     NoOverlap {
         /// Highest level at which one survived.
@@ -73,6 +73,9 @@ impl ProbitFit {
 ///
 /// # Errors
 /// See [`ProbitError`].
+///
+/// # Panics
+/// The confidence is not within (0, 1).
 pub fn probit(counts: &[Counts], confidence: f64) -> Result<ProbitFit, ProbitError> {
     check(counts)?;
     let trials: f64 = counts.iter().map(|c| c.trials as f64).sum();

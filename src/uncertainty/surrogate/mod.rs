@@ -6,17 +6,20 @@
 
 mod basis;
 mod pursuit;
+mod validation;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::random::Stream;
+use crate::statistics::present;
 use basis::Degrees;
 pub use basis::Family;
 use pursuit::Pursuit;
+use validation::cross_validated;
 
 /// Why there is no surrogate model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SurrogateError {
     /// There is not one output a point.
     #[error("{points} points have {outputs} outputs")]
@@ -39,12 +42,28 @@ pub enum SurrogateError {
     /// Fewer samples than the folds of the cross-validation need for a linear polynomial.
     #[error("{samples} samples are too few for a linear polynomial of {terms} terms: at least {needed} are needed")]
     TooFewSamples {
-        /// Number of outputs that are not missing.
+        /// Number of finite outputs.
         samples: usize,
         /// Terms of the linear polynomial.
         terms: usize,
         /// Samples that two a term and a fold to leave out need.
         needed: usize,
+    },
+    /// A coordinate is not within the open unit interval.
+    #[error("coordinate {input} of point {point} is {value}, but must be within 0 and 1, neither included")]
+    Outside {
+        /// Index of the point, from 0.
+        point: usize,
+        /// Index of the input, from 0.
+        input: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// The truncation is not within (0, 1].
+    #[error("the truncation is {q}, but must be positive and at most 1")]
+    Truncation {
+        /// q of the truncation.
+        q: f64,
     },
     /// Cross-validation needs two folds.
     #[error("{folds} folds are no cross-validation: at least 2 are needed")]
@@ -86,8 +105,6 @@ impl Default for Options {
 const MOST_CANDIDATES: usize = 4000;
 /// Degrees without an improvement after which no higher one is tried.
 const DEGREES_TRIED: usize = 3;
-/// Terms without an improvement after which no further one is tried.
-const TERMS_TRIED: usize = 25;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Term {
@@ -106,7 +123,8 @@ pub struct Surrogate {
 }
 
 impl Surrogate {
-    /// Fits outputs at points of the open unit cube, one family an input; missing outputs are left out.
+    /// Fits outputs at points of the open unit cube, one family an input; outputs that are missing or no finite
+    /// numbers are left out.
     ///
     /// Terms are chosen by orthogonal matching pursuit from the products that the truncation allows, their number and
     /// the degree by the error of k-fold cross-validation, in which every fold chooses terms of its own. Never more
@@ -114,16 +132,12 @@ impl Surrogate {
     ///
     /// # Errors
     /// See [`SurrogateError`].
-    ///
-    /// # Panics
-    /// The truncation is not within (0, 1].
     pub fn fit(
         families: &[Family],
         points: &[Vec<f64>],
         outputs: &[Option<f64>],
         options: &Options,
     ) -> Result<Self, SurrogateError> {
-        assert!(options.truncation > 0.0 && options.truncation <= 1.0, "q lies within (0, 1]");
         let (points, outputs) = checked(families, points, outputs, options)?;
         let mean = outputs.iter().sum::<f64>() / outputs.len() as f64;
         let spread: f64 = outputs.iter().map(|y| (y - mean) * (y - mean)).sum();
@@ -161,7 +175,7 @@ impl Surrogate {
     /// their mean. Indices of a model of low Q² tell little.
     ///
     /// Terms are chosen without the outputs that are left out; their number and the degree are those of the largest Q²,
-    /// which flatters it by a few hundredths where it is near 0.
+    /// which raises it, by up to a tenth where nothing can be predicted.
     pub fn q2(&self) -> f64 {
         self.q2
     }
@@ -250,41 +264,6 @@ fn columns(families: &[Family], candidates: &[Degrees], points: &[&[f64]], degre
     candidates.iter().map(|degrees| values.iter().map(|values| product(degrees, values)).collect()).collect()
 }
 
-/// Number of terms with the least sum of squared errors over all folds, and that error.
-///
-/// The pursuits of all folds go on in step. Sample `order[i]` is left out in fold i modulo `folds`.
-fn cross_validated(columns: &[Vec<f64>], outputs: &[f64], order: &[usize], folds: usize) -> (usize, f64) {
-    let parts: Vec<(Vec<usize>, usize)> = (0..folds).map(|fold| rows_of_fold(order, fold, folds)).collect();
-    let arranged = |values: &[f64], rows: &[usize]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
-    let of_folds: Vec<Vec<Vec<f64>>> =
-        parts.iter().map(|(rows, _)| columns.iter().map(|column| arranged(column, rows)).collect()).collect();
-    let mut pursuits: Vec<Pursuit> = of_folds
-        .iter()
-        .zip(&parts)
-        .map(|(columns, (rows, fitted))| Pursuit::new(columns, arranged(outputs, rows), *fitted))
-        .collect();
-    let mut best = (0, f64::INFINITY);
-    for terms in 1.. {
-        // All go a step, also where one of them is at its end.
-        let ended = pursuits.iter_mut().map(Pursuit::step).filter(|further| !further).count();
-        if ended > 0 || terms > best.0 + TERMS_TRIED {
-            break;
-        }
-        let error = pursuits.iter().map(Pursuit::prediction_error).sum();
-        if error < best.1 {
-            best = (terms, error);
-        }
-    }
-    best
-}
-
-/// Rows of a fold, those that are fitted first, and their number.
-fn rows_of_fold(order: &[usize], fold: usize, folds: usize) -> (Vec<usize>, usize) {
-    let places = |left_out: bool| (0..order.len()).filter(move |place| (place % folds == fold) == left_out);
-    let rows: Vec<usize> = places(false).chain(places(true)).map(|place| order[place]).collect();
-    (rows, places(false).count())
-}
-
 /// Points and outputs that are not missing.
 type Sample<'a> = (Vec<&'a [f64]>, Vec<f64>);
 
@@ -301,11 +280,19 @@ fn checked<'a>(
     if let Some(point) = points.iter().position(|point| point.len() != inputs) {
         return Err(SurrogateError::Coordinates { point, coordinates: points[point].len(), inputs });
     }
+    for (point, coordinates) in points.iter().enumerate() {
+        if let Some(input) = coordinates.iter().position(|u| !(*u > 0.0 && *u < 1.0)) {
+            return Err(SurrogateError::Outside { point, input, value: coordinates[input] });
+        }
+    }
+    if !(options.truncation > 0.0 && options.truncation <= 1.0) {
+        return Err(SurrogateError::Truncation { q: options.truncation });
+    }
     if options.folds < 2 {
         return Err(SurrogateError::Folds { folds: options.folds });
     }
     let sample: Sample =
-        points.iter().zip(outputs).filter_map(|(point, output)| Some((point.as_slice(), (*output)?))).unzip();
+        points.iter().zip(outputs).filter_map(|(point, output)| Some((point.as_slice(), present(*output)?))).unzip();
     let (samples, terms) = (sample.1.len(), inputs + 1);
     // What is left of the samples without one fold must still be two a term.
     let needed = (2 * terms * options.folds).div_ceil(options.folds - 1) + 1;

@@ -88,12 +88,16 @@ fn a_polynomial_of_normal_inputs_is_found_exactly() {
 /// that.
 #[test]
 fn noise_has_no_model() {
-    let mut stream = Stream::new(4);
     let (points, _) = sample(6, 80, |_| 0.0);
-    let outputs: Vec<Option<f64>> = (0..80).map(|_| Some(stream.normal())).collect();
-    let model = Surrogate::fit(&[Family::Legendre; 6], &points, &outputs, &Options::default()).unwrap();
-    println!("noise, 80 samples of 6 inputs: Q² {:.3} with {} terms", model.q2(), model.terms());
-    assert!(model.q2() < 0.05 && model.terms() < 5, "{}", model.q2());
+    let q2: Vec<f64> = (0..10)
+        .map(|seed| {
+            let mut stream = Stream::new(seed);
+            let outputs: Vec<Option<f64>> = (0..80).map(|_| Some(stream.normal())).collect();
+            Surrogate::fit(&[Family::Legendre; 6], &points, &outputs, &Options::default()).unwrap().q2()
+        })
+        .collect();
+    println!("noise, 80 samples of 6 inputs: Q² {q2:.3?}");
+    assert!(q2.iter().all(|q2| *q2 < 0.15) && q2.iter().sum::<f64>() < 0.5, "{q2:?}");
 }
 
 #[test]
@@ -122,6 +126,9 @@ fn what_cannot_be_fitted_is_refused() {
     let few = SurrogateError::TooFewSamples { samples: 5, terms: 3, needed: 10 };
     assert_eq!(fit(&points[..5], &[Some(1.0); 5]), few);
     assert_eq!(fit(&points, &[None; 3]), SurrogateError::Outputs { points: 20, outputs: 3 });
+    let mut outside = points.clone();
+    outside[3][1] = 1.0;
+    assert_eq!(fit(&outside, &[None; 20]), SurrogateError::Outside { point: 3, input: 1, value: 1.0 });
     let bent = vec![vec![0.5]; 20];
     assert_eq!(fit(&bent, &[None; 20]), SurrogateError::Coordinates { point: 0, coordinates: 1, inputs: 2 });
 }
