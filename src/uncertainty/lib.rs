@@ -16,3 +16,6 @@ pub mod correlation;
 pub mod statistics;
 pub mod screening;
 pub mod indices;
+pub mod surrogate;
+pub mod reliability;
+pub mod staircase;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::random::Stream;
-use crate::statistics::{self, Bootstrap, Estimate};
+use crate::statistics::{self, Bootstrap, Estimate, present};
 
 /// Why there is no screening.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -32,8 +32,8 @@ pub enum ScreeningError {
 /// one before in one factor.
 ///
 /// Every factor takes the middles of `levels` equal parts of the unit interval, (i + ½)/levels, and steps by half of
-/// it: Morris's own levels include 0 and 1, where an unbounded distribution has no value. Start and order of the factors
-/// are random. More trajectories keep the first ones.
+/// it: Morris's own levels include 0 and 1, where an unbounded distribution has no value. Start and order of the
+/// factors are random, not chosen for a large spread. More trajectories keep the first ones.
 ///
 /// # Errors
 /// There is no factor, or the number of levels is odd or zero.
@@ -75,7 +75,7 @@ pub struct Effects {
     pub deviation: Option<f64>,
     /// Number of effects.
     pub count: usize,
-    /// Number of effects that were left out because an output is missing.
+    /// Number of effects that were left out because an output is missing or no finite number.
     pub missing: usize,
 }
 
@@ -97,7 +97,7 @@ pub fn effects(
     for (points, outputs) in points.chunks(rows).zip(outputs.chunks(rows)) {
         for (pair, ends) in points.windows(2).zip(outputs.windows(2)) {
             let changed = (0..factors).find(|&factor| pair[0][factor] != pair[1][factor]);
-            if let (Some(factor), Some(from), Some(to)) = (changed, ends[0], ends[1]) {
+            if let (Some(factor), Some(from), Some(to)) = (changed, present(ends[0]), present(ends[1])) {
                 found[factor].push((to - from) / (pair[1][factor] - pair[0][factor]));
             }
         }

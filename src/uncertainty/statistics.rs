@@ -27,8 +27,17 @@ impl Interval {
     }
 }
 
+/// An output that counts: no missing one, and none that is no finite number.
+pub(crate) fn present(output: Option<f64>) -> Option<f64> {
+    output.filter(|output| output.is_finite())
+}
+
 /// Deviations to either side of the mean between which a normal variable lies with this probability.
+///
+/// # Panics
+/// The confidence is not within (0, 1).
 pub(crate) fn normal_factor(confidence: f64) -> f64 {
+    assert!(confidence > 0.0 && confidence < 1.0, "a confidence lies within 0 and 1, not {confidence}");
     -normal::quantile(0.5 * (1.0 - confidence))
 }
 
@@ -81,10 +90,12 @@ fn quantile_of_sorted(sorted: &[f64], p: f64) -> f64 {
 ///
 /// It needs no quantile but the normal one, has ends other than 0 and 1 where none or all were counted, and covers the
 /// probability on average as often as it says, where that of Clopper and Pearson (1934) covers more often and is
-/// accordingly wider (Brown, Cai, DasGupta 2001). Single probabilities may be covered a few per cent less often.
+/// accordingly wider (Brown, Cai, DasGupta 2001). Single probabilities near 0 or 1 may be covered less often, where the
+/// interval lies on the side of 1/2: the upper end of a rare event's, on which safety rests, is exceeded in at most
+/// 2.7 % of studies where it should be in 2.5 % (probabilities up to 0.1, 20 to 1000 trials).
 ///
 /// # Panics
-/// More are counted than tried.
+/// More are counted than tried, or the confidence is not within (0, 1).
 pub fn wilson(count: u64, trials: u64, confidence: f64) -> Interval {
     assert!(count <= trials, "{count} of {trials} trials");
     if trials == 0 {
@@ -105,7 +116,7 @@ pub fn wilson(count: u64, trials: u64, confidence: f64) -> Interval {
 pub struct Bootstrap {
     /// Number of resamples; some hundreds for a deviation, a thousand for the ends of an interval.
     pub resamples: usize,
-    /// Probability with which an interval should contain what is estimated.
+    /// Probability with which an interval should contain what is estimated, within (0, 1).
     pub confidence: f64,
     /// What decides the resamples.
     pub seed: u64,
@@ -123,6 +134,9 @@ impl Bootstrap {
     ///
     /// `statistics` is given the indices of a resample. An interval is none where its statistic is undefined in one of
     /// the resamples, or where there is no sample.
+    ///
+    /// # Panics
+    /// The confidence is not within (0, 1).
     pub fn percentiles<const N: usize>(
         &self,
         count: usize,
@@ -204,22 +218,32 @@ mod tests {
         assert_eq!(wilson(0, 0, 0.95), Interval { low: 0.0, high: 1.0 });
     }
 
+    fn binomial(k: u64, n: u64, p: f64) -> f64 {
+        let factorial = |k: u64| libm::lgamma(k as f64 + 1.0);
+        let log_choose = factorial(n) - factorial(k) - factorial(n - k);
+        (log_choose + k as f64 * p.ln() + (n - k) as f64 * (1.0 - p).ln()).exp()
+    }
+
     /// Exact coverage, by the sum over all counts, averaged over probabilities and at its least.
     #[test]
     fn wilsons_interval_covers_on_average_what_it_says() {
         for trials in [20_u64, 100, 1000] {
             let intervals: Vec<Interval> = (0..=trials).map(|count| wilson(count, trials, 0.95)).collect();
             let coverage = |p: f64| -> f64 {
-                let log_choose = |k: u64| {
-                    let factorial = |k: u64| libm::lgamma(k as f64 + 1.0);
-                    factorial(trials) - factorial(k) - factorial(trials - k)
-                };
                 let covered = (0..=trials).filter(|&count| intervals[count as usize].contains(p));
-                covered.map(|k| (log_choose(k) + k as f64 * p.ln() + (trials - k) as f64 * (1.0 - p).ln()).exp()).sum()
+                covered.map(|k| binomial(k, trials, p)).sum()
             };
             let all: Vec<f64> = (0..400).map(|step| coverage((f64::from(step) + 0.5) / 400.0)).collect();
+            let missed_above = |p: f64| -> f64 {
+                (0..=trials).filter(|&count| intervals[count as usize].high < p).map(|k| binomial(k, trials, p)).sum()
+            };
+            let missed = (1..400).map(|step| missed_above(f64::from(step) / 4000.0)).fold(0.0, f64::max);
+            assert!(missed < 0.027, "{missed}");
             let (average, least) = (mean(&all).unwrap(), all.iter().copied().fold(1.0, f64::min));
-            println!("{trials} trials: coverage {average:.4} on average, {least:.3} at least");
+            println!(
+                "{trials} trials: coverage {average:.4} on average, {least:.3} at least; up to 0.1 the upper end is \
+                 exceeded in {missed:.4} at most"
+            );
             assert!((average - 0.95).abs() < 0.005 && least > 0.83, "{average} {least}");
         }
     }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::statistics::{Bootstrap, Estimate, Interval};
+use crate::statistics::{Bootstrap, Estimate, Interval, present};
 
 /// Why there are no main effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -18,7 +18,7 @@ pub enum MainEffectsError {
     /// Too few outputs for two bins.
     #[error("{samples} samples are too few: at least {} are needed", LEAST_SAMPLES)]
     TooFewSamples {
-        /// Number of outputs that are not missing.
+        /// Number of finite outputs.
         samples: usize,
     },
     /// The output does not vary.
@@ -34,9 +34,10 @@ const MOST_BINS: usize = 50;
 /// coordinate has (correlation ratio; Pearson 1905, as estimator of the index by Plischke, Borgonovo, Smith 2013).
 ///
 /// The √n bins, at most 50, hold equally many points. What chance alone spreads their means by is subtracted (ε² of
-/// Kelley 1935), so that a coordinate without effect is zero on average and may be a little negative. Intervals are the
-/// normal ones of the bootstrap's deviation. Points whose output is missing are left out. Coordinates may be correlated;
-/// then the indices of those that vary together share.
+/// Kelley 1935), so that a coordinate without effect is zero on average and may be a little negative; from points that
+/// are spread more evenly than by chance, as those of a Sobol' sequence, indices are low by up to the number of bins
+/// over that of points. Intervals are the normal ones of the bootstrap's deviation. Points whose output is missing are
+/// left out. Coordinates may be correlated; then the indices of those that vary together share.
 ///
 /// # Errors
 /// There are fewer than eight outputs, or they do not vary.
@@ -49,7 +50,7 @@ pub fn main_effects(
         return Err(MainEffectsError::Outputs { points: points.len(), outputs: outputs.len() });
     }
     let (points, outputs): (Vec<&Vec<f64>>, Vec<f64>) =
-        points.iter().zip(outputs).filter_map(|(point, output)| Some((point, (*output)?))).unzip();
+        points.iter().zip(outputs).filter_map(|(point, output)| Some((point, present(*output)?))).unzip();
     let samples = outputs.len();
     if samples < LEAST_SAMPLES {
         return Err(MainEffectsError::TooFewSamples { samples });

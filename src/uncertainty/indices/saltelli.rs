@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::design::{self, DesignError, Levels, Method};
-use crate::statistics::{Bootstrap, Estimate};
+use crate::statistics::{Bootstrap, Estimate, present};
 
 /// Why there are no indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -30,11 +30,11 @@ pub enum IndicesError {
     Constant,
 }
 
-/// Rows of the unit cube for `blocks` blocks of d + 2 rows: a point A, a point B, and for every factor A with that factor
-/// of B (radial design; Saltelli et al. 2010).
+/// Rows of the unit cube for `blocks` blocks of d + 2 rows: a point A, a point B, and for every factor A with that
+/// factor of B (radial design; Saltelli et al. 2010).
 ///
-/// A and B are the halves of a scrambled Sobol' sequence of 2 d dimensions. More blocks keep the first ones; powers of two
-/// balance best.
+/// A and B are the halves of a scrambled Sobol' sequence of 2 d dimensions. More blocks keep the first ones; powers of
+/// two balance best.
 ///
 /// # Errors
 /// See [`DesignError`].
@@ -62,7 +62,7 @@ pub struct FactorIndices {
     pub total: Estimate,
     /// Number of blocks that have all outputs of the factor.
     pub blocks: usize,
-    /// Number of blocks that were left out because an output is missing.
+    /// Number of blocks that were left out because an output is missing or no finite number.
     pub missing: usize,
 }
 
@@ -73,11 +73,11 @@ struct Blocks {
     mixed: Vec<f64>,
 }
 
-/// First-order and total indices of `factors` independent inputs from the outputs of [`rows`], with percentile intervals
-/// of the bootstrap over blocks.
+/// First-order and total indices of `factors` independent inputs from the outputs of [`rows`], with percentile
+/// intervals of the bootstrap over blocks.
 ///
-/// First order by Saltelli et al. (2010, table 2, estimator b), total by Jansen (1999). A block with a missing output is
-/// left out for the factors that need it. That biases the indices where it is the inputs that make a run fail.
+/// First order by Saltelli et al. (2010, table 2, estimator b), total by Jansen (1999). A block with a missing output
+/// is left out for the factors that need it. That biases the indices where it is the inputs that make a run fail.
 ///
 /// # Errors
 /// The outputs are not whole blocks, too many are missing, or they do not vary.
@@ -99,7 +99,9 @@ fn of_factor(
     rows: usize,
     bootstrap: &Bootstrap,
 ) -> Result<FactorIndices, IndicesError> {
-    let complete = outputs.chunks(rows).filter_map(|block| Some([block[0]?, block[1]?, block[2 + factor]?]));
+    let complete = outputs
+        .chunks(rows)
+        .filter_map(|block| Some([present(block[0])?, present(block[1])?, present(block[2 + factor])?]));
     let mut blocks = Blocks { a: Vec::new(), b: Vec::new(), mixed: Vec::new() };
     for [a, b, mixed] in complete {
         blocks.a.push(a);
@@ -126,7 +128,7 @@ impl Blocks {
     fn estimate(&self, indices: &[usize]) -> [Option<f64>; 2] {
         let n = indices.len() as f64;
         let sum = |of: &dyn Fn(usize) -> f64| indices.iter().map(|&index| of(index)).sum::<f64>();
-        // Outputs are taken from their mean: that changes no expectation, but the variance of the first-order estimator.
+        // Outputs are taken from their mean, which lowers the variance of the first-order estimator.
         let mean = sum(&|i| self.a[i] + self.b[i]) / (2.0 * n);
         let square = |x: f64| x * x;
         let variance = sum(&|i| square(self.a[i] - mean) + square(self.b[i] - mean)) / (2.0 * n - 1.0);

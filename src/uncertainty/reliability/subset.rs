@@ -1,0 +1,195 @@
+//! Subset simulation: rare failure as a sequence of events that are not rare.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Counted, LimitState, Probability, ReliabilityError, log_normal, normal_point};
+use crate::random::Stream;
+
+/// Length of a chain: the inverse of the conditional probability p₀ = 0.1 of every level.
+const CHAIN: usize = 10;
+
+/// How failure is approached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SubsetOptions {
+    /// Samples of a level, a multiple of ten.
+    pub samples: usize,
+    /// Most levels, of a tenth of the probability each.
+    pub levels: usize,
+    /// Half the width of the uniform proposal, in standard deviations.
+    pub reach: f64,
+    /// Probability with which the interval should contain the probability of failure, within (0, 1).
+    pub confidence: f64,
+    /// What decides the points.
+    pub seed: u64,
+}
+
+impl Default for SubsetOptions {
+    fn default() -> Self {
+        Self { samples: 1000, levels: 12, reach: 1.0, confidence: 0.95, seed: 0 }
+    }
+}
+
+/// Probability of failure by subset simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SubsetResult {
+    /// The probability. Its coefficient of variation takes the levels for independent (Au, Beck 2001).
+    pub probability: Probability,
+    /// Outputs that bound the levels, decreasing; the last is zero.
+    pub thresholds: Vec<f64>,
+    /// Share of the proposed points that each level after the first accepted.
+    pub acceptance: Vec<f64>,
+}
+
+/// Samples of one level: chain by chain next to each other, place after place.
+struct Level {
+    points: Vec<Vec<f64>>,
+    outputs: Vec<f64>,
+}
+
+/// Subset simulation (Au, Beck 2001) with the component-wise Metropolis algorithm, p₀ = 0.1, and all chains of a level
+/// in step: nine batches of a tenth of the samples.
+///
+/// A point whose output is missing counts as one that does not fail: in a chain it is rejected. Where failure itself
+/// makes a run give no output, the estimate is low. The interval takes the logarithm of the estimate for normal.
+///
+/// # Errors
+/// See [`ReliabilityError`].
+pub fn subset_simulation(
+    inputs: usize,
+    options: &SubsetOptions,
+    limit_state: &mut LimitState,
+) -> Result<SubsetResult, ReliabilityError> {
+    if inputs == 0 {
+        return Err(ReliabilityError::NoInputs);
+    }
+    if options.samples == 0 || !options.samples.is_multiple_of(CHAIN) {
+        return Err(ReliabilityError::Level { samples: options.samples, chain: CHAIN });
+    }
+    let mut stream = Stream::new(options.seed);
+    let mut counted = Counted::new(limit_state);
+    let mut level = first_level(&mut counted, &mut stream, inputs, options.samples)?;
+    let (mut value, mut squared_variation) = (1.0, 0.0);
+    let (mut thresholds, mut acceptance) = (Vec::new(), Vec::new());
+    for number in 0..options.levels.max(1) {
+        let threshold = level.threshold();
+        let share = level.share(threshold);
+        if share == 1.0 && threshold > 0.0 {
+            return Err(ReliabilityError::NoProgress { level: number, threshold });
+        }
+        value *= share;
+        squared_variation += level.squared_variation(threshold, share, number > 0);
+        thresholds.push(threshold);
+        if threshold == 0.0 {
+            let variation = squared_variation.sqrt();
+            let probability = Probability {
+                value,
+                variation: Some(variation),
+                interval: Some(log_normal(value, variation, options.confidence)),
+                evaluations: counted.evaluations,
+                missing: counted.missing,
+            };
+            return Ok(SubsetResult { probability, thresholds, acceptance });
+        }
+        let accepted;
+        (level, accepted) = level.conditional(threshold, options.reach, &mut counted, &mut stream)?;
+        acceptance.push(accepted);
+    }
+    Err(ReliabilityError::TooRare { levels: options.levels.max(1), below: value })
+}
+
+fn first_level(
+    counted: &mut Counted,
+    stream: &mut Stream,
+    inputs: usize,
+    samples: usize,
+) -> Result<Level, ReliabilityError> {
+    let points: Vec<Vec<f64>> = (0..samples).map(|_| normal_point(stream, inputs)).collect();
+    let outputs: Vec<f64> = counted.evaluate(&points)?.into_iter().map(|g| g.unwrap_or(f64::INFINITY)).collect();
+    if counted.missing == samples {
+        return Err(ReliabilityError::AllMissing { evaluations: counted.evaluations });
+    }
+    Ok(Level { points, outputs })
+}
+
+impl Level {
+    /// Number of chains that the next level has.
+    fn chains(&self) -> usize {
+        self.outputs.len() / CHAIN
+    }
+
+    /// Output that a tenth of the samples does not exceed; zero where at least so many fail.
+    fn threshold(&self) -> f64 {
+        let mut sorted = self.outputs.clone();
+        sorted.sort_by(f64::total_cmp);
+        let (last, next) = (sorted[self.chains() - 1], sorted[self.chains()]);
+        let between = if next.is_finite() { 0.5 * (last + next) } else { last };
+        between.max(0.0)
+    }
+
+    fn share(&self, threshold: f64) -> f64 {
+        self.outputs.iter().filter(|&&g| g <= threshold).count() as f64 / self.outputs.len() as f64
+    }
+
+    /// Square of the coefficient of variation of the share of samples within `threshold`: of independent ones, or of
+    /// chains, whose samples are correlated (Au, Beck 2001).
+    fn squared_variation(&self, threshold: f64, share: f64, chains: bool) -> f64 {
+        let samples = self.outputs.len();
+        let independent = (1.0 - share) / (share * samples as f64);
+        if !chains || share == 1.0 {
+            return independent;
+        }
+        let within: Vec<f64> = self.outputs.iter().map(|&g| f64::from(u8::from(g <= threshold))).collect();
+        let correlation = |lag: usize| {
+            let pairs = within.iter().zip(&within[lag * self.chains()..]);
+            let mean = pairs.map(|(one, other)| one * other).sum::<f64>() / (samples - lag * self.chains()) as f64;
+            (mean - share * share) / (share * (1.0 - share))
+        };
+        let lags = (1..CHAIN).map(|lag| (1.0 - lag as f64 / CHAIN as f64) * correlation(lag));
+        independent * (1.0 + 2.0 * lags.sum::<f64>()).max(0.0)
+    }
+
+    /// Samples given that the output is at most `threshold`, from chains that start at the samples of the lowest
+    /// outputs; and the share of steps that moved.
+    fn conditional(
+        &self,
+        threshold: f64,
+        reach: f64,
+        counted: &mut Counted,
+        stream: &mut Stream,
+    ) -> Result<(Self, f64), ReliabilityError> {
+        let chains = self.chains();
+        let mut order: Vec<usize> = (0..self.outputs.len()).collect();
+        order.sort_by(|&a, &b| self.outputs[a].total_cmp(&self.outputs[b]));
+        let mut points: Vec<Vec<f64>> = order[..chains].iter().map(|&seed| self.points[seed].clone()).collect();
+        let mut outputs: Vec<f64> = order[..chains].iter().map(|&seed| self.outputs[seed]).collect();
+        let mut accepted = 0;
+        for place in 1..CHAIN {
+            let before = (place - 1) * chains..place * chains;
+            points.extend_from_within(before.clone());
+            outputs.extend_from_within(before.clone());
+            let candidates = before.filter_map(|at| Some((at + chains, proposed(&points[at], reach, stream)?)));
+            let (places, candidates): (Vec<usize>, Vec<Vec<f64>>) = candidates.unzip();
+            let found = counted.evaluate(&candidates)?;
+            for ((at, candidate), output) in places.into_iter().zip(candidates).zip(found) {
+                if let Some(output) = output.filter(|&g| g <= threshold) {
+                    points[at] = candidate;
+                    outputs[at] = output;
+                    accepted += 1;
+                }
+            }
+        }
+        Ok((Self { points, outputs }, accepted as f64 / (chains * (CHAIN - 1)) as f64))
+    }
+}
+
+/// Candidate of the component-wise Metropolis algorithm for the standard normal distribution; none where no component
+/// moves.
+fn proposed(point: &[f64], reach: f64, stream: &mut Stream) -> Option<Vec<f64>> {
+    let moved = |&u: &f64| {
+        let candidate = u + reach * (2.0 * stream.uniform() - 1.0);
+        let ratio = libm::exp(0.5 * (u * u - candidate * candidate));
+        if stream.uniform() < ratio { candidate } else { u }
+    };
+    let candidate: Vec<f64> = point.iter().map(moved).collect();
+    (candidate != point).then_some(candidate)
+}

@@ -1,0 +1,215 @@
+use super::*;
+use crate::normal;
+use crate::statistics::{deviation, mean, wilson};
+
+/// Linear limit state of ten inputs at the distance `index`, as one of a batch.
+fn linear(index: f64) -> impl FnMut(&[Vec<f64>]) -> Vec<Option<f64>> {
+    batched(move |u| index - u.iter().sum::<f64>() / (u.len() as f64).sqrt())
+}
+
+fn batched(g: impl Fn(&[f64]) -> f64) -> impl FnMut(&[Vec<f64>]) -> Vec<Option<f64>> {
+    move |points| points.iter().map(|u| Some(g(u))).collect()
+}
+
+/// Series system of four branches (Waarts 2000; Schueremans, Van Gemert 2005); k is usually 6 or 7.
+fn four_branches(k: f64) -> impl FnMut(&[Vec<f64>]) -> Vec<Option<f64>> {
+    batched(move |u| {
+        let (sum, difference) = (u[0] + u[1], u[0] - u[1]);
+        let curved = 3.0 + 0.1 * difference * difference - sum.abs() / 2.0_f64.sqrt();
+        curved.min(k / 2.0_f64.sqrt() - difference.abs())
+    })
+}
+
+/// Exact probability of [`four_branches`]. With x = (u₁ + u₂)/√2 and y = (u₁ − u₂)/√2 the safe domain is |x| < 3 + 0.2
+/// y², |y| < k/2, so that P = 1 − ∫ φ(y) (1 − 2 Φ(−3 − 0.2 y²)) dy: Simpson's rule.
+fn four_branches_exact(k: f64) -> f64 {
+    let steps = 20_000;
+    let width = k / f64::from(steps);
+    let failing = |i: i32| {
+        let y = -0.5 * k + width * f64::from(i);
+        normal::density(y) * 2.0 * normal::cumulative(-3.0 - 0.2 * y * y)
+    };
+    let inner: f64 = (1..steps).map(|i| if i % 2 == 0 { 2.0 } else { 4.0 } * failing(i)).sum();
+    2.0 * normal::cumulative(-0.5 * k) + (failing(0) + inner + failing(steps)) * width / 3.0
+}
+
+fn print(what: &str, found: &Probability, exact: f64) {
+    let interval = found.interval.unwrap();
+    println!(
+        "{what}: {:.3e} (exact {exact:.3e}), c.o.v. {:.3}, 95 % {:.3e} … {:.3e}, {} evaluations",
+        found.value,
+        found.variation.unwrap(),
+        interval.low,
+        interval.high,
+        found.evaluations
+    );
+}
+
+#[test]
+fn the_four_branches_have_their_probability_by_monte_carlo_and_by_subset_simulation() {
+    println!("exact: {:.5e} for k = 6, {:.5e} for k = 7", four_branches_exact(6.0), four_branches_exact(7.0));
+    let exact = four_branches_exact(6.0);
+    let options = SamplingOptions { samples: 400_000, ..SamplingOptions::default() };
+    let crude = monte_carlo(2, &options, &mut four_branches(6.0)).unwrap();
+    print("Monte Carlo, k = 6", &crude, exact);
+    assert!((crude.value / exact - 1.0).abs() < 4.0 * crude.variation.unwrap());
+    for k in [6.0, 7.0] {
+        let exact = four_branches_exact(k);
+        let options = SubsetOptions { samples: 10_000, ..SubsetOptions::default() };
+        let subset = subset_simulation(2, &options, &mut four_branches(k)).unwrap();
+        print(&format!("subset simulation, k = {k}"), &subset.probability, exact);
+        assert!((subset.probability.value / exact - 1.0).abs() < 4.0 * subset.probability.variation.unwrap());
+    }
+}
+
+#[test]
+fn a_linear_limit_state_has_its_probability_down_to_a_millionth() {
+    for exact in [1e-2, 1e-4, 1e-6] {
+        let index = -normal::quantile(exact);
+        let found = design_point(10, &FormOptions::default(), &mut linear(index)).unwrap();
+        assert!(
+            found.converged && (found.index - index).abs() < 1e-9 && (found.probability / exact - 1.0).abs() < 1e-7
+        );
+        println!("FORM: β {:.6} in {} evaluations", found.index, found.evaluations);
+        let options = SamplingOptions { samples: 4000, ..SamplingOptions::default() };
+        let importance = importance_sampling(&found.point, &options, &mut linear(index)).unwrap();
+        print("importance sampling", &importance, exact);
+        assert!((importance.value / exact - 1.0).abs() < 4.0 * importance.variation.unwrap());
+        assert!(importance.variation.unwrap() < 0.05);
+        let subset = subset_simulation(10, &SubsetOptions::default(), &mut linear(index)).unwrap();
+        print("subset simulation", &subset.probability, exact);
+        assert!((subset.probability.value / exact).ln().abs() < 4.0 * subset.probability.variation.unwrap());
+    }
+}
+
+/// The limit state is a cubic curve, whose nearest point a search over u₁ finds too.
+#[test]
+fn the_design_point_of_a_curved_limit_state_is_the_nearest_that_fails() {
+    let boundary = |u: f64| 4.0 - 0.15 * (u - 1.0) * (u - 1.0) * (u - 1.0) - 0.3 * u;
+    let nearest =
+        (0..1_000_000).map(|i| f64::from(i) * 1e-5 - 5.0).map(|u| u.hypot(boundary(u))).fold(f64::INFINITY, f64::min);
+    let options = FormOptions { tolerance: 1e-5, ..FormOptions::default() };
+    let found = design_point(2, &options, &mut batched(|u| boundary(u[0]) - u[1])).unwrap();
+    println!("β {:.6} ({nearest:.6}) after {} iterations", found.index, found.iterations);
+    // Central differences of step h = 1e-2 of this cubic are off by 0.15 h²; the distance of the point by its square.
+    assert!(found.converged && (found.index - nearest).abs() < 1e-5, "{found:?}");
+}
+
+#[test]
+fn an_origin_that_fails_has_a_negative_index() {
+    let found = design_point(10, &FormOptions::default(), &mut linear(-1.5)).unwrap();
+    assert!((found.index + 1.5).abs() < 1e-9 && (found.probability - normal::cumulative(1.5)).abs() < 1e-9);
+    let often = subset_simulation(10, &SubsetOptions::default(), &mut linear(-1.5)).unwrap();
+    assert!((often.probability.value - normal::cumulative(1.5)).abs() < 0.04 && often.thresholds == [0.0]);
+}
+
+/// Estimates over seeds: without bias, as scattered as the coefficient of variation says, and within the intervals as
+/// often as these say.
+#[test]
+fn subset_simulation_knows_its_own_scatter() {
+    let exact = four_branches_exact(6.0);
+    let studies = 200;
+    let results: Vec<Probability> = (0..studies)
+        .map(|seed| SubsetOptions { samples: 1000, seed, ..SubsetOptions::default() })
+        .map(|options| subset_simulation(2, &options, &mut four_branches(6.0)).unwrap().probability)
+        .collect();
+    let values: Vec<f64> = results.iter().map(|found| found.value).collect();
+    let said = mean(&results.iter().map(|found| found.variation.unwrap()).collect::<Vec<f64>>()).unwrap();
+    let scatter = deviation(&values).unwrap() / exact;
+    let bias = mean(&values).unwrap() / exact - 1.0;
+    let covered = results.iter().filter(|found| found.interval.unwrap().contains(exact)).count();
+    println!("{studies} studies: bias {bias:.3}, scatter {scatter:.3}, said {said:.3}, covered {covered}");
+    // Bias of the order 1/N (Au, Beck 2001), beside the standard error of this mean.
+    assert!(bias.abs() < 0.02 + 3.0 * scatter / (studies as f64).sqrt(), "{bias}");
+    assert!((0.8..1.3).contains(&(scatter / said)), "{scatter} {said}");
+    assert!(covered as f64 > 0.88 * studies as f64, "{covered}");
+}
+
+#[test]
+fn monte_carlo_and_importance_sampling_cover_as_often_as_they_say() {
+    let exact = normal::cumulative(-2.0);
+    let centre = vec![2.0 / 10.0_f64.sqrt(); 10];
+    let (mut crude, mut importance, studies) = (0, 0, 300);
+    for seed in 0..studies {
+        let options = SamplingOptions { samples: 500, seed, ..SamplingOptions::default() };
+        let covers = |found: Probability| u64::from(found.interval.unwrap().contains(exact));
+        crude += covers(monte_carlo(10, &options, &mut linear(2.0)).unwrap());
+        importance += covers(importance_sampling(&centre, &options, &mut linear(2.0)).unwrap());
+    }
+    println!("of {studies} studies, covered by Monte Carlo {crude}, by importance sampling {importance}");
+    for covered in [crude, importance] {
+        let coverage = wilson(covered, studies, 0.999);
+        assert!(coverage.contains(0.95), "{covered}: {coverage:?}");
+    }
+}
+
+#[test]
+fn no_failure_is_bounded_from_above() {
+    let none = monte_carlo(1, &SamplingOptions::default(), &mut linear(9.0)).unwrap();
+    let interval = none.interval.unwrap();
+    assert_eq!((none.value, none.variation, interval.low), (0.0, None, 0.0));
+    assert!(interval.high > 3e-3 && interval.high < 4e-3, "{interval:?}");
+}
+
+#[test]
+fn missing_outputs_are_counted_and_the_estimate_is_of_what_is_left() {
+    let mut calls = 0;
+    let mut flawed = |points: &[Vec<f64>]| {
+        let output = |u: &Vec<f64>| {
+            calls += 1;
+            (calls % 7 != 0).then_some(2.0 - u.iter().sum::<f64>() / (u.len() as f64).sqrt())
+        };
+        points.iter().map(output).collect::<Vec<_>>()
+    };
+    let exact = normal::cumulative(-2.0);
+    let options = SamplingOptions { samples: 20_000, ..SamplingOptions::default() };
+    let found = monte_carlo(3, &options, &mut flawed).unwrap();
+    assert_eq!((found.evaluations, found.missing), (20_000, 2857));
+    assert!((found.value / exact - 1.0).abs() < 4.0 * found.variation.unwrap());
+    assert!(matches!(design_point(3, &FormOptions::default(), &mut flawed), Err(ReliabilityError::Missing { .. })));
+    let subset = subset_simulation(3, &SubsetOptions::default(), &mut flawed).unwrap();
+    assert!(subset.probability.missing > 200, "{subset:?}");
+}
+
+#[test]
+fn the_seed_decides_and_a_batch_does_not() {
+    let found = |batch, seed| {
+        let options = SamplingOptions { batch, seed, ..SamplingOptions::default() };
+        monte_carlo(4, &options, &mut linear(1.0)).unwrap()
+    };
+    assert_eq!(found(7, 3), found(1000, 3));
+    assert_ne!(found(7, 3), found(7, 4));
+    let subset = |seed| subset_simulation(4, &SubsetOptions { seed, ..SubsetOptions::default() }, &mut linear(3.0));
+    assert_eq!(subset(1), subset(1));
+    assert_ne!(subset(1), subset(2));
+}
+
+#[test]
+fn what_has_no_probability_is_refused() {
+    let options = SamplingOptions::default();
+    let mut short = |_: &[Vec<f64>]| vec![Some(1.0)];
+    assert_eq!(
+        monte_carlo(1, &options, &mut short).unwrap_err(),
+        ReliabilityError::Outputs { points: 1000, outputs: 1 }
+    );
+    let mut missing = |points: &[Vec<f64>]| vec![None; points.len()];
+    assert_eq!(monte_carlo(1, &options, &mut missing).unwrap_err(), ReliabilityError::AllMissing { evaluations: 1000 });
+    let mut flat = batched(|_| 1.0);
+    assert_eq!(
+        design_point(2, &FormOptions::default(), &mut flat).unwrap_err(),
+        ReliabilityError::Flat { evaluations: 5 }
+    );
+    let subset = SubsetOptions::default();
+    assert_eq!(
+        subset_simulation(2, &subset, &mut flat).unwrap_err(),
+        ReliabilityError::NoProgress { level: 0, threshold: 1.0 }
+    );
+    let shallow = SubsetOptions { levels: 2, ..subset };
+    let rare = subset_simulation(2, &shallow, &mut linear(6.0)).unwrap_err();
+    assert!(matches!(rare, ReliabilityError::TooRare { levels: 2, below } if (below - 0.01).abs() < 1e-12), "{rare}");
+    let uneven = SubsetOptions { samples: 105, ..subset };
+    assert_eq!(
+        subset_simulation(2, &uneven, &mut flat).unwrap_err(),
+        ReliabilityError::Level { samples: 105, chain: 10 }
+    );
+}
