@@ -364,9 +364,8 @@ fn laws_in_steps() {
     let voce = "voce = { initial = \"8 MPa\", saturation = \"20 MPa\", rate = 6 }";
     let cowper_symonds = ", rate = { cowper_symonds = { d = \"40 1/s\", p = 5 } }";
     let cost = |change: &str| whole(&shipped(&["specimen.symmetry=none", change]), 1, Width::best()).0;
-    let of = |keys: &str| {
-        cost(&format!("specimen.material={{ density = \"915 kg/m3\", thickness = \"12 um\", {keys} }}"))
-    };
+    let of =
+        |keys: &str| cost(&format!("specimen.material={{ density = \"915 kg/m3\", thickness = \"12 um\", {keys} }}"));
     let fabric = cost("specimen.symmetry=none");
     println!("| fabric of the scenario | {fabric:.1} | 1 | |");
     for (name, keys) in [

@@ -57,5 +57,6 @@ pub mod script;
 pub mod functions;
 pub mod post;
 pub mod identify;
+pub mod sweep;
 pub mod report;
 pub mod cli;

@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 
 use crate::model::Model;
 use crate::post::{Results, RunComparison};
-use crate::report::{self, RunPage, StudyPage, compare_page, vtu};
+use crate::report::{self, RunPage, StudyPage, SweepPage, compare_page, vtu};
 use crate::script::{Row, ScriptOutput};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
@@ -68,6 +68,19 @@ pub(super) fn fill_study(
     #[cfg(feature = "rerun")]
     files.study_recording(study)?;
     files.write(run_files::REPORT, report::study_page(study).into_bytes())?;
+    Ok(files.names)
+}
+
+/// Writes all files of a sweep into the draft and gives their names.
+pub(super) fn fill_sweep(draft: &Draft, page: &SweepPage, scenario: &str) -> Result<Vec<String>, StoreError> {
+    let mut files = Files { draft, names: Vec::new() };
+    let table = &page.results.table;
+    let failed = |name: &'static str| move |error| StoreError::write(draft.path().join(name), error);
+    files.write(run_files::SUMMARY, json(page.summary)?)?;
+    files.write(run_files::SCENARIO, scenario.as_bytes().to_vec())?;
+    files.write(run_files::TABLE, table.to_csv().map_err(failed(run_files::TABLE))?)?;
+    files.write(run_files::PARQUET, table.to_parquet().map_err(failed(run_files::PARQUET))?)?;
+    files.write(run_files::REPORT, report::sweep_page(page).into_bytes())?;
     Ok(files.names)
 }
 

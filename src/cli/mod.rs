@@ -25,6 +25,8 @@ mod scenarios;
 mod schema;
 mod script;
 mod signal;
+mod store;
+mod sweep;
 mod table;
 mod tensile;
 mod view;
@@ -66,6 +68,11 @@ pub(crate) struct Shared {
 enum Command {
     /// Run scenarios and write signals, figures, a page and a recording
     Run(run::RunArgs),
+    /// Run a scenario many times, with the values of its table [variation]
+    Sweep(sweep::SweepArgs),
+    /// List or remove the evaluations that are never computed twice
+    #[command(subcommand)]
+    Store(store::StoreCommand),
     /// Check scenarios and materials without running them
     Check(check::CheckArgs),
     /// Print the JSON Schema of the scenario language, for editors
@@ -107,6 +114,8 @@ fn run(command: &Command, shared: &Shared) -> Result<(), Failure> {
     }
     match command {
         Command::Run(args) => run::run(args, shared),
+        Command::Sweep(args) => sweep::run(args, shared),
+        Command::Store(command) => store::run(command, shared),
         Command::Check(args) => check::run(args, shared),
         Command::Schema => schema::run(),
         Command::Explain(args) => explain::run(args, shared),

@@ -101,6 +101,18 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     failure.map_or(printed, Err)
 }
 
+/// Runs checked scenarios, each into the folder beside it, whatever was there; why one failed, if so.
+pub(super) fn all(runs: Vec<(Checked, PathBuf)>, shared: &Shared) -> Option<Failure> {
+    let jobs: Vec<Job> = runs
+        .into_iter()
+        .map(|(checked, place)| Job { checked, place, writer: None, vtu: false, force: true })
+        .collect();
+    let bar = Bar::new(jobs.len(), shared.quiet);
+    let done: Vec<Done> = jobs.par_iter().enumerate().map(|(index, job)| job.run(&bar, index, None)).collect();
+    bar.finish();
+    Failure::all(done.into_iter().filter_map(|done| done.failure))
+}
+
 /// All scenarios checked, each with the folder of its results, or all their mistakes.
 fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();

@@ -76,7 +76,11 @@ pub(super) fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
     if document.is_material() {
         return Err(vec![material(path)]);
     }
-    let document = document.with(assignments);
+    of_document(document.with(assignments))
+}
+
+/// Checks a scenario that was read.
+pub(super) fn of_document(document: Document) -> Verdict {
     let model = model::check(&document)?;
     simulate::check(&document, &model)?;
     let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;

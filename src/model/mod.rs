@@ -33,11 +33,11 @@ use crate::engine::GuideFriction;
 use crate::material::Material;
 use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
-use mistakes::Mistakes;
 pub use identity::Identity;
+use mistakes::Mistakes;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
-pub(crate) use warning::ABSORPTION_NOT_GIVEN;
 pub use variation::{Factor, Input, Level, Point, PointsError, Values, Variation, variation};
+pub(crate) use warning::ABSORPTION_NOT_GIVEN;
 pub use warning::{CODES, Warning, warnings};
 
 /// Checks a scenario and converts it to SI values.

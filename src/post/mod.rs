@@ -3,6 +3,7 @@
 mod audit;
 pub mod comparison;
 mod coupon_material;
+mod evaluations;
 mod impact;
 mod indent;
 mod inflation;
@@ -22,6 +23,7 @@ use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
 pub use comparison::RunComparison;
+pub use evaluations::{BUILD, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, is_cost};
 pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;
 pub use inflation::Inflation;

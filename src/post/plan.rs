@@ -63,7 +63,7 @@ impl Plan {
     }
 
     /// Whether the plan of one model is also that of the other.
-    pub(super) fn is_common(one: &Model, other: &Model) -> bool {
+    pub fn is_common(one: &Model, other: &Model) -> bool {
         one.reference == other.reference
             && one.post == other.post
             && one.output == other.output

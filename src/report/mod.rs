@@ -14,7 +14,9 @@ mod plot;
 pub mod recording;
 mod run_page;
 mod run_plots;
+mod shell;
 mod study_page;
+mod sweep_page;
 pub mod vtu;
 mod subject;
 
@@ -26,5 +28,7 @@ pub use html::page;
 pub use plot::figures;
 pub use run_page::{RunPage, run_page};
 pub(crate) use script_output::{cell, columns};
+pub(crate) use shell::quoted;
 pub use study_page::{StudyPage, study_page};
 pub(crate) use subject::subject;
+pub use sweep_page::{SweepPage, sweep_page};

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{cell, figure, script_output};
+use super::{cell, figure, quoted, script_output};
 use crate::script::ScriptOutput;
 
 /// The content of the page of a study.
@@ -71,12 +71,6 @@ fn again(call: &Map<String, Value>) -> String {
         env!("CARGO_PKG_VERSION"),
         html::verbatim(&format!("droptower script {}", words.join(" ")))
     )
-}
-
-/// A word of a command line, in quotes where a shell would split or expand it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=:,+%".contains(c);
-    if word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
 #[cfg(test)]

@@ -44,8 +44,8 @@ pub use air::{Air, Compression};
 pub use assignment::Assignment;
 pub use contact::Contact;
 pub use document::Document;
-pub use grammar::Rule;
 pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side};
+pub use grammar::Rule;
 pub use hyperelastic::{Energy, Hyperelastic, Moduli};
 pub use impactor::{
     BodyShape, Compound, FrictionPoint, Guide, Hinge, Impactor, ImpactorShape, MeshFile, MeshTable, MeshUnit,
@@ -65,7 +65,7 @@ pub use rupture::{Level, RatePoint, Rupture, RuptureCriterion, TriaxialPoint};
 pub use solver::Solver;
 pub use specimen::{Around, AroundChoice, Circle, Element, Meshing, Polygon, Shape, Specimen, Symmetry};
 pub use tree::{Node, Table, Value};
-pub use variation::{Correlation, Method, VariedKey, Variation};
+pub use variation::{Correlation, Method, Variation, VariedKey};
 pub use viscous::{Arrhenius, PronyOf, PronyTerm, Shift, Wlf};
 
 /// A scenario as written: the film, its loading, and what is recorded.

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::grammar::{Key, Rule, TableRule};
 use super::plausible;
-use super::variation;
 use super::tree::{Entry, Node, Table, Value};
+use super::variation;
 use crate::diagnostic::{Diagnostic, Span, closest};
 use crate::units::{Angle, Dimension, with_decimal_point};
 

@@ -162,7 +162,11 @@ fn choice(number: &Rule) -> TableRule {
     let shape = Rule::Number { whole: false, range: above_zero(Range::default()) };
     let count = Rule::Number {
         whole: true,
-        range: Range { from: Some(Bound { value: 2.0, included: true }), to: Some(Bound { value: 1e6, included: true }), likely: None },
+        range: Range {
+            from: Some(Bound { value: 2.0, included: true }),
+            to: Some(Bound { value: 1e6, included: true }),
+            likely: None,
+        },
     };
     let limits = TableRule {
         keys: vec![key("low", unlimited.clone(), false), key("high", unlimited, false)],
@@ -182,7 +186,8 @@ fn choice(number: &Rule) -> TableRule {
         keys.retain(|key| ["range", "count"].contains(&key.name.as_str()));
     }
     let groups = KINDS.iter().filter(|kind| keys.iter().any(|key| key.name == **kind));
-    let groups = groups.map(|kind| if *kind == "range" { vec!["range".into(), "count".into()] } else { vec![(*kind).into()] });
+    let groups =
+        groups.map(|kind| if *kind == "range" { vec!["range".into(), "count".into()] } else { vec![(*kind).into()] });
     TableRule { groups: groups.collect(), keys, group_required: true, ..TableRule::default() }
 }
 

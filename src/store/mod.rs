@@ -114,6 +114,9 @@ impl StoreError {
     }
 }
 
+/// Folder of evaluations that are never computed twice, where no other is given.
+pub const EVALUATIONS: &str = "runs/.evaluations";
+
 /// Folder of the search histories of a script whose results go to `target`.
 pub fn history_of(target: &Path) -> PathBuf {
     sibling_name(target, ".history")

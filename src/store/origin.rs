@@ -17,6 +17,9 @@ use crate::file;
 /// Begins the line of a stored scenario that names the file it was read from.
 const SCENARIO_LINE: &str = "# scenario: ";
 
+/// The same of the results of a sweep.
+const SWEEP_LINE: &str = "# sweep of: ";
+
 /// Lines of a stored scenario among which that one is.
 const FEW_LINES: usize = 4;
 
@@ -26,6 +29,11 @@ pub enum Origin {
     /// A run.
     Run {
         /// File of its scenario.
+        scenario: PathBuf,
+    },
+    /// Many runs of a scenario.
+    Sweep {
+        /// File of the scenario.
         scenario: PathBuf,
     },
     /// The output of a script.
@@ -43,6 +51,7 @@ impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Origin::Run { scenario } => write!(f, "the run of {}", shown_path(scenario)),
+            Origin::Sweep { scenario } => write!(f, "the sweep of {}", shown_path(scenario)),
             Origin::Study { script, scenario: None } => write!(f, "the results of {}", shown_path(script)),
             Origin::Study { script, scenario: Some(scenario) } => {
                 write!(f, "the results of {} with {}", shown_path(script), shown_path(scenario))
@@ -57,8 +66,15 @@ impl Origin {
     pub fn of_run(path: &Path) -> Origin {
         let folder = folder_of(path);
         let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO) && is_run(folder);
-        let first = is_stored.then(|| scenario_line(path)).flatten();
+        let first = is_stored.then(|| line_after(path, SCENARIO_LINE)).flatten();
         Origin::Run { scenario: first.map_or_else(|| full(path), |first| full(&full(folder).join(first))) }
+    }
+
+    /// Of a sweep of the scenario at `path`; that of the folder of a sweep is the scenario which was swept first.
+    pub fn of_sweep(path: &Path) -> Origin {
+        let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO);
+        let first = is_stored.then(|| line_after(path, SWEEP_LINE)).flatten();
+        Origin::Sweep { scenario: first.map_or_else(|| full(path), |first| full(&full(folder_of(path)).join(first))) }
     }
 
     /// Of a script at `script` that was given the scenario at `scenario`.
@@ -71,6 +87,7 @@ impl Origin {
     pub fn line(&self, place: &Path) -> String {
         match self {
             Origin::Run { scenario } => format!("{SCENARIO_LINE}{}\n", path_from(place, scenario)),
+            Origin::Sweep { scenario } => format!("{SWEEP_LINE}{}\n", path_from(place, scenario)),
             _ => String::new(),
         }
     }
@@ -80,7 +97,11 @@ impl Origin {
         let place = full(place);
         let scenario = folder.join(run_files::SCENARIO);
         if scenario.is_file() {
-            return scenario_line(&scenario).map(|scenario| Origin::Run { scenario: full(&place.join(scenario)) });
+            let named = |scenario: String| full(&place.join(scenario));
+            let run = line_after(&scenario, SCENARIO_LINE).map(|scenario| Origin::Run { scenario: named(scenario) });
+            let sweep =
+                || line_after(&scenario, SWEEP_LINE).map(|scenario| Origin::Sweep { scenario: named(scenario) });
+            return run.or_else(sweep);
         }
         let text = file::read(&folder.join(run_files::SUMMARY), run_files::MOST_BYTES).ok()?;
         let summary: Value = serde_json::from_slice(&text).ok()?;
@@ -124,9 +145,10 @@ pub fn path_from(place: &Path, file: &Path) -> String {
     if parts.is_empty() { ".".into() } else { parts.join("/") }
 }
 
-fn scenario_line(path: &Path) -> Option<String> {
+/// What stands behind `start` in one of the first lines of a file.
+fn line_after(path: &Path, start: &str) -> Option<String> {
     let text = file::read_text(path, run_files::MOST_BYTES).ok()?;
-    text.lines().take(FEW_LINES).find_map(|line| line.strip_prefix(SCENARIO_LINE)).map(String::from)
+    text.lines().take(FEW_LINES).find_map(|line| line.strip_prefix(start)).map(String::from)
 }
 
 /// The absolute path without links, as far as the folders on it exist.

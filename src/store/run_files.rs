@@ -21,6 +21,10 @@ pub const FILM_SERIES: &str = "film.pvd";
 pub const IMPACTOR_SERIES: &str = "impactor.pvd";
 /// Collection of the snapshots of the frame's bars for ParaView.
 pub const FRAME_SERIES: &str = "frame.pvd";
+/// Inputs and outputs of the runs of a sweep.
+pub const TABLE: &str = "table.csv";
+/// The same for Polars, pandas, R and others.
+pub const PARQUET: &str = "table.parquet";
 /// The page.
 pub const REPORT: &str = "report.html";
 /// Why a run failed.
@@ -35,7 +39,7 @@ pub const STUDY_FOLDER: &str = "folder";
 
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
-pub const RUN_FILES: [(&str, &str); 11] = [
+pub const RUN_FILES: [(&str, &str); 13] = [
     (SIGNALS, "all channels over time, SI"),
     (ENERGIES, "the energy audit over time"),
     (SUMMARY, "the figures, for other programs"),
@@ -45,6 +49,8 @@ pub const RUN_FILES: [(&str, &str); 11] = [
     (FILM_SERIES, "the film for ParaView"),
     (IMPACTOR_SERIES, "the impactors for ParaView"),
     (FRAME_SERIES, "the frame's bars for ParaView"),
+    (TABLE, "inputs and figures of the runs of a sweep"),
+    (PARQUET, "the same for Polars, pandas and R"),
     (REPORT, "this page"),
     (FAILURE, "why the run failed"),
 ];

@@ -1,5 +1,7 @@
 //! A key that varies: the values that it may have.
 
+use std::fmt;
+
 use droptower_uncertainty::distribution::{Distribution, DistributionError};
 
 use super::super::Mistakes;
@@ -177,3 +179,33 @@ impl Reading {
 
 /// Significant digits of the values of a range: beyond them is the round-off of its steps.
 const DIGITS: usize = 12;
+
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Input::Number(number) => write!(f, "{number}"),
+            Input::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+/// Most listed values that are named one by one.
+const MOST_NAMED: usize = 6;
+
+impl fmt::Display for Values {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Values::Levels(levels) if levels.len() > MOST_NAMED => match (levels.first(), levels.last()) {
+                (Some(first), Some(last)) => {
+                    write!(f, "{} values from {} to {}", levels.len(), first.input, last.input)
+                }
+                _ => Ok(()),
+            },
+            Values::Levels(levels) => {
+                let names: Vec<String> = levels.iter().map(|level| level.input.to_string()).collect();
+                f.write_str(&names.join(", "))
+            }
+            Values::Distribution(distribution) => write!(f, "{distribution}"),
+        }
+    }
+}

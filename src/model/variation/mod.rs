@@ -30,6 +30,21 @@ pub struct Variation {
     correlation: Option<Correlation>,
 }
 
+impl Variation {
+    /// How the values of the runs are chosen, in words.
+    pub fn description(&self) -> String {
+        let seed = self.seed;
+        let correlated = if self.correlation.is_some() { ", with correlation" } else { "" };
+        match &self.method {
+            Method::Grid => "every combination of the values (grid)".into(),
+            Method::Table(path) => format!("the rows of {}", path.display()),
+            Method::LatinHypercube => format!("Latin hypercube, seed {seed}{correlated}"),
+            Method::Sobol => format!("scrambled Sobol' sequence, seed {seed}{correlated}"),
+            Method::Random => format!("independent random values, seed {seed}{correlated}"),
+        }
+    }
+}
+
 /// The table `[variation]` of a scenario, checked; `None` where it has none.
 ///
 /// # Errors
@@ -94,7 +109,8 @@ fn method(written: &scenario::Variation, factors: &[Factor], mistakes: &mut Mist
         (None, None) => Method::Grid,
         (None, Some(_)) => Method::Sobol,
         (Some(Method::Grid), Some(factor)) => {
-            let message = format!("a grid needs a list or a range of every key, and `{}` has a distribution", factor.path);
+            let message =
+                format!("a grid needs a list or a range of every key, and `{}` has a distribution", factor.path);
             mistakes.report_with(METHOD, message, "write { range = [low, high], count = 5 }, or another method");
             Method::Grid
         }

@@ -106,6 +106,11 @@ impl EvaluationStore {
         Ok(store)
     }
 
+    /// Where it is.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Reads what other processes have added.
     ///
     /// # Errors

@@ -22,7 +22,10 @@ fn only_segment(folder: &Path) -> PathBuf {
 fn records_are_read_back_by_the_same_build_only() {
     let folder = tempfile::tempdir().unwrap();
     let store = open(folder.path());
-    assert!(store.is_empty() && segments(folder.path()).unwrap().is_empty(), "a store that is only read leaves nothing");
+    assert!(
+        store.is_empty() && segments(folder.path()).unwrap().is_empty(),
+        "a store that is only read leaves nothing"
+    );
     store.put(key(1), b"one").unwrap();
     store.put(key(2), b"").unwrap();
     assert_eq!(store.get(key(1)).unwrap().as_deref(), Some(&b"one"[..]));

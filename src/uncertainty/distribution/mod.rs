@@ -3,6 +3,8 @@
 mod family;
 mod moments;
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -87,6 +89,24 @@ impl TryFrom<Written> for Distribution {
 impl From<Distribution> for Written {
     fn from(distribution: Distribution) -> Self {
         Self { family: distribution.family, low: distribution.low, high: distribution.high }
+    }
+}
+
+/// In words: `normal, mean 12, deviation 0.5, at least 10`.
+impl fmt::Display for Distribution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.family {
+            Family::Uniform { low, high } => write!(f, "uniform from {low} to {high}")?,
+            Family::Normal { mean, deviation } => write!(f, "normal, mean {mean}, deviation {deviation}")?,
+            Family::LogNormal { mean, deviation } => write!(f, "log-normal, mean {mean}, deviation {deviation}")?,
+            Family::Weibull { scale, shape } => write!(f, "Weibull, scale {scale}, shape {shape}")?,
+        }
+        match (self.low, self.high) {
+            (None, None) => Ok(()),
+            (Some(low), None) => write!(f, ", at least {low}"),
+            (None, Some(high)) => write!(f, ", at most {high}"),
+            (Some(low), Some(high)) => write!(f, ", from {low} to {high}"),
+        }
     }
 }
 

@@ -119,7 +119,13 @@ impl ViscousLaw {
 
     /// Adds the work of a step over which the stress changed from `before` to `now`, and stores the strain.
     #[inline(always)]
-    fn work<const L: usize>(&self, at: &Measured<L>, before: &Plane<L>, now: &Plane<L>, head: &mut [Lane<L>; FIRST_TERM]) {
+    fn work<const L: usize>(
+        &self,
+        at: &Measured<L>,
+        before: &Plane<L>,
+        now: &Plane<L>,
+        head: &mut [Lane<L>; FIRST_TERM],
+    ) {
         for l in 0..L {
             let mut work = 0.0;
             for k in 0..2 {

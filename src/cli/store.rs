@@ -1,0 +1,110 @@
+//! `droptower store`: the evaluations that are never computed twice.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use serde_json::json;
+
+use super::{Failure, Shared, print_figures};
+use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
+use crate::number::{grouped, wall_time};
+use crate::post::BUILD;
+use crate::store::evaluations::SegmentFigures;
+use crate::store::{self, EvaluationStore};
+use crate::units::Time;
+
+#[derive(Debug, Subcommand)]
+pub(super) enum StoreCommand {
+    /// List the files of evaluations: how many, how large, of which build of droptower
+    List(Folder),
+    /// Remove evaluations of other builds of droptower, which this one does not use, or others
+    Prune(PruneArgs),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Folder {
+    /// Folder of the evaluations
+    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
+    pub store: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct PruneArgs {
+    #[command(flatten)]
+    pub folder: Folder,
+    /// Remove files to which nothing was added for this time ("720 h"), of this build too
+    #[arg(long, value_name = "TIME")]
+    pub older_than: Option<String>,
+    /// Remove all
+    #[arg(long, conflicts_with = "older_than")]
+    pub all: bool,
+}
+
+/// Time for which a file must be still before it is removed: a process may be writing it.
+const STILL_S: f64 = 60.0;
+
+pub(super) fn run(command: &StoreCommand, shared: &Shared) -> Result<(), Failure> {
+    match command {
+        StoreCommand::List(folder) => list(folder, shared),
+        StoreCommand::Prune(args) => prune(args, shared),
+    }
+}
+
+fn segments(folder: &Folder) -> Result<Vec<SegmentFigures>, Failure> {
+    EvaluationStore::list(&folder.store).map_err(|error| {
+        Failure::output(Diagnostic::new(format!("cannot read {}: {error}", shown_path(&folder.store))))
+    })
+}
+
+fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
+    let segments = segments(folder)?;
+    print_figures(shared, &segments, || {
+        let lines = segments.iter().map(|segment| {
+            let build = match segment.build.as_deref() {
+                Some(BUILD) => "this build".to_owned(),
+                Some(build) => format!("droptower {build}"),
+                None => "damaged".to_owned(),
+            };
+            let SegmentFigures { path, evaluations, bytes, age_s, .. } = segment;
+            format!(
+                "{}  {} evaluations  {} kB  {} old  {build}",
+                shown_path(path),
+                grouped(*evaluations as u64),
+                grouped(bytes.div_ceil(1024)),
+                wall_time(*age_s)
+            )
+        });
+        let total = segments.iter().map(|segment| segment.evaluations as u64).sum();
+        let lines: Vec<String> = lines.chain([format!("{} evaluations in all", grouped(total))]).collect();
+        lines.join("\n")
+    })
+}
+
+fn prune(args: &PruneArgs, shared: &Shared) -> Result<(), Failure> {
+    let age = args.older_than.as_deref().map(age).transpose()?;
+    let is_meant = |segment: &&SegmentFigures| {
+        let is_old = age.is_some_and(|age| segment.age_s > age);
+        let is_of_another = age.is_none() && segment.build.as_deref() != Some(BUILD);
+        segment.age_s > STILL_S && (args.all || is_old || is_of_another)
+    };
+    let segments = segments(&args.folder)?;
+    let meant: Vec<&SegmentFigures> = segments.iter().filter(is_meant).collect();
+    for segment in &meant {
+        EvaluationStore::remove(&args.folder.store, &segment.path).map_err(|error| {
+            Failure::output(Diagnostic::new(format!("cannot remove {}: {error}", shown_path(&segment.path))))
+        })?;
+    }
+    let removed = meant.iter().map(|segment| segment.evaluations).sum::<usize>();
+    let left = segments.iter().map(|segment| segment.evaluations).sum::<usize>() - removed;
+    print_figures(shared, &json!({ "removed": removed, "left": left }), || {
+        format!("{} evaluations removed, {} left", grouped(removed as u64), grouped(left as u64))
+    })
+}
+
+/// The time of `--older-than`, s.
+fn age(text: &str) -> Result<f64, Failure> {
+    let source = Source::unfiled("--older-than", text.to_owned());
+    Time::DIMENSION.parse(text).map_err(|error| {
+        Diagnostic::new(error.to_string()).at(&Span::new(&source, 0..text.len())).hint(error.hint()).into()
+    })
+}

@@ -1,0 +1,124 @@
+//! The progress of a sweep: a bar on a terminal, or events that a program can follow.
+
+use std::io::{self, Write};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
+
+use crate::cli::Shared;
+use crate::diagnostic::printable;
+use crate::number::{figure, wall_time};
+use crate::sweep::Event;
+
+/// Time between two events.
+const EVERY: Duration = Duration::from_millis(500);
+
+/// Progress of a sweep.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    events: bool,
+    quiet: bool,
+    total: usize,
+    state: Mutex<State>,
+}
+
+/// What was done so far.
+struct State {
+    taken: usize,
+    computed: usize,
+    failed: usize,
+    refused: usize,
+    /// When the first run that is not taken from a record was begun.
+    began: Instant,
+    reported: Instant,
+}
+
+impl State {
+    fn done(&self) -> usize {
+        self.taken + self.computed + self.refused
+    }
+
+    /// Runs per second, and seconds to go.
+    fn pace(&self, total: usize) -> Option<[f64; 2]> {
+        let elapsed = self.began.elapsed().as_secs_f64();
+        let rate = self.computed as f64 / elapsed;
+        (self.computed > 0 && elapsed > 0.0).then(|| [rate, (total - self.done()) as f64 / rate])
+    }
+}
+
+impl Progress {
+    /// Of a sweep of `total` runs.
+    pub(super) fn new(total: usize, shared: &Shared) -> Progress {
+        let hidden = shared.quiet || shared.json;
+        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
+        let bar = ProgressBar::with_draw_target(Some(total as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len}  {msg}") {
+            bar.set_style(style);
+        }
+        let now = Instant::now();
+        let state = State { taken: 0, computed: 0, failed: 0, refused: 0, began: now, reported: now };
+        Progress { bar, events: shared.json, quiet: shared.quiet, total, state: Mutex::new(state) }
+    }
+
+    /// Shows what became of a run.
+    pub(super) fn show(&self, event: &Event<'_>) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        match event {
+            Event::Taken => {
+                state.taken += 1;
+                if state.computed == 0 {
+                    state.began = Instant::now();
+                }
+            }
+            Event::Computed(evaluation) => {
+                state.computed += 1;
+                state.failed += usize::from(evaluation.failure.is_some());
+            }
+            Event::Refused(cause) => {
+                state.refused += 1;
+                if state.refused == 1 && !self.quiet && !self.events {
+                    let text = format!("warning: a run cannot start: {cause}");
+                    self.bar.suspend(|| drop(writeln!(io::stderr(), "{}", printable(&text))));
+                }
+            }
+        }
+        let is_last = state.done() == self.total;
+        if state.reported.elapsed() >= EVERY || is_last {
+            state.reported = Instant::now();
+            self.report(&state);
+        }
+    }
+
+    fn report(&self, state: &State) {
+        let pace = state.pace(self.total);
+        if self.events && !self.quiet {
+            let event = json!({
+                "event": "progress",
+                "done": state.done(),
+                "of": self.total,
+                "reused": state.taken,
+                "failed": state.failed + state.refused,
+                "runs_per_s": pace.map(|[rate, _]| rate),
+                "to_go_s": pace.map(|[_, to_go]| to_go),
+            });
+            // Whoever follows may have gone.
+            let _ = writeln!(io::stderr(), "{event}");
+        }
+        self.bar.set_position(state.done() as u64);
+        let failed = match state.failed + state.refused {
+            0 => String::new(),
+            failed => format!("  {failed} failed"),
+        };
+        self.bar.set_message(match pace {
+            Some([rate, to_go]) => format!("{} runs/s  {} to go{failed}", figure(rate, 2), wall_time(to_go)),
+            None => failed,
+        });
+    }
+
+    /// Removes the bar.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

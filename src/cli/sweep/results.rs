@@ -1,0 +1,146 @@
+//! The results of a sweep: its folder, the folders of single runs, and what the terminal shows.
+
+use std::path::{Path, PathBuf};
+
+use super::{SweepArgs, Task};
+use crate::cli::faults::storing;
+use crate::cli::{Failure, Shared, digest, folder, print_figures, run, scenarios};
+use crate::diagnostic::Diagnostic;
+use crate::model::Loading;
+use crate::number::{figure, wall_time};
+use crate::report::{self, SweepPage};
+use crate::store::{Draft, Origin, StoreError};
+use crate::sweep::{Sweep, SweepResults};
+
+/// Significant digits of figures on the terminal.
+const DIGITS: usize = 4;
+
+/// Which runs have folders of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Keep {
+    None,
+    All,
+    /// So many of the worst.
+    Worst(usize),
+    /// Those of these numbers, from one.
+    Numbers(Vec<usize>),
+}
+
+impl Keep {
+    pub(super) fn parse(text: &str) -> Option<Keep> {
+        if text == "all" {
+            return Some(Keep::All);
+        }
+        if let Some(count) = text.strip_prefix("worst:") {
+            return count.parse().ok().filter(|count| *count > 0).map(Keep::Worst);
+        }
+        let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        numbers.filter(|numbers| numbers.iter().all(|number| *number > 0)).map(Keep::Numbers)
+    }
+
+    /// The places of the runs, from zero.
+    fn places(&self, sweep: &Sweep, found: &SweepResults, figure: &str) -> Result<Vec<usize>, Diagnostic> {
+        Ok(match self {
+            Keep::None => vec![],
+            Keep::All => (0..sweep.len()).collect(),
+            Keep::Worst(_) if found.table.column(figure).is_none() => {
+                let names: Vec<&str> = found.statistics.iter().map(|(name, _)| name.as_str()).collect();
+                let mistake = Diagnostic::new(format!("the runs have no figure `{figure}`"));
+                return Err(mistake.hint(format!("give one of these by --figure: {}", names.join(", "))));
+            }
+            Keep::Worst(count) => found.worst(figure, *count),
+            Keep::Numbers(numbers) => match numbers.iter().find(|number| **number > sweep.len()) {
+                Some(number) => return Err(Diagnostic::new(format!("there is no run {number} of {}", sweep.len()))),
+                None => numbers.iter().map(|number| number - 1).collect(),
+            },
+        })
+    }
+}
+
+/// Writes the results, and shows them.
+pub(super) fn store(
+    task: &Task,
+    found: &SweepResults,
+    args: &SweepArgs,
+    shared: &Shared,
+    seconds: f64,
+) -> Result<(), Failure> {
+    let Task { sweep, place, keep, document, .. } = task;
+    let figure = args.figure.as_deref().unwrap_or(main_figure(sweep));
+    let kept = keep.places(sweep, found, figure)?;
+    let summary = found.summary(sweep, seconds);
+    let command = command(args);
+    let page = SweepPage { sweep, results: found, summary: &summary, command: &command, figure };
+    let origin = Origin::of_sweep(&args.scenario);
+    let scenario = format!("# droptower {}\n{}{}", env!("CARGO_PKG_VERSION"), origin.line(place), document.resolved());
+    let write = || -> Result<Vec<String>, StoreError> {
+        let draft = Draft::begin(place, origin, args.force)?;
+        let files = folder::fill_sweep(&draft, &page, &scenario)?;
+        draft.publish()?;
+        Ok(files)
+    };
+    let files = write().map_err(|error| Failure::output(storing(&error)))?;
+    let checked = |run| Ok((scenarios::of_document(sweep.document(run))?, run_place(place, run)));
+    let runs = kept.into_iter().map(checked).collect::<Result<Vec<_>, Vec<Diagnostic>>>()?;
+    let failure = run::all(runs, shared);
+    let printed = print_figures(shared, &summary, || text(sweep, found, seconds, &digest::folder(place, &files)));
+    let failed = failed_runs(sweep, found);
+    Failure::all([failure, failed].into_iter().flatten()).map_or(printed, Err)
+}
+
+/// The folder of a run of a sweep in `place`.
+fn run_place(place: &Path, run: usize) -> PathBuf {
+    let mut name = place.file_name().unwrap_or_default().to_owned();
+    name.push(".runs");
+    place.with_file_name(name).join(format!("{}", run + 1))
+}
+
+/// The figure by which runs are the worst, where none is given.
+fn main_figure(sweep: &Sweep) -> &'static str {
+    match sweep.model().loading {
+        Loading::Impact { .. } => "peak_acceleration_m_s2",
+        Loading::Stretch { .. } | Loading::Indent { .. } => "peak_force_N",
+        Loading::Pressure { .. } | Loading::Volume { .. } => "peak_deflection_m",
+    }
+}
+
+/// The arguments that repeat the sweep.
+fn command(args: &SweepArgs) -> String {
+    let mut words = vec!["droptower sweep".to_owned(), report::quoted(&args.scenario.display().to_string())];
+    words.extend(args.samples.map(|samples| format!("-n {samples}")));
+    words.extend(args.unset.iter().map(|key| format!("--unset {}", report::quoted(key))));
+    words.extend(args.set.iter().map(|change| format!("--set {}", report::quoted(change))));
+    words.join(" ")
+}
+
+fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> String {
+    let mut lines = vec![format!(
+        "{}: {} runs, {} of them taken from earlier ones, {} failed, {}",
+        sweep.model().name,
+        found.table.rows(),
+        found.reused,
+        found.failed,
+        wall_time(seconds)
+    )];
+    let width = found.statistics.iter().map(|(name, _)| name.len()).max().unwrap_or_default();
+    let varying = found.effects.iter().map(|effects| effects.figure.as_str());
+    for name in varying {
+        let Some((_, of)) = found.statistics.iter().find(|(own, _)| own == name) else { continue };
+        let [p05, p50, p95] = [of.p05, of.p50, of.p95].map(|value| figure(value, DIGITS));
+        lines.push(format!("  {name:width$}  median {p50}  5 % {p05}  95 % {p95}"));
+    }
+    if let Some((probability, [low, high])) = found.rupture {
+        let [probability, low, high] = [probability, low, high].map(|share| figure(100.0 * share, 3));
+        lines.push(format!("  the film ruptures in {probability} % of the runs (interval of 95 %: {low} to {high} %)"));
+    }
+    lines.push(folder.to_owned());
+    lines.join("\n")
+}
+
+/// Failed runs are in the table; the exit status tells that there are some.
+fn failed_runs(sweep: &Sweep, found: &SweepResults) -> Option<Failure> {
+    let cause = (0..found.table.rows()).find_map(|row| found.table.failure(row))?;
+    let name = &sweep.model().name;
+    let mistake = Diagnostic::new(format!("{name}: {} of {} runs failed: {cause}", found.failed, sweep.len()));
+    Some(Failure::numerical(mistake.hint("table.csv has the cause of each")))
+}

@@ -1,0 +1,328 @@
+//! Evaluations: runs that leave figures instead of a folder, each computed once.
+
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use flate2::Compression;
+use flate2::read::ZlibDecoder;
+use flate2::write::ZlibEncoder;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest as _, Sha256};
+use thiserror::Error;
+
+use super::{COST, HEADER, Plan, Results, failure_message};
+use crate::file::{Digest, FileError};
+use crate::model::{Identity, Model, Reference};
+use crate::simulate::{self, Cancellation, Outcome, RunError, RunOptions};
+use crate::store::EvaluationStore;
+use crate::store::evaluations::Key;
+
+/// Build of droptower: another one may give other bits.
+pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("DROPTOWER_BUILD"));
+
+/// Figures of a summary that follow from the machine.
+const OF_THE_MACHINE: [&str; 4] = ["wall_s", "ns_per_element_step", "threads", "instructions"];
+
+/// Most bytes of an unpacked record.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// What was computed before and what is computed now, in the folder that holds their records. Evaluations may be asked
+/// for by several threads at once.
+#[derive(Debug)]
+pub struct Evaluations {
+    store: EvaluationStore,
+    taken: AtomicUsize,
+    computed: AtomicUsize,
+}
+
+/// What identifies an evaluation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EvaluationKeys {
+    /// All that decides the run.
+    pub run: Key,
+    /// That, and what it is compared with and processed by.
+    pub figures: Key,
+}
+
+/// What is kept of every evaluation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evaluation {
+    /// The figures of `summary.json` that are numbers, truth values or texts, in its order, without those of the machine.
+    pub figures: Vec<(String, Figure)>,
+    /// Codes of the findings, each once.
+    pub findings: Vec<String>,
+    /// Why the run failed, where it did; its figures are then those until then.
+    pub failure: Option<String>,
+    /// Time that the engine took, s.
+    pub engine_s: f64,
+    /// Time that the whole evaluation took, s.
+    pub wall_s: f64,
+}
+
+/// A figure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Figure {
+    /// A number, SI.
+    Number(f64),
+    /// Whether something is so.
+    Flag(bool),
+    /// A word.
+    Text(String),
+}
+
+/// Why there is no evaluation.
+#[derive(Debug, Error)]
+pub enum EvaluationError {
+    /// The records cannot be read or written.
+    #[error("{}: {source}", folder.display())]
+    Store {
+        /// Their folder.
+        folder: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
+    /// A file that decides the run cannot be read.
+    #[error("{0}")]
+    Input(io::Error),
+    /// The run was cancelled.
+    #[error("the run was cancelled")]
+    Cancelled,
+}
+
+impl Figure {
+    /// Of a value of a summary; none of a list, a table or nothing.
+    fn of(value: &Value) -> Option<Figure> {
+        match value {
+            Value::Number(number) => number.as_f64().map(Figure::Number),
+            Value::Bool(flag) => Some(Figure::Flag(*flag)),
+            Value::String(text) => Some(Figure::Text(text.clone())),
+            Value::Null | Value::Array(_) | Value::Object(_) => None,
+        }
+    }
+
+    /// As a number: a flag is one or zero.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Figure::Number(number) => Some(*number),
+            Figure::Flag(flag) => Some(f64::from(u8::from(*flag))),
+            Figure::Text(_) => None,
+        }
+    }
+}
+
+impl Evaluation {
+    /// The figure of this name.
+    pub fn figure(&self, name: &str) -> Option<&Figure> {
+        self.figures.iter().find(|(own, _)| own == name).map(|(_, figure)| figure)
+    }
+
+    /// That of a run with these results.
+    fn of(model: &Model, outcome: &Outcome, results: &Results, wall_s: f64) -> Evaluation {
+        let is_figure = |name: &str| !HEADER.contains(&name) && !OF_THE_MACHINE.contains(&name);
+        let summary = results.summary(model);
+        let figures = summary.iter().filter(|(name, _)| is_figure(name));
+        let figures = figures.filter_map(|(name, value)| Some((name.clone(), Figure::of(value)?))).collect();
+        let mut findings: Vec<String> = Vec::new();
+        for finding in results.measures.findings().iter() {
+            if !findings.contains(&finding.code) {
+                findings.push(finding.code.clone());
+            }
+        }
+        Evaluation { figures, findings, failure: None, engine_s: outcome.wall.as_secs_f64(), wall_s }
+    }
+
+    /// That of a scene that cannot be run.
+    pub fn failed(cause: String) -> Evaluation {
+        Evaluation { figures: vec![], findings: vec![], failure: Some(cause), engine_s: 0.0, wall_s: 0.0 }
+    }
+}
+
+impl Evaluations {
+    /// Those whose records are in `folder`, which need not exist.
+    ///
+    /// # Errors
+    /// The records cannot be read.
+    pub fn open(folder: &Path) -> Result<Evaluations, EvaluationError> {
+        let failed = |source| EvaluationError::Store { folder: folder.into(), source };
+        let store = EvaluationStore::open(folder, BUILD).map_err(failed)?;
+        Ok(Evaluations { store, taken: AtomicUsize::new(0), computed: AtomicUsize::new(0) })
+    }
+
+    /// The records.
+    pub fn store(&self) -> &EvaluationStore {
+        &self.store
+    }
+
+    /// How many evaluations were taken from records, and how many were computed.
+    pub fn counts(&self) -> [usize; 2] {
+        [&self.taken, &self.computed].map(|count| count.load(Ordering::Relaxed))
+    }
+
+    /// What identifies the evaluation of `model` by `plan`.
+    ///
+    /// # Errors
+    /// A mesh or the reference cannot be read.
+    pub fn keys(model: &Model, plan: &Plan) -> Result<EvaluationKeys, EvaluationError> {
+        let identity = Identity::of(&without_snapshots(model)).map_err(EvaluationError::Input)?;
+        let run = digest(&[&encoded(&identity).map_err(EvaluationError::Input)?]);
+        let figures = match (&model.reference, plan.script()) {
+            (None, None) => run,
+            (reference, script) => {
+                let reference = reference.as_ref().map(content).transpose().map_err(EvaluationError::Input)?;
+                digest(&[&run.0, &reference.unwrap_or_default(), script.unwrap_or_default().as_bytes()])
+            }
+        };
+        Ok(EvaluationKeys { run, figures })
+    }
+
+    /// The evaluation under these keys; none where it was not computed before.
+    ///
+    /// # Errors
+    /// Its record cannot be read.
+    pub fn record(&self, keys: EvaluationKeys) -> Result<Option<Evaluation>, EvaluationError> {
+        let record = self.store.get(keys.figures).map_err(|source| self.failed(source))?;
+        Ok(record.and_then(|record| unpacked(&record)))
+    }
+
+    /// The evaluation of `model` by `plan`: from its record, from a whole run that is kept, or computed now. A run that
+    /// another one may want again, for another reference or script, is kept whole.
+    ///
+    /// # Errors
+    /// [`EvaluationError`]; a run that fails numerically is an evaluation.
+    pub fn evaluate(
+        &self,
+        model: &Model,
+        plan: &Plan,
+        keys: EvaluationKeys,
+        cancellation: &Cancellation,
+    ) -> Result<Evaluation, EvaluationError> {
+        if let Some(evaluation) = self.record(keys)? {
+            self.taken.fetch_add(1, Ordering::Relaxed);
+            return Ok(evaluation);
+        }
+        let begin = std::time::Instant::now();
+        let model = &without_snapshots(model);
+        let kept = self.outcome(keys.run)?;
+        let is_kept = kept.is_some();
+        let ran = match kept {
+            Some(outcome) => Ok(outcome),
+            None => {
+                let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+                simulate::run_with(model, options, &mut |_| {})
+            }
+        };
+        let evaluation = match ran {
+            Ok(outcome) => {
+                if keys.run != keys.figures && !is_kept {
+                    self.keep(keys.run, &outcome)?;
+                }
+                match plan.evaluate(model, &outcome) {
+                    Ok(results) => Evaluation::of(model, &outcome, &results, begin.elapsed().as_secs_f64()),
+                    Err(error) => Evaluation::failed(error.to_string()),
+                }
+            }
+            Err(RunError::Cancelled) => return Err(EvaluationError::Cancelled),
+            Err(RunError::Failure(failure)) => {
+                let cause = failure_message(&failure, model);
+                let so_far = plan.measure(model, &failure.so_far).ok();
+                let wall = begin.elapsed().as_secs_f64();
+                let so_far = so_far.map(|results| Evaluation::of(model, &failure.so_far, &results, wall));
+                Evaluation { failure: Some(cause.clone()), ..so_far.unwrap_or_else(|| Evaluation::failed(cause)) }
+            }
+            Err(error) => Evaluation::failed(match error.hint() {
+                Some(hint) => format!("{error}: {hint}"),
+                None => error.to_string(),
+            }),
+        };
+        self.add(keys, &evaluation)?;
+        let count = if is_kept { &self.taken } else { &self.computed };
+        count.fetch_add(1, Ordering::Relaxed);
+        Ok(evaluation)
+    }
+
+    /// Adds a record.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn add(&self, keys: EvaluationKeys, evaluation: &Evaluation) -> Result<(), EvaluationError> {
+        let record = packed(evaluation).map_err(|source| self.failed(source))?;
+        self.store.put(keys.figures, &record).map_err(|source| self.failed(source))
+    }
+
+    /// The outcome of a run that is kept whole, without its pictures.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn outcome(&self, run: Key) -> Result<Option<Outcome>, EvaluationError> {
+        let content = self.store.run(run).map_err(|source| self.failed(source))?;
+        Ok(content.and_then(|content| unpacked(&content)))
+    }
+
+    /// Keeps the outcome of a run, without its pictures.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn keep(&self, run: Key, outcome: &Outcome) -> Result<(), EvaluationError> {
+        let content = packed(outcome).map_err(|source| self.failed(source))?;
+        self.store.put_run(run, &content).map_err(|source| self.failed(source))
+    }
+
+    /// An error of the store.
+    pub fn failed(&self, source: io::Error) -> EvaluationError {
+        EvaluationError::Store { folder: self.store.folder().into(), source }
+    }
+}
+
+/// Whether a figure of that name says what a run cost, not what came of it.
+pub fn is_cost(name: &str) -> bool {
+    COST.contains(&name)
+}
+
+/// A model that stores no snapshots, which decide nothing.
+fn without_snapshots(model: &Model) -> Model {
+    let mut model = model.clone();
+    model.output.frames = 0;
+    model
+}
+
+/// What a reference says: how it is read, and its file.
+fn content(reference: &Reference) -> io::Result<Vec<u8>> {
+    let file = Digest::of_file(&reference.signals).map_err(|error| match error {
+        FileError::Io(error) => error,
+        error => io::Error::other(error.to_string()),
+    })?;
+    let reference = Reference { signals: PathBuf::new(), ..reference.clone() };
+    encoded(&(reference, file))
+}
+
+fn encoded(value: &impl Serialize) -> io::Result<Vec<u8>> {
+    postcard::to_allocvec(value).map_err(io::Error::other)
+}
+
+/// The digest of parts, each with its length.
+fn digest(parts: &[&[u8]]) -> Key {
+    let mut digest = Sha256::new();
+    for part in parts {
+        digest.update((part.len() as u64).to_le_bytes());
+        digest.update(part);
+    }
+    let mut key = [0; 16];
+    key.copy_from_slice(&digest.finalize()[..16]);
+    Key(key)
+}
+
+fn packed(value: &impl Serialize) -> io::Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(&encoded(value)?)?;
+    encoder.finish()
+}
+
+/// The value that was packed; none where it is damaged.
+fn unpacked<T: DeserializeOwned>(content: &[u8]) -> Option<T> {
+    let mut bytes = Vec::new();
+    ZlibDecoder::new(content).take(MOST_BYTES).read_to_end(&mut bytes).ok()?;
+    postcard::from_bytes(&bytes).ok()
+}

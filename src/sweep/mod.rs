@@ -1,0 +1,143 @@
+//! Sweeps: many runs of a scenario whose keys vary, each evaluated once, by any number of processes.
+
+mod parquet;
+mod queue;
+mod results;
+mod statistics;
+mod table;
+mod work;
+
+use crate::diagnostic::Diagnostic;
+use crate::finding::Finding;
+use crate::model::{self, Input, Model, Point, PointsError, Variation};
+use crate::post::{EvaluationError, EvaluationKeys, Evaluations, Plan, PrepareError};
+use crate::scenario::Document;
+use crate::simulate;
+pub use queue::Share;
+pub use results::SweepResults;
+pub use statistics::{Effect, Effects, Quantiles};
+pub use table::{Column, Table, Values};
+pub use work::{Done, Event, Stop, Work};
+
+/// A scenario, what varies in it, and the values of its runs.
+#[derive(Debug)]
+pub struct Sweep {
+    /// The scenario without what varies.
+    base: Document,
+    variation: Variation,
+    points: Vec<Point>,
+    /// Model and plan of the scenario as written.
+    model: Model,
+    plan: Plan,
+}
+
+/// Why a scenario cannot be swept.
+#[derive(Debug)]
+pub enum SweepError {
+    /// Mistakes in the scenario.
+    Scenario(Vec<Diagnostic>),
+    /// Nothing varies.
+    NothingVaries,
+    /// Its points cannot be chosen.
+    Points(PointsError),
+    /// Its evaluation cannot be prepared.
+    Prepare(PrepareError),
+}
+
+/// One run of a sweep, checked.
+#[derive(Debug)]
+pub(crate) struct Case {
+    pub model: Model,
+    pub plan: Plan,
+    pub keys: EvaluationKeys,
+}
+
+/// Why a run of a sweep cannot start.
+#[derive(Debug)]
+pub(crate) enum CaseError {
+    /// Its values make no valid scenario.
+    Refused(String),
+    /// Something else failed.
+    Evaluation(EvaluationError),
+}
+
+impl Sweep {
+    /// The sweep of the scenario in `document`, of `samples` runs in place of the number that is written.
+    ///
+    /// # Errors
+    /// The scenario as written has mistakes, nothing varies, or its points cannot be chosen.
+    pub fn prepare(document: &Document, samples: Option<usize>) -> Result<Sweep, SweepError> {
+        let variation = model::variation(document).map_err(SweepError::Scenario)?;
+        let base = document.without_variation();
+        let model = model::check(&base).map_err(SweepError::Scenario)?;
+        simulate::check(&base, &model).map_err(SweepError::Scenario)?;
+        let plan = Plan::prepare(&model).map_err(SweepError::Prepare)?;
+        let variation = variation.ok_or(SweepError::NothingVaries)?;
+        let points = variation.points(samples).map_err(SweepError::Points)?;
+        Ok(Sweep { base, variation, points, model, plan })
+    }
+
+    /// What varies.
+    pub fn variation(&self) -> &Variation {
+        &self.variation
+    }
+
+    /// The scenario as written.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The scenario as written, unchecked.
+    pub fn base(&self) -> &Document {
+        &self.base
+    }
+
+    /// Number of runs.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there are no runs.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// The values of the run at `place`, counted from zero.
+    pub fn inputs(&self, place: usize) -> impl Iterator<Item = &Input> {
+        self.points[place].levels.iter().map(|level| &level.input)
+    }
+
+    /// The scenario of the run at `place`.
+    pub fn document(&self, place: usize) -> Document {
+        self.base.with(&self.variation.assignments(&self.points[place]))
+    }
+
+    /// The changes of the scenario that give the run at `place`, as arguments of `--set`.
+    pub fn changes(&self, place: usize) -> Vec<String> {
+        let levels = self.variation.factors.iter().zip(&self.points[place].levels);
+        levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml())).collect()
+    }
+
+    /// The run at `place`, checked.
+    pub(crate) fn case(&self, place: usize) -> Result<Case, CaseError> {
+        let document = self.document(place);
+        let model = model::check(&document).map_err(|mistakes| CaseError::Refused(refusal(&mistakes)))?;
+        let plan = match Plan::is_common(&model, &self.model) {
+            true => self.plan.clone(),
+            false => Plan::prepare(&model).map_err(|error| CaseError::Refused(error.to_string()))?,
+        };
+        let warnings = model::warnings(&document, &model);
+        let plan = plan.with_findings(warnings.iter().map(Finding::new).collect());
+        let keys = Evaluations::keys(&model, &plan).map_err(CaseError::Evaluation)?;
+        Ok(Case { model, plan, keys })
+    }
+}
+
+/// The mistakes of a scenario in one line.
+fn refusal(mistakes: &[Diagnostic]) -> String {
+    let line = |mistake: &Diagnostic| match &mistake.hint {
+        Some(hint) => format!("{} ({hint})", mistake.message),
+        None => mistake.message.clone(),
+    };
+    mistakes.iter().map(line).collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,223 @@
+//! The inputs and outputs of a sweep as one table: a row for each run, by number.
+
+use std::collections::HashMap;
+use std::io;
+
+use super::{Done, Sweep};
+use crate::model::Input;
+use crate::post::{Evaluation, EvaluationError, Evaluations, Figure};
+
+/// A column, with a value or nothing in every row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name, with its SI unit as suffix.
+    pub name: String,
+    /// Its values.
+    pub values: Values,
+}
+
+/// Values of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Numbers, SI.
+    Numbers(Vec<Option<f64>>),
+    /// Truth values.
+    Flags(Vec<Option<bool>>),
+    /// Texts.
+    Texts(Vec<Option<String>>),
+}
+
+/// Columns of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// Number of the run, its inputs, its status, its figures, codes of its findings, why it failed, its evaluation.
+    pub columns: Vec<Column>,
+    /// Number of columns of inputs, after that of the number.
+    pub inputs: usize,
+    /// Number of columns of figures, after that of the status.
+    pub figures: usize,
+}
+
+/// A run that is done, as it stands in the table.
+const FINISHED: &str = "finished";
+const FAILED: &str = "failed";
+
+impl Values {
+    fn of(figure: &Figure) -> Values {
+        match figure {
+            Figure::Number(_) => Values::Numbers(vec![]),
+            Figure::Flag(_) => Values::Flags(vec![]),
+            Figure::Text(_) => Values::Texts(vec![]),
+        }
+    }
+
+    fn resize(&mut self, rows: usize) {
+        match self {
+            Values::Numbers(values) => values.resize(rows, None),
+            Values::Flags(values) => values.resize(rows, None),
+            Values::Texts(values) => values.resize_with(rows, || None),
+        }
+    }
+
+    /// Adds a value after `rows` others.
+    fn push(&mut self, rows: usize, figure: &Figure) {
+        self.resize(rows);
+        match (self, figure) {
+            (Values::Numbers(values), Figure::Number(number)) => values.push(Some(*number)),
+            (Values::Flags(values), Figure::Flag(flag)) => values.push(Some(*flag)),
+            (Values::Texts(values), Figure::Text(text)) => values.push(Some(text.clone())),
+            (values, _) => values.resize(rows + 1),
+        }
+    }
+
+    /// The value of a row as text; empty where there is none.
+    fn text(&self, row: usize) -> String {
+        let text = match self {
+            Values::Numbers(values) => values[row].map(|number| number.to_string()),
+            Values::Flags(values) => values[row].map(|flag| flag.to_string()),
+            Values::Texts(values) => values[row].clone(),
+        };
+        text.unwrap_or_default()
+    }
+
+    /// As numbers; a flag is one or zero, a text nothing.
+    pub fn numbers(&self) -> Vec<Option<f64>> {
+        match self {
+            Values::Numbers(values) => values.clone(),
+            Values::Flags(values) => values.iter().map(|flag| flag.map(|flag| f64::from(u8::from(flag)))).collect(),
+            Values::Texts(values) => vec![None; values.len()],
+        }
+    }
+}
+
+/// Rows that are added one by one.
+#[derive(Default)]
+struct Figures {
+    columns: Vec<Column>,
+    places: HashMap<String, usize>,
+    rows: usize,
+}
+
+impl Figures {
+    fn add(&mut self, evaluation: &Evaluation) {
+        for (name, figure) in &evaluation.figures {
+            let next = self.columns.len();
+            let place = *self.places.entry(name.clone()).or_insert(next);
+            if place == next {
+                self.columns.push(Column { name: name.clone(), values: Values::of(figure) });
+            }
+            self.columns[place].values.push(self.rows, figure);
+        }
+        self.rows += 1;
+    }
+}
+
+impl Table {
+    /// The table of the runs of `sweep` of which `done` knows the outcome; others have no row.
+    ///
+    /// # Errors
+    /// A record cannot be read.
+    pub fn of(sweep: &Sweep, done: &Done, evaluations: &Evaluations) -> Result<Table, EvaluationError> {
+        let mut figures = Figures::default();
+        let (mut places, mut status, mut findings, mut failures, mut keys) = (vec![], vec![], vec![], vec![], vec![]);
+        for place in 0..sweep.len() {
+            let key = done.keys.get(&place).copied();
+            let evaluation = match (key, done.refused.get(&place)) {
+                (Some(keys), _) => evaluations.record(keys)?,
+                (None, Some(cause)) => Some(Evaluation::failed(cause.clone())),
+                (None, None) => None,
+            };
+            let Some(evaluation) = evaluation else { continue };
+            figures.add(&evaluation);
+            places.push(place);
+            let outcome = if evaluation.failure.is_some() { FAILED } else { FINISHED };
+            status.push(Some(outcome.to_owned()));
+            findings.push(Some(evaluation.findings.join(" ")));
+            failures.push(evaluation.failure);
+            keys.push(key.map(|keys| keys.figures.to_string()));
+        }
+        let text = |name: &str, values| Column { name: name.into(), values: Values::Texts(values) };
+        let numbers = places.iter().map(|place| Some((place + 1) as f64)).collect();
+        let mut columns = vec![Column { name: "run".into(), values: Values::Numbers(numbers) }];
+        columns.extend(inputs(sweep, &places));
+        let inputs = columns.len() - 1;
+        columns.push(text("status", status));
+        let count = figures.columns.len();
+        figures.columns.iter_mut().for_each(|column| column.values.resize(places.len()));
+        columns.extend(figures.columns);
+        columns.extend([text("findings", findings), text("failure", failures), text("evaluation", keys)]);
+        Ok(Table { columns, inputs, figures: count })
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| match &column.values {
+            Values::Numbers(values) => values.len(),
+            Values::Flags(values) => values.len(),
+            Values::Texts(values) => values.len(),
+        })
+    }
+
+    /// The column of this name.
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
+    /// The columns of inputs.
+    pub fn inputs(&self) -> &[Column] {
+        self.columns.get(1..=self.inputs).unwrap_or_default()
+    }
+
+    /// The columns of figures.
+    pub fn figures(&self) -> &[Column] {
+        let first = self.inputs + 2;
+        self.columns.get(first..first + self.figures).unwrap_or_default()
+    }
+
+    /// Number of the run in a row, from one.
+    pub fn number(&self, row: usize) -> usize {
+        match self.columns.first().map(|column| &column.values) {
+            Some(Values::Numbers(values)) => values[row].unwrap_or_default() as usize,
+            _ => 0,
+        }
+    }
+
+    /// Why the run in a row failed, if it did.
+    pub fn failure(&self, row: usize) -> Option<&str> {
+        match &self.column("failure")?.values {
+            Values::Texts(values) => values[row].as_deref(),
+            _ => None,
+        }
+    }
+
+    /// As CSV with a header.
+    ///
+    /// # Errors
+    /// Memory is exhausted.
+    pub fn to_csv(&self) -> io::Result<Vec<u8>> {
+        let mut out = csv::Writer::from_writer(Vec::new());
+        out.write_record(self.columns.iter().map(|column| &column.name))?;
+        for row in 0..self.rows() {
+            out.write_record(self.columns.iter().map(|column| column.values.text(row)))?;
+        }
+        out.into_inner().map_err(|error| io::Error::other(error.to_string()))
+    }
+}
+
+fn inputs(sweep: &Sweep, places: &[usize]) -> Vec<Column> {
+    let factors = sweep.variation().factors.iter().enumerate();
+    let column = |(index, factor): (usize, &crate::model::Factor)| {
+        let values: Vec<&Input> = places.iter().filter_map(|place| sweep.inputs(*place).nth(index)).collect();
+        let number = |input: &&Input| match input {
+            Input::Number(number) => Some(*number),
+            Input::Text(_) => None,
+        };
+        let numbers: Option<Vec<f64>> = values.iter().map(number).collect();
+        let values = match numbers {
+            Some(numbers) => Values::Numbers(numbers.into_iter().map(Some).collect()),
+            None => Values::Texts(values.into_iter().map(|input| Some(input.to_string())).collect()),
+        };
+        Column { name: factor.column(), values }
+    };
+    factors.map(column).collect()
+}
