@@ -266,6 +266,17 @@ mod tests {
         assert!(coverage.contains(0.94), "{coverage:?}");
     }
 
+    /// The mean of three samples, one of them 1 and the others 0: its variance over all resamples is 2/27.
+    #[test]
+    fn a_resample_takes_every_sample_equally_often() {
+        for one in 0..3 {
+            let bootstrap = Bootstrap { resamples: 20_000, ..Bootstrap::default() };
+            let [deviation] = bootstrap
+                .deviations(3, |indices| [Some(indices.iter().filter(|index| **index == one).count() as f64 / 3.0)]);
+            assert!((deviation.unwrap() / (2.0_f64 / 27.0).sqrt() - 1.0).abs() < 0.02, "{one}: {deviation:?}");
+        }
+    }
+
     #[test]
     fn an_undefined_statistic_has_no_interval() {
         let [one, other] = Bootstrap::default().percentiles(3, |indices| [Some(1.0), (indices[0] > 0).then_some(1.0)]);

@@ -106,6 +106,25 @@ mod tests {
         assert_eq!(point(gray(6)), [0.625, 0.125, 0.875]);
     }
 
+    /// Coordinates, in units of 2⁻³², of the points 1000 and 100 000 of SciPy 1.17.1, `qmc.Sobol(256, scramble=False,
+    /// bits=32)`, in the dimensions 4, 11, 37, 101, 128, 201 and 256.
+    #[test]
+    fn another_implementation_gives_the_same_in_high_dimensions() {
+        const DIMENSIONS: [usize; 7] = [3, 10, 36, 100, 127, 200, 255];
+        const POINTS: [(u32, [u32; 7]); 2] = [
+            (1000, [2906652672, 364904448, 3644850176, 3300917248, 2336227328, 3233808384, 1069547520]),
+            (100_000, [2666364928, 1193771008, 344555520, 2059567104, 362512384, 3858464768, 3997335552]),
+        ];
+        for (index, expected) in POINTS {
+            let gray = index ^ (index >> 1);
+            assert_eq!(DIMENSIONS.map(|dimension| unscrambled(&DIRECTIONS[dimension], gray)), expected);
+        }
+        // All 256 coordinates of the second point, as one number.
+        let all = DIRECTIONS.iter().map(|v| unscrambled(v, 100_000 ^ 50_000));
+        let sum = all.fold(0_u64, |sum, x| sum.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(u64::from(x)));
+        assert_eq!(sum, 2_956_943_609_472_417_792);
+    }
+
     #[test]
     fn every_dimension_is_stratified_before_and_after_the_scrambling() {
         assert_eq!(DIRECTIONS.len(), MOST_FACTORS);

@@ -132,6 +132,22 @@ mod tests {
         assert!((0.90..=1.0).contains(&(f64::from(covered) / f64::from(all))), "{covered} of {all}");
     }
 
+    /// Ten bins of ten points: without what is subtracted for chance, the mean of the estimates would be 0.09.
+    #[test]
+    fn a_coordinate_without_effect_is_zero_on_average() {
+        let bootstrap = Bootstrap { resamples: 2, ..Bootstrap::default() };
+        let studies = 400;
+        let sum: f64 = (0..studies)
+            .map(|seed| {
+                let points = points(Method::Random, &[Levels::Continuous; 4], 100, seed).unwrap();
+                let outputs: Vec<Option<f64>> = points.iter().map(|u| Some(ishigami(&u[..3]))).collect();
+                main_effects(&points, &outputs, &bootstrap).unwrap()[3].value
+            })
+            .sum();
+        println!("mean index of a coordinate without effect: {:.4}", sum / studies as f64);
+        assert!((sum / studies as f64).abs() < 0.01);
+    }
+
     #[test]
     fn what_tells_nothing_is_refused() {
         let points = vec![vec![0.5]; 9];

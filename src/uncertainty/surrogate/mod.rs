@@ -87,7 +87,8 @@ pub enum SurrogateError {
 pub struct Options {
     /// Highest degree that is tried.
     pub highest_degree: usize,
-    /// q of the hyperbolic truncation, within (0, 1]: the smaller, the fewer interactions of high degree.
+    /// q of the hyperbolic truncation, within (0, 1]: the smaller, the fewer interactions of high degree. Degrees
+    /// with more than 4000 products are not tried.
     pub truncation: f64,
     /// Folds of the cross-validation.
     pub folds: usize,
