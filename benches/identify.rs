@@ -142,7 +142,7 @@ fn run(args: Map) -> Outcome<ScriptOutput> {
     let mut engine = functions::engine(Limits::STUDY);
     let collector = OutputCollector::new(Vec::new());
     functions::register_output(&mut engine, &collector);
-    post::register_studies(&mut engine, vec![]);
+    post::register_studies(&mut engine, vec![], None);
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     Arguments::register(&mut engine);
     let mut scope = Scope::new();

@@ -7,6 +7,7 @@ use crate::functions;
 use crate::identify;
 use crate::post;
 use crate::script::{Chapter, Entry};
+use crate::sweep;
 
 /// The word that stands in place of a key.
 pub(super) const WORD: &str = "functions";
@@ -42,7 +43,7 @@ pub(super) fn are_called(name: &str) -> bool {
 }
 
 fn chapters() -> impl Iterator<Item = &'static Chapter> {
-    post::REFERENCE.iter().chain(identify::REFERENCE).chain(functions::REFERENCE)
+    post::REFERENCE.iter().chain(identify::REFERENCE).chain(sweep::REFERENCE).chain(functions::REFERENCE)
 }
 
 /// The entries of a chapter in which `name` is called; all of them where there is no name.

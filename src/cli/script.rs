@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use rhai::{Dynamic, Scope};
@@ -13,12 +14,13 @@ use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::finding::Finding;
 use crate::functions;
 use crate::identify::{self, Identity, SearchEvent, SearchHost};
-use crate::post;
+use crate::post::{self, Evaluations};
 use crate::report::StudyPage;
 use crate::script::{
     Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
 use crate::store::{self, Draft, Origin, StoreError, run_files};
+use crate::sweep;
 use crate::units::with_decimal_point;
 
 #[derive(Debug, Args)]
@@ -43,6 +45,9 @@ pub(super) struct ScriptArgs {
     /// Replace results of another scenario or script in the same folder
     #[arg(long)]
     pub force: bool,
+    /// Folder of the evaluations that are never computed twice
+    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
+    pub store: PathBuf,
 }
 
 /// Names that belong to a study's summary.
@@ -101,12 +106,16 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
         SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
         SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
     });
+    let evaluations =
+        Evaluations::open(&args.store).map_err(|error| Failure::output(Diagnostic::new(error.to_string())))?;
+    let evaluations = Arc::new(evaluations);
     let mut engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, &collector);
     functions::register_reading(&mut engine);
     Session::of_engine(&engine).report_to(&collector);
-    post::register_studies(&mut engine, changes);
+    post::register_studies(&mut engine, changes, Some(Arc::clone(&evaluations)));
     identify::register(&mut engine, &host);
+    sweep::register(&mut engine, &evaluations);
     Arguments::register(&mut engine);
     let mut scope = Scope::new();
     let given = arguments(args)?;
@@ -121,6 +130,11 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
         false => Failure::from(script(&fault)),
     };
     program.run(&engine, scope).map_err(stopped)?;
+    let [taken, computed] = evaluations.counts();
+    if taken > 0 {
+        let all = taken + computed;
+        print_line(&format!("note: {taken} of {all} runs were computed before ({})", shown_path(&args.store)));
+    }
     let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
     let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));
     if let Some(finding) = &virtual_recordings {

@@ -62,6 +62,15 @@ pub struct Evaluation {
     pub wall_s: f64,
 }
 
+/// An evaluation, and whether its run was computed now.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluated {
+    /// The evaluation.
+    pub evaluation: Evaluation,
+    /// Whether nothing of it was there before.
+    pub is_new: bool,
+}
+
 /// A figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Figure {
@@ -166,8 +175,7 @@ impl Evaluations {
     /// # Errors
     /// A mesh or the reference cannot be read.
     pub fn keys(model: &Model, plan: &Plan) -> Result<EvaluationKeys, EvaluationError> {
-        let identity = Identity::of(&without_snapshots(model)).map_err(EvaluationError::Input)?;
-        let run = digest(&[&encoded(&identity).map_err(EvaluationError::Input)?]);
+        let run = run_key(&without_snapshots(model))?;
         let figures = match (&model.reference, plan.script()) {
             (None, None) => run,
             (reference, script) => {
@@ -198,10 +206,10 @@ impl Evaluations {
         plan: &Plan,
         keys: EvaluationKeys,
         cancellation: &Cancellation,
-    ) -> Result<Evaluation, EvaluationError> {
+    ) -> Result<Evaluated, EvaluationError> {
         if let Some(evaluation) = self.record(keys)? {
             self.taken.fetch_add(1, Ordering::Relaxed);
-            return Ok(evaluation);
+            return Ok(Evaluated { evaluation, is_new: false });
         }
         let begin = std::time::Instant::now();
         let model = &without_snapshots(model);
@@ -240,7 +248,31 @@ impl Evaluations {
         self.add(keys, &evaluation)?;
         let count = if is_kept { &self.taken } else { &self.computed };
         count.fetch_add(1, Ordering::Relaxed);
-        Ok(evaluation)
+        Ok(Evaluated { evaluation, is_new: !is_kept })
+    }
+
+    /// The outcome of `model` without its pictures: of a run that is kept whole, or of one that is computed and kept now.
+    ///
+    /// # Errors
+    /// [`EvaluationError`]; why the run has no outcome is within.
+    pub fn outcome_of(
+        &self,
+        model: &Model,
+        cancellation: &Cancellation,
+    ) -> Result<Result<Outcome, RunError>, EvaluationError> {
+        let model = without_snapshots(model);
+        let run = run_key(&model)?;
+        if let Some(outcome) = self.outcome(run)? {
+            self.taken.fetch_add(1, Ordering::Relaxed);
+            return Ok(Ok(outcome));
+        }
+        let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+        let ran = simulate::run_with(&model, options, &mut |_| {});
+        if let Ok(outcome) = &ran {
+            self.keep(run, outcome)?;
+            self.computed.fetch_add(1, Ordering::Relaxed);
+        }
+        Ok(ran)
     }
 
     /// Adds a record.
@@ -286,6 +318,12 @@ fn without_snapshots(model: &Model) -> Model {
     let mut model = model.clone();
     model.output.frames = 0;
     model
+}
+
+/// What decides a run of a model without snapshots, by this build.
+fn run_key(model: &Model) -> Result<Key, EvaluationError> {
+    let identity = Identity::of(model).map_err(EvaluationError::Input)?;
+    Ok(digest(&[BUILD.as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
 }
 
 /// What a reference says: how it is read, and its file.

@@ -23,7 +23,7 @@ use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
 pub use comparison::RunComparison;
-pub use evaluations::{BUILD, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, is_cost};
+pub use evaluations::{BUILD, Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, is_cost};
 pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;
 pub use inflation::Inflation;

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::coupon_material;
 use super::run::{self, ReferenceSignals};
-use super::{Plan, Run, failure_message, trial};
+use super::{Evaluations, Plan, Run, failure_message, trial};
 use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::Curve;
 use crate::finding::Finding;
@@ -29,18 +29,35 @@ struct Parts {
     document: Document,
     model: Model,
     plan: Plan,
+    /// Runs that were computed before; none where all are computed again.
+    evaluations: Option<Arc<Evaluations>>,
 }
 
 impl Study {
     /// Reads the scenario at `path`, relative to the working directory, applies `changes` and checks it.
     ///
     /// The session records the files that this reads.
-    pub fn read(path: &Path, changes: &[Assignment], session: &Session) -> HostResult<Study> {
-        Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, session)
+    pub fn read(
+        path: &Path,
+        changes: &[Assignment],
+        evaluations: Option<Arc<Evaluations>>,
+        session: &Session,
+    ) -> HostResult<Study> {
+        Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, evaluations, session)
+    }
+
+    /// The scenario as written, with its changes.
+    pub fn document(&self) -> &Document {
+        &self.0.document
     }
 
     /// Checks `document`, which may be a variant of another study.
-    fn check(document: Document, other: Option<&Parts>, session: &Session) -> HostResult<Study> {
+    fn check(
+        document: Document,
+        other: Option<&Parts>,
+        evaluations: Option<Arc<Evaluations>>,
+        session: &Session,
+    ) -> HostResult<Study> {
         let model = model::check(&document).map_err(mistakes)?;
         for path in
             document.files().iter().map(PathBuf::as_path).chain(model.meshes().into_iter().map(|mesh| mesh.path))
@@ -58,14 +75,14 @@ impl Study {
         if let (Some(reference), Some(comparison)) = (&model.reference, plan.comparison()) {
             session.add_recording(&reference.signals, comparison.is_virtual());
         }
-        Ok(Study(Arc::new(Parts { document, model, plan })))
+        Ok(Study(Arc::new(Parts { document, model, plan, evaluations })))
     }
 
     /// The same scenario with changed values of its keys.
     fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
         let changes = changes.collect::<HostResult<Vec<_>>>()?;
-        Study::check(self.0.document.with(&changes), Some(&*self.0), session)
+        Study::check(self.0.document.with(&changes), Some(&*self.0), self.0.evaluations.clone(), session)
     }
 
     fn simulate(&self, session: &Session) -> HostResult<Run> {
@@ -84,8 +101,14 @@ impl Study {
             session.add_failure(&cause);
             if matches!(error, RunError::Failure(_)) { numerical_failure(cause) } else { refuse(cause) }
         };
-        let options = RunOptions { cancellation: session.cancellation().clone(), ..RunOptions::default() };
-        let outcome = simulate::run_with(model, options, &mut |_| {}).map_err(failed)?;
+        let ran = match &self.0.evaluations {
+            Some(evaluations) => evaluations.outcome_of(model, session.cancellation()).map_err(refuse)?,
+            None => {
+                let options = RunOptions { cancellation: session.cancellation().clone(), ..RunOptions::default() };
+                simulate::run_with(model, options, &mut |_| {})
+            }
+        };
+        let outcome = ran.map_err(failed)?;
         if let Some(time) = outcome.rupture_time {
             session.add_rupture(&model.name, time);
         }
@@ -260,14 +283,15 @@ fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
     refuse(mistakes.iter().map(line).collect::<Vec<_>>().join("; "))
 }
 
-/// Offers scenarios to scripts; `changes` apply to each that a script reads.
-pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
+/// Offers scenarios to scripts; `changes` apply to each that a script reads. Runs are taken from `evaluations` and added to
+/// them.
+pub fn register(engine: &mut Engine, changes: Vec<Assignment>, evaluations: Option<Arc<Evaluations>>) {
     run::register(engine);
     coupon_material::register(engine);
     engine
         .register_type_with_name::<Study>("scenario")
         .register_fn("scenario", move |context: NativeCallContext, path: &str| {
-            Study::read(Path::new(path), &changes, &Session::of(&context))
+            Study::read(Path::new(path), &changes, evaluations.clone(), &Session::of(&context))
         })
         .register_fn("with", |context: NativeCallContext, study: &mut Study, changes: Map| {
             study.with(changes, &Session::of(&context))

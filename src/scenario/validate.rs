@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::grammar::{Key, Rule, TableRule};
 use super::plausible;
 use super::tree::{Entry, Node, Table, Value};
-use super::variation;
+use super::variation::{self, VariedKey};
 use crate::diagnostic::{Diagnostic, Span, closest};
 use crate::units::{Angle, Dimension, with_decimal_point};
 
@@ -17,6 +17,20 @@ pub fn validate(root: &Node, rule: &Rule) -> Vec<Diagnostic> {
     let mut walk = Walk::default();
     walk.node(root, rule, &Place::top(root));
     walk.mistakes
+}
+
+impl VariedKey {
+    /// The mistakes in what the key may have.
+    pub fn validate(&self) -> Vec<Diagnostic> {
+        match self.choices() {
+            Ok(rule) => {
+                let mut walk = Walk::default();
+                walk.node(&self.node, &rule, &Place { path: self.path.clone(), span: self.span.clone() });
+                walk.mistakes
+            }
+            Err(mistake) => vec![mistake],
+        }
+    }
 }
 
 /// A place in the tree.
@@ -109,10 +123,7 @@ impl Walk {
     /// Keys that vary, each with what it may have.
     fn varied(&mut self, table: &Table, rule: &TableRule) {
         for key in variation::varied_keys(table, rule) {
-            match key.choices() {
-                Ok(rule) => self.node(&key.node, &rule, &Place { path: key.path.clone(), span: key.span.clone() }),
-                Err(mistake) => self.report(mistake),
-            }
+            self.mistakes.extend(key.validate());
         }
     }
 

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::grammar::{self, Bound, Key, Range, Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
-use super::validate;
 use crate::diagnostic::{Diagnostic, Span, closest};
 use crate::units::{Dimension, Temperature, TemperatureDifference};
 
@@ -143,14 +142,6 @@ impl VariedKey {
             Some(number) => Rule::Either(vec![list, Rule::Table(choice(number))]),
             None => list,
         })
-    }
-
-    /// The mistakes in what the key may have.
-    pub fn validate(&self) -> Vec<Diagnostic> {
-        match self.choices() {
-            Ok(rule) => validate::validate(&self.node, &rule),
-            Err(mistake) => vec![mistake],
-        }
     }
 }
 

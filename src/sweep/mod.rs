@@ -1,5 +1,6 @@
 //! Sweeps: many runs of a scenario whose keys vary, each evaluated once, by any number of processes.
 
+mod bindings;
 mod parquet;
 mod queue;
 mod results;
@@ -13,6 +14,7 @@ use crate::model::{self, Input, Model, Point, PointsError, Variation};
 use crate::post::{EvaluationError, EvaluationKeys, Evaluations, Plan, PrepareError};
 use crate::scenario::Document;
 use crate::simulate;
+pub use bindings::{REFERENCE, register};
 pub use queue::Share;
 pub use results::SweepResults;
 pub use statistics::{Effect, Effects, Quantiles};
@@ -67,13 +69,28 @@ impl Sweep {
     /// # Errors
     /// The scenario as written has mistakes, nothing varies, or its points cannot be chosen.
     pub fn prepare(document: &Document, samples: Option<usize>) -> Result<Sweep, SweepError> {
+        Sweep::of(document, |variation| variation.points(samples).map_err(SweepError::Points))
+    }
+
+    /// The same at places of the unit cube: of each key the probability of at most its value, in the order of the keys.
+    ///
+    /// # Errors
+    /// As those of [`Sweep::prepare`].
+    pub fn at(document: &Document, places: &[Vec<f64>]) -> Result<Sweep, SweepError> {
+        Sweep::of(document, |variation| Ok(places.iter().map(|place| variation.at(place)).collect()))
+    }
+
+    fn of(
+        document: &Document,
+        points: impl Fn(&Variation) -> Result<Vec<Point>, SweepError>,
+    ) -> Result<Sweep, SweepError> {
         let variation = model::variation(document).map_err(SweepError::Scenario)?;
         let base = document.without_variation();
         let model = model::check(&base).map_err(SweepError::Scenario)?;
         simulate::check(&base, &model).map_err(SweepError::Scenario)?;
         let plan = Plan::prepare(&model).map_err(SweepError::Prepare)?;
         let variation = variation.ok_or(SweepError::NothingVaries)?;
-        let points = variation.points(samples).map_err(SweepError::Points)?;
+        let points = points(&variation)?;
         Ok(Sweep { base, variation, points, model, plan })
     }
 

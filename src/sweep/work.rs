@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::queue::{self, Share};
 use super::{Case, CaseError, Sweep};
-use crate::post::{Evaluation, EvaluationError, EvaluationKeys, Evaluations};
+use crate::post::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
 use crate::simulate::Cancellation;
 
 /// Time between two looks at the clock, at signals, and at what other processes did.
@@ -208,18 +208,30 @@ impl State<'_> {
             return Ok(());
         }
         let begin = Instant::now();
-        let evaluation = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.requested) {
+        let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.requested) {
             Err(EvaluationError::Cancelled) => return Ok(()),
-            evaluation => evaluation?,
+            evaluated => evaluated?,
         };
         self.longest.fetch_max(begin.elapsed().as_millis() as u64, Ordering::Relaxed);
-        let mut done = lock(&self.done);
-        done.computed += 1;
-        done.engine_s += evaluation.engine_s;
-        done.keys.insert(place, keys);
-        drop(done);
-        (self.observer)(Event::Computed(&evaluation));
+        self.add(place, keys, &evaluated);
         Ok(())
+    }
+}
+
+impl State<'_> {
+    /// Notes an evaluation.
+    fn add(&self, place: usize, keys: EvaluationKeys, evaluated: &Evaluated) {
+        let Evaluated { evaluation, is_new } = evaluated;
+        let mut done = lock(&self.done);
+        done.keys.insert(place, keys);
+        if *is_new {
+            done.computed += 1;
+            done.engine_s += evaluation.engine_s;
+        } else {
+            done.taken += 1;
+        }
+        drop(done);
+        (self.observer)(if *is_new { Event::Computed(evaluation) } else { Event::Taken });
     }
 }
 

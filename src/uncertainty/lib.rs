@@ -1,4 +1,5 @@
-//! Inputs that vary and what follows for outputs: pure mathematics that knows nothing else of droptower.
+//! Inputs that vary and what follows for outputs (docs/theory.md, section 26): pure mathematics that knows nothing else of
+//! droptower.
 //!
 //! [`distribution`] says how an input varies, [`design`] which points of the unit cube a study evaluates, and
 //! [`correlation`] couples them. [`screening`] and [`indices`] tell which inputs matter.

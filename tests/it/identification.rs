@@ -226,7 +226,7 @@ fn engine_with(bench: &Bench, changes: &[&str], host: SearchHost) -> Engine {
     let read =
         |change| Assignment::from_argument(change).unwrap_or_else(|m| panic!("{}", diagnostic::render(&m, false)));
     let mut engine = functions::engine(Limits::STUDY);
-    post::register_studies(&mut engine, changes.map(read).collect());
+    post::register_studies(&mut engine, changes.map(read).collect(), None);
     identify::register(&mut engine, &host);
     engine
 }

@@ -27,6 +27,7 @@ mod runs;
 mod shipped;
 mod signals;
 mod slow;
+mod sweeps;
 mod templates;
 mod verification;
 mod view;

@@ -322,7 +322,7 @@ fn the_examples_of_the_scripting_reference_run() {
     let mut engine: Engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
     functions::register_reading(&mut engine);
-    post::register_studies(&mut engine, vec![]);
+    post::register_studies(&mut engine, vec![], None);
     Arguments::register(&mut engine);
     // What post scripts find as `run` is tested beside it.
     for entry in post::REFERENCE[1..].iter().flat_map(|chapter| chapter.entries) {

@@ -113,7 +113,7 @@ fn post_scripts_add_figures() {
 fn study_scripts_compile() {
     let mut engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
-    post::register_studies(&mut engine, Vec::new());
+    post::register_studies(&mut engine, Vec::new(), None);
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     functions::register_reading(&mut engine);
     Arguments::register(&mut engine);

@@ -81,7 +81,7 @@ pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     let done = work.run(&|event| progress.show(&event));
     progress.finish();
     let done = done.map_err(|error| failed(&error))?;
-    if done.len() < sweep.len() && (args.merge || *share != Share::WHOLE || stop.requested.is_cancelled()) {
+    if done.len() < sweep.len() {
         return unfinished(&task, &done, args, shared);
     }
     if *share != Share::WHOLE {

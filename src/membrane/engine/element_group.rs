@@ -151,7 +151,7 @@ where
         let mounts = self.elements.viscous.as_ref().is_some_and(|viscous| viscous.mounts(dt));
         let failed = element::add_forces(width, &mut self.elements, &*self.law, position, dt, force);
         if mounts {
-            element::count_mounting(&mut self.elements, &*self.law, position);
+            element::count_mounting(width, &mut self.elements, &*self.law, position);
         }
         failed | element::tear(width, &mut self.elements, &*self.law, position, dt)
     }

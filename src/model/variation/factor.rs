@@ -53,7 +53,8 @@ pub enum Input {
 impl Factor {
     /// Reads the values of a key.
     pub(super) fn read(key: &VariedKey, mistakes: &mut Mistakes<'_>) -> Option<Factor> {
-        let rule = key.rule().ok()?;
+        // The grammar reports these.
+        let rule = key.rule().ok().filter(|_| key.validate().is_empty())?;
         let number = rule.number();
         let dimension = number.and_then(Rule::dimension);
         let read = Reading { dimension, is_whole: matches!(number, Some(Rule::Number { whole: true, .. })) };

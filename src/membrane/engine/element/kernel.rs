@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, Blocks, Corners};
 use super::energy::ElementEnergy;
-use super::viscous::ViscousPass;
+use super::viscous::{ViscousBlock, ViscousPass};
 use crate::engine::disjoint::Disjoint;
-use crate::lane::{LANES, Lane3, Width, at_width, splat};
+use crate::lane::{LANES, Lane, Lane3, Width, at_width, splat};
 use crate::material::MembraneLaw;
 
 /// Nodal forces that several threads add to, each to those of its own nodes.
@@ -139,19 +139,31 @@ fn add_forces_lanewise<
 }
 
 at_width! {
-    /// Energies of the elements of `blocks`, J, a lane each: those of the same lane are summed.
-    fn lane_energies[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
-        elements: &Blocks<B, NODES, L>, blocks: Range<usize>, law: &M, position: &[&[f64]; 3],
-    ) -> BlockEnergies<L> = lane_energies_lanewise, up to AVX2
+    /// Energies of the elements of a block whose nodes are at `x`, J, without what their tears took. The laws are compiled
+    /// into this one function for all who need it.
+    pub(super) fn block_energies[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
+        block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
+    ) -> BlockEnergies<L> = block_energies_lanewise, up to AVX2
 }
 
 #[inline(always)]
-fn lane_energies_lanewise<
+fn block_energies_lanewise<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
     const NODES: usize,
     const L: usize,
 >(
+    block: &B,
+    law: &M,
+    viscous: Option<ViscousBlock<'_, L>>,
+    x: &[Lane3<L>; NODES],
+) -> BlockEnergies<L> {
+    block.energies(law, viscous, x)
+}
+
+/// Energies of the elements of `blocks`, J, a lane each: those of the same lane are summed.
+fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
+    width: Width,
     elements: &Blocks<B, NODES, L>,
     blocks: Range<usize>,
     law: &M,
@@ -161,7 +173,7 @@ fn lane_energies_lanewise<
     let mut sums = BlockEnergies::NONE;
     for b in blocks {
         gather(&elements.corners[b], position, &mut x);
-        let energies = elements.blocks[b].energies(law, elements.viscous_block(b), &x);
+        let energies = block_energies(width, &elements.blocks[b], law, elements.viscous_block(b), &x);
         let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         for l in 0..L {
             sums.stored[l] += share[l] * energies.stored[l];
@@ -173,13 +185,13 @@ fn lane_energies_lanewise<
 }
 
 /// Counts the energy of viscous film that was just mounted as work done on it: it is mounted at once and rests then.
-/// Seldom called, and so compiled for the baseline width only.
 pub(crate) fn count_mounting<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
     const NODES: usize,
     const L: usize,
 >(
+    width: Width,
     elements: &mut Blocks<B, NODES, L>,
     law: &M,
     position: &[&[f64]; 3],
@@ -188,7 +200,7 @@ pub(crate) fn count_mounting<
     let mut x = [[splat(0.0); 3]; NODES];
     for (b, (corners, block)) in corners.iter().zip(blocks).enumerate() {
         gather(corners, position, &mut x);
-        let (energies, volume) = (block.energies(law, None, &x), block.volume());
+        let (energies, volume) = (block_energies(width, block, law, None, &x), block.volume());
         viscous.count_mounting(
             b,
             std::array::from_fn(|l| match volume[l] {
@@ -236,19 +248,36 @@ pub(crate) fn energy_at<
 }
 
 at_width! {
-    /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
-    pub(crate) fn frequency_bound[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
-        elements: &Blocks<B, NODES, L>, law: &M, density: f64, position: &[&[f64]; 3],
-    ) -> f64 = frequency_bound_lanewise, up to AVX2
+    /// Bound on the stiffness of the elements of a block whose nodes are at `x`, N/m. The laws are compiled into this one
+    /// function for all who need it.
+    fn block_stiffness[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
+        block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
+    ) -> Lane<L> = block_stiffness_lanewise, up to AVX2
 }
 
 #[inline(always)]
-fn frequency_bound_lanewise<
+fn block_stiffness_lanewise<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
     const NODES: usize,
     const L: usize,
 >(
+    block: &B,
+    law: &M,
+    viscous: Option<ViscousBlock<'_, L>>,
+    x: &[Lane3<L>; NODES],
+) -> Lane<L> {
+    block.stiffness(law, viscous, x)
+}
+
+/// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
+pub(crate) fn frequency_bound<
+    B: Block<NODES, L>,
+    M: MembraneLaw<History<L> = B::History>,
+    const NODES: usize,
+    const L: usize,
+>(
+    width: Width,
     elements: &Blocks<B, NODES, L>,
     law: &M,
     density: f64,
@@ -258,7 +287,7 @@ fn frequency_bound_lanewise<
     let mut largest = splat::<L>(0.0);
     for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
         gather(corners, position, &mut x);
-        let bound = block.stiffness(law, elements.viscous_block(b), &x);
+        let bound = block_stiffness(width, block, law, elements.viscous_block(b), &x);
         let volume = block.volume();
         let factor = elements.mass_factors.get(b).copied().unwrap_or(splat(1.0));
         let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
@@ -273,8 +302,7 @@ fn frequency_bound_lanewise<
 }
 
 /// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and calls
-/// `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d). Once a run, and so
-/// for the baseline width only.
+/// `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
 pub(crate) fn add_mass<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -292,7 +320,8 @@ pub(crate) fn add_mass<
     for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
         gather(corners, position, &mut x);
         let factors = &mut factors[b];
-        let (bound, volume) = (block.stiffness(law, elements.viscous_block(b), &x), block.volume());
+        let bound = block_stiffness(Width::best(), block, law, elements.viscous_block(b), &x);
+        let volume = block.volume();
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
             let own = density * volume[l] / NODES as f64;
             let factor = bound[l] / (own * most);

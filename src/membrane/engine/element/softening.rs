@@ -2,9 +2,9 @@
 //! 25).
 
 use super::block::{Block, BlockEnergies, Blocks};
-use super::kernel::gather;
+use super::kernel::{block_energies, gather};
 use super::tearing::TooWide;
-use crate::lane::{Lane, at_width, larger, splat};
+use crate::lane::{Lane, Width, at_width, larger, splat};
 use crate::material::{AT_TIP, Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
 
 at_width! {
@@ -35,7 +35,8 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
         if values.is_some_and(|values| tearing.stays_whole(b, &values, &strains, dt)) {
             continue;
         }
-        let BlockEnergies { stored, absorbed, hourglass } = block.energies(law, elements.viscous_block(b), &x);
+        let BlockEnergies { stored, absorbed, hourglass } =
+            block_energies(Width::best(), block, law, elements.viscous_block(b), &x);
         let mut stress = None;
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
             let mut tear = tearing.at(b, l);

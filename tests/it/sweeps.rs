@@ -1,0 +1,281 @@
+//! Sweeps by the built binary: each run evaluated once, by any number of processes, whatever becomes of them.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+use crate::workbench::{command, droptower, error, figures, printed, root};
+
+/// A short drop on a coarse film, whose mass, friction and thickness vary, in a folder of its own.
+fn scene(more: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let base = root().join("scenarios/drop/1008.toml");
+    let text = format!(
+        "extends = {base:?}\nunset = [\"reference\", \"post\"]\nspecimen.mesh.size = \"80 mm\"\n\
+         loading.impact.duration = \"10 ms\"\n{more}\n"
+    );
+    fs::write(folder.path().join("drop.toml"), text).expect("a scenario");
+    folder
+}
+
+const VARIATION: &str = r#"
+[variation]
+samples = 12
+"impactor.mass" = ["10 kg", "11 kg", "12 kg"]
+"impactor.friction" = { uniform = [0.1, 0.5] }
+specimen.material.thickness = { normal = { mean = "12 um", deviation = "0.6 um" }, truncate = { low = "10 um" } }
+"#;
+
+fn sweep(folder: &Path, more: &[&str]) -> Output {
+    droptower(folder, &[&["sweep", "drop.toml"], more].concat())
+}
+
+fn summary(folder: &Path, more: &[&str]) -> Json {
+    figures(&sweep(folder, &[&["--json"], more].concat()))
+}
+
+/// The rows of the table of a sweep by the names of its columns.
+fn table(folder: &Path) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(folder.join("runs/drop.sweep/table.csv")).expect("a table");
+    let rows = reader.deserialize().map(|row| row.expect("a row"));
+    rows.collect()
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} is {:?}", row[column]))
+}
+
+#[test]
+fn each_row_is_the_run_that_its_inputs_give() {
+    let scene = scene(VARIATION);
+    let folder = scene.path();
+    let found = summary(folder, &["--keep", "worst:1"]);
+    assert_eq!([&found["runs"], &found["reused"], &found["failed"]], [12, 0, 0], "{found}");
+    assert_eq!(found["rupture_probability"], 0.0);
+    assert!(found["interval"][1].as_f64().expect("an interval") > 0.1, "twelve runs without rupture prove little");
+    let median = &found["statistics"]["peak_displacement_m"];
+    assert!(["mean", "deviation", "p05", "p50", "p95"].iter().all(|name| median[name].is_f64()), "{median}");
+    let rows = table(folder);
+    let masses: Vec<f64> = rows.iter().map(|row| number(row, "impactor.mass_kg")).collect();
+    assert!([10.0, 11.0, 12.0].iter().all(|mass| masses.iter().filter(|found| *found == mass).count() == 4));
+    assert!(rows.iter().all(|row| number(row, "specimen.material.thickness_m") >= 10e-6));
+    for row in [&rows[0], &rows[11]] {
+        let change = |key: &str, column: &str| format!("{key}={}", row[column]);
+        let changes = [
+            change("impactor.mass", "impactor.mass_kg"),
+            change("impactor.friction", "impactor.friction"),
+            change("specimen.material.thickness", "specimen.material.thickness_m"),
+        ];
+        let set = changes.iter().flat_map(|change| ["--set", change]);
+        let arguments: Vec<&str> = ["run", "drop.toml", "--json", "--out", "alone"].into_iter().chain(set).collect();
+        let alone = figures(&droptower(folder, &arguments));
+        for figure in ["peak_acceleration_m_s2", "peak_displacement_m", "energy_balance_error", "time_step_s"] {
+            assert_eq!(alone[figure].as_f64(), Some(number(row, figure)), "{figure}");
+        }
+    }
+    let kept: Vec<_> = fs::read_dir(folder.join("runs/drop.sweep.runs")).expect("a folder").flatten().collect();
+    assert_eq!(kept.len(), 1);
+    let place: usize = kept[0].file_name().to_string_lossy().parse().expect("a number");
+    let peak = |row: &BTreeMap<String, String>| number(row, "peak_acceleration_m_s2");
+    assert!(rows.iter().all(|row| peak(row) <= peak(&rows[place - 1])));
+    assert!(kept[0].path().join("signals.csv").is_file());
+    let page = fs::read_to_string(folder.join("runs/drop.sweep/report.html")).expect("a page");
+    assert!(page.contains("droptower run drop.toml --set impactor.mass="), "the page says how a run is repeated");
+}
+
+#[test]
+fn what_was_computed_is_taken_by_larger_sweeps_and_other_scripts() {
+    let scene = scene(VARIATION);
+    let folder = scene.path();
+    let counts = |found: &Json| [found["runs"].as_u64(), found["reused"].as_u64()].map(|count| count.expect("a count"));
+    assert_eq!(counts(&summary(folder, &["-n", "6"])), [6, 0]);
+    let first = table(folder);
+    assert_eq!(counts(&summary(folder, &["-n", "12"])), [12, 6]);
+    assert_eq!(table(folder)[..6], first, "a larger sweep begins with the runs of a smaller one");
+    assert_eq!(counts(&summary(folder, &["-n", "12", "--set", "title=\"other\""])), [12, 12]);
+    assert_eq!(counts(&summary(folder, &["-n", "4", "--set", "layers.count=9"])), [4, 0]);
+    // A script needs the signals, which are not kept where there was none.
+    fs::write(folder.join("a.rhai"), "measure(\"early_m_s\", run.velocity.at(0.001));").expect("a script");
+    fs::write(folder.join("b.rhai"), "measure(\"late_m_s\", run.velocity.at(0.009));").expect("a script");
+    let script = |name: &str, more: &[&str]| {
+        let change = format!("post.script=\"{name}\"");
+        printed(&sweep(folder, &[&["-n", "4", "--set", &change], more].concat()))
+    };
+    script("a.rhai", &[]);
+    let computed = || fs::read_dir(folder.join("runs/.evaluations/runs")).expect("a folder").count();
+    let before = computed();
+    let text = script("b.rhai", &[]);
+    assert!(text.contains("4 of them taken from earlier ones"), "{text}");
+    assert_eq!(computed(), before, "the signals of the first script serve the second");
+    assert!(table(folder).iter().all(|row| number(row, "late_m_s") > -4.16));
+}
+
+#[test]
+fn failed_and_refused_runs_are_rows_with_their_cause() {
+    let variation = "specimen.symmetry = \"none\"\n[variation]\n\"layers.count\" = [8, 9]\n\"impactor.position\" = [[\"0 mm\", \"0 mm\"], [\"5 m\", \"0 mm\"]]\n";
+    let scene = scene(variation);
+    let output = sweep(scene.path(), &[]);
+    assert_eq!(output.status.code(), Some(3), "{}", error(&output));
+    assert!(error(&output).contains("2 of 4 runs failed: there is no film below the impactor"), "{}", error(&output));
+    let rows = table(scene.path());
+    let status: Vec<&str> = rows.iter().map(|row| row["status"].as_str()).collect();
+    assert_eq!(status, ["finished", "failed", "finished", "failed"]);
+    assert!(rows[1]["failure"].starts_with("there is no film below the impactor"));
+    assert!(rows[1]["peak_displacement_m"].is_empty());
+}
+
+fn start(folder: &Path, more: &[&str]) -> Child {
+    let arguments = [&["sweep", "drop.toml"], more].concat();
+    command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
+}
+
+/// Records in the folder.
+fn evaluations(folder: &Path) -> u64 {
+    let listed = figures(&droptower(folder, &["store", "list", "--json"]));
+    listed.as_array().expect("a list").iter().filter_map(|segment| segment["evaluations"].as_u64()).sum()
+}
+
+/// Waits until there are so many records.
+fn wait_for(folder: &Path, count: u64) {
+    let begin = Instant::now();
+    while evaluations(folder) < count {
+        assert!(begin.elapsed() < Duration::from_secs(300), "{count} evaluations within five minutes");
+        sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn shares_of_processes_make_the_same_table_and_compute_nothing_twice() {
+    let [alone, shared] = [scene(VARIATION), scene(VARIATION)];
+    printed(&sweep(alone.path(), &["-n", "24"]));
+    let shares = ["1/3", "2/3", "3/3"].map(|share| start(shared.path(), &["-n", "24", "--json", "--shard", share]));
+    let outputs = shares.map(|share| share.wait_with_output().expect("it ends"));
+    let computed: u64 = outputs.iter().map(|output| figures(output)["computed"].as_u64().expect("a count")).sum();
+    assert_eq!(computed, 24);
+    assert_eq!(evaluations(shared.path()), 24);
+    let merged = summary(shared.path(), &["-n", "24", "--merge"]);
+    assert_eq!([&merged["runs"], &merged["reused"]], [24, 24]);
+    let table = |scene: &TempDir| fs::read(scene.path().join("runs/drop.sweep/table.csv")).expect("a table");
+    assert!(table(&alone) == table(&shared), "the tables are equal byte by byte");
+}
+
+#[test]
+fn a_part_of_a_sweep_is_not_merged() {
+    let scene = scene(VARIATION);
+    printed(&sweep(scene.path(), &["-n", "2"]));
+    let output = sweep(scene.path(), &["-n", "4", "--merge"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(error(&output).contains("2 of 4 runs are not done"), "{}", error(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_sweep_that_was_killed_or_terminated_goes_on_from_there() {
+    for signal in ["KILL", "TERM"] {
+        let scene = scene(VARIATION);
+        let folder = scene.path();
+        let mut child = start(folder, &["-n", "200"]);
+        wait_for(folder, 3);
+        let killed = std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
+        assert!(killed.expect("kill starts").success());
+        let begin = Instant::now();
+        let status = child.wait().expect("it ends");
+        assert!(begin.elapsed() < Duration::from_secs(20), "it stops at once");
+        assert_eq!(status.code(), if signal == "TERM" { Some(1) } else { None });
+        assert!(!folder.join("runs/drop.sweep").exists(), "a part is not stored as the whole");
+        let before = evaluations(folder);
+        assert!((3..200).contains(&before), "{before}");
+        let found = summary(folder, &["-n", "20"]);
+        assert_eq!(found["runs"], 20);
+        assert!(found["reused"].as_u64().expect("a count") >= before.min(20) - 2, "{before}: {found}");
+    }
+}
+
+#[test]
+fn a_sweep_stops_before_its_time_is_over() {
+    let scene = scene(VARIATION);
+    let begin = Instant::now();
+    let output = sweep(scene.path(), &["-n", "100000", "--stop-after", "1 s"]);
+    assert!(begin.elapsed() < Duration::from_secs(60));
+    assert_eq!(output.status.code(), Some(1), "{}", error(&output));
+    assert!(error(&output).contains("of 100000 runs are not done"), "{}", error(&output));
+    assert!(error(&output).contains("the same command goes on from there"));
+}
+
+#[test]
+fn evaluations_are_listed_and_removed() {
+    let scene = scene(VARIATION);
+    let folder = scene.path();
+    printed(&sweep(folder, &["-n", "3"]));
+    let prune = |more: &[&str]| figures(&droptower(folder, &[&["store", "prune", "--json"], more].concat()));
+    let left = |found: Json| [found["removed"].as_u64(), found["left"].as_u64()].map(|count| count.expect("a count"));
+    // What is being written is not removed, nor what this build may take.
+    assert_eq!(left(prune(&["--all"])), [0, 3]);
+    let segment = glob::glob(folder.join("runs/.evaluations/*.evaluations").to_str().expect("UTF-8"));
+    let segment = segment.expect("a pattern").flatten().next().expect("a segment");
+    let file = fs::OpenOptions::new().append(true).open(segment).expect("a file");
+    file.set_modified(std::time::SystemTime::now() - Duration::from_secs(7200)).expect("a time");
+    assert_eq!(left(prune(&[])), [0, 3]);
+    assert_eq!(left(prune(&["--older-than", "3 h"])), [0, 3]);
+    assert_eq!(left(prune(&["--older-than", "1 h"])), [3, 0]);
+    assert_eq!(summary(folder, &["-n", "3"])["reused"], 0);
+}
+
+#[test]
+fn correlated_keys_and_tables_of_points() {
+    let correlated = format!(
+        "{VARIATION}correlation = {{ keys = [\"impactor.friction\", \"specimen.material.thickness\"], matrix = [[1, 0.99], [0.99, 1]] }}\n"
+    );
+    let scene = scene(&correlated);
+    let folder = scene.path();
+    summary(folder, &["-n", "16"]);
+    let rows = table(folder);
+    let of = |column: &str| rows.iter().map(|row| number(row, column)).collect::<Vec<f64>>();
+    let (friction, thickness) = (of("impactor.friction"), of("specimen.material.thickness_m"));
+    let rank = |values: &[f64]| values.iter().map(|x| values.iter().filter(|y| *y < x).count()).collect::<Vec<usize>>();
+    let apart = rank(&friction).into_iter().zip(rank(&thickness)).map(|(a, b)| a.abs_diff(b)).sum::<usize>();
+    assert!(apart <= 32, "ranks of correlated keys: {friction:?} {thickness:?}");
+    // The table of a sweep is a table of points: its inputs give the same runs.
+    let points: Vec<String> = rows
+        .iter()
+        .map(|row| format!("{},{}", row["impactor.friction"], row["specimen.material.thickness_m"]))
+        .collect();
+    let text = format!("impactor.friction,specimen.material.thickness_m\n{}\n", points.join("\n"));
+    fs::write(folder.join("points.csv"), text).expect("a table");
+    let again =
+        format!("extends = \"drop.toml\"\nunset = [\"variation\"]\nvariation.method = {{ table = \"points.csv\" }}\n");
+    fs::write(folder.join("again.toml"), again).expect("a scenario");
+    let found = figures(&droptower(folder, &["sweep", "again.toml", "--json", "--set", "impactor.mass=\"10 kg\""]));
+    assert_eq!(found["runs"], 16);
+    assert_eq!(
+        found["reused"].as_u64(),
+        Some(of("impactor.mass_kg").iter().filter(|mass| **mass == 10.0).count() as u64)
+    );
+}
+
+#[test]
+fn mistakes_in_a_table_of_points_are_shown_in_it() {
+    let scene = scene("variation.method = { table = \"points.csv\" }");
+    for (text, expected) in [
+        ("impactor.mass_kg,impactor.frictin\n10,0.3\n", "unknown key `impactor.frictin`"),
+        ("impactor.mass_kg\n10\n0\n", "points.csv:3:1"),
+        ("impactor.mass_g\n10\n", "unknown key `impactor.mass_g`"),
+        ("impactor.mass\n", "it has no rows"),
+        ("impactor.mass,impactor.mass_kg\n10,10\n", "`impactor.mass` varies already"),
+        ("impactor.mass,impactor.friction\n10\n", "points.csv: CSV error"),
+    ] {
+        fs::write(scene.path().join("points.csv"), text).expect("a table");
+        let output = sweep(scene.path(), &[]);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(error(&output).contains(expected), "{text}: {}", error(&output));
+    }
+    fs::write(scene.path().join("points.csv"), "layers.count,impactor.mass\n8,10 kg\n9,11000 g\n").expect("a table");
+    assert_eq!(summary(scene.path(), &[])["runs"], 2);
+    assert_eq!(table(scene.path())[1]["impactor.mass_kg"], "11");
+}
