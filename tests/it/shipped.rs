@@ -2,15 +2,17 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use droptower::diagnostic::{Diagnostic, render};
 use droptower::functions;
 use droptower::identify::{self, SearchHost};
 use droptower::model::{self, Loading, Model};
-use droptower::post::{self, Plan, Results};
+use droptower::post::{self, Evaluations, Plan, Results};
 use droptower::scenario::{Assignment, Document};
 use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::simulate;
+use droptower::sweep;
 use droptower::units::DIMENSIONS;
 use rhai::Scope;
 
@@ -115,6 +117,8 @@ fn study_scripts_compile() {
     functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
     post::register_studies(&mut engine, Vec::new(), None);
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
+    let folder = tempfile::tempdir().expect("a folder");
+    sweep::register(&mut engine, &Arc::new(Evaluations::open(folder.path()).expect("no records")));
     functions::register_reading(&mut engine);
     Arguments::register(&mut engine);
     let mut scope = Scope::new();

@@ -76,7 +76,7 @@ pub(super) fn check(written: &scenario::Variation, mistakes: &mut Mistakes<'_>) 
         }
     };
     repeated(&factors, mistakes);
-    if factors.is_empty() && mistakes.mistakes.len() == before {
+    if factors.is_empty() && keys.is_empty() && mistakes.mistakes.len() == before {
         mistakes.report_with("variation", "no key varies", "write one like \"impactor.mass\" = [\"10 kg\", \"12 kg\"]");
     }
     let method = method(written, &factors, mistakes);
