@@ -405,7 +405,8 @@ fn pulled(keys: &str) -> f64 {
     let material = format!("specimen.material={{ density = \"915 kg/m3\", thickness = \"12 um\", {keys} }}");
     let changes = [&material, "specimen.mesh.size=0.7 mm", "loading.stretch.velocity=20 m/s"];
     let changes: Vec<Assignment> = changes.iter().map(|change| sound(Assignment::from_argument(change))).collect();
-    let model = sound(model::check(&sound(Document::read(&path)).with(&changes)));
+    let without = sound(Document::read(&path)).with(&[Assignment::unset("specimen.material", "bench")]);
+    let model = sound(model::check(&without.with(&changes)));
     let once = || {
         let mut engine = simulate::engine(&model).expect("an engine").with_pool(ThreadPool::new(1));
         stepping(&mut engine, STEPS)

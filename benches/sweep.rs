@@ -1,7 +1,7 @@
 //! What a sweep of many short runs costs beside its runs: `cargo bench --bench sweep`, or with another number of runs
 //! `cargo bench --bench sweep -- 1000`.
 //!
-//! The runs are of a drop test on a coarse film, 10 ms long, whose mass and friction vary.
+//! The runs are of a drop test on a coarse film, 30 ms long, whose mass and friction vary.
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn main() {
     let runs = asked.unwrap_or(RUNS);
     let folder = tempfile::tempdir().expect("a folder");
     let sweep = sweep(runs);
-    println!("## A sweep of {runs} runs of 25 elements over 10 ms, {} threads\n", rayon::current_num_threads());
+    println!("## A sweep of {runs} runs of 50 elements over 30 ms, {} threads\n", rayon::current_num_threads());
     let first = timed(&sweep, folder.path(), Some((STOPPED * runs as f64) as usize));
     let second = timed(&sweep, folder.path(), None);
     let begin = Instant::now();
@@ -108,7 +108,7 @@ fn sweep(runs: usize) -> Sweep {
     let changes = [
         "specimen.mesh.size=80 mm",
         "specimen.symmetry=none",
-        "loading.impact.duration=10 ms",
+        "loading.impact.duration=30 ms",
         "variation={ \"impactor.mass\" = { uniform = [10.0, 12.0] }, \"impactor.friction\" = { uniform = [0.1, 0.5] } }",
     ];
     let set = changes.map(|change| sound(Assignment::from_argument(change)));

@@ -9,7 +9,7 @@ use super::scenarios::{self, Selection};
 use super::{Failure, Shared, findings, print, print_json};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::finding::Finding;
-use crate::model::{self, Guide, Impactor};
+use crate::model::{self, Guide, Impactor, Variation};
 use crate::number;
 use crate::scenario::{Assignment, Document};
 use crate::simulate;
@@ -33,6 +33,20 @@ struct Verdict {
     /// Of the impactors that may turn.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     inertias: Vec<Inertia>,
+    /// Of a scenario that varies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    variation: Option<Varies>,
+}
+
+/// What varies from run to run of a sweep.
+#[derive(Serialize)]
+struct Varies {
+    /// How the values are chosen.
+    method: String,
+    /// Number of runs; none where `-n` must give it.
+    runs: Option<usize>,
+    /// The keys, with their units, and their values in words.
+    keys: Vec<[String; 2]>,
 }
 
 /// Centre of mass and moments of inertia of an impactor that may turn.
@@ -54,6 +68,7 @@ struct Inertia {
 struct Facts {
     findings: Vec<Finding>,
     inertias: Vec<Inertia>,
+    variation: Option<Varies>,
 }
 
 /// What is said of a file, or its mistakes.
@@ -80,7 +95,8 @@ pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
     let good = found.iter().filter_map(|(path, checked)| Some((path, checked.as_ref().ok()?)));
     let text = |(path, facts): (&String, &Facts)| {
         let inertias: String = facts.inertias.iter().map(Inertia::line).collect();
-        format!("ok  {path}\n{inertias}{}", findings::lines("  ", &facts.findings))
+        let variation = facts.variation.as_ref().map_or_else(String::new, Varies::lines);
+        format!("ok  {path}\n{inertias}{variation}{}", findings::lines("  ", &facts.findings))
     };
     let good: String = good.map(text).collect();
     if !shared.quiet && !good.is_empty() {
@@ -95,13 +111,29 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     if !is_material {
         let checked = scenarios::check(path, assignments)?;
         let inertias = checked.model.impactors.iter().filter_map(Inertia::of).collect();
-        return Ok(Facts { findings: checked.plan.findings().to_vec(), inertias });
+        let variation = model::variation(&checked.document)?.as_ref().map(Varies::of);
+        return Ok(Facts { findings: checked.plan.findings().to_vec(), inertias, variation });
     }
     let material = Document::read_material(path)?.with(assignments);
     model::check_material(&material)?;
     let implausible = material.implausible().into_iter();
     let findings = implausible.map(|value| Finding::new(&model::Warning::Value(value))).collect();
     Ok(Facts { findings, ..Facts::default() })
+}
+
+impl Varies {
+    fn of(variation: &Variation) -> Varies {
+        let keys = variation.factors.iter().map(|factor| [factor.column(), factor.values.to_string()]);
+        Varies { method: variation.description(), runs: variation.runs(), keys: keys.collect() }
+    }
+
+    fn lines(&self) -> String {
+        let runs = self
+            .runs
+            .map_or_else(|| "runs as -n says".to_owned(), |runs| format!("{} runs", number::grouped(runs as u64)));
+        let keys: String = self.keys.iter().map(|[key, values]| format!("    {key}: {values}\n")).collect();
+        format!("  sweep: {runs}, {}\n{keys}", self.method)
+    }
 }
 
 impl Inertia {
@@ -133,10 +165,12 @@ impl Inertia {
 
 fn verdict((path, checked): (String, Checked)) -> Verdict {
     match checked {
-        Ok(Facts { findings, inertias }) => Verdict { path, ok: true, mistakes: vec![], findings, inertias },
+        Ok(Facts { findings, inertias, variation }) => {
+            Verdict { path, ok: true, mistakes: vec![], findings, inertias, variation }
+        }
         Err(mistakes) => {
             let mistakes = mistakes.iter().map(mistake).collect();
-            Verdict { path, ok: false, mistakes, findings: vec![], inertias: vec![] }
+            Verdict { path, ok: false, mistakes, findings: vec![], inertias: vec![], variation: None }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `droptower run`: runs scenarios and writes their run folders.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -15,9 +16,11 @@ use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
 use super::{Failure, Shared, digest, print, print_json};
 use crate::diagnostic::{Diagnostic, printable};
+use crate::file;
 use crate::number::duration;
 use crate::post;
 use crate::report::RunPage;
+use crate::scenario::Document;
 use crate::simulate::{self, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
 use crate::store::{self, Draft, Origin, run_files};
 
@@ -35,7 +38,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub checkpoint_every: Option<String>,
     /// Resume an interrupted run from its newest checkpoint; the results are the same to the bit. Of several scenarios,
-    /// those without a checkpoint start from their beginning, complete ones included
+    /// complete ones are left as they are, and those without a checkpoint start from their beginning
     #[arg(long)]
     pub resume: bool,
     /// Show the runs in an open Rerun viewer while they compute [usual address: rerun+http://127.0.0.1:9876/proxy]
@@ -82,8 +85,9 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
         return Err(mistake.hint(hint).into());
     }
     let viewer = args.live.as_deref().map(live::viewer).transpose();
-    let (viewer, jobs) = both(viewer.map_err(|mistake| vec![mistake]), jobs(args))?;
+    let (viewer, Batch { jobs, complete }) = both(viewer.map_err(|mistake| vec![mistake]), batch(args))?;
     let bar = Bar::new(jobs.len(), shared.quiet);
+    complete.iter().for_each(|warning| bar.report(warning));
     let warnings = jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.warnings);
     warnings.for_each(|warning| bar.report(warning));
     for Checked { model, plan, .. } in jobs.iter().map(|job| &job.checked) {
@@ -113,8 +117,15 @@ pub(super) fn all(runs: Vec<(Checked, PathBuf)>, shared: &Shared) -> Option<Fail
     Failure::all(done.into_iter().filter_map(|done| done.failure))
 }
 
+/// The runs of a command.
+struct Batch {
+    jobs: Vec<Job>,
+    /// Those that a resumed batch need not repeat.
+    complete: Vec<checkpoint::Warning>,
+}
+
 /// All scenarios checked, each with the folder of its results, or all their mistakes.
-fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
+fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
     let (every, scenarios) = both(every.map_err(|mistake| vec![mistake]), args.selection.checked())?;
     let several = scenarios.len() > 1;
@@ -129,10 +140,17 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
         return Err(mistakes);
     }
     // An interrupted batch leaves complete runs, runs with checkpoints, and runs that had not started.
-    let or_start = args.resume && several && places.iter().any(|place| checkpoint::are_beside(place));
+    let resumes = args.resume && several;
+    let is_left = |(checked, place): &(Checked, PathBuf)| resumes && is_complete(checked, place);
+    let (complete, rest): (Vec<_>, Vec<_>) = scenarios.into_iter().zip(places).partition(is_left);
+    let is_begun = !complete.is_empty() || rest.iter().any(|(_, place)| checkpoint::are_beside(place));
+    let or_start = resumes && is_begun;
+    let left =
+        |(checked, folder): (Checked, PathBuf)| checkpoint::Warning::Complete { run: checked.model.name, folder };
+    let complete = complete.into_iter().map(left).collect();
     let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
-    for (checked, place) in scenarios.into_iter().zip(places) {
+    for (checked, place) in rest {
         match CheckpointWriter::new(policy, &checked, &place) {
             Ok(writer) => jobs.push(Job { checked, place, writer, vtu: args.vtu, force: args.force }),
             Err(mistake) => mistakes.push(mistake),
@@ -144,7 +162,33 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
             writer.default_interval(every, checked.model.run_time());
         }
     }
-    if mistakes.is_empty() { Ok(jobs) } else { Err(mistakes) }
+    if mistakes.is_empty() { Ok(Batch { jobs, complete }) } else { Err(mistakes) }
+}
+
+/// Whether the folder `place` holds the results of the scenario as it is now, and no file that it reads has changed since.
+fn is_complete(checked: &Checked, place: &Path) -> bool {
+    let Checked { document, model, .. } = checked;
+    let stored = file::read_text(&place.join(run_files::SCENARIO), MOST_BYTES);
+    let written = fs::metadata(place.join(run_files::SUMMARY)).and_then(|about| about.modified());
+    let (Ok(stored), Ok(written)) = (stored, written) else { return false };
+    let reference = model.reference.iter().map(|reference| reference.signals.as_path());
+    let meshes = model.meshes().into_iter().map(|mesh| mesh.path);
+    let mut inputs = reference.chain(meshes).chain(model.post.as_deref());
+    let is_older = |path: &Path| fs::metadata(path).and_then(|about| about.modified()).is_ok_and(|at| at <= written);
+    stored == resolved(document, place) && inputs.all(is_older)
+}
+
+/// Most bytes of a stored scenario.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// The scenario as the folder `place` holds it.
+fn resolved(document: &Document, place: &Path) -> String {
+    format!(
+        "# droptower {}\n{}{}",
+        env!("CARGO_PKG_VERSION"),
+        Origin::of_run(document.path()).line(place),
+        document.resolved_beside_script(run_files::POST_SCRIPT)
+    )
 }
 
 fn place(out: Option<&Path>, name: &str, several: bool) -> Result<PathBuf, store::StoreError> {
@@ -157,7 +201,7 @@ fn place(out: Option<&Path>, name: &str, several: bool) -> Result<PathBuf, store
 
 impl Job {
     fn run(&self, bar: &Bar, index: usize, viewer: Option<&Viewer>) -> Done {
-        let scenario = self.resolved();
+        let scenario = resolved(&self.checked.document, &self.place);
         let mut show = Show::begin(viewer, &self.checked, &scenario, bar);
         let done = match self.simulate(bar, index, &mut show) {
             Err(failure) => return Done::failed(failure),
@@ -278,15 +322,6 @@ impl Job {
 
     fn origin(&self) -> Origin {
         Origin::of_run(self.checked.document.path())
-    }
-
-    fn resolved(&self) -> String {
-        format!(
-            "# droptower {}\n{}{}",
-            env!("CARGO_PKG_VERSION"),
-            self.origin().line(&self.place),
-            self.checked.document.resolved_beside_script(run_files::POST_SCRIPT)
-        )
     }
 }
 

@@ -138,14 +138,28 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
     for expected in [
         "note: drop resumes at ",
         "note: later starts from its beginning: there is no checkpoint in runs/later.checkpoint\n",
-        "note: done starts from its beginning: there is no checkpoint in runs/done.checkpoint; \
-         its results in runs/done will be replaced: leave the scenario out to keep them\n",
+        "note: done is complete: runs/done\n",
     ] {
         assert!(error(&output).contains(expected), "{expected}: {}", error(&output));
     }
     let signals = |name: &str| fs::read(bench.path().join("runs").join(name).join("signals.csv")).expect("signals");
     assert!(signals("done") == signals("drop") && signals("later") == signals("drop"), "the signals differ");
     assert!(!bench.path().join("runs/later.checkpoint").exists());
+    // A batch that is complete is left as it is; a scenario that has changed is not complete.
+    let written = |name: &str| {
+        let summary = bench.path().join("runs").join(name).join("summary.json");
+        fs::metadata(summary).and_then(|about| about.modified()).expect("a time")
+    };
+    let before = [written("done"), written("later")];
+    let output = droptower(bench.path(), &all);
+    assert!(output.status.success(), "{}", error(&output));
+    assert_eq!(error(&output).matches(" is complete: runs/").count(), 3, "{}", error(&output));
+    let text = fs::read_to_string(bench.path().join(later)).expect("a scenario");
+    let changed = text.replace("title = \"Drop test", "title = \"Another drop test");
+    fs::write(bench.path().join(later), changed).expect("a scenario");
+    let output = droptower(bench.path(), &all);
+    assert_eq!(error(&output).matches(" is complete: runs/").count(), 2, "{}", error(&output));
+    assert!(written("done") == before[0] && written("later") > before[1]);
 }
 
 #[test]

@@ -11,9 +11,12 @@ use crate::finding::{Code, Report, codes};
 
 codes! {
     NO_CHECKPOINT = "no-checkpoint", Note,
-        "a batch resumes, and this run has no checkpoint: it had not started, or is complete, so it starts from its \
-         beginning",
-        "leave its scenario out where its results are complete";
+        "a batch resumes, and this run has no checkpoint: it had not started, or its results are of another state of its \
+         scenario, so it starts from its beginning",
+        "leave its scenario out where its results are to stay";
+    COMPLETE = "already-complete", Note,
+        "a batch resumes, and the results of this run are those of its scenario as it is now: they are left as they are",
+        "none is needed; without --resume the run is repeated";
     DAMAGED_CHECKPOINT = "damaged-checkpoint", Note,
         "the newest checkpoint of a run is damaged, so the run resumes from the one before it",
         "none is needed; what was computed between the two is computed again, with the same result";
@@ -30,6 +33,13 @@ pub(crate) enum Warning {
         folder: PathBuf,
         /// The folder of results that will be replaced, where it exists.
         replaced: Option<PathBuf>,
+    },
+    /// The run is not repeated.
+    Complete {
+        /// Its name.
+        run: String,
+        /// The folder of its results.
+        folder: PathBuf,
     },
     /// A checkpoint is damaged.
     Damaged {
@@ -54,6 +64,7 @@ impl fmt::Display for Warning {
                     None => Ok(()),
                 }
             }
+            Warning::Complete { run, folder } => write!(f, "{run} is complete: {}", shown_path(folder)),
             Warning::Damaged { run, damaged, used } => {
                 let (damaged, used) = (shown_path(damaged), file_name(used));
                 write!(f, "{run}: {damaged} is damaged; the run resumes from {used}, the one before it")
@@ -66,6 +77,7 @@ impl Report for Warning {
     fn code(&self) -> &'static Code {
         match self {
             Warning::NoCheckpoint { .. } => &NO_CHECKPOINT,
+            Warning::Complete { .. } => &COMPLETE,
             Warning::Damaged { .. } => &DAMAGED_CHECKPOINT,
         }
     }
@@ -77,6 +89,9 @@ impl Report for Warning {
                 ("folder", shown_path(folder).into()),
                 ("replaced", replaced.as_deref().map(shown_path).into()),
             ],
+            Warning::Complete { run, folder } => {
+                vec![("run", run.as_str().into()), ("folder", shown_path(folder).into())]
+            }
             Warning::Damaged { run, damaged, used } => vec![
                 ("run", run.as_str().into()),
                 ("damaged", shown_path(damaged).into()),

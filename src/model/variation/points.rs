@@ -74,6 +74,11 @@ impl Variation {
         self.factors.iter().zip(&point.levels).map(|(factor, level)| factor.assignment(level)).collect()
     }
 
+    /// Number of runs, where the scenario says it.
+    pub fn runs(&self) -> Option<usize> {
+        self.listed().or(self.samples)
+    }
+
     /// Number of runs of a grid or a table.
     fn listed(&self) -> Option<usize> {
         let counts = || self.factors.iter().map(|factor| factor.values.count().unwrap_or(1));
