@@ -5,23 +5,15 @@ use thiserror::Error;
 
 use super::Warning;
 use crate::experiment::nonnegative::nonnegative_least_squares;
+use crate::material::PronyTerm;
 
 /// A relaxation modulus E(t) = E₀ (1 − Σ g_k (1 − exp(−t/τ_k))).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prony {
     /// E₀, the instantaneous modulus, Pa.
     pub instantaneous: f64,
-    /// By increasing time; the shares add up to less than one.
+    /// g_k and τ_k by increasing time; the shares add up to less than one.
     pub terms: Vec<PronyTerm>,
-}
-
-/// One term.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PronyTerm {
-    /// g_k, the share of the instantaneous stiffness that relaxes.
-    pub share: f64,
-    /// τ_k, s.
-    pub time: f64,
 }
 
 /// A series fitted to a measured modulus.
