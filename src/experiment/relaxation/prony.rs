@@ -159,6 +159,10 @@ fn checked(points: &[[f64; 2]], terms: usize) -> Result<Vec<[f64; 2]>, PronyErro
         return Err(PronyError::NotPositive { row: row + 1, time, modulus });
     }
     let mut measured = points.to_vec();
+    // R² would be no number.
+    if measured.iter().all(|point| point[1] == measured[0][1]) {
+        return Err(PronyError::NoRelaxation);
+    }
     measured.sort_by(|a, b| a[0].total_cmp(&b[0]));
     Ok(measured)
 }
@@ -230,6 +234,7 @@ mod tests {
             (points(-1.0), 1, "row 3 has 3 s and -1 Pa"),
             (vec![[1.0, 3.0], [1.0, 2.0]], 1, "all moduli are at one time"),
             (vec![[1.0, 3.0], [2.0, 4.0], [3.0, 5.0]], 2, "the modulus does not relax"),
+            (vec![[1.0, 3.0], [2.0, 3.0], [3.0, 3.0]], 2, "the modulus does not relax"),
         ] {
             let error = fit_prony(&points, terms).expect_err(expected).to_string();
             assert!(error.contains(expected), "{error}");
