@@ -189,7 +189,7 @@ fn aluminium() -> Vec<PlasticCoupon> {
     files.map(read).to_vec()
 }
 
-/// Engineering stress of a coupon from where its elastic line meets zero, Pa.
+/// Nominal stress of a coupon from where its elastic line meets zero, Pa.
 fn recorded(coupon: &PlasticCoupon, strain: f64) -> f64 {
     let (_, curve) = coupon.modulus([0.001, 0.003]).expect("a modulus");
     curve.at(strain).expect("a strain within the recording")
