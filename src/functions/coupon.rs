@@ -231,7 +231,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "coupon.curve(force, displacement)",
-        gives: "engineering stress over engineering strain of two signals, N and m (equation 1)",
+        gives: "nominal stress over engineering strain of two signals, N and m (equation 1)",
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.curve(signal([0, 1], [0, 1.2]), signal([0, 1], [0, 0.001])); (s.at(0.2) / 1e7 - 1).abs() < 1e-12"#,
     },
     Entry {

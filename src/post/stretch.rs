@@ -12,14 +12,14 @@ pub struct Stretch {
     /// Largest force between the jaws, N.
     #[serde(rename = "peak_force_N")]
     pub peak_force: Option<f64>,
-    /// Largest engineering stress, Pa.
+    /// Largest nominal stress, Pa.
     #[serde(rename = "peak_stress_Pa")]
     pub peak_stress: Option<f64>,
     /// Engineering strain at the largest stress.
     pub strain_at_peak_stress: Option<f64>,
     /// Engineering strain at the rupture; none without one.
     pub strain_at_break: Option<f64>,
-    /// Engineering stress at the last sample before the rupture, Pa; none without one.
+    /// Nominal stress at the last sample before the rupture, Pa; none without one.
     #[serde(rename = "stress_at_break_Pa")]
     pub stress_at_break: Option<f64>,
     /// Engineering strain at the end of the test.

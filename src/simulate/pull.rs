@@ -53,7 +53,7 @@ pub enum PullError {
     },
 }
 
-/// Engineering stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one
+/// Nominal stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one
 /// element of the size of the specimen, with the history variables of its law and the strain rate of the jaws. Beyond
 /// the break strain the stress is zero; a rupture criterion of its own does not act, since what an element carries while it
 /// tears depends on its size.
@@ -139,7 +139,7 @@ impl SingleElement {
         Ok(SingleElement { film, flat, nodes, sides, section, rate, width: 1.0 })
     }
 
-    /// Engineering stress (Pa) at `strain`, reached within `dt` (s).
+    /// Nominal stress (Pa) at `strain`, reached within `dt` (s).
     fn stress(&mut self, strain: f64, dt: f64, across: Across) -> Result<f64, PullError> {
         if !(strain.is_finite() && strain > -1.0) {
             return Err(PullError::Strain { strain });

@@ -47,7 +47,7 @@ pub struct FilmState {
 pub struct Detail {
     /// m/s, one entry a node.
     pub velocities: Vec<[f32; 3]>,
-    /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section, one entry
+    /// Nominal stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section, one entry
     /// an element, as all that follow.
     pub stresses: Vec<[f32; 3]>,
     /// Largest MD and TD strain so far.

@@ -362,7 +362,7 @@ fn the_scripts_print_the_papers_tables() {
 
 const KSI: f64 = 6.894_757_293_168e6;
 
-/// A curve of the 6061 aluminium: engineering stress in ksi over strain.
+/// A curve of the 6061 aluminium: nominal stress in ksi over strain.
 fn aluminium(name: &str) -> Curve {
     let units = vec![
         ("engineering_stress".into(), Unit::parse("ksi").unwrap()),
@@ -449,7 +449,7 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
     // so only the fast one tells.
     let modulus = curves[1].0.modulus([0.0, 0.0005]).unwrap();
     assert!((modulus.slope / 193e9 - 1.0).abs() < 0.1, "{modulus:?}");
-    // Where it begins to neck, engineering stress falls.
+    // Where it begins to neck, nominal stress falls.
     let yields = yield_points(&mean, [0.0, 0.001]).unwrap();
     assert!(yields.first[0] < 0.02 && yields.slopes[1] > 0.0 && yields.slopes[2] < 0.0, "{yields:?}");
 }

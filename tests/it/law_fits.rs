@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use droptower::experiment::relaxation::{Prony, PronyTerm, RelaxationData, read_relaxation};
+use droptower::experiment::relaxation::{Prony, RelaxationData, read_relaxation};
+use droptower::material::PronyTerm;
 use droptower::signal::file::{self, ReadOptions};
 use serde_json::Value as Json;
 

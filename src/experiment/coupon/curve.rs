@@ -7,7 +7,7 @@ use crate::signal::interpolated;
 /// Largest decrease of strain, as a share of its range, that counts as jitter of jaws or extensometer.
 pub const JITTER: f64 = 0.01;
 
-/// Engineering stress over engineering strain of a coupon, or the mean of several. Cheap to clone.
+/// Nominal stress over engineering strain of a coupon, or the mean of several. Cheap to clone.
 ///
 /// Strain increases from sample to sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +80,7 @@ impl Curve {
         &self.strain
     }
 
-    /// Engineering stress, Pa.
+    /// Nominal stress, Pa.
     pub fn stress(&self) -> &[f64] {
         &self.stress
     }

@@ -10,9 +10,9 @@ pub const BREAK_SHARE: f64 = 0.5;
 pub struct Rupture {
     /// Break elongation: engineering strain of the last sample before the force collapsed.
     pub strain: f64,
-    /// Engineering stress there, Pa.
+    /// Nominal stress there, Pa.
     pub stress: f64,
-    /// Tensile strength: the largest engineering stress, Pa.
+    /// Tensile strength: the largest nominal stress, Pa.
     pub strength: f64,
     /// What ended it.
     pub ending: CurveEnd,

@@ -73,7 +73,7 @@ impl Coupon {
         self.thickness * self.width
     }
 
-    /// Engineering stress σ = F/A₀ (Pa) over engineering strain ε = d/l₀ (equation 1).
+    /// Nominal stress σ = F/A₀ (Pa) over engineering strain ε = d/l₀ (equation 1).
     ///
     /// `force` (N, tension positive) and `displacement` (m, of the jaws apart) share their time axis. Zero is where
     /// the recording has it: nothing is shifted here (see [`Curve::toe_compensated`]).

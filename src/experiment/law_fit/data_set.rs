@@ -65,6 +65,12 @@ pub enum DataError {
     /// All stresses are zero.
     #[error("no stress differs from 0")]
     NoStress,
+    /// All stresses are equal: they have no scatter that a law could explain (R²).
+    #[error("all stresses are {stress} Pa: a test shows how stress changes with stretch")]
+    EqualStresses {
+        /// Pa.
+        stress: f64,
+    },
     /// The weight is negative.
     #[error("expected a weight that is zero or above, found {0}")]
     Weight(f64),
@@ -74,7 +80,8 @@ impl DataSet {
     /// The test `name` with the weight 1.
     ///
     /// # Errors
-    /// Fewer than two points, numbers that are not finite, a stretch that is not positive, or nothing but rest.
+    /// Fewer than two points, numbers that are not finite, a stretch that is not positive, nothing but rest, or stresses
+    /// that are all equal.
     pub fn new(name: impl Into<String>, measured: Measured) -> Result<DataSet, DataError> {
         measured.check()?;
         Ok(DataSet { name: name.into(), measured, weight: 1.0, is_virtual: false })
@@ -149,7 +156,10 @@ impl Measured {
         if stretches.iter().all(|stretch| *stretch == 1.0) {
             return Err(DataError::AtRest);
         }
-        if stresses.iter().all(|stress| *stress == 0.0) { Err(DataError::NoStress) } else { Ok(()) }
+        if stresses.iter().any(|stress| *stress != stresses[0]) {
+            return Ok(());
+        }
+        Err(if stresses[0] == 0.0 { DataError::NoStress } else { DataError::EqualStresses { stress: stresses[0] } })
     }
 }
 
@@ -157,4 +167,26 @@ impl Measured {
 pub fn range(sets: &[DataSet]) -> [f64; 2] {
     let all = sets.iter().flat_map(|set| set.measured.stretches());
     all.fold([f64::INFINITY, 0.0], |[low, high], stretch| [low.min(stretch), high.max(stretch)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tests_that_show_nothing_are_refused() {
+        let uniaxial = |points: &[[f64; 2]]| Measured::Tension(Tension::Uniaxial, points.to_vec());
+        let biaxial = |stresses: [f64; 2]| BiaxialPoint { stretches: [1.2, 1.3], stresses };
+        for (measured, expected) in [
+            (uniaxial(&[[1.1, 2e5]]), "1 measured points"),
+            (uniaxial(&[[1.0, 1e5], [1.0, 2e5]]), "no stretch differs from 1"),
+            (uniaxial(&[[1.1, 0.0], [1.2, 0.0]]), "no stress differs from 0"),
+            (uniaxial(&[[1.1, 2e5], [1.2, 2e5]]), "all stresses are 200000 Pa"),
+            (Measured::Biaxial(vec![biaxial([3e5; 2]); 2]), "all stresses are 300000 Pa"),
+        ] {
+            let error = DataSet::new("test", measured).expect_err(expected).to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+        assert!(DataSet::new("test", Measured::Biaxial(vec![biaxial([3e5, 2e5]); 2])).is_ok());
+    }
 }

@@ -8,7 +8,7 @@ mod shift;
 mod warning;
 
 pub use master::{Master, MasterError, Relaxation, ShiftFactor};
-pub use prony::{Prony, PronyError, PronyFit, PronyTerm, fit_prony};
+pub use prony::{Prony, PronyError, PronyFit, fit_prony};
 pub use reading::{RelaxationData, RelaxationFault, RelaxationReadingError, read_relaxation, read_shift_factors};
 pub use shift::{Arrhenius, GAS_CONSTANT, ShiftFits, ShiftLaw, ShiftLawFit, Wlf, fit_shift};
 pub use warning::{CODES, Warning};

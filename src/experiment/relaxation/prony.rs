@@ -5,23 +5,15 @@ use thiserror::Error;
 
 use super::Warning;
 use crate::experiment::nonnegative::nonnegative_least_squares;
+use crate::material::PronyTerm;
 
 /// A relaxation modulus E(t) = E₀ (1 − Σ g_k (1 − exp(−t/τ_k))).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prony {
     /// E₀, the instantaneous modulus, Pa.
     pub instantaneous: f64,
-    /// By increasing time; the shares add up to less than one.
+    /// g_k and τ_k by increasing time; the shares add up to less than one.
     pub terms: Vec<PronyTerm>,
-}
-
-/// One term.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PronyTerm {
-    /// g_k, the share of the instantaneous stiffness that relaxes.
-    pub share: f64,
-    /// τ_k, s.
-    pub time: f64,
 }
 
 /// A series fitted to a measured modulus.
@@ -167,6 +159,10 @@ fn checked(points: &[[f64; 2]], terms: usize) -> Result<Vec<[f64; 2]>, PronyErro
         return Err(PronyError::NotPositive { row: row + 1, time, modulus });
     }
     let mut measured = points.to_vec();
+    // R² would be no number.
+    if measured.iter().all(|point| point[1] == measured[0][1]) {
+        return Err(PronyError::NoRelaxation);
+    }
     measured.sort_by(|a, b| a[0].total_cmp(&b[0]));
     Ok(measured)
 }
@@ -238,6 +234,7 @@ mod tests {
             (points(-1.0), 1, "row 3 has 3 s and -1 Pa"),
             (vec![[1.0, 3.0], [1.0, 2.0]], 1, "all moduli are at one time"),
             (vec![[1.0, 3.0], [2.0, 4.0], [3.0, 5.0]], 2, "the modulus does not relax"),
+            (vec![[1.0, 3.0], [2.0, 3.0], [3.0, 3.0]], 2, "the modulus does not relax"),
         ] {
             let error = fit_prony(&points, terms).expect_err(expected).to_string();
             assert!(error.contains(expected), "{error}");

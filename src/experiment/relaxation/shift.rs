@@ -118,10 +118,9 @@ fn wlf(factors: &[ShiftFactor], reference: f64) -> Option<Wlf> {
         let law = ShiftLaw::Wlf(of(u));
         factors.iter().map(|factor| law.log_shift(factor.temperature) - factor.log_shift).collect()
     };
-    let squares = |u: &[f64]| residuals(u).iter().map(|r| r * r).sum::<f64>();
     let found = [0.0, 2.0, 4.0, 6.0].map(|u| descend(vec![u], &residuals));
-    let best = found.iter().min_by(|a, b| squares(a).total_cmp(&squares(b)))?;
-    Some(of(best)).filter(|law| law.c1.is_finite() && law.c2.is_finite() && law.c1 > 0.0)
+    let best = found.iter().min_by(|a, b| a.squares.total_cmp(&b.squares))?;
+    Some(of(&best.unknowns)).filter(|law| law.c1.is_finite() && law.c2.is_finite() && law.c1 > 0.0)
 }
 
 fn arrhenius(factors: &[ShiftFactor], reference: f64) -> Option<Arrhenius> {

@@ -116,7 +116,7 @@ pub struct Strains<const L: usize> {
     pub shear: Lane<L>,
 }
 
-/// Engineering stresses of a film: what does work on its [`Strains`], ∂W/∂ε_md, ∂W/∂ε_td and ∂W/∂γ, Pa of one layer on
+/// Nominal stresses of a film: what does work on its [`Strains`], ∂W/∂ε_md, ∂W/∂ε_td and ∂W/∂γ, Pa of one layer on
 /// its stress-free cross-section. Those of a fabric are the values of its curves, plus σ_b with biaxial coupling; of
 /// wrinkled fabric they follow from the values at its relaxed metric.
 #[derive(Clone, Copy, Debug)]
@@ -380,7 +380,7 @@ pub fn strains<const L: usize>(d: &Deformation<L>) -> Strains<L> {
     Strains { md: fibres.strain(0), td: fibres.strain(1), shear: fibres.angle }
 }
 
-/// Engineering stresses at a deformation where a law has `stress`.
+/// Nominal stresses at a deformation where a law has `stress`.
 pub fn stresses<const L: usize>(d: &Deformation<L>, stress: &Stress<L>) -> Stresses<L> {
     fabric::Fibres::of(d).stresses(stress)
 }

@@ -24,7 +24,7 @@ pub enum Criterion {
     FibreStrain,
     /// Larger strain of a fibre set over that at which its curve ends.
     Break,
-    /// Largest principal engineering stress: force over stress-free cross-section, Pa.
+    /// Largest principal nominal stress: force over stress-free cross-section, Pa.
     Stress,
     /// Energy stored and absorbed, J per m³ of stress-free film.
     Energy,

@@ -87,7 +87,7 @@ fn strained([md, td, shear]: [f64; 3]) -> Deformation<1> {
     Deformation::from([[first, 0.0, 0.0], [second * sine, second * cosine, 0.0]].map(|f| f.map(splat)))
 }
 
-/// Central differences of the energy by the strains against the engineering stresses.
+/// Central differences of the energy by the strains against the nominal stresses.
 pub(super) fn check_work(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
     let step = 1e-6;
     for at in [[0.1, 0.3, 0.2], [0.5, 0.02, -0.4], [0.25, 0.1, 0.0]] {

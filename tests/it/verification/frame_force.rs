@@ -20,7 +20,7 @@ const SPANS: [f64; 2] = [0.2, 0.12];
 const STRAINED: [f64; 2] = [0.1, 0.05];
 
 /// Pull across a side, N, of a face that is strained by `strain` along its normal and `across` along itself: the
-/// engineering stress on the stress-free section.
+/// nominal stress on the stress-free section.
 fn resultant([[strain_1, stress_1], _]: [[f64; 2]; 2], strain: f64, across: f64, side: f64) -> f64 {
     stress_1 * strain / strain_1 * THICKNESS * LAYERS * side / (1.0 + across)
 }

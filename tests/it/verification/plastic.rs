@@ -10,11 +10,10 @@ use droptower::material::{Elastic, FlowCurve, FlowRate, Hardening, Hill, Law, Ma
 use droptower::model::Model;
 use droptower::signal::file::ReadOptions;
 use droptower::simulate::{self, Across};
-use nalgebra::Vector3;
 
 use super::claims::Claims;
 use super::random::Random;
-use super::scene::{forces, mounted, positions, set_positions};
+use super::scene::{forces, mounted, nominal, positions, set_positions};
 use super::sheet::{self, ELEMENTS, THICKNESS, distorted_element};
 use super::tower::{channel, run, shipped, written};
 use crate::workbench::root;
@@ -71,16 +70,6 @@ impl Strip {
 /// Logarithmic strains of a cycle: yield, unloading, yield in compression, and farther than before.
 const CYCLE: [f64; 10] = [0.02, 0.06, 0.2, 0.18, 0.12, 0.05, 0.0, 0.1, 0.22, 0.35];
 
-/// −Σ f ⊗ X over the volume: the nominal stresses along x and y of an element of this `area` (m²), Pa.
-fn nominal(force: &[Vector3<f64>], places: &[[f64; 3]], area: f64) -> [f64; 2] {
-    [0, 1].map(|axis| -force.iter().zip(places).map(|(f, x)| f[axis] * x[axis]).sum::<f64>() / (area * THICKNESS))
-}
-
-fn area(places: &[[f64; 3]]) -> f64 {
-    let next = |k: usize| places[(k + 1) % places.len()];
-    0.5 * (0..places.len()).map(|k| places[k][0] * next(k)[1] - next(k)[0] * places[k][1]).sum::<f64>()
-}
-
 /// A distorted element of each kind, MD along x, through the cycle along MD and along TD: P = T/λ.
 #[test]
 fn an_element_follows_a_load_cycle_by_hand() {
@@ -100,7 +89,7 @@ fn an_element_follows_a_load_cycle_by_hand() {
                     n += 1;
                     [stretch[0] * places[n - 1][0], stretch[1] * places[n - 1][1], 0.0]
                 });
-                let found = nominal(&forces(&mut film, &nodes), &places, area(&places));
+                let found = nominal(&forces(&mut film, &nodes), &places, THICKNESS);
                 off[0] = off[0].max((found[axis] * stretch[axis] - stress).abs() / 8e6);
                 off[1] = off[1].max(found[1 - axis].abs() / 8e6);
             }
@@ -177,7 +166,7 @@ fn film_yields_under_its_pre_strain() {
                 });
                 // Σ f X over the mounted volume is P (1 + e) of the stress-free film over (1 + e)².
                 let expected = level(((1.0 + pre) * more).ln()) / ((1.0 + pre) * more) / (1.0 + pre);
-                for found in nominal(&forces(&mut film, &nodes), &places, area(&places)) {
+                for found in nominal(&forces(&mut film, &nodes), &places, THICKNESS) {
                     off = off.max((found / expected - 1.0).abs());
                 }
             }
@@ -200,7 +189,7 @@ fn aluminium() -> Vec<PlasticCoupon> {
     files.map(read).to_vec()
 }
 
-/// Engineering stress of a coupon from where its elastic line meets zero, Pa.
+/// Nominal stress of a coupon from where its elastic line meets zero, Pa.
 fn recorded(coupon: &PlasticCoupon, strain: f64) -> f64 {
     let (_, curve) = coupon.modulus([0.001, 0.003]).expect("a modulus");
     curve.at(strain).expect("a strain within the recording")

@@ -96,6 +96,14 @@ pub fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
     nodes.force.iter().map(Vector3::from).collect()
 }
 
+/// −Σ f ⊗ X over the volume: the nominal stresses along x and y of a single element of this thickness (m), with forces on
+/// its nodes that were mounted at these `places` (m), Pa.
+pub fn nominal(force: &[Vector3<f64>], places: &[[f64; 3]], thickness: f64) -> [f64; 2] {
+    let next = |k: usize| places[(k + 1) % places.len()];
+    let area = 0.5 * (0..places.len()).map(|k| places[k][0] * next(k)[1] - next(k)[0] * places[k][1]).sum::<f64>();
+    [0, 1].map(|axis| -force.iter().zip(places).map(|(f, x)| f[axis] * x[axis]).sum::<f64>() / (area * thickness))
+}
+
 /// Positions of the nodes after `time` (s) under `damping` (1/s), and the energies then.
 pub fn relaxed(film: Film, nodes: Nodes, damping: f64, time: f64) -> (Vec<[f64; 3]>, Energies) {
     let loads = Loads { damping, ..Loads::default() };

@@ -2,7 +2,7 @@
 
 use droptower::engine::Nodes;
 use droptower::material::{
-    CompressibleNeoHookean, Elastic, Gent, Hyperelastic, HyperelasticLaw, Law, Material, Ogden, OgdenTerm, Polynomial,
+    CompressibleNeoHookean, Elastic, Gent, Hyperelastic, HyperelasticLaw, Law, Material, Ogden, Polynomial,
     TensionField,
 };
 use droptower::mesh::Mesh;
@@ -110,6 +110,7 @@ pub fn hyperelastic(law: HyperelasticLaw) -> Material {
 /// Rubber-like films of every law with a shear modulus near 0.4 MPa, taut or wrinkling.
 pub fn rubbers(wrinkling: bool) -> [(&'static str, Material); 6] {
     let polynomial = |energy| hyperelastic(HyperelasticLaw::Polynomial(Hyperelastic { energy, wrinkling }));
+    let ogden = Ogden::new(&Ogden::TRELOAR);
     let gent = Gent { mu: 4e5, jm: 97.2 };
     let compressible = CompressibleNeoHookean { young: 1e6, poisson: 0.3 };
     [
@@ -117,18 +118,12 @@ pub fn rubbers(wrinkling: bool) -> [(&'static str, Material); 6] {
         ("Mooney–Rivlin", polynomial(Polynomial::mooney_rivlin(1.6e5, 4e4))),
         ("Yeoh", polynomial(Polynomial::yeoh([0.18e6, -0.002e6, 0.000_05e6]))),
         ("Gent", hyperelastic(HyperelasticLaw::Gent(Hyperelastic { energy: gent, wrinkling }))),
-        ("Ogden", hyperelastic(HyperelasticLaw::Ogden(Hyperelastic { energy: treloar(), wrinkling }))),
+        ("Ogden", hyperelastic(HyperelasticLaw::Ogden(Hyperelastic { energy: ogden, wrinkling }))),
         (
             "compressible neo-Hookean",
             hyperelastic(HyperelasticLaw::CompressibleNeoHookean(Hyperelastic { energy: compressible, wrinkling })),
         ),
     ]
-}
-
-/// Ogden's fit of Treloar's rubber.
-pub fn treloar() -> Ogden {
-    let terms = [(0.63e6, 1.3), (0.0012e6, 5.0), (-0.01e6, -2.0)];
-    Ogden::new(&terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }))
 }
 
 /// kg/m³.

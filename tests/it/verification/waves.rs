@@ -1,7 +1,7 @@
 //! Transverse impact on a long strip: the waves of J. C. Smith, F. L. McCrackin and H. F. Schiefer, Text. Res. J. 28
 //! (1958).
 //!
-//! In a strip whose engineering stress is E times its engineering strain, waves of stretch run at c = √(E/ρ) over the
+//! In a strip whose nominal stress is E times its engineering strain, waves of stretch run at c = √(E/ρ) over the
 //! unstrained film. Behind the first the strain is ε, until a kink follows at c(√(ε(1+ε)) − ε) in space: from it on the
 //! strip moves with the impactor, at V = c√(2ε√(ε(1+ε)) − ε²).
 

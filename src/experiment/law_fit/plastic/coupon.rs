@@ -72,7 +72,7 @@ pub struct PlasticCoupon {
     pub name: String,
     /// Its direction.
     pub direction: PlasticDirection,
-    /// Engineering stress over engineering strain.
+    /// Nominal stress over engineering strain.
     pub curve: Curve,
 }
 
@@ -159,7 +159,7 @@ impl PlasticCoupon {
     }
 }
 
-/// True stress over plastic strain: T = s (1 + e) and E_p = ln(1 + e) − T/Y, up to the largest engineering stress, from
+/// True stress over plastic strain: T = s (1 + e) and E_p = ln(1 + e) − T/Y, up to the largest nominal stress, from
 /// which on the coupon necks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueCurve {

@@ -41,11 +41,11 @@ pub struct CouponQuality {
     pub name: String,
     /// Its direction.
     pub direction: PlasticDirection,
-    /// Root mean square of the difference of engineering stresses, Pa.
+    /// Root mean square of the difference of nominal stresses, Pa.
     pub rms: f64,
     /// The largest difference, Pa.
     pub largest: f64,
-    /// Largest engineering stress of the coupon, Pa.
+    /// Largest nominal stress of the coupon, Pa.
     pub strength: f64,
 }
 
@@ -159,7 +159,7 @@ impl PlasticFit {
         (1.5 / n).sqrt()
     }
 
-    /// Engineering stress (Pa) of the law in slow tension along `direction` at an engineering strain: ln(1 + e) = T/Y + E_p
+    /// Nominal stress (Pa) of the law in slow tension along `direction` at an engineering strain: ln(1 + e) = T/Y + E_p
     /// with T = R σ_y(R E_p).
     pub fn stress(&self, direction: PlasticDirection, strain: f64) -> f64 {
         let (ratio, total) = (ratio(&self.ratios, direction), strain.ln_1p());
@@ -302,7 +302,7 @@ mod tests {
         let all = PlasticDirection::ALL.map(coupon);
         let fit = PlasticFit::of(&all, &RULES).unwrap();
         let Hardening::Voce(found) = fit.hardening else { panic!("{:?}", fit.hardening) };
-        // The slope of the window is that of engineering stress.
+        // The slope of the window is that of nominal stress.
         assert!((fit.young / young - 1.0).abs() < 0.01, "{}", fit.young);
         for (found, expected) in
             [(found.initial, law.initial), (found.saturation, law.saturation), (found.rate, law.rate)]

@@ -120,7 +120,7 @@ pub(crate) struct BlockStrains<const L: usize> {
 /// Stress, thickness and fibres of the elements of one block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockDetails<const L: usize> {
-    /// Engineering stresses along MD and TD and in shear, Pa of one layer.
+    /// Nominal stresses along MD and TD and in shear, Pa of one layer.
     pub stress: [Lane<L>; 3],
     /// Thickness over that of stress-free film; NaN where the law does not define it.
     pub thickness_ratio: Lane<L>,

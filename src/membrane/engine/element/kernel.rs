@@ -382,7 +382,7 @@ fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
 /// Stress, thickness and fibres of one element, averaged over its integration points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ElementDetail {
-    /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section.
+    /// Nominal stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section.
     pub stress: [f64; 3],
     /// Thickness over that of stress-free film; NaN where the law does not define it.
     pub thickness_ratio: f64,

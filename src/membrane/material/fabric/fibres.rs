@@ -118,7 +118,7 @@ impl<const L: usize> Fibres<L> {
         self.stretch[fibre].map(|stretch| stretch - 1.0)
     }
 
-    /// Engineering stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
+    /// Nominal stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
     pub(in super::super) fn stresses(&self, stress: &Stress<L>) -> Stresses<L> {
         let mut out = Stresses { md: splat(0.0), td: splat(0.0), shear: splat(0.0) };
         for l in 0..L {
@@ -139,7 +139,7 @@ impl<const L: usize> Fibres<L> {
         std::array::from_fn(|l| 0.5 * (self.stretch[0][l] + self.stretch[1][l]) - 1.0)
     }
 
-    /// Tensions of fibres with the engineering stresses `md`, `td` and `shear`, Pa.
+    /// Tensions of fibres with the nominal stresses `md`, `td` and `shear`, Pa.
     #[inline(always)]
     pub(super) fn tensions(&self, [md, td, shear]: &[Lane<L>; 3]) -> Tensions<L> {
         let mut out = Tensions { tension: [splat(0.0); 2], cross: splat(0.0) };
@@ -165,7 +165,7 @@ pub(super) struct Tensions<const L: usize> {
 }
 
 impl<const L: usize> Tensions<L> {
-    /// Adds the engineering stress `stress` (Pa) along both fibres.
+    /// Adds the nominal stress `stress` (Pa) along both fibres.
     #[inline(always)]
     pub(super) fn add_biaxial(&mut self, fibres: &Fibres<L>, stress: &Lane<L>) {
         for l in 0..L {

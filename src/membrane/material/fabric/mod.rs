@@ -53,7 +53,7 @@ enum Coupling<F> {
 }
 
 impl<F: FibreLaw> Fabric<F> {
-    /// Engineering stress (Pa) over engineering strain for MD and TD, shear stress (Pa) over shear angle (rad),
+    /// Nominal stress (Pa) over engineering strain for MD and TD, shear stress (Pa) over shear angle (rad),
     /// and the share 0 ≤ `absorption` < 1 of the stored energy that is lost on unloading, in the fibres and in shear.
     pub fn new(md: F, td: F, shear: Curve, absorption: f64) -> Fabric<F> {
         let absorption = Absorption::new(absorption);
@@ -307,7 +307,7 @@ mod tests {
     use super::*;
     use crate::material::{History, RateCurves};
 
-    /// In pure tension the first Piola–Kirchhoff stress is the engineering stress of the curve.
+    /// In pure tension the first Piola–Kirchhoff stress is the nominal stress of the curve.
     #[test]
     fn uniaxial_stress_is_that_of_the_curve() {
         let md = Curve::new(vec![[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]).unwrap();

@@ -14,7 +14,7 @@
 use super::fibres::{Fibres, Metric, SINE_BOUND};
 use crate::lane::{Lane, larger, smaller, splat};
 
-/// Engineering stresses of the fibres and of shear at trial strains, from one history.
+/// Nominal stresses of the fibres and of shear at trial strains, from one history.
 pub(super) trait TrialStresses<const L: usize> {
     /// Stresses along MD, along TD and in shear (Pa) at the strains ε_md, ε_td and |γ|.
     fn stresses(&self, strains: &[Lane<L>; 3]) -> [Lane<L>; 3];

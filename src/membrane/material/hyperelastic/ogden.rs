@@ -64,6 +64,10 @@ impl Ogden {
     /// Most terms of the energy.
     pub const TERMS: usize = TERMS;
 
+    /// The terms for Treloar's rubber (Ogden, Proc. R. Soc. A 326, 1972).
+    pub const TRELOAR: [OgdenTerm; 3] =
+        [OgdenTerm { mu: 6.3e5, alpha: 1.3 }, OgdenTerm { mu: 1.2e3, alpha: 5.0 }, OgdenTerm { mu: -1e4, alpha: -2.0 }];
+
     /// The energy of these terms.
     ///
     /// # Panics

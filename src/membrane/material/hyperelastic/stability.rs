@@ -62,12 +62,11 @@ fn is_stable(energy: &impl StrainEnergy, squares: [f64; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{Gent, Ogden, OgdenTerm, Polynomial};
+    use crate::material::{Gent, Ogden, Polynomial};
 
     #[test]
     fn common_rubbers_are_stable() {
-        let ogden = [(6.3e5, 1.3), (1.2e3, 5.0), (-1e4, -2.0)].map(|(mu, alpha)| OgdenTerm { mu, alpha });
-        assert_eq!(instability(&Ogden::new(&ogden), MOST), None);
+        assert_eq!(instability(&Ogden::new(&Ogden::TRELOAR), MOST), None);
         assert_eq!(instability(&Polynomial::neo_hookean(1.0), MOST), None);
         assert_eq!(instability(&Polynomial::mooney_rivlin(0.4, 0.1), MOST), None);
         assert_eq!(instability(&Polynomial::yeoh([0.18, -0.002, 0.000_05]), MOST), None);

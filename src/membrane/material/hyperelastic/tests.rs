@@ -26,10 +26,8 @@ macro_rules! each_law {
     };
 }
 
-/// Ogden's fit of Treloar's rubber.
 fn rubber() -> Ogden {
-    let terms = [(6.3e5, 1.3), (1.2e3, 5.0), (-1e4, -2.0)];
-    Ogden::new(&terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }))
+    Ogden::new(&Ogden::TRELOAR)
 }
 
 fn virgin_stress(law: &impl MembraneLaw<History<1> = PeakStrains<1>>, f: Gradient<1>) -> Stress<1> {
