@@ -150,7 +150,8 @@ impl<const L: usize> Tearing<L> {
         let [share, next, _, _, width, .., from, elapsed] = &mut self.variables[block];
         let mut is_whole = true;
         for l in 0..L {
-            let is_far = !(values[l] >= smallest) | (self.volumes[block][l] == 0.0);
+            let reaches = values[l] >= smallest;
+            let is_far = !reaches | (self.volumes[block][l] == 0.0);
             is_whole &= is_far & (width[l] == 0.0) & (share[l] == 1.0) & (next[l] == 1.0) & !self.at_tip[block][l];
         }
         if is_whole && dt > 0.0 {
