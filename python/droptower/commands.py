@@ -1,0 +1,229 @@
+"""The commands: each calls the program and gives what it wrote."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from .errors import Failed
+from .program import call
+from .results import Comparison, Run, Study, Sweep
+
+PathLike = str | os.PathLike[str]
+
+
+def run(
+    scenario: PathLike,
+    set: Mapping[str, Any] | None = None,
+    *,
+    unset: Iterable[str] = (),
+    out: PathLike | None = None,
+    vtu: bool = False,
+    vtkhdf: bool = False,
+    parquet: bool = False,
+    force: bool = False,
+    threads: int | None = None,
+    quiet: bool = True,
+) -> Run:
+    """Runs a scenario.
+
+    `set` changes keys: numbers (SI), texts with units ("12 um"), lists, dictionaries. `unset` leaves keys out. Results
+    go to `out`, or to runs/<name of the scenario>; `vtu` also writes the states of the film (`Run.states`),
+    `vtkhdf` those in one file for ParaView, `parquet` every table as Apache Parquet.
+    """
+    arguments = ["run", _path(scenario), *_changes(set, unset), *_options(out, force, threads)]
+    wanted = {"--vtu": vtu, "--vtkhdf": vtkhdf, "--parquet": parquet}
+    arguments += [option for option, is_wanted in wanted.items() if is_wanted]
+    summary = json.loads(call([*arguments, "--json"], quiet=quiet))
+    return Run(_place(out, summary["scenario"]))
+
+
+def sweep(
+    scenario: PathLike,
+    samples: int | None = None,
+    set: Mapping[str, Any] | None = None,
+    *,
+    unset: Iterable[str] = (),
+    out: PathLike | None = None,
+    store: PathLike | None = None,
+    keep: str | None = None,
+    figure: str | None = None,
+    merge: bool = False,
+    on: str | None = None,
+    cluster: PathLike | None = None,
+    force: bool = False,
+    threads: int | None = None,
+    quiet: bool = True,
+) -> Sweep:
+    """Runs a scenario many times with the values of its table [variation].
+
+    Runs that were computed before are taken from the records in `store`. `keep` ("worst:3", "all", "4,17") also writes
+    run folders (`Sweep.runs`); the worst have the largest `figure`. `merge` computes nothing and gathers what other
+    processes have done. `on` ("slurm", "hyperqueue") lets the computing centre that the file `cluster` describes
+    compute the runs. Runs that failed are rows of the table (`Sweep.table`), and raise NumericalFailure once it is
+    written.
+    """
+    arguments = ["sweep", _path(scenario), *_changes(set, unset), *_options(out, force, threads)]
+    given = {
+        "-n": samples,
+        "--store": store,
+        "--keep": keep,
+        "--figure": figure,
+        "--on": on,
+        "--cluster": cluster,
+    }
+    for name, value in given.items():
+        if value is not None:
+            arguments += [name, str(value)]
+    if merge:
+        arguments.append("--merge")
+    summary = json.loads(call([*arguments, "--json"], quiet=quiet))
+    return Sweep(Path(out) if out is not None else Path("runs") / f"{summary['scenario']}.sweep")
+
+
+def script(
+    path: PathLike,
+    scenario: PathLike | None = None,
+    args: Mapping[str, Any] | None = None,
+    set: Mapping[str, Any] | None = None,
+    *,
+    unset: Iterable[str] = (),
+    out: PathLike | None = None,
+    force: bool = False,
+    threads: int | None = None,
+    quiet: bool = True,
+) -> Study:
+    """Runs a Rhai script; `args` are what it finds in `args`: numbers, texts, flags, lists of numbers."""
+    arguments = ["script", _path(path), *_changes(set, unset), *_options(out, force, threads)]
+    if scenario is not None:
+        arguments += ["--scenario", _path(scenario)]
+    for name, value in (args or {}).items():
+        arguments += ["--arg", f"{name}={_argument(value)}"]
+    summary = json.loads(call([*arguments, "--json"], quiet=quiet))
+    return Study(Path(out) if out is not None else Path("runs") / summary["script"])
+
+
+def compare(
+    *runs: PathLike | Run,
+    out: PathLike = "runs/compare",
+    within: PathLike | None = None,
+    force: bool = False,
+) -> Comparison:
+    """Compares runs with the first of them; `within` names bounds, and a run outside of them raises Failed."""
+    places = [str(run.path) if isinstance(run, Run) else _path(run) for run in runs]
+    arguments = ["compare", *places, *_options(out, force, None), "--json"]
+    if within is not None:
+        arguments += ["--within", _path(within)]
+    try:
+        call(arguments)
+    except Failed as failed:
+        raise _differing(failed, "outside", "run") from None
+    return Comparison(Path(out))
+
+
+def test(
+    *paths: PathLike,
+    bless: bool = False,
+    filter: str | None = None,
+    out: PathLike = "runs/test",
+    force: bool = False,
+    threads: int | None = None,
+) -> dict[str, Any]:
+    """Compares runs with what they must give; the verdicts. A test that fails raises Failed with its differences."""
+    arguments = ["test", *map(_path, paths), *_options(out, force, threads), "--json"]
+    if bless:
+        arguments.append("--bless")
+    if filter is not None:
+        arguments += ["--filter", filter]
+    try:
+        verdicts: dict[str, Any] = json.loads(call(arguments))
+        return verdicts
+    except Failed as failed:
+        raise _differing(failed, "cases", "name") from None
+
+
+def check(scenario: PathLike, set: Mapping[str, Any] | None = None, *, unset: Iterable[str] = ()) -> None:
+    """Checks a scenario without running it; raises BadInput with all mistakes."""
+    call(["check", _path(scenario), *_changes(set, unset)])
+
+
+def _differing(failed: Failed, rows: str, name: str) -> Failed:
+    """The exception with the differences that the program printed, where those are why it failed."""
+    if failed.diagnostics or not failed.printed.strip():
+        return failed
+    messages = [
+        f"{row[name]}: {difference['message']}"
+        for row in json.loads(failed.printed)[rows]
+        for difference in row["differences"]
+    ]
+    differing = Failed([], "\n".join(messages))
+    differing.printed = failed.printed
+    return differing
+
+
+def _argument(value: Any) -> str:
+    """A value as `--arg` takes it; lists are separated by commas."""
+    plain = _plain(value)
+    if isinstance(plain, list):
+        return ",".join(map(_argument, plain))
+    return str(plain).lower() if isinstance(plain, bool) else str(plain)
+
+
+def _path(path: PathLike) -> str:
+    """A path that is no option, whatever it begins with."""
+    text = os.fspath(path)
+    return f".{os.sep}{text}" if text.startswith("-") else text
+
+
+def _place(out: PathLike | None, name: str) -> Path:
+    return Path(out) if out is not None else Path("runs") / name
+
+
+def _changes(set: Mapping[str, Any] | None, unset: Iterable[str]) -> list[str]:
+    arguments: list[str] = []
+    for key in unset:
+        arguments += ["--unset", key]
+    for key, value in (set or {}).items():
+        arguments += ["--set", f"{key}={_toml(value)}"]
+    return arguments
+
+
+def _options(out: PathLike | None, force: bool, threads: int | None) -> list[str]:
+    arguments: list[str] = []
+    if out is not None:
+        arguments += ["--out", _path(out)]
+    if force:
+        arguments.append("--force")
+    if threads is not None:
+        arguments += ["--threads", str(threads)]
+    return arguments
+
+
+def _toml(value: Any) -> str:
+    """A value as TOML in one line."""
+    plain = _plain(value)
+    if isinstance(plain, dict):
+        return (
+            "{ "
+            + ", ".join(f"{tomli_w.dumps({key: 0}).split(' = ')[0]} = {_toml(item)}" for key, item in plain.items())
+            + " }"
+        )
+    if isinstance(plain, list):
+        return "[" + ", ".join(map(_toml, plain)) + "]"
+    return tomli_w.dumps({"value": plain}).removeprefix("value = ").strip()
+
+
+def _plain(value: Any) -> Any:
+    """A value without numpy's types."""
+    if isinstance(value, Mapping):
+        return {str(key): item for key, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return list(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
