@@ -5,8 +5,8 @@ use std::{env, fs, io};
 
 use sha2::{Digest, Sha256};
 
-/// What decides the results: the sources and the versions of the dependencies.
-const SOURCES: [&str; 3] = ["src", "Cargo.toml", "Cargo.lock"];
+/// What decides the results: the sources, the modules that scripts import, and the versions of the dependencies.
+const SOURCES: [&str; 4] = ["src", "scripts/droptower", "Cargo.toml", "Cargo.lock"];
 
 fn main() -> io::Result<()> {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());

@@ -11,8 +11,9 @@ use droptower::diagnostic;
 use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Unobserved, Vectors};
 use droptower::lane::Width;
 use droptower::material::{
-    CompressibleNeoHookean, Elastic, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic, HyperelasticLaw, Law,
-    LawVisitor, MembraneLaw, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, TensionField, Viscosity, Voce,
+    CompressibleNeoHookean, CowperSymonds, Elastic, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic,
+    HyperelasticLaw, Law, LawVisitor, MembraneLaw, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, TensionField,
+    Viscosity, Voce,
 };
 use droptower::mesh;
 use droptower::model::{self, Model};
@@ -297,7 +298,7 @@ fn plastic(model: &Model, fabric: f64) {
     let points = [[0.0, 8e6], [0.05, 10e6], [0.2, 12e6], [0.5, 20e6]];
     let table = || Hardening::Table(FlowCurve::new(&points).expect("a flow curve"));
     let voce = Hardening::Voce(Voce { initial: 8e6, saturation: 20e6, rate: 6.0 });
-    let cowper_symonds = FlowRate::CowperSymonds { reference: 40.0, exponent: 5.0 };
+    let cowper_symonds = FlowRate::CowperSymonds(CowperSymonds { reference: 40.0, exponent: 5.0 });
     for (name, hardening, rate) in [
         ("table of four points", table(), FlowRate::Independent),
         ("Voce", voce, FlowRate::Independent),

@@ -12,7 +12,7 @@ use std::time::Instant;
 use droptower::diagnostic;
 use droptower::post::Evaluations;
 use droptower::scenario::{Assignment, Document};
-use droptower::sweep::{Done, Event, Share, Stop, Sweep, SweepResults, Work};
+use droptower::sweep::{Done, Event, Stop, Sweep, SweepResults, Work};
 
 /// Runs of the sweep.
 const RUNS: usize = 10_000;
@@ -31,7 +31,7 @@ fn main() {
     let begin = Instant::now();
     let evaluations = Evaluations::open(folder.path()).expect("records");
     let results = SweepResults::of(&sweep, &second.done, &evaluations).expect("results");
-    let csv = results.table.to_csv().expect("a table");
+    let csv = droptower::table::to_csv(&results.table.columns).expect("a table");
     let gathered = begin.elapsed().as_secs_f64();
     println!("| | stopped | taken up |\n|---|---|---|");
     let row = |name: &str, of: &dyn Fn(&Timed) -> String| println!("| {name} | {} | {} |", of(&first), of(&second));
@@ -73,7 +73,7 @@ impl Timed {
 fn timed(sweep: &Sweep, folder: &Path, stop_after: Option<usize>) -> Timed {
     let evaluations = Evaluations::open(folder).expect("records");
     let stop = Stop::default();
-    let work = Work { sweep, evaluations: &evaluations, share: Share::WHOLE, stop: &stop, gather: false };
+    let work = Work { sweep, evaluations: &evaluations, waits: true, stop: &stop, gather: false };
     let (computed, early, taken_up) = (AtomicUsize::new(0), Mutex::new(0.0), Mutex::new(None));
     let begin = Instant::now();
     let observer = |event: Event<'_>| {

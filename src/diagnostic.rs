@@ -7,6 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use serde::Serialize;
 
 /// A text of the user: a file, a script, an argument of the command line.
 #[derive(Debug)]
@@ -163,6 +164,57 @@ impl Diagnostic {
         let others = (0..labels.len()).filter(|place| !is_beside(place));
         let others = others.map(|place| snippet(&labels[place].0.source).annotation(context(place)));
         renderer.render(&[title.element(own).elements(others)])
+    }
+}
+
+/// A mistake for a program that reads it.
+#[derive(Debug, Serialize)]
+pub struct Record<'a> {
+    message: &'a str,
+    hint: Option<&'a str>,
+    #[serde(flatten)]
+    place: Option<Place<'a>>,
+    labels: Vec<RecordLabel<'a>>,
+}
+
+/// Another place of a mistake for a program that reads it.
+#[derive(Debug, Serialize)]
+struct RecordLabel<'a> {
+    message: &'a str,
+    #[serde(flatten)]
+    place: Place<'a>,
+}
+
+/// Where a mistake is: file or argument, line and column, both from one.
+#[derive(Debug, Serialize)]
+struct Place<'a> {
+    source: &'a str,
+    line: usize,
+    column: usize,
+}
+
+impl Span {
+    fn place(&self) -> Place<'_> {
+        let (line, column) = self.start();
+        Place { source: &self.source.name, line, column }
+    }
+}
+
+impl Label {
+    fn record(&self) -> RecordLabel<'_> {
+        RecordLabel { message: &self.text, place: self.span.place() }
+    }
+}
+
+impl Diagnostic {
+    /// The mistake for a program that reads it.
+    pub fn record(&self) -> Record<'_> {
+        Record {
+            message: &self.message,
+            hint: self.hint.as_deref(),
+            place: self.span.as_ref().map(Span::place),
+            labels: self.labels.iter().map(Label::record).collect(),
+        }
     }
 }
 

@@ -2,11 +2,14 @@
 
 use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use tempfile::NamedTempFile;
 use thiserror::Error;
+
+use crate::diagnostic::folder_of;
 
 pub(crate) use crc32fast::Hasher as Crc32;
 
@@ -93,6 +96,25 @@ fn is_utf16(bytes: &[u8]) -> bool {
     let zeros = |offset: usize| start.iter().skip(offset).step_by(2).filter(|byte| **byte == 0).count();
     let (even, odd) = (zeros(0), zeros(1));
     start.len() >= 4 && 10 * even.max(odd) > 4 * start.len() && 10 * even.min(odd) < start.len()
+}
+
+/// A temporary file in `folder` with the permissions of the user's mask instead of the owner's alone.
+pub(crate) fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".droptower-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+/// Writes `bytes` to `path` in one piece: a reader finds what was there before or all of them.
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut draft = temporary(folder_of(path))?;
+    draft.write_all(bytes)?;
+    draft.persist(path).map(drop).map_err(|error| error.error)
 }
 
 /// CRC-32 (ISO 3309) of `bytes`.

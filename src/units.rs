@@ -7,6 +7,7 @@ mod table;
 mod unit;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -177,6 +178,15 @@ impl Dimension {
         }
     }
 
+    /// Pattern (ECMA 262) of texts that are quantities of it, for editors: a number and a unit that is not usual for
+    /// something else. It accepts more than [`Dimension::parse`], and all that this does.
+    pub fn pattern(self) -> String {
+        let others = DIMENSIONS.iter().filter(|other| other.powers != self.powers);
+        let units: BTreeSet<&str> = others.flat_map(|other| other.usual_units()).copied().collect();
+        let units = Vec::from_iter(units).join("|");
+        format!(r"^\s*[-+]?[0-9.]+(?![0-9.])([eE][-+]?[0-9.]+(?![0-9.]))?\s*(?!({units})\s*$)\S")
+    }
+
     /// What `number` without its unit, of which the value is `value` (SI), may have been meant for: the same number in
     /// the unit nearest to the written one that makes it one of the `likely` values.
     pub fn likelier(self, number: &str, value: f64, likely: [f64; 2]) -> Option<String> {
@@ -184,9 +194,14 @@ impl Dimension {
         let units = self.usual_units().iter().filter(|unit| !matches!(**unit, "cm" | "km" | "min" | "h" | "mm/min"));
         let quantities = units.map(|unit| format!("{number} {unit}"));
         let found = quantities.filter_map(|text| Some((self.parse(&text).ok()?, text)));
-        let fits = found.filter(|(other, _)| (likely[0]..=likely[1]).contains(other));
+        let fits: Vec<(f64, String)> = found.filter(|(other, _)| (likely[0]..=likely[1]).contains(other)).collect();
+        // Laboratories write stresses in N/mm².
+        let mega = format!("{number} MPa");
+        if fits.iter().any(|(_, text)| *text == mega) {
+            return Some(mega);
+        }
         let distance = |other: f64| (other / value).abs().ln().abs();
-        fits.min_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).map(|(_, text)| text)
+        fits.into_iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).map(|(_, text)| text)
     }
 
     /// The quantity in the usual unit that its unknown one probably stands for: "12 um" of "12 µ", "8 MPa" of "8 mpa".
@@ -354,6 +369,7 @@ macro_rules! quantities {
                         "type": ["number", "string"],
                         "x-quantity": $name,
                         "x-unit": $unit,
+                        "pattern": Self::DIMENSION.pattern(),
                         "examples": [$example],
                     })
                 }

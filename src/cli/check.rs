@@ -13,6 +13,7 @@ use crate::model::{self, Guide, Impactor, Variation};
 use crate::number;
 use crate::scenario::{Assignment, Document};
 use crate::simulate;
+use crate::sweep;
 
 /// Significant digits of lengths and moments.
 const DIGITS: usize = 4;
@@ -111,7 +112,11 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     if !is_material {
         let checked = scenarios::check(path, assignments)?;
         let inertias = checked.model.impactors.iter().filter_map(Inertia::of).collect();
-        let variation = model::variation(&checked.document)?.as_ref().map(Varies::of);
+        let variation = model::variation(&checked.document)?;
+        if let Some(variation) = &variation {
+            sweep::check_words(&checked.document.without_variation(), variation)?;
+        }
+        let variation = variation.as_ref().map(Varies::of);
         return Ok(Facts { findings: checked.plan.findings().to_vec(), inertias, variation });
     }
     let material = Document::read_material(path)?.with(assignments);

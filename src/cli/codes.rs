@@ -3,7 +3,7 @@
 use super::{Failure, Shared, checkpoint, print, print_json};
 use crate::diagnostic::closest;
 use crate::finding::Code;
-use crate::{confidence, experiment, identify, model, post, script, signal, simulate};
+use crate::{confidence, digitize, experiment, identify, model, post, script, signal, simulate};
 
 /// The word in place of a key that lists all codes.
 pub(super) const WORD: &str = "findings";
@@ -17,6 +17,7 @@ fn all() -> impl Iterator<Item = &'static Code> {
         experiment::law_fit::CODES,
         experiment::relaxation::CODES,
         experiment::law_fit::plastic::CODES,
+        digitize::CODES,
         model::CODES,
         simulate::CODES,
         script::CODES,
@@ -34,7 +35,13 @@ pub(super) fn find(name: &str) -> Option<&'static Code> {
 
 /// The code whose name is like `name`, as a hint.
 pub(super) fn hint(name: &str) -> Option<String> {
-    closest(bare(name), all().map(|code| code.name)).map(|name| format!("did you mean the finding `{name}`?"))
+    let meant = misspelt(bare(name)).or_else(|| closest(bare(name), all().map(|code| code.name)));
+    meant.map(|name| format!("did you mean the finding `{name}`?"))
+}
+
+/// The code that differs from `name` by at most two letters.
+pub(super) fn misspelt(name: &str) -> Option<&'static str> {
+    all().map(|code| code.name).find(|known| strsim::damerau_levenshtein(known, name) <= 2)
 }
 
 /// `coarse-contact` of `warning[coarse-contact]:`, of `[coarse-contact]` and of itself.

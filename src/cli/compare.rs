@@ -6,8 +6,9 @@ use clap::Args;
 
 use super::faults::{recording, storing};
 use super::scenarios::both;
-use super::{Failure, Shared, digest, findings, folder, print_figures, table};
+use super::{Failure, Shared, digest, expectations, findings, folder, print_figures, table};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::expectation::{Expectations, Given, Outside, Recorded};
 use crate::post::{FAILED_RUN, RunComparison};
 use crate::report::compare_page;
 use crate::store::{self, Draft, Origin, StoredRun, StoredRunError, run_files};
@@ -26,23 +27,63 @@ pub(super) struct CompareArgs {
     /// Compare this signal alone, by its name in signals.csv; may be given several times
     #[arg(long, value_name = "NAME")]
     pub signal: Vec<String>,
+    /// Bounds for signals, figures and findings (as in expect.toml): a run that is outside fails, exit status 1
+    #[arg(long, value_name = "FILE")]
+    pub within: Option<PathBuf>,
+    /// Also write the signals and the figures of all runs as Apache Parquet: signals.parquet, figures.parquet
+    #[arg(long)]
+    pub parquet: bool,
     /// Print every figure, also where all runs agree
     #[arg(long)]
     pub all: bool,
 }
 
 pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
-    let (runs, ()) = both(stored(&args.runs), free(args).and_then(|()| of_another(args)))?;
+    let free = free(args).and_then(|()| of_another(args));
+    let bounds = args.within.as_deref().map(|path| expectations::read(path, true)).transpose();
+    let (runs, (bounds, ())) = both(stored(&args.runs), both(bounds, free))?;
     check_signals(&runs, &args.signal)?;
     let comparison = RunComparison::of(&runs, &args.signal);
+    let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
     let stored = Draft::begin(&args.out, Origin::Comparison, args.force).and_then(|draft| {
-        let files = folder::fill_comparison(&draft, &comparison)?;
+        let files = folder::fill_comparison(&draft, &comparison, outside.as_deref(), args.parquet)?;
         Ok((draft.publish()?, files))
     });
     let (place, files) = stored.map_err(|error| Failure::output(storing(&error)))?;
-    print_figures(shared, &comparison.summary(), || {
-        [text(&comparison, args.all), digest::folder(&place, &files)].concat()
-    })
+    let summary = folder::summary_of_comparison(&comparison, outside.as_deref());
+    print_figures(shared, &summary, || {
+        let verdict = outside.as_deref().map(verdict).unwrap_or_default();
+        [text(&comparison, args.all), verdict, digest::folder(&place, &files)].concat()
+    })?;
+    match outside.unwrap_or_default().iter().filter(|run| !run.differences.is_empty()).count() {
+        0 => Ok(()),
+        _ if shared.json => Err(Failure::quiet()),
+        count => {
+            let others = runs.len() - 1;
+            Err(Failure::output(Diagnostic::new(format!("{count} of {others} runs are outside of the bounds"))))
+        }
+    }
+}
+
+/// How each run but the first differs from it by more than the bounds allow.
+fn outside(bounds: &Expectations, runs: &[StoredRun], comparison: &RunComparison) -> Vec<Outside> {
+    let Some((first, others)) = runs.split_first() else { return vec![] };
+    let recorded = Recorded { signals: Some(first.signals.clone()), figures: first.summary.clone() };
+    let names = comparison.runs.iter().skip(1).map(|run| run.name.clone());
+    let of = |(run, name): (&StoredRun, String)| {
+        let given = Given { signals: &run.signals, figures: &run.summary };
+        Outside { run: name, differences: bounds.differences(&recorded, &given) }
+    };
+    others.iter().zip(names).map(of).collect()
+}
+
+fn verdict(outside: &[Outside]) -> String {
+    let mut lines = Vec::new();
+    for Outside { run, differences } in outside {
+        lines.push(format!("{run}: {}", if differences.is_empty() { "within the bounds" } else { "outside" }));
+        lines.extend(differences.iter().map(|difference| format!("  {difference}")));
+    }
+    lines.join("\n") + "\n"
 }
 
 /// The stored runs; at least two, each once.

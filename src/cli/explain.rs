@@ -1,21 +1,25 @@
 //! `droptower explain`: unit, range, default and sentence of the keys under a path, script functions, codes of
-//! findings, columns of signals.
+//! findings, columns of signals, figures.
 
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::{Failure, Shared, codes, columns, functions, print, print_json};
+use super::{Failure, Shared, codes, columns, complete, figures, functions, print, print_json};
 use crate::diagnostic::{Diagnostic, closest};
 use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
     /// Key path, e.g. specimen.mesh, or its end, e.g. mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
-    /// e.g. coarse-contact; a column of signals.csv, e.g. clamp_slip_m; `functions` or `findings` for all of them
-    #[arg(value_name = "KEY")]
+    /// e.g. coarse-contact; a column of signals.csv, e.g. clamp_slip_m; a figure of summary.json, e.g. energy_absorption; `keys`,
+    /// `functions`, `findings`, `columns` or `figures` for all of them
+    #[arg(value_name = "KEY", add = complete::keys())]
     pub path: Option<String>,
 }
+
+/// The word in place of a key that lists all keys of scenarios.
+const WORD: &str = "keys";
 
 /// The entry of one key.
 #[derive(Serialize)]
@@ -41,14 +45,20 @@ pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
     match args.path.as_deref() {
         Some(functions::WORD) => return functions::run(None, shared),
         Some(codes::WORD) => return codes::run(None, shared),
+        Some(columns::WORD) => return columns::all(shared),
+        Some(figures::WORD) => return figures::all(shared),
         _ => {}
     }
     let explanations = match &args.path {
+        Some(path) if path == WORD => top_keys().flat_map(|key| under(&key.name, key)).collect(),
+        Some(path) if kind(path).is_some() => kind(path).map(whole).unwrap_or_default(),
         Some(path) => match find(path) {
             Ok((name, key)) => under(&name, key),
             Err(_) if functions::are_called(path) => return functions::run(Some(path), shared),
             Err(mistake) => match (codes::find(path), ending(path).as_slice()) {
                 (Some(code), _) => return codes::run(Some(code), shared),
+                // A figure such as `peak_acceleration_m_s2` ends like a column.
+                (None, []) if figures::run(path, shared)? => return Ok(()),
                 (None, []) => match columns::find(path) {
                     Some(column) => return columns::run(path, column, shared),
                     None => return Err(with_code(mistake, path).into()),
@@ -78,12 +88,16 @@ fn texts(explanations: &[Explanation]) -> Vec<String> {
     texts.into_iter().map(|(keys, text)| format!("{}\n    {text}", keys.join("\n"))).collect()
 }
 
-/// The mistake with the code of a finding or a column as its hint, where the unknown `path` is like one and is written like
-/// one.
+/// The mistake with the code of a finding, a column or a figure as its hint, where the unknown `path` is like one and is
+/// written like one.
 fn with_code(mistake: Diagnostic, path: &str) -> Diagnostic {
     let code = codes::hint(path).filter(|_| path.contains('-'));
-    let column = || closest(path, columns::names()).filter(|_| path.contains('_') && !path.contains('.'));
-    match code.or_else(|| column().map(|name| format!("did you mean the column `{name}`?"))) {
+    let is_name = path.contains('_') && !path.contains('.');
+    let column = || closest(path, columns::names()).map(|name| format!("did you mean the column `{name}`?"));
+    let figures: Vec<String> = if is_name { figures::names().collect() } else { vec![] };
+    let figure =
+        || closest(path, figures.iter().map(String::as_str)).map(|name| format!("did you mean the figure `{name}`?"));
+    match code.or_else(|| column().filter(|_| is_name)).or_else(figure) {
         Some(hint) => mistake.hint(hint),
         None => mistake,
     }
@@ -98,13 +112,39 @@ fn top_keys() -> impl Iterator<Item = &'static Key> {
     grammar::scenario().table().into_iter().flat_map(|table| &table.keys)
 }
 
+/// A kind of file besides scenarios: the word that its keys begin with, and its rule.
+type Kind = (&'static str, fn() -> &'static Rule);
+
+/// Files besides scenarios: `expect.toml`, `cluster.toml` and `figure.toml`.
+const KINDS: [Kind; 3] =
+    [("expect", grammar::expectations), ("cluster", grammar::cluster), ("figure", grammar::figure)];
+
+/// The kind of file of this name.
+fn kind(word: &str) -> Option<Kind> {
+    KINDS.into_iter().find(|(name, _)| *name == word)
+}
+
+/// All keys of a kind of file.
+fn whole((word, rule): Kind) -> Vec<Explanation> {
+    let keys = rule().table().into_iter().flat_map(|table| &table.keys);
+    keys.flat_map(|key| under(&format!("{word}.{}", key.name), key)).collect()
+}
+
 /// The key at `path` and its name; a number in the path (an item of a list) is skipped.
 fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
-    let mut rule = grammar::scenario();
-    let mut name = String::new();
+    let kind = path.split_once('.').and_then(|(word, rest)| Some((kind(word)?, rest)));
+    let (mut rule, mut name, path) = match kind {
+        Some(((word, rule), rest)) => (rule(), word.to_owned(), rest),
+        None => (grammar::scenario(), String::new(), path),
+    };
     let mut found = None;
     for step in path.split('.').filter(|step| step.parse::<usize>().is_err()) {
         let keys = keys_under(rule).ok_or_else(|| nothing_under(&name))?;
+        if let (None, Some(others)) = (keys.key(step), &keys.others) {
+            name = format!("{name}.{step}");
+            rule = others;
+            continue;
+        }
         let key = keys.key(step).ok_or_else(|| unknown(step, &name, keys))?;
         name = if name.is_empty() { key.name.clone() } else { format!("{name}.{}", key.name) };
         rule = &key.rule;
@@ -151,6 +191,8 @@ fn under(name: &str, key: &Key) -> Vec<Explanation> {
     let mut all = vec![explanation(name, key)];
     if let Some(table) = keys_under(&key.rule) {
         all.extend(table.keys.iter().flat_map(|child| under(&format!("{name}.{}", child.name), child)));
+        let others = table.others.as_deref().and_then(keys_under).into_iter().flat_map(|table| &table.keys);
+        all.extend(others.flat_map(|child| under(&format!("{name}.<name>.{}", child.name), child)));
     }
     all
 }

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use super::print_diagnostics;
+use super::{DiagnosticFormat, print_diagnostics, print_records};
 use crate::diagnostic::Diagnostic;
 
 /// The exit status of a command that fails.
@@ -31,6 +31,11 @@ impl Failure {
         Failure { status: ExitStatus::OutputFailed, diagnostics: vec![diagnostic] }
     }
 
+    /// What standard output has told already.
+    pub(crate) fn quiet() -> Failure {
+        Failure { status: ExitStatus::OutputFailed, diagnostics: vec![] }
+    }
+
     /// A run failed numerically.
     pub(crate) fn numerical(diagnostic: Diagnostic) -> Failure {
         Failure { status: ExitStatus::NumericalFailure, diagnostics: vec![diagnostic] }
@@ -46,9 +51,11 @@ impl Failure {
     }
 
     /// Prints the diagnostics and gives the exit status.
-    pub(crate) fn report(&self) -> ExitCode {
-        if !self.diagnostics.is_empty() {
-            print_diagnostics(&self.diagnostics);
+    pub(crate) fn report(&self, format: DiagnosticFormat) -> ExitCode {
+        match format {
+            _ if self.diagnostics.is_empty() => {}
+            DiagnosticFormat::Text => print_diagnostics(&self.diagnostics),
+            DiagnosticFormat::Json => print_records(&self.diagnostics),
         }
         ExitCode::from(self.status as u8)
     }

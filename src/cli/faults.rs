@@ -6,16 +6,13 @@ use std::path::Path;
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 use crate::file;
 use crate::post::{EvaluateError, PrepareError, ReferenceError};
-use crate::script::{Fault, LONGEST_SCRIPT, ReadError};
+use crate::script::{Fault, ReadError};
 use crate::signal::{self, QuantityError};
 use crate::store::StoreError;
 
 /// A script fault at its place in the script.
 pub(super) fn script(fault: &Fault) -> Diagnostic {
-    let Ok(text) = file::read_text(&fault.file, LONGEST_SCRIPT) else {
-        return Diagnostic::new(fault.to_string());
-    };
-    let source = Source::file(&fault.file, text);
+    let source = Source::file(&fault.file, fault.text.to_string());
     let mistake = Diagnostic::new(fault.message.as_str()).at(&Span::position(&source, fault.line, fault.column));
     Diagnostic { hint: fault.hint.clone(), ..mistake }
 }

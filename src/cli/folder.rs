@@ -3,15 +3,19 @@
 use std::io;
 
 use rayon::prelude::*;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json as json_of};
 
+use super::formats::Formats;
+use crate::expectation::{Outside, Verdict};
 use crate::model::Model;
 use crate::post::{Results, RunComparison};
-use crate::report::{self, RunPage, StudyPage, SweepPage, compare_page, vtu};
+use crate::report::vtu::VtuError;
+use crate::report::{self, RunPage, StudyPage, SweepPage, compare_page, vtkhdf, vtu};
 use crate::script::{Row, ScriptOutput};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
 use crate::store::{Draft, StoreError, run_files};
+use crate::table::{self, Column};
 
 /// A run, complete or failed.
 pub(super) struct Contents<'a> {
@@ -23,25 +27,30 @@ pub(super) struct Contents<'a> {
     /// Text of the post script that `scenario` reads as [`run_files::POST_SCRIPT`].
     pub script: Option<&'a str>,
     pub failure: Option<&'a str>,
-    /// Whether the snapshots are also written for ParaView.
-    pub vtu: bool,
+    /// What is also written.
+    pub formats: Formats,
 }
 
 /// Writes all files of a run into the draft and gives their names.
 pub(super) fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreError> {
-    let Contents { model, outcome, results, scenario, script, failure, vtu } = contents;
-    let mut files = Files { draft, names: Vec::new() };
+    let Contents { model, outcome, results, scenario, script, failure, formats } = contents;
+    let mut files = Files::new(draft, formats.parquet);
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
     files.write(run_files::SIGNALS, recording(signals)?)?;
     files.write(run_files::ENERGIES, recording(&outcome.energies)?)?;
+    files.parquet(run_files::SIGNALS_PARQUET, || signals.columns())?;
+    files.parquet(run_files::ENERGIES_PARQUET, || outcome.energies.columns())?;
     if let Some(results) = results {
         files.write(run_files::SUMMARY, json(&results.summary(model))?)?;
         files.script_output(&results.script_output)?;
         #[cfg(feature = "rerun")]
         files.recording(contents, results)?;
     }
-    if *vtu {
-        files.vtu(model, outcome)?;
+    if formats.vtu {
+        files.snapshots(vtu::files(model, outcome))?;
+    }
+    if formats.vtkhdf {
+        files.snapshots(vtkhdf::files(model, outcome))?;
     }
     files.write(run_files::SCENARIO, scenario.as_bytes().to_vec())?;
     if let Some(text) = script {
@@ -61,8 +70,9 @@ pub(super) fn fill_study(
     draft: &Draft,
     study: &StudyPage,
     summary: &Map<String, Value>,
+    parquet: bool,
 ) -> Result<Vec<String>, StoreError> {
-    let mut files = Files { draft, names: Vec::new() };
+    let mut files = Files::new(draft, parquet);
     files.write(run_files::SUMMARY, json(summary)?)?;
     files.script_output(study.output)?;
     #[cfg(feature = "rerun")]
@@ -71,35 +81,67 @@ pub(super) fn fill_study(
     Ok(files.names)
 }
 
+/// Writes all files of tests into the draft and gives their names.
+pub(super) fn fill_tests(
+    draft: &Draft,
+    verdicts: &[Verdict],
+    summary: &Map<String, Value>,
+) -> Result<Vec<String>, StoreError> {
+    let mut files = Files::new(draft, false);
+    files.write(run_files::SUMMARY, json(summary)?)?;
+    files.write(run_files::REPORT, report::test_page(verdicts).into_bytes())?;
+    Ok(files.names)
+}
+
 /// Writes all files of a sweep into the draft and gives their names.
 pub(super) fn fill_sweep(draft: &Draft, page: &SweepPage, scenario: &str) -> Result<Vec<String>, StoreError> {
-    let mut files = Files { draft, names: Vec::new() };
-    let table = &page.results.table;
+    let mut files = Files::new(draft, false);
+    let columns = &page.results.table.columns;
     let failed = |name: &'static str| move |error| StoreError::write(draft.path().join(name), error);
     files.write(run_files::SUMMARY, json(page.summary)?)?;
     files.write(run_files::SCENARIO, scenario.as_bytes().to_vec())?;
-    files.write(run_files::TABLE, table.to_csv().map_err(failed(run_files::TABLE))?)?;
-    files.write(run_files::PARQUET, table.to_parquet().map_err(failed(run_files::PARQUET))?)?;
+    files.write(run_files::TABLE, table::to_csv(columns).map_err(failed(run_files::TABLE))?)?;
+    files.write(run_files::PARQUET, table::to_parquet(columns, &[]).map_err(failed(run_files::PARQUET))?)?;
     files.write(run_files::REPORT, report::sweep_page(page).into_bytes())?;
     Ok(files.names)
 }
 
 /// Writes all files of a comparison into the draft and gives their names.
-pub(super) fn fill_comparison(draft: &Draft, comparison: &RunComparison) -> Result<Vec<String>, StoreError> {
-    let mut files = Files { draft, names: Vec::new() };
-    files.write(run_files::SUMMARY, json(&comparison.summary())?)?;
+pub(super) fn fill_comparison(
+    draft: &Draft,
+    comparison: &RunComparison,
+    outside: Option<&[Outside]>,
+    parquet: bool,
+) -> Result<Vec<String>, StoreError> {
+    let mut files = Files::new(draft, parquet);
+    files.write(run_files::SUMMARY, json(&summary_of_comparison(comparison, outside))?)?;
+    files.parquet(run_files::SIGNALS_PARQUET, || comparison.signal_columns())?;
+    files.parquet(run_files::FIGURES_PARQUET, || comparison.figure_columns())?;
     #[cfg(feature = "rerun")]
     files.comparison(comparison)?;
-    files.write(run_files::REPORT, compare_page::compare_page(comparison).into_bytes())?;
+    files.write(run_files::REPORT, compare_page::compare_page(comparison, outside).into_bytes())?;
     Ok(files.names)
+}
+
+/// What `summary.json` of a comparison holds; with bounds, how far runs are outside of them.
+pub(super) fn summary_of_comparison(comparison: &RunComparison, outside: Option<&[Outside]>) -> Map<String, Value> {
+    let mut summary = comparison.summary();
+    summary.extend(outside.map(|outside| ("outside".to_owned(), json_of!(outside))));
+    summary
 }
 
 struct Files<'a> {
     draft: &'a Draft,
     names: Vec<String>,
+    /// Whether tables are also written as Apache Parquet.
+    parquet: bool,
 }
 
-impl Files<'_> {
+impl<'a> Files<'a> {
+    fn new(draft: &'a Draft, parquet: bool) -> Files<'a> {
+        Files { draft, names: Vec::new(), parquet }
+    }
+
     fn write(&mut self, name: &str, content: Vec<u8>) -> Result<(), StoreError> {
         self.draft.write(name, content)?;
         self.names.push(name.into());
@@ -141,24 +183,38 @@ impl Files<'_> {
         Ok(())
     }
 
-    fn vtu(&mut self, model: &Model, outcome: &Outcome) -> Result<(), StoreError> {
-        let folder = self.draft.path().join(run_files::SNAPSHOTS);
-        let failed = |error| StoreError::write(&folder, io::Error::other(error));
+    /// Writes files for ParaView, by as many threads as there are.
+    fn snapshots(
+        &mut self,
+        files: impl ParallelIterator<Item = Result<vtu::File, VtuError>>,
+    ) -> Result<(), StoreError> {
+        let failed = |error| StoreError::write(self.draft.path(), io::Error::other(error));
         let draft = self.draft;
-        let written = vtu::files(model, outcome).map(|file| {
+        let written = files.map(|file| {
             let vtu::File { name, content } = file.map_err(failed)?;
             draft.write(&name, content)?;
             Ok(name)
         });
-        self.names.extend(written.collect::<Result<Vec<String>, StoreError>>()?);
+        let names = written.collect::<Result<Vec<String>, StoreError>>()?;
+        self.names.extend(names);
         Ok(())
+    }
+
+    /// Writes a table as Apache Parquet, where that is asked for.
+    fn parquet(&mut self, name: &str, columns: impl FnOnce() -> Vec<Column>) -> Result<(), StoreError> {
+        if !self.parquet {
+            return Ok(());
+        }
+        let content = table::to_parquet(&columns(), &[]);
+        self.write(name, content.map_err(|error| StoreError::write(self.draft.path().join(name), error))?)
     }
 
     fn script_output(&mut self, output: &ScriptOutput) -> Result<(), StoreError> {
         for (name, rows) in &output.tables {
             let file = format!("{}/{name}.csv", run_files::TABLES);
-            let content = table(rows).map_err(|error| StoreError::write(self.draft.path().join(&file), error))?;
+            let content = rows_as_csv(rows).map_err(|error| StoreError::write(self.draft.path().join(&file), error))?;
             self.write(&file, content)?;
+            self.parquet(&format!("{}/{name}.parquet", run_files::TABLES), || columns_of(rows))?;
         }
         for file in output.files.iter() {
             self.write(&file.name, file.content.clone().into_bytes())?;
@@ -180,8 +236,17 @@ fn json(summary: &Map<String, Value>) -> Result<Vec<u8>, StoreError> {
     Ok(text)
 }
 
+/// The columns of rows.
+fn columns_of(rows: &[Row]) -> Vec<Column> {
+    let column = |name: String| {
+        let values: Vec<Option<&Value>> = rows.iter().map(|row| row.get(&name)).collect();
+        Column::of_json(name, &values)
+    };
+    report::columns(rows).into_iter().map(column).collect()
+}
+
 /// Rows under the names of all their columns.
-fn table(rows: &[Row]) -> io::Result<Vec<u8>> {
+fn rows_as_csv(rows: &[Row]) -> io::Result<Vec<u8>> {
     let columns = report::columns(rows);
     let mut out = ::csv::Writer::from_writer(Vec::new());
     out.write_record(&columns)?;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, Shared, print, print_json};
+use super::{Failure, Shared, print, print_json, search};
 use crate::diagnostic::{Diagnostic, folder_of, shown_path};
 use crate::scenario::{Document, Value};
 use crate::store::{self, run_files};
@@ -55,13 +55,9 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
     if !folder.is_dir() {
         return Err(Diagnostic::new(format!("{} is not a folder", shown_path(folder))));
     }
-    let escaped = glob::Pattern::escape(&folder.to_string_lossy());
-    let below = if folder == Path::new(".") { "**/*.toml".into() } else { format!("{escaped}/**/*.toml") };
-    // Hidden folders hold what other programs keep.
-    let options = glob::MatchOptions { require_literal_leading_dot: true, ..glob::MatchOptions::new() };
-    let paths = glob::glob_with(&below, options)
-        .map_err(|error| Diagnostic::new(format!("cannot search {}: {error}", shown_path(folder))))?;
-    Ok(paths.filter_map(Result::ok).collect())
+    // Folders that others own are no reason to list nothing.
+    let (files, _) = search::below(folder, |name| name.ends_with(".toml"));
+    Ok(files)
 }
 
 /// Whether the file is the resolved scenario of a stored run.

@@ -102,7 +102,7 @@ impl Draft {
         let place = existing(out)?.map_or_else(|| out.to_owned(), |(place, _)| place);
         let folder = folder_of(&place);
         fs::create_dir_all(folder)?;
-        let mut file = draft(folder)?;
+        let mut file = file::temporary(folder)?;
         let mut text = BufWriter::new(&mut file);
         content(&mut text)?;
         text.flush()?;
@@ -118,18 +118,6 @@ impl Draft {
         self.file.persist(&self.place)?;
         Ok(())
     }
-}
-
-/// A temporary file in `folder` with the permissions of the user's mask instead of the owner's alone.
-fn draft(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".droptower-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
 }
 
 /// The text with its seal, a last line with its checksum.

@@ -11,6 +11,7 @@ use super::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
 use super::faults::{evaluating, storing};
 use super::folder::{self, Contents};
 use super::forecast::Forecast;
+use super::formats::Formats;
 use super::live::{self, Show, Viewer};
 use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
@@ -21,7 +22,9 @@ use crate::number::duration;
 use crate::post;
 use crate::report::RunPage;
 use crate::scenario::Document;
-use crate::simulate::{self, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
+use crate::simulate::{
+    self, Cancellation, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent,
+};
 use crate::store::{self, Draft, Origin, run_files};
 
 #[derive(Debug, Args)]
@@ -50,9 +53,8 @@ pub(super) struct RunArgs {
         default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
     )]
     pub live: Option<String>,
-    /// Also write the snapshots for ParaView: film.pvd, impactor.pvd and frame.pvd (the bars), with strain, stress and thickness
-    #[arg(long)]
-    pub vtu: bool,
+    #[command(flatten)]
+    pub formats: Formats,
 }
 
 /// A scenario and the folder of its results, checked before the first run starts.
@@ -61,18 +63,20 @@ struct Job {
     place: PathBuf,
     /// Its checkpoints, if it has any.
     writer: Option<CheckpointWriter>,
-    /// Whether the snapshots are also written for ParaView.
-    vtu: bool,
+    /// What is also written.
+    formats: Formats,
     /// Whether results of another scenario are replaced.
     force: bool,
+    /// Ends the run.
+    cancellation: Cancellation,
 }
 
 /// The result of a job, for the terminal.
 #[derive(Default)]
-struct Done {
-    text: String,
-    summary: Option<Value>,
-    failure: Option<Failure>,
+pub(super) struct Done {
+    pub text: String,
+    pub summary: Option<Value>,
+    pub failure: Option<Failure>,
     /// Whether the results are on the disk.
     stored: bool,
 }
@@ -107,14 +111,26 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
 
 /// Runs checked scenarios, each into the folder beside it, whatever was there; why one failed, if so.
 pub(super) fn all(runs: Vec<(Checked, PathBuf)>, shared: &Shared) -> Option<Failure> {
-    let jobs: Vec<Job> = runs
-        .into_iter()
-        .map(|(checked, place)| Job { checked, place, writer: None, vtu: false, force: true })
-        .collect();
+    let jobs: Vec<Job> =
+        runs.into_iter().map(|(checked, place)| Job::plain(checked, place, Cancellation::default())).collect();
     let bar = Bar::new(jobs.len(), shared.quiet);
     let done: Vec<Done> = jobs.par_iter().enumerate().map(|(index, job)| job.run(&bar, index, None)).collect();
     bar.finish();
     Failure::all(done.into_iter().filter_map(|done| done.failure))
+}
+
+/// Runs a checked scenario into the folder, until it is cancelled.
+pub(super) fn one(
+    checked: Checked,
+    place: &Path,
+    cancellation: &Cancellation,
+    viewer: Option<&Viewer>,
+    shared: &Shared,
+) -> Done {
+    let bar = Bar::new(1, shared.quiet);
+    let done = Job::plain(checked, place.to_owned(), cancellation.clone()).run(&bar, 0, viewer);
+    bar.finish();
+    done
 }
 
 /// The runs of a command.
@@ -148,11 +164,14 @@ fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
     let left =
         |(checked, folder): (Checked, PathBuf)| checkpoint::Warning::Complete { run: checked.model.name, folder };
     let complete = complete.into_iter().map(left).collect();
-    let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
+    let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.formats.need_detail() };
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for (checked, place) in rest {
         match CheckpointWriter::new(policy, &checked, &place) {
-            Ok(writer) => jobs.push(Job { checked, place, writer, vtu: args.vtu, force: args.force }),
+            Ok(writer) => {
+                let cancellation = Cancellation::default();
+                jobs.push(Job { checked, place, writer, formats: args.formats, force: args.force, cancellation });
+            }
             Err(mistake) => mistakes.push(mistake),
         }
     }
@@ -200,6 +219,11 @@ fn place(out: Option<&Path>, name: &str, several: bool) -> Result<PathBuf, store
 }
 
 impl Job {
+    /// A run without checkpoints, whatever is in its folder.
+    fn plain(checked: Checked, place: PathBuf, cancellation: Cancellation) -> Job {
+        Job { checked, place, writer: None, formats: Formats::default(), force: true, cancellation }
+    }
+
     fn run(&self, bar: &Bar, index: usize, viewer: Option<&Viewer>) -> Done {
         let scenario = resolved(&self.checked.document, &self.place);
         let mut show = Show::begin(viewer, &self.checked, &scenario, bar);
@@ -254,7 +278,15 @@ impl Job {
         let is_on = show.is_on();
         let mut update = |event: &SnapshotEvent<'_>| show.update(event);
         let on_snapshot = is_on.then_some(&mut update as &mut dyn FnMut(&SnapshotEvent<'_>));
-        let options = RunOptions { restart, checkpoints, on_snapshot, detailed: self.vtu, ..RunOptions::default() };
+        let cancellation = self.cancellation.clone();
+        let options = RunOptions {
+            restart,
+            checkpoints,
+            on_snapshot,
+            cancellation,
+            detailed: self.formats.need_detail(),
+            ..RunOptions::default()
+        };
         let outcome = simulate::run_with(model, options, &mut progress);
         if lost > 1 {
             bar.error(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
@@ -272,7 +304,7 @@ impl Job {
             scenario,
             script: self.checked.plan.script(),
             failure: None,
-            vtu: self.vtu,
+            formats: self.formats,
         };
         let stored = Draft::begin(&self.place, self.origin(), self.force).and_then(|draft| {
             let files = folder::fill(&draft, &contents)?;
@@ -298,7 +330,7 @@ impl Job {
             scenario,
             script,
             failure: Some(&cause),
-            vtu: self.vtu,
+            formats: self.formats,
         };
         let stored = Draft::begin(&self.place, self.origin(), self.force).and_then(|draft| {
             folder::fill(&draft, &contents)?;

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::changes::Changes;
+use super::complete;
 use super::faults::preparing;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::finding::Finding;
@@ -16,14 +18,10 @@ use crate::simulate;
 #[derive(Debug, Args)]
 pub(super) struct Selection {
     /// Scenario files or globs
-    #[arg(required = true, value_name = "SCENARIO")]
+    #[arg(required = true, value_name = "SCENARIO", add = complete::scenarios())]
     pub scenarios: Vec<String>,
-    /// Change a key: key.path=value
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Leave out a key that the scenario gives or inherits: key.path
-    #[arg(long, value_name = "KEY")]
-    pub unset: Vec<String>,
+    #[command(flatten)]
+    pub changes: Changes,
 }
 
 /// A scenario as written and as checked, with the plan of its results.
@@ -58,7 +56,7 @@ impl Selection {
         &self,
         check: impl Fn(&Path, &[Assignment]) -> T,
     ) -> Result<Vec<(PathBuf, T)>, Vec<Diagnostic>> {
-        let (files, assignments) = both(files(&self.scenarios), changes(&self.set, &self.unset))?;
+        let (files, assignments) = both(files(&self.scenarios), self.changes.assignments())?;
         let checked = |file: PathBuf| {
             let found = check(&file, &assignments);
             (file, found)
@@ -93,23 +91,6 @@ fn material(path: &Path) -> Diagnostic {
     let shown = shown_path(path);
     let mistake = Diagnostic::new(format!("{shown} is a material, not a scenario"));
     mistake.hint(format!("name it in a scenario under [specimen]: material = \"{shown}\""))
-}
-
-/// The changes of `--unset` and `--set`.
-pub(super) fn changes(set: &[String], unset: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
-    let unset = unset.iter().map(|path| Assignment::unset(path, "--unset"));
-    Ok(unset.chain(assignments(set)?).collect())
-}
-
-fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
-    let (mut assignments, mut mistakes) = (Vec::new(), Vec::new());
-    for argument in set {
-        match Assignment::from_argument(argument) {
-            Ok(assignment) => assignments.push(assignment),
-            Err(found) => mistakes.extend(found),
-        }
-    }
-    if mistakes.is_empty() { Ok(assignments) } else { Err(mistakes) }
 }
 
 /// The files that paths and globs name, each once, in the order of the arguments. A shell expands globs

@@ -1,8 +1,40 @@
 //! `droptower schema`: the JSON Schema of the language.
 
-use super::{Failure, print_json};
-use crate::scenario::schema;
+use clap::{Args, ValueEnum};
 
-pub(super) fn run() -> Result<(), Failure> {
-    print_json(&schema::published())
+use super::{Failure, print_json};
+use crate::scenario::FileKind;
+
+#[derive(Debug, Args)]
+pub(super) struct SchemaArgs {
+    /// The kind of file
+    #[arg(value_enum, default_value_t)]
+    kind: Kind,
+}
+
+/// Kinds of files.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Kind {
+    /// Scenarios
+    #[default]
+    Scenario,
+    /// Material files of one layer
+    Material,
+    /// `expect.toml`: what a run must give
+    Expect,
+    /// `cluster.toml`: resources of a computing centre
+    Cluster,
+    /// `figure.toml`: a curve in a picture
+    Figure,
+}
+
+pub(super) fn run(args: &SchemaArgs) -> Result<(), Failure> {
+    let kind = match args.kind {
+        Kind::Scenario => FileKind::Scenario,
+        Kind::Material => FileKind::Material,
+        Kind::Expect => FileKind::Expectations,
+        Kind::Cluster => FileKind::Cluster,
+        Kind::Figure => FileKind::Figure,
+    };
+    print_json(&kind.schema())
 }

@@ -65,9 +65,13 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
                 Some(build) => format!("droptower {build}"),
                 None => "damaged".to_owned(),
             };
-            let SegmentFigures { path, evaluations, bytes, age_s, .. } = segment;
+            let SegmentFigures { path, evaluations, bytes, runs, run_bytes, age_s, .. } = segment;
+            let kept = match runs {
+                0 => String::new(),
+                runs => format!("  {} whole runs  {} kB", grouped(*runs as u64), grouped(run_bytes.div_ceil(1024))),
+            };
             format!(
-                "{}  {} evaluations  {} kB  {} old  {build}",
+                "{}  {} evaluations  {} kB{kept}  {} old  {build}",
                 shown_path(path),
                 grouped(*evaluations as u64),
                 grouped(bytes.div_ceil(1024)),
@@ -82,13 +86,15 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
 
 fn prune(args: &PruneArgs, shared: &Shared) -> Result<(), Failure> {
     let age = args.older_than.as_deref().map(age).transpose()?;
-    let is_meant = |segment: &&SegmentFigures| {
-        let is_old = age.is_some_and(|age| segment.age_s > age);
-        let is_of_another = age.is_none() && segment.build.as_deref() != Some(BUILD);
-        segment.age_s > STILL_S && (args.all || is_old || is_of_another)
+    let is_wanted = |segment: &&SegmentFigures| match age {
+        _ if args.all => true,
+        Some(age) => segment.age_s > age,
+        None => segment.build.as_deref() != Some(BUILD),
     };
+    // A process may still write the others.
+    let is_still = |segment: &&SegmentFigures| segment.age_s > STILL_S;
     let segments = segments(&args.folder)?;
-    let meant: Vec<&SegmentFigures> = segments.iter().filter(is_meant).collect();
+    let meant: Vec<&SegmentFigures> = segments.iter().filter(is_wanted).filter(is_still).collect();
     for segment in &meant {
         EvaluationStore::remove(&args.folder.store, &segment.path).map_err(|error| {
             Failure::output(Diagnostic::new(format!("cannot remove {}: {error}", shown_path(&segment.path))))
@@ -96,8 +102,15 @@ fn prune(args: &PruneArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let removed = meant.iter().map(|segment| segment.evaluations).sum::<usize>();
     let left = segments.iter().map(|segment| segment.evaluations).sum::<usize>() - removed;
-    print_figures(shared, &json!({ "removed": removed, "left": left }), || {
-        format!("{} evaluations removed, {} left", grouped(removed as u64), grouped(left as u64))
+    let spared = segments.iter().filter(is_wanted).filter(|segment| !is_still(segment));
+    let spared = spared.map(|segment| segment.evaluations).sum::<usize>();
+    print_figures(shared, &json!({ "removed": removed, "left": left, "of_the_last_minute": spared }), || {
+        let why = if spared > 0 {
+            format!(" ({} of the last minute, which may be in use)", grouped(spared as u64))
+        } else {
+            String::new()
+        };
+        format!("{} evaluations removed, {} left{why}", grouped(removed as u64), grouped(left as u64))
     })
 }
 

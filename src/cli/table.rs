@@ -13,12 +13,12 @@ const FIRST_ROWS: usize = 10;
 pub(super) fn script_output(output: &ScriptOutput) -> String {
     let figures = output.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
     let figures = figures.map(|figure| format!("  {}\n", figure.cells().join(" ").trim_end()));
-    let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", table(rows)));
+    let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", self::rows(rows)));
     figures.chain(tables).collect()
 }
 
 /// The rows under the names of their columns, aligned to the right.
-fn table(rows: &[Row]) -> String {
+pub(super) fn rows(rows: &[Row]) -> String {
     let columns = columns(rows);
     let left_out = rows.len().saturating_sub(MOST_ROWS);
     let (head, tail) = if left_out > 0 { (FIRST_ROWS, FIRST_ROWS + left_out) } else { (rows.len(), rows.len()) };
@@ -61,11 +61,11 @@ mod tests {
             _ => Row::new(),
         };
         assert_eq!(
-            table(&[row(8, -169.4413), row(10, -15.0)]),
+            super::rows(&[row(8, -169.4413), row(10, -15.0)]),
             "    layers  travel\n         8  -169.4\n        10  -15.00\n"
         );
         let rows: Vec<Row> = (1..=45).map(|layers| row(layers, 1.0)).collect();
-        let many = table(&rows);
+        let many = super::rows(&rows);
         let lines: Vec<&str> = many.lines().map(str::trim_start).collect();
         assert_eq!(
             (lines.len(), lines[10], lines[11], lines[12]),

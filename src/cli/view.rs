@@ -17,7 +17,7 @@ pub(super) struct ViewArgs {
     /// Folders of runs and studies, or recordings
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
-    /// The viewer's program [default: $DROPTOWER_VIEWER, else `rerun` on the PATH]
+    /// The viewer's program [default: $DROPTOWER_VIEWER, else `rerun` on the PATH or beside droptower]
     #[arg(long, value_name = "PROGRAM")]
     pub viewer: Option<OsString>,
 }
@@ -26,7 +26,7 @@ pub(super) struct ViewArgs {
 const VERSION: &str = "0.36";
 
 /// How to install the viewer.
-const INSTALL: &str = "`pip install rerun-sdk==0.36.3` or `cargo install rerun-cli --version 0.36.3 --locked` installs it; \
+const INSTALL: &str = "`pip install \"droptower[viewer]\"`, `pip install rerun-sdk==0.36.3` or `cargo install rerun-cli --version 0.36.3 --locked` installs it; \
      --viewer or $DROPTOWER_VIEWER names one that is not on the PATH";
 
 /// Opens the recordings and waits until the viewer is closed.
@@ -63,7 +63,19 @@ fn absolute(recording: &Path) -> Result<PathBuf, Diagnostic> {
 
 fn program(args: &ViewArgs) -> OsString {
     let named = args.viewer.clone().or_else(|| std::env::var_os("DROPTOWER_VIEWER").filter(|name| !name.is_empty()));
-    named.unwrap_or_else(|| "rerun".into())
+    named.or_else(beside).unwrap_or_else(|| "rerun".into())
+}
+
+/// The viewer that is installed in the folder of this program, where none is on the path: there a Python environment has
+/// both.
+fn beside() -> Option<OsString> {
+    let name = format!("rerun{}", std::env::consts::EXE_SUFFIX);
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    if std::env::split_paths(&path).any(|folder| folder.join(&name).is_file()) {
+        return None;
+    }
+    let viewer = std::env::current_exe().ok()?.with_file_name(name);
+    viewer.is_file().then(|| viewer.into_os_string())
 }
 
 fn open(program: &OsString, recordings: impl Iterator<Item = PathBuf>, quiet: bool) -> Result<(), Failure> {

@@ -10,6 +10,7 @@ mod drop;
 mod files;
 mod law_fit;
 mod measures;
+mod modules;
 mod plots;
 mod random;
 mod recording;
@@ -20,7 +21,7 @@ mod threshold;
 
 use rhai::Engine;
 
-use crate::script::{self, Chapter, Limits, OutputCollector};
+use crate::script::{self, Chapter, Limits, OutputCollector, Session};
 
 pub use coupon::Reduced;
 
@@ -37,6 +38,7 @@ pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "drop tests", entries: drop::ENTRIES },
     Chapter { title: "random numbers", entries: random::ENTRIES },
     Chapter { title: "thresholds", entries: threshold::ENTRIES },
+    Chapter { title: "the module droptower/tables", entries: modules::ENTRIES },
     Chapter { title: "tables (droptower script)", entries: table::ENTRIES },
     Chapter { title: "recordings (droptower script)", entries: recording::ENTRIES },
 ];
@@ -44,6 +46,7 @@ pub const REFERENCE: &[Chapter] = &[
 /// An interpreter within `limits` with the functions that neither read nor write files.
 pub fn engine(limits: Limits) -> Engine {
     let mut engine = script::engine(limits);
+    Session::of_engine(&engine).ship(modules::MODULES);
     signal::register(&mut engine);
     measures::register(&mut engine);
     random::register(&mut engine);
@@ -55,8 +58,9 @@ pub fn engine(limits: Limits) -> Engine {
     engine
 }
 
-/// Offers the functions that read files: recordings, tables, coupon tests.
+/// Offers the functions that read files: recordings, tables, coupon tests; and lets scripts import modules in files.
 pub fn register_reading(engine: &mut Engine) {
+    Session::of_engine(engine).read_modules();
     recording::register(engine);
     table::register(engine);
     coupon::register_reading(engine);
@@ -93,10 +97,10 @@ mod tests {
         scope.push_constant("args", Map::from(args));
         let engine = engine();
         for entry in REFERENCE.iter().flat_map(|chapter| chapter.entries) {
-            let held = engine.eval_with_scope::<bool>(&mut scope.clone(), entry.example);
-            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
-            let compiled = Script::compile(&engine, &scope, Path::new("s.rhai"), entry.example);
-            assert!(compiled.is_ok(), "{}: {compiled:?}", entry.call);
+            let script = Script::compile(&engine, &scope, Path::new("s.rhai"), entry.example);
+            let script = script.unwrap_or_else(|faults| panic!("{}: {faults:?}", entry.call));
+            let held = script.evaluate(&engine, &mut scope.clone()).map(|value| value.as_bool());
+            assert_eq!(held, Ok(Ok(true)), "{}", entry.call);
         }
     }
 }

@@ -4,6 +4,8 @@
 //! the compiler turns each into vector instructions of whatever width it may use. Every lane runs
 //! the same IEEE operations in the same order, so a result depends neither on that width nor on the number of lanes.
 
+use std::ops::{Deref, DerefMut};
+
 use serde::{Deserialize, Serialize};
 
 /// Elements that a block of the engine holds.
@@ -11,6 +13,27 @@ pub const LANES: usize = 8;
 
 /// One value for each of `L` elements.
 pub type Lane<const L: usize = LANES> = [f64; L];
+
+/// A lane that starts at a cache line: one that crossed two would take several times as long to store.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Stored<const L: usize>(pub Lane<L>);
+
+impl<const L: usize> Deref for Stored<L> {
+    type Target = Lane<L>;
+
+    #[inline(always)]
+    fn deref(&self) -> &Lane<L> {
+        &self.0
+    }
+}
+
+impl<const L: usize> DerefMut for Stored<L> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Lane<L> {
+        &mut self.0
+    }
+}
 
 /// Three Cartesian components of a vector in each lane.
 pub type Lane3<const L: usize = LANES> = [Lane<L>; 3];

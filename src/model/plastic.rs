@@ -2,8 +2,8 @@
 
 use super::Mistakes;
 use crate::material::{
-    CurveError, Elastic, FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Law, Plastic, RateTable, RateTableError,
-    Voce,
+    CowperSymonds, CurveError, Elastic, FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Law, Plastic, RateTable,
+    RateTableError, Voce,
 };
 use crate::number::significant;
 use crate::scenario::{self, HillRatios, Point};
@@ -40,9 +40,10 @@ fn hill(written: &HillRatios, path: &str, mistakes: &mut Mistakes<'_>) -> Option
 /// Hardening and dependence on the rate.
 fn flow(written: &scenario::Plastic, path: &str, mistakes: &mut Mistakes<'_>) -> Option<(Hardening, FlowRate)> {
     let place = format!("{path}.hardening");
-    let cowper_symonds = written
-        .rate
-        .map(|rate| FlowRate::CowperSymonds { reference: rate.cowper_symonds.d.0, exponent: rate.cowper_symonds.p });
+    let cowper_symonds = written.rate.map(|rate| {
+        let scenario::CowperSymonds { d, p } = rate.cowper_symonds;
+        FlowRate::CowperSymonds(CowperSymonds { reference: d.0, exponent: p })
+    });
     let rate = cowper_symonds.unwrap_or(FlowRate::Independent);
     let hardening = &written.hardening;
     if let Some(points) = &hardening.curve {

@@ -1,8 +1,13 @@
 //! Diagrams as values: axes, curves, and what is marked on them; their pictures.
 
+mod braille;
 mod picture;
+mod style;
 
-pub use picture::svg;
+pub use braille::braille;
+pub(crate) use picture::ticks;
+pub use picture::{svg, svg_in};
+pub use style::Style;
 
 /// Label of an axis of time.
 pub const TIME: &str = "time (ms)";

@@ -1,124 +1,287 @@
 //! A plot as a picture: an SVG that any page shows without a script.
 
-use std::fmt::Write;
+use std::error::Error;
 
-use super::{Axis, Curve, Look, Plot, Scale};
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
+use plotters::prelude::{
+    ChartBuilder, Circle, Color, DrawingArea, FontDesc, FontStyle, IntoDrawingArea, IntoFont, PathElement, RGBColor,
+    Rectangle, SVGBackend, ShapeStyle, TRANSPARENT, Text, TextStyle, WHITE,
+};
+
+use super::style::Style;
+use super::{Curve, Look, Plot, Scale};
 use crate::number::significant;
 
-/// Size of a picture, px, without its legend.
-const SIZE: [f64; 2] = [560.0, 340.0];
+/// Units of the drawing for a pixel of a page: the crate places points at whole units.
+const UNITS: i32 = 10;
 
-/// Between the edges and the field of the curves, px: left, top, right, bottom.
-const MARGINS: [f64; 4] = [62.0, 34.0, 16.0, 46.0];
+/// Size of a picture of a page without its legend.
+const SIZE: [i32; 2] = [560 * UNITS, 340 * UNITS];
 
-/// Height of a line of the legend, px.
-const LINE: f64 = 18.0;
+/// Units of the drawing for a point of paper.
+const UNITS_OF_POINT: f64 = 100.0;
 
-/// Between the label of the x axis and the legend, px.
-const GAP: f64 = 10.0;
+/// Length of a dash and of the gap after it, in twelfths of the height of letters.
+const DASH: [i32; 2] = [6, 4];
 
-/// Width of a character of the legend, px: an upper bound for its letters.
-const CHARACTER: f64 = 6.8;
-
-/// Ticks of a linear axis, about.
-const TICKS: f64 = 6.0;
+/// Most ticks of an axis.
+const TICKS: usize = 10;
 
 /// Digits of a tick.
 const TICK_DIGITS: usize = 6;
 
+/// Size of a font of the crate over that of its letters.
+const FONT: f64 = 1.24;
+
+const INK: RGBColor = RGBColor(0x1c, 0x21, 0x26);
+const FRAME: RGBColor = RGBColor(0x56, 0x61, 0x6b);
+const GRID: RGBColor = RGBColor(0xdb, 0xdf, 0xe3);
+const WINDOW: RGBColor = RGBColor(0xee, 0xf2, 0xe4);
+
 /// Colours of curves in their order, those of the pages on white.
-const COLOURS: [&str; 8] = ["#1f77b4", "#d9480f", "#2b8a3e", "#9c36b5", "#c2255c", "#0b7285", "#8a6d1a", "#5f3dc4"];
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(0x1f, 0x77, 0xb4),
+    RGBColor(0xd9, 0x48, 0x0f),
+    RGBColor(0x2b, 0x8a, 0x3e),
+    RGBColor(0x9c, 0x36, 0xb5),
+    RGBColor(0xc2, 0x25, 0x5c),
+    RGBColor(0x0b, 0x72, 0x85),
+    RGBColor(0x8a, 0x6d, 0x1a),
+    RGBColor(0x5f, 0x3d, 0xc4),
+];
+
+/// What is drawn on.
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Where the parts of a picture are, in units of the drawing; all but its size are in proportion to its letters.
+struct Layout<'a> {
+    /// Of the picture without its legend.
+    size: [i32; 2],
+    /// Height of letters.
+    letters: i32,
+    family: &'a str,
+    /// Width of a curve.
+    line: u32,
+    has_title: bool,
+}
+
+impl Layout<'_> {
+    /// So many twelfths of the height of letters.
+    fn of(&self, twelfths: i32) -> i32 {
+        self.letters * twelfths / 12
+    }
+
+    /// Height of the title.
+    fn top(&self) -> i32 {
+        self.of(if self.has_title { 34 } else { 10 })
+    }
+
+    /// Width of the label and the numbers of the y axis, with what is beside them.
+    fn left(&self) -> i32 {
+        self.of(62)
+    }
+
+    /// Height of the label and the numbers of the x axis.
+    fn bottom(&self) -> i32 {
+        self.of(46)
+    }
+
+    /// Beside the field of the curves, on the right: half of the last number of the x axis.
+    fn right(&self) -> i32 {
+        self.of(24)
+    }
+
+    /// Height of a line of the legend.
+    fn row(&self) -> i32 {
+        self.of(18)
+    }
+
+    /// Width of axes and of the grid.
+    fn hairline(&self) -> u32 {
+        self.of(1) as u32
+    }
+
+    /// Radius of a point.
+    fn radius(&self) -> i32 {
+        self.of(3)
+    }
+
+    fn dash(&self) -> [i32; 2] {
+        DASH.map(|length| self.of(length))
+    }
+
+    /// Most ticks of both axes, so that numbers stay apart.
+    fn ticks(&self) -> [usize; 2] {
+        let [width, height] = [self.size[0] - self.left() - self.right(), self.size[1] - self.top() - self.bottom()];
+        let most = |length: i32, apart: i32| (length / self.of(apart).max(1)).clamp(2, TICKS as i32) as usize;
+        [most(width, 36), most(height, 18)]
+    }
+
+    fn font(&self) -> FontDesc<'_> {
+        (self.family, f64::from(self.letters) * FONT).into_font()
+    }
+
+    fn text(&self) -> TextStyle<'_> {
+        self.font().color(&INK)
+    }
+}
 
 /// The plot as SVG: axes with ticks, curves, the marked window, and a legend of more than one curve below. Coordinates
 /// have a tenth of a pixel; points without a place on the axes interrupt a curve.
 pub fn svg(plot: &Plot) -> String {
-    let legend = legend(plot);
-    let height = SIZE[1] + LINE * legend.rows as f64 + if legend.rows > 0 { GAP } else { 0.0 };
-    let field = Field::of(plot);
-    let [left, top, right, bottom] = field.edges();
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" width=\"{}\" height=\"{height}\" \
-         font-family=\"sans-serif\" font-size=\"12\" fill=\"#1c2126\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
-         <text x=\"{left}\" y=\"20\" font-size=\"14\" font-weight=\"bold\">{}</text>\n",
-        SIZE[0],
-        SIZE[0],
-        escape(&plot.title)
-    );
-    let mut draw = |line: String| {
-        out.push_str(&line);
-        out.push('\n');
-    };
+    let letters = 12 * UNITS;
+    let layout = Layout { size: SIZE, letters, family: "sans-serif", line: 2 * UNITS as u32, has_title: true };
+    let legend = legend(plot, &layout);
+    let height = SIZE[1] + height_of(&legend, &layout);
+    let drawn = drawn(plot, &layout, &legend, [SIZE[0], height]);
+    sized(drawn, [SIZE[0], height], [SIZE[0], height].map(|side| (side / UNITS).to_string()))
+}
+
+/// The plot as SVG in a size and letters of paper, its legend within the height. Coordinates have a hundredth of a
+/// point.
+pub fn svg_in(plot: &Plot, style: &Style) -> String {
+    let units = |length: f64| (length * UNITS_OF_POINT).round() as i32;
+    let size = [style.width, style.height].map(units);
+    let Style { family, has_title, .. } = style;
+    let mut layout =
+        Layout { size, letters: units(style.letters), family, line: units(style.line) as u32, has_title: *has_title };
+    let legend = legend(plot, &layout);
+    layout.size[1] -= height_of(&legend, &layout);
+    let drawn = drawn(plot, &layout, &legend, size);
+    sized(drawn, size, [style.width, style.height].map(Style::millimetres))
+}
+
+/// The drawing of this size in units, with its width and height on paper or a screen instead.
+fn sized(drawing: String, [width, height]: [i32; 2], [wide, high]: [String; 2]) -> String {
+    let units = format!("width=\"{width}\" height=\"{height}\"");
+    drawing.replacen(&units, &format!("width=\"{wide}\" height=\"{high}\""), 1)
+}
+
+fn drawn(plot: &Plot, layout: &Layout<'_>, legend: &[Entry<'_>], size: [i32; 2]) -> String {
+    let mut text = String::new();
+    draw(plot, layout, legend, &mut text, size).expect("a text takes whatever is drawn");
+    text
+}
+
+fn draw(
+    plot: &Plot,
+    layout: &Layout<'_>,
+    legend: &[Entry<'_>],
+    text: &mut String,
+    [width, height]: [i32; 2],
+) -> Result<(), Box<dyn Error>> {
+    let area = SVGBackend::with_string(text, (width as u32, height as u32)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let (above, below) = area.split_vertically(layout.size[1]);
+    draw_field(plot, layout, &above)?;
+    for entry in legend {
+        draw_entry(entry, layout, &below)?;
+    }
+    Ok(area.present()?)
+}
+
+/// The field of the curves with its axes and the title.
+fn draw_field(plot: &Plot, layout: &Layout<'_>, area: &Area<'_>) -> Result<(), Box<dyn Error>> {
+    if layout.has_title {
+        let title = layout.font().style(FontStyle::Bold).resize(f64::from(layout.of(14)) * FONT);
+        area.draw(&Text::new(plot.title.as_str(), (layout.left(), layout.of(10)), title.color(&INK)))?;
+    }
+    let beside = layout.of(5);
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(layout.top())
+        .margin_right(layout.right())
+        .x_label_area_size(layout.bottom())
+        .margin_left(beside)
+        .y_label_area_size(layout.left() - beside)
+        .build_cartesian_2d(Along::of(plot, 0), Along::of(plot, 1))?;
+    let [x, y] = [chart.x_range(), chart.y_range()];
     if let Some(window) = &plot.window {
-        let [from, to] = window.range.map(|x| field.place(0, x).clamp(left, right));
-        draw(format!(
-            "<rect x=\"{from:.1}\" y=\"{top}\" width=\"{:.1}\" height=\"{}\" fill=\"#eef2e4\"/>",
-            to - from,
-            bottom - top
-        ));
+        let [from, to] = window.range.map(|at| at.clamp(x.start, x.end));
+        chart.draw_series([Rectangle::new([(from, y.start), (to, y.end)], WINDOW.filled())])?;
     }
-    for tick in ticks(&plot.x, field.ranges[0]) {
-        let x = field.place(0, tick);
-        draw(format!("<path d=\"M{x:.1} {top}V{bottom}\" stroke=\"#dbdfe3\"/>"));
-        draw(format!("<text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>", bottom + 16.0, number(tick)));
+    chart
+        .configure_mesh()
+        .bold_line_style(ShapeStyle::from(GRID).stroke_width(layout.hairline()))
+        .axis_style(ShapeStyle::from(FRAME).stroke_width(layout.hairline()))
+        .x_labels(layout.ticks()[0])
+        .y_labels(layout.ticks()[1])
+        .light_line_style(TRANSPARENT)
+        .set_all_tick_mark_size(layout.of(4))
+        .label_style(layout.text())
+        .axis_desc_style(layout.text())
+        .x_desc(plot.x.label.as_str())
+        .y_desc(plot.y.label.as_str())
+        .draw()?;
+    let [dash, gap] = layout.dash();
+    for (curve, colour) in plot.curves.iter().zip(COLOURS.into_iter().cycle()) {
+        let line = ShapeStyle::from(colour).stroke_width(layout.line);
+        for points in runs(plot, curve) {
+            let points = points.iter().map(|[x, y]| (*x, *y));
+            match curve.look {
+                Look::Line => chart.draw_series([PathElement::new(points.collect::<Vec<_>>(), line)])?,
+                Look::Dashed => chart.draw_series([DashedPathElement::new(points, dash, gap, line)])?,
+                Look::Points => {
+                    chart.draw_series(points.map(|at| Circle::new(at, layout.radius(), colour.filled())))?
+                }
+            };
+        }
     }
-    for tick in ticks(&plot.y, field.ranges[1]) {
-        let y = field.place(1, tick);
-        draw(format!("<path d=\"M{left} {y:.1}H{right}\" stroke=\"#dbdfe3\"/>"));
-        draw(format!("<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>", left - 6.0, y + 4.0, number(tick)));
-    }
-    draw(format!("<path d=\"M{left} {top}V{bottom}H{right}\" fill=\"none\" stroke=\"#56616b\"/>"));
-    let (middle, height) = (0.5 * (left + right), 0.5 * (top + bottom));
-    draw(format!(
-        "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-        bottom + 36.0,
-        escape(&plot.x.label)
-    ));
-    draw(format!(
-        "<text x=\"14\" y=\"{height}\" text-anchor=\"middle\" transform=\"rotate(-90 14 {height})\">{}</text>",
-        escape(&plot.y.label)
-    ));
-    for (curve, colour) in plot.curves.iter().zip(COLOURS.iter().cycle()) {
-        draw(drawn(curve, colour, plot, &field));
-    }
-    out.push_str(&legend.text);
-    out.push_str("</svg>\n");
-    out
+    Ok(())
 }
 
-/// Where values lie in a picture.
-struct Field {
-    /// Least and largest value of x and of y.
-    ranges: [[f64; 2]; 2],
-    scales: [Scale; 2],
+/// The values along an axis.
+struct Along {
+    /// Of its ends.
+    range: [f64; 2],
+    scale: Scale,
 }
 
-impl Field {
-    fn of(plot: &Plot) -> Field {
-        let points = || plot.curves.iter().flat_map(|curve| &curve.points).filter(|point| plot.has_place(point));
-        let range = |axis: usize, scale: Scale| {
-            let ends = points().map(|point| point[axis]).fold(None, |ends: Option<[f64; 2]>, value| {
-                let [low, high] = ends.unwrap_or([value; 2]);
-                Some([low.min(value), high.max(value)])
-            });
-            widened(ends.unwrap_or([1.0, 2.0]), scale)
-        };
-        let scales = [plot.x.scale, plot.y.scale];
-        Field { ranges: [range(0, scales[0]), range(1, scales[1])], scales }
+impl Along {
+    /// Those of x or y.
+    fn of(plot: &Plot, index: usize) -> Along {
+        let scale = [plot.x.scale, plot.y.scale][index];
+        let points = plot.curves.iter().flat_map(|curve| &curve.points).filter(|point| plot.has_place(point));
+        let ends = points.map(|point| point[index]).fold(None, |ends: Option<[f64; 2]>, value| {
+            let [low, high] = ends.unwrap_or([value; 2]);
+            Some([low.min(value), high.max(value)])
+        });
+        Along { range: widened(ends.unwrap_or([1.0, 2.0]), scale), scale }
+    }
+}
+
+impl Ranged for Along {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
+        let along = |value: f64| if self.scale == Scale::Linear { value } else { value.log10() };
+        let [low, high] = self.range.map(along);
+        from + (f64::from(to - from) * (along(*value) - low) / (high - low)).round() as i32
     }
 
-    /// Left, top, right and bottom, px.
-    fn edges(&self) -> [f64; 4] {
-        [MARGINS[0], MARGINS[1], SIZE[0] - MARGINS[2], SIZE[1] - MARGINS[3]]
+    /// Round values; of a logarithmic axis decades, and where there are few of them their double and fivefold.
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        let [low, high] = self.range;
+        if self.scale == Scale::Linear {
+            return RangedCoordf64::from(low..high).key_points(hint);
+        }
+        let factors: &[f64] = if high < 100.0 * low { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+        let values = decades.flat_map(|decade| factors.iter().map(move |factor| factor * 10.0_f64.powi(decade)));
+        values.filter(|value| (low..=high).contains(value)).collect()
     }
 
-    /// The place of a value along an axis, px.
-    fn place(&self, axis: usize, value: f64) -> f64 {
-        let along = |value: f64| if self.scales[axis] == Scale::Linear { value } else { value.log10() };
-        let [low, high] = self.ranges[axis].map(along);
-        let share = (along(value) - low) / (high - low);
-        let [left, top, right, bottom] = self.edges();
-        if axis == 0 { left + share * (right - left) } else { bottom - share * (bottom - top) }
+    fn range(&self) -> std::ops::Range<f64> {
+        self.range[0]..self.range[1]
+    }
+}
+
+impl ValueFormatter<f64> for Along {
+    fn format_ext(&self, value: &f64) -> String {
+        significant(*value, TICK_DIGITS)
     }
 }
 
@@ -135,121 +298,157 @@ fn widened([low, high]: [f64; 2], scale: Scale) -> [f64; 2] {
     }
 }
 
-/// Round values of an axis within its range.
-fn ticks(axis: &Axis, [low, high]: [f64; 2]) -> Vec<f64> {
-    if axis.scale == Scale::Logarithmic {
-        let decades = low.log10().ceil() as i32..=high.log10().floor() as i32;
-        return decades.map(|decade| 10.0_f64.powi(decade)).collect();
-    }
-    let raw = (high - low) / TICKS;
-    let decade = 10.0_f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|factor| factor * decade).find(|step| *step >= raw);
-    let step = step.unwrap_or(10.0 * decade);
-    ((low / step).ceil() as i64..=(high / step).floor() as i64).map(|place| place as f64 * step).collect()
+/// The points of a curve between those that have no place on the axes.
+fn runs<'a>(plot: &Plot, curve: &'a Curve) -> impl Iterator<Item = &'a [[f64; 2]]> {
+    curve.points.split(|point| !plot.has_place(point)).filter(|run| !run.is_empty())
 }
 
-fn number(value: f64) -> String {
-    significant(value, TICK_DIGITS)
+/// The name of a curve below the field.
+struct Entry<'a> {
+    curve: &'a Curve,
+    colour: RGBColor,
+    /// Left and top.
+    place: [i32; 2],
 }
 
-/// A line, broken where a point has no place, or a mark at each point.
-fn drawn(curve: &Curve, colour: &str, plot: &Plot, field: &Field) -> String {
-    let place = |[x, y]: &[f64; 2]| [field.place(0, *x), field.place(1, *y)];
-    if curve.look == Look::Points {
-        let points = curve.points.iter().filter(|point| plot.has_place(point)).map(place);
-        return points
-            .map(|[x, y]| format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"/>"))
-            .collect();
-    }
-    let mut path = String::new();
-    let mut joined = false;
-    for point in &curve.points {
-        let is_shown = plot.has_place(point);
-        if is_shown {
-            let [x, y] = place(point);
-            // Writing to a text cannot fail.
-            let _ = write!(path, "{}{x:.1} {y:.1}", if joined { "L" } else { "M" });
-        }
-        joined = is_shown;
-    }
-    format!("<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"{}/>", dashes(curve.look))
-}
-
-fn dashes(look: Look) -> &'static str {
-    if look == Look::Dashed { " stroke-dasharray=\"6 4\"" } else { "" }
-}
-
-/// Names of the curves below the field.
-struct Legend {
-    rows: usize,
-    text: String,
-}
-
-fn legend(plot: &Plot) -> Legend {
-    let mut legend = Legend { rows: 0, text: String::new() };
+/// Those of all curves, where there are several.
+fn legend<'a>(plot: &'a Plot, layout: &Layout<'_>) -> Vec<Entry<'a>> {
     if plot.curves.len() < 2 {
-        return legend;
+        return vec![];
     }
-    let (mut x, mut y) = (MARGINS[0], SIZE[1] + GAP + 4.0);
-    for (curve, colour) in plot.curves.iter().zip(COLOURS.iter().cycle()) {
-        let width = 40.0 + CHARACTER * curve.name.chars().count() as f64;
-        if x > MARGINS[0] && x + width > SIZE[0] {
-            (x, y, legend.rows) = (MARGINS[0], y + LINE, legend.rows + 1);
+    let [mut x, mut y] = [layout.left(), layout.of(6)];
+    let mut entries = vec![];
+    for (curve, colour) in plot.curves.iter().zip(COLOURS.into_iter().cycle()) {
+        // Letters of a sans-serif font are narrower than 0.57 of their height on average.
+        let letters = (curve.name.chars().count() as f64 * 0.57 * f64::from(layout.letters)) as i32;
+        // The mark of the curve comes before its name.
+        let width = layout.of(40) + letters;
+        if x > layout.left() && x + width > layout.size[0] {
+            (x, y) = (layout.left(), y + layout.row());
         }
-        let mark = match curve.look {
-            Look::Points => format!("<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"{colour}\"/>", x + 10.0, y - 4.0),
-            look => {
-                let path = format!("M{x:.1} {:.1}h20", y - 4.0);
-                format!("<path d=\"{path}\" stroke=\"{colour}\" stroke-width=\"2\"{}/>", dashes(look))
-            }
-        };
-        let _ = writeln!(legend.text, "{mark}<text x=\"{:.1}\" y=\"{y:.1}\">{}</text>", x + 26.0, escape(&curve.name));
+        entries.push(Entry { curve, colour, place: [x, y] });
         x += width;
     }
-    legend.rows += 1;
-    legend
+    entries
 }
 
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+fn height_of(legend: &[Entry<'_>], layout: &Layout<'_>) -> i32 {
+    legend.last().map_or(0, |entry| entry.place[1] + layout.row())
+}
+
+fn draw_entry(
+    Entry { curve, colour, place: [x, y] }: &Entry<'_>,
+    layout: &Layout<'_>,
+    area: &Area<'_>,
+) -> Result<(), Box<dyn Error>> {
+    let (line, middle) = (ShapeStyle::from(colour).stroke_width(layout.line), y + layout.row() / 2);
+    let ends = [(*x, middle), (x + layout.of(20), middle)];
+    let [dash, gap] = layout.dash();
+    match curve.look {
+        Look::Line => area.draw(&PathElement::new(ends, line))?,
+        Look::Dashed => area.draw(&DashedPathElement::new(ends, dash, gap, line))?,
+        Look::Points => area.draw(&Circle::new((x + layout.of(10), middle), layout.radius(), colour.filled()))?,
+    }
+    let place = (x + layout.of(26), middle - layout.letters / 2);
+    Ok(area.draw(&Text::new(curve.name.as_str(), place, layout.text()))?)
+}
+
+/// At most so many round values within a range.
+pub(crate) fn ticks(range: [f64; 2], most: usize) -> Vec<f64> {
+    Along { range, scale: Scale::Linear }.key_points(most)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
     fn ticks_are_round_and_within_the_range() {
-        let linear = Axis::linear("x");
-        assert_eq!(ticks(&linear, [0.0, 1.04]), [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]);
-        assert_eq!(ticks(&linear, [-30.0, 270.0]), [0.0, 50.0, 100.0, 150.0, 200.0, 250.0]);
-        let decades = Axis { label: "x".into(), scale: Scale::Logarithmic };
-        assert_eq!(ticks(&decades, [0.02, 300.0]), [0.1, 1.0, 10.0, 100.0]);
-        assert_eq!(number(0.6000000000000001), "0.6");
+        for (scale, range, expected) in [
+            (Scale::Linear, [0.0, 1.04], "0 0.2 0.4 0.6 0.8 1"),
+            (Scale::Linear, [-30.0, 270.0], "0 50 100 150 200 250"),
+            (Scale::Logarithmic, [0.02, 300.0], "0.1 1 10 100"),
+            (Scale::Logarithmic, [1.0, 30.0], "1 2 5 10 20"),
+        ] {
+            let along = Along { range, scale };
+            let found: Vec<String> = along.key_points(TICKS).iter().map(|tick| along.format_ext(tick)).collect();
+            assert_eq!(found.join(" "), expected);
+        }
+    }
+
+    /// Coordinates of the points of all polylines of this colour.
+    fn polylines(text: &str, colour: &str) -> Vec<Vec<[f64; 2]>> {
+        let of_colour = text.lines().filter(|line| line.contains("<polyline") && line.contains(colour));
+        let points = |line: &str| {
+            let (_, rest) = line.split_once("points=\"")?;
+            let pairs = rest.split('"').next()?.split_whitespace().filter_map(|pair| pair.split_once(','));
+            Some(pairs.map(|(x, y)| [x, y].map(|value| value.parse().expect("a number"))).collect())
+        };
+        of_colour.filter_map(points).collect()
     }
 
     #[test]
     fn points_lie_where_the_axes_say_and_gaps_interrupt() {
-        let points = [[0.0, 0.0], [1.0, 2.0], [2.0, f64::NAN], [4.0, 1.0]];
-        let curves = vec![Curve::line("a < b", points), Curve::line("b", [[0.0, 2.0]]).dashed()];
-        let plot = Plot::new("A & B", ["x", "y"], curves);
-        let field = Field::of(&plot);
-        assert_eq!(field.ranges, [[0.0, 4.16], [0.0, 2.08]]);
-        let [left, top, right, bottom] = field.edges();
-        let (x, y) = (left + (right - left) / 4.16, bottom - (bottom - top) * 2.0 / 2.08);
+        let points = [[0.0, 0.0], [1.0, 2.0], [2.0, f64::NAN], [4.0, 1.0], [4.0, 2.0]];
+        let curves = vec![Curve::line("a < b", points), Curve::line("b", [[0.0, 2.0], [4.0, 2.0]]).dashed()];
+        let plot = Plot::new("A & B", ["time (s)", "force (N)"], curves);
+        assert_eq!([0, 1].map(|axis| Along::of(&plot, axis).range), [[0.0, 4.16], [0.0, 2.08]]);
         let text = svg(&plot);
-        assert!(text.contains(&format!("d=\"M{left:.1} {bottom:.1}L{x:.1} {y:.1}M")), "{text}");
-        assert!(text.contains("A &amp; B") && text.contains("a &lt; b") && text.contains("stroke-dasharray"), "{text}");
+        let [left, top, right, bottom] =
+            [62 * UNITS, 34 * UNITS, SIZE[0] - 24 * UNITS, SIZE[1] - 46 * UNITS].map(f64::from);
+        let place = |[x, y]: [f64; 2]| [left + (right - left) * x / 4.16, bottom - (bottom - top) * y / 2.08];
+        let found = polylines(&text, "#1F77B4");
+        let expected = [vec![points[0], points[1]], vec![points[3], points[4]]];
+        for (found, expected) in found.iter().zip(&expected) {
+            for (found, expected) in found.iter().zip(expected.iter().map(|point| place(*point))) {
+                assert!([0, 1].iter().all(|k| (found[*k] - expected[*k]).abs() <= 10.0), "{found:?} {expected:?}");
+            }
+        }
+        // The second line is the mark of the legend.
+        assert_eq!(found.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2], "{text}");
+        assert!(polylines(&text, "#D9480F").len() > 30, "{text}");
+        for words in ["A &amp; B", "a &lt; b", "time (s)", "force (N)", "width=\"560\" height=\"364\""] {
+            assert!(text.contains(words), "{words} in {text}");
+        }
         assert_eq!(text.matches("</svg>").count(), 1);
+    }
+
+    #[test]
+    fn a_picture_for_paper_has_its_size_and_letters() {
+        let curves = ["simulated", "measured"].map(|name| Curve::line(name, [[0.0, 0.0], [120.0, 140.0]])).to_vec();
+        let plot = Plot::new("left out", ["time (ms)", "acceleration (m/s²)"], curves);
+        let style = Style {
+            width: Style::points(0.09),
+            height: Style::points(0.06),
+            letters: 8.0,
+            family: "Times New Roman".into(),
+            line: 1.0,
+            has_title: false,
+        };
+        let text = svg_in(&plot, &style);
+        assert!(text.starts_with("<svg width=\"90mm\" height=\"60mm\" viewBox=\"0 0 25512 17008\""), "{text}");
+        assert!(text.contains("font-family=\"Times New Roman\"") && !text.contains("left out"), "{text}");
+        // Units are hundredths of a point.
+        let sizes: BTreeSet<&str> =
+            text.split("font-size=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        assert_eq!(sizes.into_iter().collect::<Vec<_>>(), ["800"], "{text}");
+        assert!(text.contains("stroke=\"#1F77B4\" stroke-width=\"100\""), "{text}");
+        let numbers = text.matches("text-anchor=\"middle\"").count();
+        assert!((5..=9).contains(&numbers), "{numbers} numbers along 90 mm");
+        let lowest = polylines(&text, "#1F77B4").concat().into_iter().map(|[_, y]| y).fold(0.0, f64::max);
+        assert!(lowest < 17_008.0, "the legend is within the height: {lowest}");
     }
 
     #[test]
     fn a_logarithmic_axis_has_no_place_for_zero() {
         let mut plot = Plot::new("t", ["x", "y"], vec![Curve::line("c", [[0.0, 1.0], [1.0, 2.0], [100.0, 3.0]])]);
         plot.x.scale = Scale::Logarithmic;
-        let field = Field::of(&plot);
-        assert_eq!(field.ranges[0], [1.0, 100.0]);
-        assert!((field.place(0, 10.0) - 0.5 * (field.place(0, 1.0) + field.place(0, 100.0))).abs() < 1e-9);
-        assert!(!svg(&plot).contains("NaN") && !svg(&plot).contains("inf"));
+        assert_eq!(Along::of(&plot, 0).range, [1.0, 100.0]);
+        assert_eq!(Along::of(&plot, 0).map(&10.0, (0, 200)), 100);
+        let text = svg(&plot);
+        assert!(polylines(&text, "#1F77B4").iter().all(|line| line.len() == 2), "{text}");
+        assert!(!text.contains("NaN") && !text.contains("inf"));
     }
 }

@@ -1,5 +1,6 @@
 //! Figures of every run: its size, its cost and its errors.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::engine::{AddedMass, Relaxation};
@@ -21,7 +22,7 @@ pub const COST: [&str; 8] = [
 ];
 
 /// Size, cost and errors of a run; fields of `summary.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Audit {
     /// Largest error of the energy balance over the largest energy.
     pub energy_balance_error: f64,
@@ -53,6 +54,7 @@ pub struct Audit {
     /// Threads of the engine.
     pub threads: usize,
     /// Vector instructions of the kernels.
+    #[schemars(with = "String")]
     pub instructions: Width,
     /// Factor on the film's mass; only quasi-static loadings.
     pub mass_scaling: Option<f64>,
@@ -75,7 +77,7 @@ pub struct Audit {
 }
 
 /// How the film came to equilibrium before the test (theory.md, section 18).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RelaxationFigures {
     /// Forces out of balance over the reactions, of the film as mounted.
     pub mounted_residual: f64,
@@ -95,7 +97,7 @@ impl RelaxationFigures {
 }
 
 /// Shape of the elements of one face, the worst of them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MeshFigures {
     /// Number of elements.
     pub elements: usize,
@@ -125,7 +127,7 @@ impl MeshFigures {
 }
 
 /// Shares of the strain increments of the film by strain rate.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Histogram {
     /// Edges of the bins, 1/s.
     pub edges_1_s: Vec<f64>,

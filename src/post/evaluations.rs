@@ -3,6 +3,8 @@
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
 
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
@@ -10,7 +12,6 @@ use flate2::write::ZlibEncoder;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
 use super::{COST, HEADER, Plan, Results, failure_message};
@@ -18,13 +19,16 @@ use crate::file::{Digest, FileError};
 use crate::model::{Identity, Model, Reference};
 use crate::simulate::{self, Cancellation, Outcome, RunError, RunOptions};
 use crate::store::EvaluationStore;
-use crate::store::evaluations::Key;
+use crate::store::evaluations::{Key, Share};
 
 /// Build of droptower: another one may give other bits.
 pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("DROPTOWER_BUILD"));
 
 /// Figures of a summary that follow from the machine.
 const OF_THE_MACHINE: [&str; 4] = ["wall_s", "ns_per_element_step", "threads", "instructions"];
+
+/// Time between two looks for what another process computes.
+const WAIT: Duration = Duration::from_millis(100);
 
 /// Most bytes of an unpacked record.
 const MOST_BYTES: u64 = 1 << 30;
@@ -34,6 +38,7 @@ const MOST_BYTES: u64 = 1 << 30;
 #[derive(Debug)]
 pub struct Evaluations {
     store: EvaluationStore,
+    share: Share,
     taken: AtomicUsize,
     computed: AtomicUsize,
 }
@@ -101,6 +106,44 @@ pub enum EvaluationError {
     Cancelled,
 }
 
+impl EvaluationError {
+    /// What to do, where that follows from the error.
+    pub fn hint(&self) -> Option<&'static str> {
+        let EvaluationError::Store { source, .. } = self else { return None };
+        match source.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                Some("free some space, or give another folder by --store; what is done stays")
+            }
+            io::ErrorKind::ReadOnlyFilesystem | io::ErrorKind::PermissionDenied => {
+                Some("give a folder that you may write by --store")
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Why a run has no outcome.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Error)]
+#[error("{cause}")]
+pub struct NoOutcome {
+    /// The cause, with what to do.
+    pub cause: String,
+    /// Whether the run failed numerically; else it could not start.
+    pub is_numerical: bool,
+}
+
+impl NoOutcome {
+    /// That of an error of a run of `model`.
+    pub fn of(error: &RunError, model: &Model) -> NoOutcome {
+        let cause = match (error, error.hint()) {
+            (RunError::Failure(failure), _) => failure_message(failure, model),
+            (error, Some(hint)) => format!("{error}: {hint}"),
+            (error, None) => error.to_string(),
+        };
+        NoOutcome { cause, is_numerical: matches!(error, RunError::Failure(_)) }
+    }
+}
+
 impl Figure {
     /// Of a value of a summary; none of a list, a table or nothing.
     fn of(value: &Value) -> Option<Figure> {
@@ -156,8 +199,26 @@ impl Evaluations {
     /// The records cannot be read.
     pub fn open(folder: &Path) -> Result<Evaluations, EvaluationError> {
         let failed = |source| EvaluationError::Store { folder: folder.into(), source };
-        let store = EvaluationStore::open(folder, BUILD).map_err(failed)?;
-        Ok(Evaluations { store, taken: AtomicUsize::new(0), computed: AtomicUsize::new(0) })
+        EvaluationStore::open(folder, BUILD).map_err(failed).map(Evaluations::of)
+    }
+
+    /// Those in `folder`, which is not read: for scripts that do not run.
+    pub fn unread(folder: &Path) -> Evaluations {
+        Evaluations::of(EvaluationStore::unread(folder, BUILD))
+    }
+
+    fn of(store: EvaluationStore) -> Evaluations {
+        Evaluations { store, share: Share::WHOLE, taken: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
+    }
+
+    /// The same for a process that takes this part of the runs first.
+    pub fn with_share(self, share: Share) -> Evaluations {
+        Evaluations { share, ..self }
+    }
+
+    /// The part of the runs that this process takes first.
+    pub fn share(&self) -> Share {
+        self.share
     }
 
     /// The records.
@@ -176,11 +237,11 @@ impl Evaluations {
     /// A mesh or the reference cannot be read.
     pub fn keys(model: &Model, plan: &Plan) -> Result<EvaluationKeys, EvaluationError> {
         let run = run_key(&without_snapshots(model))?;
-        let figures = match (&model.reference, plan.script()) {
+        let figures = match (&model.reference, plan.whole_script()) {
             (None, None) => run,
             (reference, script) => {
                 let reference = reference.as_ref().map(content).transpose().map_err(EvaluationError::Input)?;
-                digest(&[&run.0, &reference.unwrap_or_default(), script.unwrap_or_default().as_bytes()])
+                Key::of(&[&run.0, &reference.unwrap_or_default(), script.unwrap_or_default().as_bytes()])
             }
         };
         Ok(EvaluationKeys { run, figures })
@@ -193,6 +254,15 @@ impl Evaluations {
     pub fn record(&self, keys: EvaluationKeys) -> Result<Option<Evaluation>, EvaluationError> {
         let record = self.store.get(keys.figures).map_err(|source| self.failed(source))?;
         Ok(record.and_then(|record| unpacked(&record)))
+    }
+
+    /// The evaluation under these keys, which was computed before.
+    ///
+    /// # Errors
+    /// Its record cannot be read, or was damaged meanwhile.
+    pub fn known_record(&self, keys: EvaluationKeys) -> Result<Evaluation, EvaluationError> {
+        let damaged = || self.failed(io::Error::new(io::ErrorKind::InvalidData, "a record was damaged"));
+        self.record(keys)?.ok_or_else(damaged)
     }
 
     /// The evaluation of `model` by `plan`: from its record, from a whole run that is kept, or computed now. A run that
@@ -240,10 +310,7 @@ impl Evaluations {
                 let so_far = so_far.map(|results| Evaluation::of(model, &failure.so_far, &results, wall));
                 Evaluation { failure: Some(cause.clone()), ..so_far.unwrap_or_else(|| Evaluation::failed(cause)) }
             }
-            Err(error) => Evaluation::failed(match error.hint() {
-                Some(hint) => format!("{error}: {hint}"),
-                None => error.to_string(),
-            }),
+            Err(error) => Evaluation::failed(NoOutcome::of(&error, model).cause),
         };
         self.add(keys, &evaluation)?;
         let count = if is_kept { &self.taken } else { &self.computed };
@@ -251,28 +318,75 @@ impl Evaluations {
         Ok(Evaluated { evaluation, is_new: !is_kept })
     }
 
-    /// The outcome of `model` without its pictures: of a run that is kept whole, or of one that is computed and kept now.
+    /// The outcome of `model` without its pictures: of a run that is kept whole, or of one that is computed and kept now;
+    /// none where another thread or process computes it.
     ///
     /// # Errors
     /// [`EvaluationError`]; why the run has no outcome is within.
+    pub fn outcome_unless_claimed(
+        &self,
+        model: &Model,
+        cancellation: &Cancellation,
+    ) -> Result<Option<Result<Outcome, NoOutcome>>, EvaluationError> {
+        let model = without_snapshots(model);
+        let run = run_key(&model)?;
+        // Before the look for what is known: a claim that ends in between still holds, and the next look finds the run.
+        self.store.refresh().map_err(|source| self.failed(source))?;
+        if let Some(known) = self.known(run)? {
+            self.taken.fetch_add(1, Ordering::Relaxed);
+            return Ok(Some(known));
+        }
+        if !self.store.claim(run).map_err(|source| self.failed(source))? {
+            return Ok(None);
+        }
+        let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+        let found = match simulate::run_with(&model, options, &mut |_| {}) {
+            Ok(outcome) => Ok(outcome),
+            Err(RunError::Cancelled) => {
+                self.store.release(run).map_err(|source| self.failed(source))?;
+                return Err(EvaluationError::Cancelled);
+            }
+            Err(error) => Err(NoOutcome::of(&error, &model)),
+        };
+        match &found {
+            Ok(outcome) => self.keep(run, outcome)?,
+            Err(failure) => {
+                let record = packed(failure).map_err(|source| self.failed(source))?;
+                self.store.put(failure_key(run), &record).map_err(|source| self.failed(source))?;
+            }
+        }
+        self.store.release(run).map_err(|source| self.failed(source))?;
+        self.computed.fetch_add(1, Ordering::Relaxed);
+        Ok(Some(found))
+    }
+
+    /// The same, which waits for another thread or process that computes it.
+    ///
+    /// # Errors
+    /// As [`Evaluations::outcome_unless_claimed`].
     pub fn outcome_of(
         &self,
         model: &Model,
         cancellation: &Cancellation,
-    ) -> Result<Result<Outcome, RunError>, EvaluationError> {
-        let model = without_snapshots(model);
-        let run = run_key(&model)?;
+    ) -> Result<Result<Outcome, NoOutcome>, EvaluationError> {
+        loop {
+            if let Some(found) = self.outcome_unless_claimed(model, cancellation)? {
+                return Ok(found);
+            }
+            if cancellation.is_cancelled() {
+                return Err(EvaluationError::Cancelled);
+            }
+            thread::sleep(WAIT);
+        }
+    }
+
+    /// What is known of a run: its outcome, or why it has none.
+    fn known(&self, run: Key) -> Result<Option<Result<Outcome, NoOutcome>>, EvaluationError> {
         if let Some(outcome) = self.outcome(run)? {
-            self.taken.fetch_add(1, Ordering::Relaxed);
-            return Ok(Ok(outcome));
+            return Ok(Some(Ok(outcome)));
         }
-        let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
-        let ran = simulate::run_with(&model, options, &mut |_| {});
-        if let Ok(outcome) = &ran {
-            self.keep(run, outcome)?;
-            self.computed.fetch_add(1, Ordering::Relaxed);
-        }
-        Ok(ran)
+        let record = self.store.get(failure_key(run)).map_err(|source| self.failed(source))?;
+        Ok(record.and_then(|record| unpacked(&record)).map(Err))
     }
 
     /// Adds a record.
@@ -308,6 +422,11 @@ impl Evaluations {
     }
 }
 
+/// Key of why a run has no outcome.
+fn failure_key(run: Key) -> Key {
+    Key::of(&[&run.0, b"failure"])
+}
+
 /// Whether a figure of that name says what a run cost, not what came of it.
 pub fn is_cost(name: &str) -> bool {
     COST.contains(&name)
@@ -323,7 +442,7 @@ fn without_snapshots(model: &Model) -> Model {
 /// What decides a run of a model without snapshots, by this build.
 fn run_key(model: &Model) -> Result<Key, EvaluationError> {
     let identity = Identity::of(model).map_err(EvaluationError::Input)?;
-    Ok(digest(&[BUILD.as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
+    Ok(Key::of(&[BUILD.as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
 }
 
 /// What a reference says: how it is read, and its file.
@@ -338,18 +457,6 @@ fn content(reference: &Reference) -> io::Result<Vec<u8>> {
 
 fn encoded(value: &impl Serialize) -> io::Result<Vec<u8>> {
     postcard::to_allocvec(value).map_err(io::Error::other)
-}
-
-/// The digest of parts, each with its length.
-fn digest(parts: &[&[u8]]) -> Key {
-    let mut digest = Sha256::new();
-    for part in parts {
-        digest.update((part.len() as u64).to_le_bytes());
-        digest.update(part);
-    }
-    let mut key = [0; 16];
-    key.copy_from_slice(&digest.finalize()[..16]);
-    Key(key)
 }
 
 fn packed(value: &impl Serialize) -> io::Result<Vec<u8>> {

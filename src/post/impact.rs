@@ -1,5 +1,6 @@
 //! Measures of an impact.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -15,7 +16,7 @@ use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
 
 /// Figures of an impact; fields of `summary.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Impact {
     /// Of each impactor.
     #[serde(skip)]
@@ -30,6 +31,7 @@ pub struct Impact {
     /// E_d of the paper's equation 15; none without a reference.
     pub displacement_error: Option<f64>,
     /// Figures of the reduction of a raw recording, with their intervals; none of other references.
+    #[schemars(with = "Option<Value>")]
     pub reference_drop: Option<Box<Figures>>,
     /// Notes of the recording, of its reading and of its reduction; none without a reference.
     pub reference_notes: Option<Vec<String>>,
@@ -38,11 +40,12 @@ pub struct Impact {
     pub audit: Audit,
     /// What the run and the comparison reported.
     #[serde(flatten)]
+    #[schemars(skip)]
     pub findings: RunFindings,
 }
 
 /// Figures of one impactor; fields of `summary.json`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct BodyFigures {
     /// What the names of its figures and signals begin with; empty of a single impactor.
     #[serde(skip)]

@@ -1,5 +1,6 @@
 //! Measures of a slow indentation.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Audit, RunFindings};
@@ -7,7 +8,7 @@ use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// Figures of an indentation; fields of `summary.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Indent {
     /// Largest force on the impactor, N.
     #[serde(rename = "peak_force_N")]
@@ -32,6 +33,7 @@ pub struct Indent {
     pub audit: Audit,
     /// What the run reported.
     #[serde(flatten)]
+    #[schemars(skip)]
     pub findings: RunFindings,
 }
 

@@ -1,5 +1,6 @@
 //! Measures of a slow inflation.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Audit, RunFindings};
@@ -7,7 +8,7 @@ use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// Figures of an inflation; fields of `summary.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Inflation {
     /// Largest pressure on the film.
     #[serde(rename = "peak_pressure_Pa")]
@@ -31,6 +32,7 @@ pub struct Inflation {
     pub audit: Audit,
     /// What the run reported.
     #[serde(flatten)]
+    #[schemars(skip)]
     pub findings: RunFindings,
 }
 

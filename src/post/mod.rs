@@ -4,9 +4,11 @@ mod audit;
 pub mod comparison;
 mod coupon_material;
 mod evaluations;
+mod figures;
 mod impact;
 mod indent;
 mod inflation;
+mod modules;
 mod plan;
 mod reference;
 mod remedies;
@@ -23,7 +25,10 @@ use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
 pub use comparison::RunComparison;
-pub use evaluations::{BUILD, Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, is_cost};
+pub use evaluations::{
+    BUILD, Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, NoOutcome, is_cost,
+};
+pub use figures::{FigureName, figures};
 pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;
 pub use inflation::Inflation;
@@ -41,5 +46,6 @@ pub use warning::{CODES, RunFindings, Warning};
 pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "the run ([post] script)", entries: run::ENTRIES },
     Chapter { title: "scenarios (droptower script)", entries: study::ENTRIES },
+    Chapter { title: "the module droptower/film (droptower script)", entries: modules::ENTRIES },
     Chapter { title: "materials from coupon tests (droptower script)", entries: coupon_material::ENTRIES },
 ];

@@ -99,6 +99,11 @@ impl Plan {
         self.script.as_ref().map(Script::text)
     }
 
+    /// What identifies the post script: its text and those of its modules.
+    pub fn whole_script(&self) -> Option<String> {
+        self.script.as_ref().map(Script::whole_text)
+    }
+
     /// What the run is compared with.
     pub fn comparison(&self) -> Option<&ReferenceComparison> {
         self.comparison.as_ref()

@@ -1,5 +1,6 @@
 //! Measures of a coupon or a single element pulled between two jaws.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Audit, RunFindings};
@@ -7,7 +8,7 @@ use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// Figures of a tensile test; fields of `summary.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Stretch {
     /// Largest force between the jaws, N.
     #[serde(rename = "peak_force_N")]
@@ -29,6 +30,7 @@ pub struct Stretch {
     pub audit: Audit,
     /// What the run reported.
     #[serde(flatten)]
+    #[schemars(skip)]
     pub findings: RunFindings,
 }
 

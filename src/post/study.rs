@@ -2,14 +2,16 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 use serde_json::Value;
 
 use super::coupon_material;
+use super::modules;
 use super::run::{self, ReferenceSignals};
-use super::{Evaluations, Plan, Run, failure_message, trial};
+use super::{EvaluationError, Evaluations, NoOutcome, Plan, Run, trial};
 use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::Curve;
 use crate::finding::Finding;
@@ -19,7 +21,8 @@ use crate::scenario::{Assignment, Document};
 use crate::script::{
     Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, refuse_key, to_json,
 };
-use crate::simulate::{self, Across, PullError, RunError, RunOptions};
+use crate::simulate::{self, Across, Cancellation, Outcome, PullError, RunOptions};
+use crate::store::evaluations::Share;
 
 /// A checked scenario in a script. Cheap to clone.
 #[derive(Clone)]
@@ -33,6 +36,9 @@ struct Parts {
     evaluations: Option<Arc<Evaluations>>,
 }
 
+/// The outcome of a run, or why there is none.
+type Found = Result<Outcome, NoOutcome>;
+
 impl Study {
     /// Reads the scenario at `path`, relative to the working directory, applies `changes` and checks it.
     ///
@@ -44,6 +50,11 @@ impl Study {
         session: &Session,
     ) -> HostResult<Study> {
         Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, evaluations, session)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.0.model.name
     }
 
     /// The scenario as written, with its changes.
@@ -86,29 +97,40 @@ impl Study {
     }
 
     fn simulate(&self, session: &Session) -> HostResult<Run> {
-        let Parts { model, plan, .. } = &*self.0;
+        match self.simulate_with(session, Evaluations::outcome_of)? {
+            Some(run) => Ok(run),
+            None => Err(refuse("the run was cancelled")),
+        }
+    }
+
+    /// The run, unless another process computes it.
+    fn simulate_unless_claimed(&self, session: &Session) -> HostResult<Option<Run>> {
+        self.simulate_with(session, Evaluations::outcome_unless_claimed)
+    }
+
+    fn simulate_with<F: Into<Option<Found>>>(
+        &self,
+        session: &Session,
+        outcome: impl Fn(&Evaluations, &Model, &Cancellation) -> Result<F, EvaluationError>,
+    ) -> HostResult<Option<Run>> {
+        let Parts { model, plan, evaluations, .. } = &*self.0;
         let cut = session.is_trial().then(|| trial::cut(model, plan.comparison()));
         let model = cut.as_ref().unwrap_or(model);
-        let failed = |error: RunError| {
-            let cause = match &error {
-                RunError::Failure(failure) => failure_message(failure, model),
-                error => match error.hint() {
-                    Some(hint) => format!("{error}: {hint}"),
-                    None => error.to_string(),
-                },
-            };
-            let cause = format!("{}: {cause}", model.name);
-            session.add_failure(&cause);
-            if matches!(error, RunError::Failure(_)) { numerical_failure(cause) } else { refuse(cause) }
-        };
-        let ran = match &self.0.evaluations {
-            Some(evaluations) => evaluations.outcome_of(model, session.cancellation()).map_err(refuse)?,
+        let cancellation = session.cancellation();
+        let found = match evaluations {
+            Some(evaluations) => outcome(evaluations, model, cancellation).map_err(refuse)?.into(),
             None => {
-                let options = RunOptions { cancellation: session.cancellation().clone(), ..RunOptions::default() };
-                simulate::run_with(model, options, &mut |_| {})
+                let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+                let ran = simulate::run_with(model, options, &mut |_| {});
+                Some(ran.map_err(|error| NoOutcome::of(&error, model)))
             }
         };
-        let outcome = ran.map_err(failed)?;
+        let Some(found) = found else { return Ok(None) };
+        let outcome = found.map_err(|NoOutcome { cause, is_numerical }| {
+            let cause = format!("{}: {cause}", model.name);
+            session.add_failure(&cause);
+            if is_numerical { numerical_failure(cause) } else { refuse(cause) }
+        })?;
         if let Some(time) = outcome.rupture_time {
             session.add_rupture(&model.name, time);
         }
@@ -116,7 +138,7 @@ impl Study {
         if model.run_time() < self.0.model.run_time() {
             results = results.ended_early();
         }
-        Ok(Run::new(model, &outcome, &results))
+        Ok(Some(Run::new(model, &outcome, &results)))
     }
 
     fn reference(&mut self) -> HostResult<ReferenceSignals> {
@@ -237,8 +259,37 @@ fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Arra
         study.ok_or_else(|| refuse(format!("expected a list of scenarios, found {found} in it")))
     };
     let studies = scenarios.into_iter().map(study).collect::<HostResult<Vec<_>>>()?;
-    let runs = studies.par_iter().map(|study| study.simulate(&session));
+    let share = studies.iter().find_map(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
+    let first = in_order(&share.order(studies.len()), |place| studies[place].simulate_unless_claimed(&session));
+    // What other processes compute comes last.
+    let runs = first.into_par_iter().zip(&studies).map(|(run, study)| match run? {
+        Some(run) => Ok(run),
+        None => study.simulate(&session),
+    });
     runs.map(|run| run.map(Dynamic::from)).collect()
+}
+
+/// Takes the places by all threads, in this order; the results are in the order of the places. After an error nothing more
+/// is begun, and what is left has that error.
+fn in_order<T: Send>(order: &[usize], take: impl Fn(usize) -> HostResult<T> + Sync) -> Vec<HostResult<T>> {
+    let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let worker = |_: usize| {
+        std::iter::from_fn(|| {
+            let place =
+                *order.get(next.fetch_add(1, Ordering::Relaxed)).filter(|_| !is_over.load(Ordering::Relaxed))?;
+            let found = take(place);
+            is_over.fetch_or(found.is_err(), Ordering::Relaxed);
+            Some((place, found))
+        })
+        .collect::<Vec<_>>()
+    };
+    let mut found: Vec<(usize, HostResult<T>)> =
+        (0..rayon::current_num_threads()).into_par_iter().flat_map_iter(worker).collect();
+    found.sort_by_key(|(place, _)| *place);
+    match found.len() == order.len() {
+        true => found.into_iter().map(|(_, found)| found).collect(),
+        false => found.into_iter().map(|(_, found)| found).filter(Result::is_err).take(1).collect(),
+    }
 }
 
 fn strains(list: &[Dynamic]) -> HostResult<Vec<f64>> {
@@ -288,6 +339,7 @@ fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
 pub fn register(engine: &mut Engine, changes: Vec<Assignment>, evaluations: Option<Arc<Evaluations>>) {
     run::register(engine);
     coupon_material::register(engine);
+    Session::of_engine(engine).ship(modules::MODULES);
     engine
         .register_type_with_name::<Study>("scenario")
         .register_fn("scenario", move |context: NativeCallContext, path: &str| {

@@ -5,6 +5,7 @@ use serde_json::Value;
 use super::html::{self, escape};
 use super::{Figure, figure, plot};
 use crate::diagnostic::shown_path;
+use crate::expectation::Outside;
 use crate::number::significant;
 use crate::plot::{self as diagrams, Curve, Plot, TIME};
 use crate::post::RunComparison;
@@ -22,8 +23,8 @@ const AGAINST: [[&str; 2]; 4] = [
 /// Most points of all curves, so that page and recording can be sent by mail.
 const MOST_POINTS: usize = 100_000;
 
-/// `report.html` of a comparison.
-pub fn compare_page(comparison: &RunComparison) -> String {
+/// `report.html` of a comparison; with bounds, how far runs are outside of them.
+pub fn compare_page(comparison: &RunComparison, outside: Option<&[Outside]>) -> String {
     let title = comparison.title();
     let names = || comparison.runs.iter().map(|run| run.name.clone());
     let header = |first: &str| std::iter::once(first.to_owned()).chain(names()).collect::<Vec<_>>();
@@ -31,6 +32,7 @@ pub fn compare_page(comparison: &RunComparison) -> String {
     let body = [
         format!("<h1>{}</h1>\n<p class=\"lead\">runs compared with the first</p>\n", escape(&title)),
         html::findings(Vec::new(), &comparison.findings),
+        html::section("Bounds", &outside.map(bounds).unwrap_or_default()),
         html::section("Runs", &html::table("rows", &header_of_runs(), &runs(comparison))),
         html::section("Scenarios", &html::table("rows", &header("key"), &keys(comparison))),
         html::section("Figures", &html::table("rows", &header("figure"), &figures(comparison.key_figures()))),
@@ -40,6 +42,14 @@ pub fn compare_page(comparison: &RunComparison) -> String {
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(&title, &body.concat())
+}
+
+fn bounds(outside: &[Outside]) -> String {
+    let rows = outside.iter().flat_map(|Outside { run, differences }| {
+        let within = differences.is_empty().then(|| vec![run.clone(), "within the bounds".into()]);
+        within.into_iter().chain(differences.iter().map(|difference| vec![run.clone(), difference.to_string()]))
+    });
+    html::table("rows", &["run", "verdict"].map(String::from), &rows.collect::<Vec<_>>())
 }
 
 fn header_of_runs() -> Vec<String> {
@@ -210,7 +220,7 @@ mod tests {
         let comparison = RunComparison::of(&(0..16).map(run).collect::<Vec<_>>(), &[]);
         let (over_time, against) = plots(&comparison);
         assert_eq!((over_time.len(), against.len()), (6, 2));
-        let page = compare_page(&comparison);
+        let page = compare_page(&comparison, None);
         assert!(page.len() < 3_000_000, "{}", page.len());
     }
 }

@@ -44,6 +44,12 @@ pub(super) fn escape(text: &str) -> String {
     safe
 }
 
+/// The text that [`escape`] made `html` of.
+pub(super) fn unescape(html: &str) -> String {
+    let text = html.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&#39;", "'");
+    text.replace("&amp;", "&")
+}
+
 /// A whole page: `title` is text, `body` is HTML. It loads nothing and runs only its own scripts.
 pub fn page(title: &str, body: &str) -> String {
     let title = escape(title);
@@ -82,6 +88,12 @@ fn with_code(finding: &Finding) -> String {
 pub(super) fn data(value: &Value) -> String {
     let text = value.to_string().replace('<', "\\u003c");
     format!("<script type=\"application/json\">{text}</script>\n")
+}
+
+/// The first block of data of a page or a part of it, as [`data`] writes it.
+pub(super) fn block(html: &str) -> Option<&str> {
+    let (_, rest) = html.split_once("<script type=\"application/json\">")?;
+    Some(rest.split_once("</script>")?.0)
 }
 
 /// A section with a heading (text) around `content` (HTML); empty without content.

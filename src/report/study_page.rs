@@ -3,8 +3,9 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{cell, figure, quoted, script_output};
+use super::{cell, figure, script_output};
 use crate::script::ScriptOutput;
+use crate::shell::quoted;
 
 /// The content of the page of a study.
 #[derive(Clone, Copy)]
@@ -17,6 +18,8 @@ pub struct StudyPage<'a> {
     pub output: &'a ScriptOutput,
     /// The script's text.
     pub script: &'a str,
+    /// The modules that it imports: name and text.
+    pub modules: &'a [(&'a str, &'a str)],
 }
 
 /// Most points of all plots of a page, which keep it below 3 MB.
@@ -32,10 +35,15 @@ pub fn study_page(study: &StudyPage) -> String {
         script_output::sections(study.output, MOST_POINTS),
         html::section("Log", &html::list(&study.output.log)),
         html::section("Script", &html::verbatim(study.script)),
+        study.modules.iter().map(|(name, text)| module(name, text)).collect(),
         html::section("Run it again", &again(study.call)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(study.name, &body.concat())
+}
+
+fn module(name: &str, text: &str) -> String {
+    html::section(&format!("Module {name}"), &html::verbatim(text))
 }
 
 /// Script, scenario, changes and arguments, one line each.
@@ -98,7 +106,7 @@ mod tests {
         let page = |recordings| {
             let findings = Warning::virtual_recordings(recordings).iter().map(Finding::new).collect();
             let output = ScriptOutput { findings, ..ScriptOutput::default() };
-            study_page(&StudyPage { name: "identify", call: &Map::new(), output: &output, script: "" })
+            study_page(&StudyPage { name: "identify", call: &Map::new(), output: &output, script: "", modules: &[] })
         };
         let warning = "VIRTUAL recordings, nothing was measured: drops/1008.csv";
         assert!(page(vec!["drops/1008.csv".into()]).contains(warning));
@@ -108,7 +116,13 @@ mod tests {
     #[test]
     fn texts_of_a_script_are_escaped() {
         let output = ScriptOutput { log: vec!["<i>".into()], ..ScriptOutput::default() };
-        let study = StudyPage { name: "<b>", call: &Map::new(), output: &output, script: "1 < 2" };
+        let study = StudyPage {
+            name: "<b>",
+            call: &Map::new(),
+            output: &output,
+            script: "1 < 2",
+            modules: &[("a<b", "fn f() { 3 < 4 }")],
+        };
         let page = study_page(&study);
         assert!(
             page.contains("&lt;b&gt;")

@@ -4,10 +4,12 @@ use serde_json::{Map, Value};
 
 use super::figure::{DIGITS, heading};
 use super::html::{self, escape};
-use super::{figure, plot, quoted};
+use super::{figure, plot};
 use crate::number;
 use crate::plot::{Curve, Look, Plot};
-use crate::sweep::{Column, Sweep, SweepResults, Values};
+use crate::shell::quoted;
+use crate::sweep::{Sweep, SweepResults};
+use crate::table::{Column, Values};
 
 /// The content of the page of a sweep.
 #[derive(Clone, Copy)]
@@ -20,6 +22,8 @@ pub struct SweepPage<'a> {
     pub summary: &'a Map<String, Value>,
     /// The command that repeats it.
     pub command: &'a str,
+    /// The command that runs the scenario as it is written.
+    pub single: &'a str,
     /// The figure that is shown first.
     pub figure: &'a str,
 }
@@ -47,7 +51,7 @@ pub fn sweep_page(page: &SweepPage) -> String {
         html::section("Main effects", &effects(results)),
         html::section("Figures over inputs", &plot::figures(&plots(page))),
         html::section("Failed runs", &failures(results)),
-        html::section("Runs", &runs(results)),
+        html::section("Runs", &runs(page)),
         html::section("A run by itself", &again(page)),
         html::section("Run it again", &html::verbatim(command)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
@@ -141,20 +145,22 @@ fn failures(results: &SweepResults) -> String {
     table(&["run", "cause"].map(String::from), rows.take(MOST_ROWS).collect())
 }
 
-/// The first runs with inputs and the figures that vary.
-fn runs(results: &SweepResults) -> String {
+/// The first runs with inputs, the figures that vary, and the changes of the scenario that repeat each.
+fn runs(page: &SweepPage) -> String {
+    let SweepPage { sweep, results, .. } = *page;
     let shown = |column: &&Column| results.effects.iter().any(|effects| effects.figure == column.name);
     let figures: Vec<&Column> = results.table.figures().iter().filter(shown).collect();
     let columns = || results.table.inputs().iter().chain(figures.iter().copied());
-    let head: Vec<String> =
-        std::iter::once("run".to_owned()).chain(columns().map(|column| heading(&column.name))).collect();
+    let names = columns().map(|column| heading(&column.name));
+    let head: Vec<String> = std::iter::once("run".to_owned()).chain(names).chain(["repeated by".to_owned()]).collect();
     let cell = |column: &Column, row: usize| match &column.values {
         Values::Texts(texts) => texts[row].clone().unwrap_or_default(),
         values => values.numbers()[row].map_or_else(String::new, |value| number::figure(value, DIGITS)),
     };
     let row = |row: usize| {
-        let number = results.table.number(row).to_string();
-        std::iter::once(number).chain(columns().map(|column| cell(column, row))).collect()
+        let number = results.table.number(row);
+        let cells = columns().map(|column| cell(column, row));
+        std::iter::once(number.to_string()).chain(cells).chain([changes(sweep, number - 1)]).collect()
     };
     let count = results.table.rows();
     let rest =
@@ -164,17 +170,20 @@ fn runs(results: &SweepResults) -> String {
 
 /// How one of the runs is repeated alone.
 fn again(page: &SweepPage) -> String {
-    let SweepPage { sweep, results, command, .. } = *page;
+    let SweepPage { sweep, results, single, .. } = *page;
     let worst = results.worst(page.figure, 1);
     let Some(place) = worst.first().copied() else { return String::new() };
-    let changes = sweep.changes(place).into_iter().map(|change| format!("--set {}", quoted(&change)));
-    let scenario = command.split(" -n ").next().unwrap_or(command).replacen("sweep", "run", 1);
+    let number = place + 1;
     let words = format!(
-        "<p>Run {}, the worst by {}; `--keep {}` writes its folder:</p>\n",
-        place + 1,
+        "<p>This command repeats run {number}, the worst by {}; with the changes in the last column of the table above it \
+         repeats any other. <code>--keep {number}</code> in the command of the sweep writes its folder too.</p>\n",
         escape(page.figure),
-        place + 1
     );
-    let line = std::iter::once(scenario).chain(changes).collect::<Vec<_>>().join(" ");
-    [words, html::verbatim(&line)].concat()
+    [words, html::verbatim(&format!("{single} {}", changes(sweep, place)))].concat()
+}
+
+/// The changes of the scenario that give the run at `place`, as options.
+fn changes(sweep: &Sweep, place: usize) -> String {
+    let options = sweep.changes(place).into_iter().map(|change| format!("--set {}", quoted(&change)));
+    options.collect::<Vec<_>>().join(" ")
 }

@@ -10,7 +10,7 @@ use super::merge::merge;
 use super::reader::Reader;
 use super::tree::{Entry, Node, Value};
 use super::variation::{self, VariedKey};
-use super::{Implausible, Material, Scenario, plausible, resolved, validate};
+use super::{Cluster, Expectations, Figure, Implausible, Material, Scenario, plausible, resolved, validate};
 use crate::diagnostic::{Diagnostic, Span, tidy_path};
 
 /// The table of what varies.
@@ -43,6 +43,37 @@ impl Document {
     /// The file, or one that it extends, cannot be read or is not TOML.
     pub fn read_material(path: &Path) -> Result<Document, Vec<Diagnostic>> {
         Document::read_by(path, grammar::material())
+    }
+
+    /// Reads the file about a computing centre at `path`.
+    ///
+    /// # Errors
+    /// The file, or one that it extends, cannot be read or is not TOML.
+    pub fn read_cluster(path: &Path) -> Result<Document, Vec<Diagnostic>> {
+        Document::read_by(path, grammar::cluster())
+    }
+
+    /// Reads the file about a curve in a picture at `path`.
+    ///
+    /// # Errors
+    /// The file, or one that it extends, cannot be read or is not TOML.
+    pub fn read_figure(path: &Path) -> Result<Document, Vec<Diagnostic>> {
+        Document::read_by(path, grammar::figure())
+    }
+
+    /// Reads the file about what a run must give at `path`.
+    ///
+    /// # Errors
+    /// The file, or one that it extends, cannot be read or is not TOML.
+    pub fn read_expectations(path: &Path) -> Result<Document, Vec<Diagnostic>> {
+        Document::read_by(path, grammar::expectations())
+    }
+
+    /// The files that reading the scenario at `path` looks at, even where it cannot be read.
+    pub fn sources(path: &Path) -> Vec<PathBuf> {
+        let mut reader = Reader::default();
+        reader.read(path, Some(grammar::scenario()), None);
+        reader.files.into_iter().chain(reader.unreadable).collect()
     }
 
     fn read_by(path: &Path, rule: &'static Rule) -> Result<Document, Vec<Diagnostic>> {
@@ -104,6 +135,21 @@ impl Document {
         self.written()
     }
 
+    /// The computing centre as its struct, likewise; only of what was read as one.
+    pub fn cluster(&self) -> (Option<Cluster>, Vec<Diagnostic>) {
+        self.written()
+    }
+
+    /// The curve in a picture as its struct, likewise; only of what was read as that.
+    pub fn figure(&self) -> (Option<Figure>, Vec<Diagnostic>) {
+        self.written()
+    }
+
+    /// What a run must give as its struct, likewise; only of what was read as that.
+    pub fn expectations(&self) -> (Option<Expectations>, Vec<Diagnostic>) {
+        self.written()
+    }
+
     fn written<T: DeserializeOwned>(&self) -> (Option<T>, Vec<Diagnostic>) {
         let mut mistakes = self.mistakes.clone();
         mistakes.extend(validate::validate(&self.root, self.rule));
@@ -137,6 +183,12 @@ impl Document {
     /// named.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
+    }
+
+    /// Every file that its keys name and whose content does not stand in the place of the key: meshes, outlines, recordings,
+    /// scripts.
+    pub fn named(&self) -> Vec<PathBuf> {
+        resolved::paths(&self.root, self.rule)
     }
 
     /// The file that was read.
@@ -214,6 +266,33 @@ impl Document {
             }
         }
         span.clone()
+    }
+
+    /// Place of the value under these keys, of which each may have dots in its name; where it is left out, of the last
+    /// that is there.
+    pub fn span_of(&self, keys: &[&str]) -> Span {
+        let mut span = self.root.span.clone();
+        let mut node = &self.root;
+        for key in keys {
+            let Value::Table(table) = &node.value else { break };
+            let Some(entry) = table.get(key) else { break };
+            node = &entry.node;
+            span = if matches!(node.value, Value::Table(_)) { entry.key_span.clone() } else { node.span.clone() };
+        }
+        span
+    }
+
+    /// The path written under these keys, from the folder of the file in which it is written.
+    pub fn file_of(&self, keys: &[&str]) -> Option<PathBuf> {
+        let mut node = &self.root;
+        for key in keys {
+            let Value::Table(table) = &node.value else { return None };
+            node = &table.get(key)?.node;
+        }
+        match &node.value {
+            Value::Text(text) => Some(node.span.source.folder.join(text)),
+            _ => None,
+        }
     }
 
     /// The path written at the key path, from the folder of the file in which it is written.

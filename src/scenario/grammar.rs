@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use serde_json::Value as Json;
 
 use super::tree::Value;
-use super::{Material, Scenario, schema};
+use super::{Cluster, Expectations, Figure, Material, Scenario, schema};
 use crate::units::Dimension;
 
 /// The values that are allowed at one place.
@@ -63,6 +63,8 @@ pub struct TableRule {
     pub future: Vec<Future>,
     /// Whether its other keys are paths of keys that vary.
     pub varied: bool,
+    /// The rule of its other keys, which may have any name.
+    pub others: Option<Box<Rule>>,
 }
 
 /// What is reserved for later versions.
@@ -118,6 +120,24 @@ pub fn scenario() -> &'static Rule {
 /// The rule of a material file.
 pub fn material() -> &'static Rule {
     static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Material>()));
+    &RULE
+}
+
+/// The rule of a file about what a run must give.
+pub fn expectations() -> &'static Rule {
+    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Expectations>()));
+    &RULE
+}
+
+/// The rule of a file about a curve in a picture.
+pub fn figure() -> &'static Rule {
+    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Figure>()));
+    &RULE
+}
+
+/// The rule of a file about a computing centre.
+pub fn cluster() -> &'static Rule {
+    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Cluster>()));
     &RULE
 }
 
@@ -439,6 +459,7 @@ fn table(schema: &Json) -> TableRule {
         group_required: one_of.is_some(),
         future: future(&schema["x-future"]),
         varied: schema["x-varied"].as_bool().unwrap_or(false),
+        others: schema.get("additionalProperties").filter(|rule| rule.is_object()).map(|rule| Box::new(compile(rule))),
     }
 }
 

@@ -4,11 +4,15 @@
 
 mod air;
 mod assignment;
+mod cluster;
 mod contact;
 pub mod coupon_material;
+mod figure;
+mod file_kind;
 pub mod fitted_material;
 mod curve_file;
 mod document;
+mod expectations;
 mod frame;
 pub mod grammar;
 mod hyperelastic;
@@ -26,7 +30,7 @@ mod reader;
 mod reference;
 mod resolved;
 mod rupture;
-pub mod schema;
+mod schema;
 mod solver;
 mod specimen;
 mod tree;
@@ -42,8 +46,12 @@ use serde::{Deserialize, Serialize};
 
 pub use air::{Air, Compression};
 pub use assignment::Assignment;
+pub use cluster::Cluster;
 pub use contact::Contact;
 pub use document::Document;
+pub use expectations::{Amount, Expectations, FigureBounds, FindingBounds, NumberBounds, SignalBounds};
+pub use figure::{AxisPoint, AxisScale, Figure, FigureAxis, FigureCurve};
+pub use file_kind::FileKind;
 pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side};
 pub use grammar::Rule;
 pub use hyperelastic::{Energy, Hyperelastic, Moduli};

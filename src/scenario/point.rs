@@ -8,6 +8,6 @@ use crate::units::Pressure;
 /// One point of a curve: engineering strain (shear angle in rad, equivalent plastic strain) and stress.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Point(
-    #[schemars(range(min = 0))] pub f64,
+    #[schemars(range(min = 0), extend("x-likely" = [0.0, 15.0]))] pub f64,
     #[schemars(range(min = 0), extend("x-likely" = [1e5, 1e11]))] pub Pressure,
 );

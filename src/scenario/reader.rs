@@ -25,6 +25,8 @@ pub struct Reader {
     pub mistakes: Vec<Diagnostic>,
     /// Every file that was read, in order.
     pub files: Vec<PathBuf>,
+    /// Files that could not be read.
+    pub unreadable: Vec<PathBuf>,
     /// The files being read, each with the place in the one before it that names it.
     chain: Vec<(PathBuf, Option<Span>)>,
     /// Bytes read so far.
@@ -47,7 +49,7 @@ impl Reader {
         let source = self.text(path, named)?;
         self.chain.push((identity, named.cloned()));
         let node = match tree::parse(&source) {
-            Ok(node) => match unrelated(&node, &source).filter(|_| named.is_none()) {
+            Ok(node) => match unrelated(&node, &source, rule).filter(|_| named.is_none()) {
                 Some(mistake) => {
                     self.mistakes.push(mistake);
                     None
@@ -90,13 +92,27 @@ impl Reader {
         };
         let path = node.span.source.folder.join(text);
         let found = match rule.table() {
-            Some(_) => self.read(&path, Some(rule), Some(&node.span)),
+            Some(_) => {
+                let found = self.read(&path, Some(rule), Some(&node.span));
+                found.filter(|found| self.is_no_scenario(found, &path, &node.span))
+            }
             None => self.curve(&path, &node.span),
         };
         match found {
             Some(found) => Node { included: true, ..found },
             None => node,
         }
+    }
+
+    /// Reports a file that is a scenario, where a table of one is named.
+    fn is_no_scenario(&mut self, found: &Node, path: &Path, named: &Span) -> bool {
+        let Value::Table(table) = &found.value else { return true };
+        let is_scenario = table.entries.iter().any(|entry| entry.key == "specimen");
+        if is_scenario {
+            let mistake = Diagnostic::new(format!("{} is a scenario, not a material", shown_path(path)));
+            self.report(mistake.hint("`droptower new material` writes a file of a material"), Some(named));
+        }
+        !is_scenario
     }
 
     fn include_within(&mut self, node: Node, rule: Option<&Rule>) -> Node {
@@ -140,6 +156,7 @@ impl Reader {
                 Some(Source::file(path, text))
             }
             Err(error) => {
+                self.unreadable.push(path.to_owned());
                 let hint = error.hint().map(str::to_owned);
                 let why = match error {
                     FileError::TooLarge { .. } => format!("a scenario and its files may have {} MB", MOST_BYTES >> 20),
@@ -198,13 +215,12 @@ fn unparsed(source: &Arc<Source>, path: &Path, mut mistakes: Vec<Diagnostic>) ->
     mistakes
 }
 
-/// The mistake of a file with keys of which none is one of a scenario or a material.
-fn unrelated(node: &Node, source: &Arc<Source>) -> Option<Diagnostic> {
+/// The mistake of a scenario or a material with keys of which none is one of either.
+fn unrelated(node: &Node, source: &Arc<Source>, rule: Option<&Rule>) -> Option<Diagnostic> {
     let Value::Table(table) = &node.value else { return None };
-    let known = |key: &str| {
-        let rules = [grammar::scenario(), grammar::material()];
-        rules.iter().any(|rule| rule.table().is_some_and(|table| table.key(key).is_some()))
-    };
+    let rules = [grammar::scenario(), grammar::material()];
+    rule.filter(|rule| rules.iter().any(|other| std::ptr::eq(*rule, *other)))?;
+    let known = |key: &str| rules.iter().any(|rule| rule.table().is_some_and(|table| table.key(key).is_some()));
     let is_unrelated = table.entries.len() > 1 && !table.entries.iter().any(|entry| known(&entry.key));
     is_unrelated.then(|| no_scenario(source, "it has none of the keys of one"))
 }

@@ -1,6 +1,7 @@
 //! The merged scenario as one text that runs from any folder.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use toml_edit::{DocumentMut, Item, TableLike};
@@ -157,13 +158,39 @@ fn assumed(path: &str, table: &dyn TableLike, found: &mut Vec<Assumption>) {
     }
 }
 
+/// The absolute paths that the tree holds, each once.
+pub fn paths(root: &Node, rule: &Rule) -> Vec<PathBuf> {
+    let mut found = BTreeSet::new();
+    gather_paths(root, Some(rule), &mut found);
+    found.into_iter().collect()
+}
+
+fn gather_paths(node: &Node, rule: Option<&Rule>, found: &mut BTreeSet<PathBuf>) {
+    match &node.value {
+        Value::Text(text) if rule.is_some_and(Rule::is_path) => drop(found.insert(absolute(node, text))),
+        Value::List(items) => {
+            for (place, item) in items.iter().enumerate() {
+                gather_paths(item, rule.and_then(|rule| rule.item(place)), found);
+            }
+        }
+        Value::Table(table) => {
+            for entry in &table.entries {
+                gather_paths(&entry.node, rule.and_then(|rule| rule.under(&entry.key)), found);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The path that a node holds, from the folder of the file in which it is written.
+fn absolute(node: &Node, text: &str) -> PathBuf {
+    let path = node.span.source.folder.join(text);
+    tidy_path(&std::path::absolute(&path).unwrap_or(path))
+}
+
 fn anchored(node: &Node, rule: Option<&Rule>) -> Node {
     let value = match &node.value {
-        Value::Text(text) if rule.is_some_and(Rule::is_path) => {
-            let path = node.span.source.folder.join(text);
-            let absolute = std::path::absolute(&path).unwrap_or(path);
-            Value::Text(tidy_path(&absolute).display().to_string())
-        }
+        Value::Text(text) if rule.is_some_and(Rule::is_path) => Value::Text(absolute(node, text).display().to_string()),
         Value::List(items) => {
             let items = items.iter().enumerate();
             let items = items.map(|(place, item)| anchored(item, rule.and_then(|r| r.item(place))));

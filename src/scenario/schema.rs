@@ -4,8 +4,6 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value as Json, json};
 
-use super::Scenario;
-
 /// The schema with every table inlined, from which the grammar is compiled.
 pub(super) fn whole<T: JsonSchema>() -> Json {
     let mut settings = SchemaSettings::draft2020_12();
@@ -14,12 +12,12 @@ pub(super) fn whole<T: JsonSchema>() -> Json {
     without_null(schema.to_value())
 }
 
-/// The schema for editors. Files extend one another, so no single file must be complete: only
+/// The schema of a file for editors, under a title. Files extend one another, so no single file must be complete: only
 /// `droptower check` can say that a key is missing.
-pub fn published() -> Json {
-    let mut schema = open(whole::<Scenario>());
+pub(super) fn published<T: JsonSchema>(title: &str) -> Json {
+    let mut schema = open(whole::<T>());
     if let Json::Object(top) = &mut schema {
-        top.insert("title".into(), json!("droptower scenario"));
+        top.insert("title".into(), json!(title));
         top.insert("type".into(), json!("object"));
     }
     schema

@@ -103,10 +103,11 @@ impl Walk {
 
     fn table(&mut self, table: &Table, rule: &TableRule, place: &Place) {
         for entry in &table.entries {
-            match rule.key(&entry.key) {
-                Some(key) => self.node(&entry.node, &key.rule, &place.under(entry)),
-                None if rule.varied => {}
-                None => self.report(unknown_key(entry, table, rule, place)),
+            match (rule.key(&entry.key), &rule.others) {
+                (Some(key), _) => self.node(&entry.node, &key.rule, &place.under(entry)),
+                (None, Some(others)) => self.node(&entry.node, others, &place.under(entry)),
+                (None, None) if rule.varied => {}
+                (None, None) => self.report(unknown_key(entry, table, rule, place)),
             }
         }
         if rule.varied {

@@ -1,38 +1,43 @@
 //! Calls of undefined functions, found before the script runs.
 
 use std::collections::{BTreeSet, HashSet};
-use std::path::Path;
 
 use rhai::{AST, ASTNode, Engine, Expr, FnCallExpr, Position, Stmt};
 
 use super::Fault;
+use super::module::Unit;
 use crate::diagnostic::closest;
 
 /// Functions of the interpreter itself, which its list of functions lacks.
 const BUILT_IN: [&str; 9] =
     ["print", "debug", "type_of", "Fn", "call", "curry", "is_shared", "is_def_var", "is_def_fn"];
 
-/// Every call in `program` whose name neither the engine nor the script defines, in the order of the text.
+/// Every call in `units` whose name neither the engine nor the text with the call defines, in the order of the texts.
 ///
-/// A method may also be a closure in a map, so a method is accepted where the script has its name as a key, a
+/// A method may also be a closure in a map, so a method is accepted where one of the texts has its name as a key, a
 /// property or a text.
-pub(super) fn undefined(engine: &Engine, program: &AST, file: &Path) -> Vec<Fault> {
-    let words = Words::of(program);
+pub(super) fn undefined(engine: &Engine, units: &[Unit]) -> Vec<Fault> {
     let mut known: BTreeSet<String> = engine
         .collect_fn_metadata(None, |function| Some(function.metadata.name.to_string()), true)
         .into_iter()
         .collect();
-    known.extend(program.iter_functions().map(|function| function.name.to_owned()));
     known.extend(BUILT_IN.map(str::to_owned));
+    let words: Vec<Words> = units.iter().map(|unit| Words::of(&unit.program)).collect();
+    let mentioned: HashSet<&str> = words.iter().flat_map(|words| words.mentioned.iter().map(String::as_str)).collect();
+    units.iter().zip(&words).flat_map(|(unit, words)| of_unit(unit, words, &mentioned, known.clone())).collect()
+}
+
+fn of_unit(unit: &Unit, words: &Words, mentioned: &HashSet<&str>, mut known: BTreeSet<String>) -> Vec<Fault> {
+    known.extend(unit.program.iter_functions().map(|function| function.name.to_owned()));
     let undefined = |call: &&Call| {
-        let in_a_map = call.is_method && words.mentioned.contains(&call.name);
+        let in_a_map = call.is_method && mentioned.contains(call.name.as_str());
         !known.contains(&call.name) && !in_a_map
     };
     let mut calls: Vec<&Call> = words.calls.iter().filter(undefined).collect();
     calls.sort_by_key(|call| (call.position.line(), call.position.position()));
     let fault = |call: &Call| {
         let message = format!("undefined function `{}`", call.name);
-        Fault::at(file, call.position, message).with_hint(hint(call, &words, &known))
+        Fault::at(&unit.source, call.position, message).with_hint(hint(call, words, &known))
     };
     calls.into_iter().map(fault).collect()
 }

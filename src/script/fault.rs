@@ -1,10 +1,12 @@
 use std::fmt::Display;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 
-use rhai::{AST, Dynamic, Engine, EvalAltResult, FuncInfo, ImmutableString, ParseError, ParseErrorType, Position};
+use rhai::{Dynamic, Engine, EvalAltResult, FuncInfo, ImmutableString, ParseError, ParseErrorType, Position};
 use thiserror::Error;
 
+use super::module::{self, SourceText, Unit};
 use super::{Session, places};
 use crate::diagnostic::closest;
 
@@ -12,8 +14,10 @@ use crate::diagnostic::closest;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}:{line}:{column}: {message}", file.display())]
 pub struct Fault {
-    /// The script.
+    /// The script, or a module that it imports.
     pub file: PathBuf,
+    /// What is in it.
+    pub text: Arc<str>,
     /// Counted from one.
     pub line: usize,
     /// In characters, counted from one.
@@ -27,23 +31,25 @@ pub struct Fault {
 }
 
 impl Fault {
-    pub(super) fn parsing(file: &Path, error: &ParseError) -> Fault {
+    pub(super) fn parsing(file: &SourceText, error: &ParseError) -> Fault {
         match error.err_type() {
             ParseErrorType::Reserved(word) if UNSUPPORTED.contains(&word.as_str()) => {
-                let hint = (word == "import").then(|| "write the functions into this script".into());
+                let hint = (word == "export").then(|| "a module exports all its functions and constants".into());
                 Fault::at(file, error.position(), format!("`{word}` is not supported in scripts")).with_hint(hint)
             }
             other => Fault::at(file, error.position(), other.to_string()),
         }
     }
 
-    /// The innermost cause of a nested error in `program`.
-    pub(super) fn running(engine: &Engine, program: &AST, file: &Path, error: &EvalAltResult) -> Fault {
+    /// The innermost cause of a nested error in a program, whose script is the first of `units`.
+    pub(super) fn running(engine: &Engine, units: &[Unit], error: &EvalAltResult) -> Fault {
+        let unit = origin(units, error);
+        let (file, program) = (&unit.source, &unit.program);
         let culprit = error.unwrap_inner();
         let position = culprit.position();
         let at = |message: String| Fault::at(file, position, message);
         match culprit {
-            EvalAltResult::ErrorRuntime(value, _) => of_value(file, program, position, value),
+            EvalAltResult::ErrorRuntime(value, _) => of_value(unit, position, value),
             EvalAltResult::ErrorTerminated(reason, _) => at(reason.to_string()),
             EvalAltResult::ErrorFunctionNotFound(signature, _) => at(not_taken(signature)),
             EvalAltResult::ErrorPropertyNotFound(name, _) => {
@@ -63,13 +69,14 @@ impl Fault {
         }
     }
 
-    pub(super) fn starting(file: &Path, error: &io::Error) -> Fault {
+    pub(super) fn starting(file: &SourceText, error: &io::Error) -> Fault {
         Fault::at(file, Position::NONE, format!("cannot start a thread for the script: {error}"))
     }
 
-    pub(super) fn at(file: &Path, position: Position, message: String) -> Fault {
+    pub(super) fn at(source: &SourceText, position: Position, message: String) -> Fault {
         Fault {
-            file: file.into(),
+            file: source.file.clone(),
+            text: Arc::clone(&source.text),
             line: position.line().unwrap_or(1),
             column: position.position().unwrap_or(1),
             message: lower_first(&message),
@@ -80,6 +87,21 @@ impl Fault {
 
     pub(super) fn with_hint(self, hint: Option<String>) -> Fault {
         Fault { hint, ..self }
+    }
+}
+
+/// Where a nested error begins: in the function that it left first, or else in the script.
+fn origin<'u>(units: &'u [Unit], error: &EvalAltResult) -> &'u Unit {
+    let mut unit = &units[0];
+    let mut error = error;
+    loop {
+        let (id, function, inner) = match error {
+            EvalAltResult::ErrorInFunctionCall(function, id, inner, _) => (id, Some(function.as_str()), inner),
+            EvalAltResult::ErrorInModule(id, inner, _) => (id, None, inner),
+            _ => return unit,
+        };
+        unit = module::find(units, Some(id), function).unwrap_or(unit);
+        error = inner;
     }
 }
 
@@ -96,10 +118,11 @@ fn lower_first(message: &str) -> String {
 }
 
 /// Words of the language that scripts are not offered.
-const UNSUPPORTED: [&str; 4] = ["import", "export", "eval", "curry"];
+const UNSUPPORTED: [&str; 3] = ["export", "eval", "curry"];
 
 /// The fault of a thrown value: at the key of a map where it names one.
-fn of_value(file: &Path, program: &AST, position: Position, value: &Dynamic) -> Fault {
+fn of_value(unit: &Unit, position: Position, value: &Dynamic) -> Fault {
+    let (file, program) = (&unit.source, &unit.program);
     let numerical = value.is::<NumericalFailure>();
     match value.read_lock::<KeyMistake>() {
         Some(mistake) => {

@@ -2,19 +2,39 @@
 //! may begin with the name of a part of the run: `head_energy_absorption` ends with an underscore and a known name.
 
 use std::collections::HashSet;
-use std::path::Path;
 
-use rhai::{AST, ASTNode, Expr, Position};
+use rhai::{ASTNode, Expr, Position};
 
+use super::module::Unit;
 use super::{Fault, Fields};
 use crate::diagnostic::closest;
 
-/// Every access `.<map>.<field>` in `program` to a field that the map cannot have, in the order of the text. A script
+/// Every access `.<map>.<field>` in `units` to a field that the map cannot have, in the order of the texts. A program
 /// that has the name of the map, or of the field, as a key or a text may make such a map itself.
-pub(super) fn unknown(known: &[Fields], program: &AST, file: &Path) -> Vec<Fault> {
+pub(super) fn unknown(known: &[Fields], units: &[Unit]) -> Vec<Fault> {
     let mut own: HashSet<String> = HashSet::new();
-    let mut found: Vec<(String, String, Position)> = Vec::new();
-    program.walk(&mut |path: &[ASTNode]| {
+    let found: Vec<Vec<Access>> = units.iter().map(|unit| accesses(unit, &mut own)).collect();
+    let fault = |unit: &Unit, (map, field, position): Access| {
+        let is_of = |name: &&str| field.strip_suffix(*name).is_some_and(|rest| rest.is_empty() || rest.ends_with('_'));
+        let known = known.iter().find(|known| known.map == map && !known.names.iter().any(is_of))?;
+        if own.contains(&map) || own.contains(&field) {
+            return None;
+        }
+        let fault = Fault::at(&unit.source, position, format!("a {map} has no `{field}`"));
+        let close = closest(&field, known.names.iter().copied());
+        Some(fault.with_hint(close.map(|name| format!("did you mean `{name}`?"))))
+    };
+    let faults = units.iter().zip(found).flat_map(|(unit, found)| found.into_iter().map(move |access| (unit, access)));
+    faults.filter_map(|(unit, access)| fault(unit, access)).collect()
+}
+
+/// Map, field and place of an access.
+type Access = (String, String, Position);
+
+/// The accesses in a text; keys and texts in it are added to `own`.
+fn accesses(unit: &Unit, own: &mut HashSet<String>) -> Vec<Access> {
+    let mut found: Vec<Access> = Vec::new();
+    unit.program.walk(&mut |path: &[ASTNode]| {
         match path.last() {
             Some(ASTNode::Expr(Expr::Map(map, _))) => own.extend(map.0.iter().map(|(key, _)| key.name.to_string())),
             Some(ASTNode::Expr(Expr::StringConstant(text, _))) => drop(own.insert(text.to_string())),
@@ -28,18 +48,7 @@ pub(super) fn unknown(known: &[Fields], program: &AST, file: &Path) -> Vec<Fault
         true
     });
     found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
-    let fault = |(map, field, position): (String, String, Position)| {
-        let is_of = |name: &&str| field.strip_suffix(*name).is_some_and(|rest| rest.is_empty() || rest.ends_with('_'));
-        let known = known.iter().find(|known| known.map == map && !known.names.iter().any(is_of))?;
-        if own.contains(&map) || own.contains(&field) {
-            return None;
-        }
-        let fault = Fault::at(file, position, format!("a {map} has no `{field}`"));
-        Some(
-            fault.with_hint(closest(&field, known.names.iter().copied()).map(|name| format!("did you mean `{name}`?"))),
-        )
-    };
-    found.into_iter().filter_map(fault).collect()
+    found
 }
 
 fn property(expression: &Expr) -> Option<(String, Position)> {
@@ -121,9 +130,9 @@ mod tests {
     }
 
     #[test]
-    fn import_is_not_supported() {
-        let expected = (2, 1, "`import` is not supported in scripts".to_owned());
-        let (line, column, message, hint) = faults("let a = 1;\nimport \"b\" as b;").remove(0);
+    fn export_is_not_supported() {
+        let expected = (2, 1, "`export` is not supported in scripts".to_owned());
+        let (line, column, message, hint) = faults("let a = 1;\nexport a;").remove(0);
         assert_eq!(((line, column, message), hint.is_some()), (expected, true));
     }
 

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rhai::{Dynamic, Engine, NativeCallContext};
 
+use super::module::{Programs, ShippedModule};
 use super::{Compared, OutputCollector};
 use crate::file::{Digest, FileError};
 use crate::finding::Finding;
@@ -34,6 +35,8 @@ pub struct Session {
     cancellation: Cancellation,
     fields: Arc<Mutex<Vec<Fields>>>,
     output: Arc<Mutex<Option<OutputCollector>>>,
+    modules: Arc<Mutex<(Vec<ShippedModule>, bool)>>,
+    programs: Programs,
 }
 
 impl fmt::Debug for Session {
@@ -88,8 +91,33 @@ impl Session {
     }
 
     /// The declared fields.
-    pub(super) fn fields(&self) -> Vec<Fields> {
+    pub fn fields(&self) -> Vec<Fields> {
         lock(&self.fields).clone()
+    }
+
+    /// Offers these modules to scripts.
+    pub fn ship(&self, modules: &'static [ShippedModule]) {
+        lock(&self.modules).0.extend(modules);
+    }
+
+    /// Lets scripts import modules in files of their folder.
+    pub fn read_modules(&self) {
+        lock(&self.modules).1 = true;
+    }
+
+    /// The modules that are shipped, and whether those in files are read.
+    pub(super) fn modules(&self) -> (Vec<ShippedModule>, bool) {
+        lock(&self.modules).clone()
+    }
+
+    /// What the engine runs.
+    pub(super) fn programs(&self) -> &Programs {
+        &self.programs
+    }
+
+    /// The same session for scripts that `cancellation` stops.
+    pub fn with_cancellation(&self, cancellation: &Cancellation) -> Session {
+        Session { cancellation: cancellation.clone(), ..self.clone() }
     }
 
     /// The same session within an evaluation of an objective, which may be cancelled.

@@ -1,5 +1,7 @@
 //! The columns of `signals.csv`, each with its unit, its name in scripts and how it is plotted.
 
+use crate::units::{DIMENSIONS, Dimension};
+
 /// A column of `signals.csv`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
@@ -188,6 +190,16 @@ pub fn of(name: &str) -> Option<(&str, &'static Column)> {
     };
     // Some names end like two columns, e.g. `contact_force_N`: the longer one is meant.
     COLUMNS.iter().filter_map(beginning).min_by_key(|(prefix, _)| prefix.len())
+}
+
+/// What the values of a column or a figure are, by the end of its name; none of a number without unit.
+pub fn dimension(name: &str) -> Option<Dimension> {
+    let of_column = of(name).map(|(_, column)| column.unit);
+    let fits = |dimension: &&Dimension| match of_column {
+        Some(unit) => dimension.unit == unit,
+        None => !dimension.suffix().is_empty() && name.ends_with(&format!("_{}", dimension.suffix())),
+    };
+    DIMENSIONS.iter().filter(fits).max_by_key(|dimension| dimension.suffix().len()).copied()
 }
 
 #[cfg(test)]

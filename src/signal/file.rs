@@ -55,7 +55,7 @@ impl ReadError {
     }
 }
 
-/// Reads what is `wanted` of the recording at `path`: a folder, `.mme`, `.chn` or `.001`, … as ISO-MME, others as
+/// Reads what is `wanted` of the recording at `path`: a folder, `.zip`, `.mme`, `.chn` or `.001`, … as ISO-MME, others as
 /// tables.
 ///
 /// Holds the wanted channels and nothing else of the file: 8 bytes a value, and as much again for one channel while it

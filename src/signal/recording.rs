@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::Series;
+use super::column_name::TIME;
+use crate::number::clean_time;
+use crate::table::Column;
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +35,13 @@ impl Recording {
     pub fn series(&self, name: &str) -> Option<Series> {
         let values = self.channel(name)?;
         Some(Series::new(self.time.as_slice(), values))
+    }
+
+    /// The columns of its table: those of [`csv::write`](super::csv::write), the same numbers.
+    pub fn columns(&self) -> Vec<Column> {
+        let time = Column::of_numbers(TIME, self.time.iter().copied().map(clean_time));
+        let channel = |channel: &Channel| Column::of_numbers(&channel.name, channel.values.iter().copied());
+        std::iter::once(time).chain(self.channels.iter().map(channel)).collect()
     }
 
     /// Puts `channel` behind the one called `before`, or last where there is none.

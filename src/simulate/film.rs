@@ -23,3 +23,10 @@ pub struct Film {
     /// Shape of its elements.
     pub quality: Quality,
 }
+
+impl Film {
+    /// Corners of the elements, quadrilaterals and then triangles; a triangle has its last one twice.
+    pub fn outlines(&self) -> impl Iterator<Item = [u32; 4]> {
+        self.quads.iter().copied().chain(self.tris.iter().map(|&[a, b, c]| [a, b, c, c]))
+    }
+}

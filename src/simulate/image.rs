@@ -14,14 +14,18 @@ pub struct Image {
 impl Film {
     /// The film and its mirror images.
     pub fn images(&self) -> impl Iterator<Item = Image> + use<> {
-        let [x, y] = self.mirrored;
-        (0..4)
-            .map(|number| Image { number, mirrored: [number & 1 == 1, number & 2 == 2] })
-            .filter(move |Image { mirrored, .. }| (x || !mirrored[0]) && (y || !mirrored[1]))
+        Image::all(self.mirrored)
     }
 }
 
 impl Image {
+    /// The film itself and its images where x = 0 and y = 0 are mirror planes or not.
+    pub fn all([x, y]: [bool; 2]) -> impl Iterator<Item = Image> {
+        (0..4)
+            .map(|number| Image { number, mirrored: [number & 1 == 1, number & 2 == 2] })
+            .filter(move |Image { mirrored, .. }| (x || !mirrored[0]) && (y || !mirrored[1]))
+    }
+
     /// Factors on x, y and z.
     pub fn signs(self) -> [f32; 3] {
         let sign = |mirrored: bool| if mirrored { -1.0 } else { 1.0 };

@@ -14,7 +14,7 @@ use super::mount::Mounting;
 use super::outcome::Outcome;
 use super::rates::RateAudit;
 use super::rise::{self, Rise};
-use super::snapshot::{self, Snapshot};
+use super::snapshot::{self, FilmState, Snapshot};
 use super::tracks::{BodyTracks, Tracks};
 use super::warning::bounds::KINETIC;
 use crate::engine::{self, ElementStrain, Engine, FilmContactState, Observer, Relaxation, Torn, Track, View};
@@ -395,7 +395,13 @@ impl Observer for Probe<'_> {
 fn largest_plastic_strains(snapshots: &[Snapshot], faces: usize) -> Vec<Option<f64>> {
     let of_face = |face: usize| {
         let states = snapshots.iter().filter_map(|snapshot| snapshot.films.get(face));
-        states.flat_map(|state| &state.plastic_strain).map(|strain| f64::from(*strain)).reduce(f64::max)
+        // An element that tears is drawn out within its row: its strain is not that of film.
+        let whole = |state: &FilmState| -> Vec<f32> {
+            let tears = |element: usize| state.damage.get(element).is_some_and(|damage| *damage > 0.0);
+            let strains = state.plastic_strain.iter().enumerate();
+            strains.filter(|(element, _)| !tears(*element)).map(|(_, strain)| *strain).collect()
+        };
+        states.flat_map(whole).map(f64::from).reduce(f64::max)
     };
     (0..faces).map(of_face).collect()
 }

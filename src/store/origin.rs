@@ -45,6 +45,8 @@ pub enum Origin {
     },
     /// A comparison of runs.
     Comparison,
+    /// Verdicts of tests.
+    Tests,
 }
 
 impl fmt::Display for Origin {
@@ -57,6 +59,7 @@ impl fmt::Display for Origin {
                 write!(f, "the results of {} with {}", shown_path(script), shown_path(scenario))
             }
             Origin::Comparison => write!(f, "a comparison of runs"),
+            Origin::Tests => write!(f, "the verdicts of tests"),
         }
     }
 }
@@ -107,6 +110,9 @@ impl Origin {
         let summary: Value = serde_json::from_slice(&text).ok()?;
         if summary.get("runs").is_some() && summary.get("study").is_none() {
             return Some(Origin::Comparison);
+        }
+        if summary.get("cases").is_some() && summary.get("study").is_none() {
+            return Some(Origin::Tests);
         }
         let text = |name: &str| summary["study"][name].as_str();
         // Files are named from the working folder of the call.

@@ -7,6 +7,12 @@ pub(super) const MOST_BYTES: u64 = 1 << 30;
 pub const SIGNALS: &str = "signals.csv";
 /// The energy audit over time.
 pub const ENERGIES: &str = "energies.csv";
+/// [`SIGNALS`] as Apache Parquet; of a comparison, those of all runs.
+pub const SIGNALS_PARQUET: &str = "signals.parquet";
+/// [`ENERGIES`] as Apache Parquet.
+pub const ENERGIES_PARQUET: &str = "energies.parquet";
+/// The figures of the runs of a comparison.
+pub const FIGURES_PARQUET: &str = "figures.parquet";
 /// The figures and findings.
 pub const SUMMARY: &str = "summary.json";
 /// The resolved scenario.
@@ -21,6 +27,12 @@ pub const FILM_SERIES: &str = "film.pvd";
 pub const IMPACTOR_SERIES: &str = "impactor.pvd";
 /// Collection of the snapshots of the frame's bars for ParaView.
 pub const FRAME_SERIES: &str = "frame.pvd";
+/// The film in all snapshots, for ParaView.
+pub const FILM_STATES: &str = "film.vtkhdf";
+/// The impactors in all snapshots, for ParaView.
+pub const IMPACTOR_STATES: &str = "impactor.vtkhdf";
+/// The frame's bars in all snapshots, for ParaView.
+pub const FRAME_STATES: &str = "frame.vtkhdf";
 /// Inputs and outputs of the runs of a sweep.
 pub const TABLE: &str = "table.csv";
 /// The same for Polars, pandas, R and others.
@@ -39,9 +51,12 @@ pub const STUDY_FOLDER: &str = "folder";
 
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
-pub const RUN_FILES: [(&str, &str); 13] = [
+pub const RUN_FILES: [(&str, &str); 19] = [
     (SIGNALS, "all channels over time, SI"),
     (ENERGIES, "the energy audit over time"),
+    (SIGNALS_PARQUET, "the channels for Polars, pandas and R"),
+    (ENERGIES_PARQUET, "the energy audit for Polars, pandas and R"),
+    (FIGURES_PARQUET, "the figures of each run for Polars, pandas and R"),
     (SUMMARY, "the figures, for other programs"),
     (SCENARIO, "the scenario with everything that it takes from elsewhere"),
     (POST_SCRIPT, "the script that added figures"),
@@ -49,6 +64,9 @@ pub const RUN_FILES: [(&str, &str); 13] = [
     (FILM_SERIES, "the film for ParaView"),
     (IMPACTOR_SERIES, "the impactors for ParaView"),
     (FRAME_SERIES, "the frame's bars for ParaView"),
+    (FILM_STATES, "the film in all snapshots for ParaView"),
+    (IMPACTOR_STATES, "the impactors in all snapshots for ParaView"),
+    (FRAME_STATES, "the frame's bars in all snapshots for ParaView"),
     (TABLE, "inputs and figures of the runs of a sweep"),
     (PARQUET, "the same for Polars, pandas and R"),
     (REPORT, "this page"),
@@ -77,7 +95,8 @@ pub(super) fn is_written_by_run(name: &str) -> bool {
 /// Whether `name` is a snapshot for ParaView, such as `vtu/film_0012.vtu`.
 fn is_snapshot(name: &str) -> bool {
     let snapshot = name.strip_prefix(SNAPSHOTS).and_then(|name| name.strip_prefix('/')?.strip_suffix(".vtu"));
-    let number = snapshot.and_then(|name| name.strip_prefix("film_").or(name.strip_prefix("impactor_")));
+    let number =
+        snapshot.and_then(|name| ["film_", "impactor_", "frame_"].iter().find_map(|kind| name.strip_prefix(kind)));
     number.is_some_and(|number| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
@@ -90,6 +109,7 @@ mod tests {
         for (name, expected) in [
             ("vtu/film_0012.vtu", true),
             ("vtu/impactor_0.vtu", true),
+            ("vtu/frame_0001.vtu", true),
             ("vtu/film_.vtu", false),
             ("vtu/mine.vtu", false),
             ("film_0012.vtu", false),

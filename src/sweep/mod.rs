@@ -1,24 +1,26 @@
 //! Sweeps: many runs of a scenario whose keys vary, each evaluated once, by any number of processes.
 
 mod bindings;
-mod parquet;
-mod queue;
+mod outlook;
 mod results;
 mod statistics;
 mod table;
 mod work;
 
+use rayon::prelude::*;
+
 use crate::diagnostic::Diagnostic;
 use crate::finding::Finding;
-use crate::model::{self, Input, Model, Point, PointsError, Variation};
+use crate::model::{self, Factor, Input, Model, Point, PointsError, Variation};
 use crate::post::{EvaluationError, EvaluationKeys, Evaluations, Plan, PrepareError};
 use crate::scenario::Document;
 use crate::simulate;
+use crate::store::evaluations::Key;
 pub use bindings::{REFERENCE, register};
-pub use queue::Share;
+pub use outlook::Outlook;
 pub use results::SweepResults;
 pub use statistics::{Effect, Effects, Quantiles};
-pub use table::{Column, Table, Values};
+pub use table::Table;
 pub use work::{Done, Event, Stop, Work};
 
 /// A scenario, what varies in it, and the values of its runs.
@@ -44,6 +46,17 @@ pub enum SweepError {
     Points(PointsError),
     /// Its evaluation cannot be prepared.
     Prepare(PrepareError),
+}
+
+/// Checks every listed value that is a word, such as a file, in the scenario as written. Whether numbers suit each other only
+/// the runs tell.
+///
+/// # Errors
+/// The mistakes of all these scenarios.
+pub fn check_words(base: &Document, variation: &Variation) -> Result<(), Vec<Diagnostic>> {
+    let scenarios = variation.factors.iter().flat_map(Factor::words).map(|assignment| base.with(&[assignment]));
+    let mistakes: Vec<Diagnostic> = scenarios.filter_map(|document| model::check(&document).err()).flatten().collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
 }
 
 /// One run of a sweep, checked.
@@ -90,6 +103,7 @@ impl Sweep {
         simulate::check(&base, &model).map_err(SweepError::Scenario)?;
         let plan = Plan::prepare(&model).map_err(SweepError::Prepare)?;
         let variation = variation.ok_or(SweepError::NothingVaries)?;
+        check_words(&base, &variation).map_err(SweepError::Scenario)?;
         let points = points(&variation)?;
         Ok(Sweep { base, variation, points, model, plan })
     }
@@ -133,6 +147,29 @@ impl Sweep {
     pub fn changes(&self, place: usize) -> Vec<String> {
         let levels = self.variation.factors.iter().zip(&self.points[place].levels);
         levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml())).collect()
+    }
+
+    /// What identifies the study: the build of droptower, the scenario with its files, and the values of its runs.
+    ///
+    /// # Errors
+    /// A mesh or the reference cannot be read.
+    pub fn digest(&self) -> Result<Key, EvaluationError> {
+        let base = Evaluations::keys(&self.model, &self.plan)?.figures;
+        let runs: Vec<String> = (0..self.len()).map(|place| self.changes(place).join("\n")).collect();
+        Ok(Key::of(&[&base.0, runs.join("\n\n").as_bytes()]))
+    }
+
+    /// Keys of the evaluations of all runs; none of a run whose values make no valid scenario.
+    ///
+    /// # Errors
+    /// A mesh or a reference cannot be read.
+    pub fn keys(&self) -> Result<Vec<Option<EvaluationKeys>>, EvaluationError> {
+        let key = |place| match self.case(place) {
+            Ok(case) => Ok(Some(case.keys)),
+            Err(CaseError::Refused(_)) => Ok(None),
+            Err(CaseError::Evaluation(error)) => Err(error),
+        };
+        (0..self.len()).into_par_iter().map(key).collect()
     }
 
     /// The run at `place`, checked.

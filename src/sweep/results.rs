@@ -3,9 +3,10 @@
 use serde_json::{Map, Value, json};
 
 use super::statistics::{self, Effects, Quantiles};
-use super::table::{Column, Table};
+use super::table::Table;
 use super::{Done, Sweep};
 use crate::post::{EvaluationError, Evaluations, is_cost};
+use crate::table::Column;
 
 /// The results of a sweep.
 #[derive(Clone, Debug)]

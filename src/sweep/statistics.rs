@@ -5,7 +5,8 @@ use droptower_uncertainty::statistics::{Bootstrap, Estimate, Interval, deviation
 
 use serde::Serialize;
 
-use super::table::{Column, Table, Values};
+use super::table::Table;
+use crate::table::{Column, Values};
 
 /// Confidence of intervals.
 const CONFIDENCE: f64 = 0.95;

@@ -1,31 +1,11 @@
 //! The inputs and outputs of a sweep as one table: a row for each run, by number.
 
 use std::collections::HashMap;
-use std::io;
 
 use super::{Done, Sweep};
 use crate::model::Input;
 use crate::post::{Evaluation, EvaluationError, Evaluations, Figure};
-
-/// A column, with a value or nothing in every row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    /// Its name, with its SI unit as suffix.
-    pub name: String,
-    /// Its values.
-    pub values: Values,
-}
-
-/// Values of one kind.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Values {
-    /// Numbers, SI.
-    Numbers(Vec<Option<f64>>),
-    /// Truth values.
-    Flags(Vec<Option<bool>>),
-    /// Texts.
-    Texts(Vec<Option<String>>),
-}
+use crate::table::{Column, Values};
 
 /// Columns of equal length.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -69,25 +49,6 @@ impl Values {
             (values, _) => values.resize(rows + 1),
         }
     }
-
-    /// The value of a row as text; empty where there is none.
-    fn text(&self, row: usize) -> String {
-        let text = match self {
-            Values::Numbers(values) => values[row].map(|number| number.to_string()),
-            Values::Flags(values) => values[row].map(|flag| flag.to_string()),
-            Values::Texts(values) => values[row].clone(),
-        };
-        text.unwrap_or_default()
-    }
-
-    /// As numbers; a flag is one or zero, a text nothing.
-    pub fn numbers(&self) -> Vec<Option<f64>> {
-        match self {
-            Values::Numbers(values) => values.clone(),
-            Values::Flags(values) => values.iter().map(|flag| flag.map(|flag| f64::from(u8::from(flag)))).collect(),
-            Values::Texts(values) => vec![None; values.len()],
-        }
-    }
 }
 
 /// Rows that are added one by one.
@@ -123,7 +84,7 @@ impl Table {
         for place in 0..sweep.len() {
             let key = done.keys.get(&place).copied();
             let evaluation = match (key, done.refused.get(&place)) {
-                (Some(keys), _) => evaluations.record(keys)?,
+                (Some(keys), _) => Some(evaluations.known_record(keys)?),
                 (None, Some(cause)) => Some(Evaluation::failed(cause.clone())),
                 (None, None) => None,
             };
@@ -151,11 +112,7 @@ impl Table {
 
     /// Number of rows.
     pub fn rows(&self) -> usize {
-        self.columns.first().map_or(0, |column| match &column.values {
-            Values::Numbers(values) => values.len(),
-            Values::Flags(values) => values.len(),
-            Values::Texts(values) => values.len(),
-        })
+        self.columns.first().map_or(0, |column| column.values.len())
     }
 
     /// The column of this name.
@@ -188,19 +145,6 @@ impl Table {
             Values::Texts(values) => values[row].as_deref(),
             _ => None,
         }
-    }
-
-    /// As CSV with a header.
-    ///
-    /// # Errors
-    /// Memory is exhausted.
-    pub fn to_csv(&self) -> io::Result<Vec<u8>> {
-        let mut out = csv::Writer::from_writer(Vec::new());
-        out.write_record(self.columns.iter().map(|column| &column.name))?;
-        for row in 0..self.rows() {
-            out.write_record(self.columns.iter().map(|column| column.values.text(row)))?;
-        }
-        out.into_inner().map_err(|error| io::Error::other(error.to_string()))
     }
 }
 

@@ -6,13 +6,16 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::queue::{self, Share};
+use super::outlook::{Lookout, Outlook, Position};
 use super::{Case, CaseError, Sweep};
 use crate::post::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
 use crate::simulate::Cancellation;
 
 /// Time between two looks at the clock, at signals, and at what other processes did.
 const TICK: Duration = Duration::from_millis(100);
+
+/// Time between two estimates of what is left.
+const LOOK: Duration = Duration::from_millis(500);
 
 /// When a process stops before all runs are done.
 #[derive(Clone, Debug, Default)]
@@ -32,6 +35,8 @@ pub enum Event<'a> {
     Computed(&'a Evaluation),
     /// Its values make no valid scenario.
     Refused(&'a str),
+    /// So much is left; told from time to time where there are records of other sweeps or processes.
+    Left(Outlook),
 }
 
 /// A sweep and how a process works on it.
@@ -41,8 +46,8 @@ pub struct Work<'a> {
     pub sweep: &'a Sweep,
     /// Records of evaluations.
     pub evaluations: &'a Evaluations,
-    /// What this process takes first.
-    pub share: Share,
+    /// Whether it waits for runs that other processes compute.
+    pub waits: bool,
     /// When it stops.
     pub stop: &'a Stop,
     /// Whether nothing is computed, and only records are gathered.
@@ -97,14 +102,14 @@ struct State<'a> {
 }
 
 impl Work<'_> {
-    /// Evaluates the runs with all threads, until all are done or computed elsewhere, or it must stop.
+    /// Evaluates the runs with all threads, until all are done, or computed elsewhere, or it must stop.
     ///
     /// # Errors
     /// Records or inputs cannot be read or written.
     pub fn run(&self, observer: &(dyn Fn(Event<'_>) + Sync)) -> Result<Done, EvaluationError> {
         let state = State {
             work: *self,
-            queue: Mutex::new(queue::order(self.sweep.len(), self.share)),
+            queue: Mutex::new(self.evaluations.share().order(self.sweep.len()).into()),
             elsewhere: Mutex::default(),
             done: Mutex::default(),
             error: Mutex::default(),
@@ -113,9 +118,11 @@ impl Work<'_> {
             observer,
         };
         thread::scope(|scope| {
-            scope.spawn(|| state.watch());
+            let watch = scope.spawn(|| state.watch());
+            let lookout = scope.spawn(|| state.look_out());
             rayon::scope(|threads| (0..rayon::current_num_threads()).for_each(|_| threads.spawn(|_| state.take_all())));
             state.is_over.store(true, Ordering::Relaxed);
+            [watch, lookout].iter().for_each(|waiting| waiting.thread().unpark());
         });
         if !self.gather {
             let store = self.evaluations.store();
@@ -139,8 +146,34 @@ impl State<'_> {
                 // What cannot be written shows in the next record.
                 let _ = self.work.evaluations.store().keep_alive();
             }
-            thread::sleep(TICK);
+            thread::park_timeout(TICK);
         }
+    }
+
+    /// Tells what is left.
+    fn look_out(&self) {
+        let Work { sweep, evaluations, gather, .. } = self.work;
+        let mut lookout = Lookout::new(evaluations);
+        while !gather && !self.is_over.load(Ordering::Relaxed) {
+            if let Some(outlook) = lookout.outlook(sweep, evaluations, self.position(), |most| self.sample(most)) {
+                (self.observer)(Event::Left(outlook));
+            }
+            thread::park_timeout(LOOK);
+        }
+    }
+
+    fn position(&self) -> Position {
+        let waiting = lock(&self.queue).len();
+        let done = lock(&self.done);
+        let begun = self.work.sweep.len().saturating_sub(done.len() + waiting);
+        Position { waiting, begun, computed: done.computed }
+    }
+
+    /// At most so many places of runs that wait, spread evenly.
+    fn sample(&self, most: usize) -> Vec<usize> {
+        let queue = lock(&self.queue);
+        let count = queue.len().min(most);
+        (0..count).map(|turn| queue[turn * queue.len() / count]).collect()
     }
 
     fn take_all(&self) {
@@ -168,7 +201,7 @@ impl State<'_> {
     /// Looks again for runs that other processes compute; `false` where there are none, or it is not this process that
     /// waits for them.
     fn wait(&self) -> bool {
-        if self.work.gather || self.work.share != Share::WHOLE || lock(&self.elsewhere).is_empty() {
+        if self.work.gather || !self.work.waits || lock(&self.elsewhere).is_empty() {
             return false;
         }
         thread::sleep(TICK);
@@ -209,7 +242,9 @@ impl State<'_> {
         }
         let begin = Instant::now();
         let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.requested) {
-            Err(EvaluationError::Cancelled) => return Ok(()),
+            Err(EvaluationError::Cancelled) => {
+                return store.release(keys.figures).map_err(|error| evaluations.failed(error));
+            }
             evaluated => evaluated?,
         };
         self.longest.fetch_max(begin.elapsed().as_millis() as u64, Ordering::Relaxed);

@@ -41,7 +41,7 @@ static UNITS: LazyLock<Units> = LazyLock::new(|| {
         mass: [0, 1, 0, 0, 0, 0] {
             yottagram, zettagram, exagram, petagram, teragram, gigagram, megagram, kilogram, hectogram, decagram,
             gram, decigram, centigram, milligram, microgram, nanogram, picogram, femtogram, attogram, zeptogram,
-            yoctogram, carat, dalton, grain, ounce, pennyweight, pound, slug, ton_assay, ton, libra, deunx, dextans,
+            yoctogram, carat, dalton, ounce, pennyweight, pound, slug, ton_assay, ton, libra, deunx, dextans,
             dodrans, bes, septunx, semis, quincunx, triens, sextans, sescuncia, uncia, semuncia, duella, sicilicus,
             sextula, semisextula, scrupulum, obolus, siliqua,
         }

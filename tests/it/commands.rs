@@ -114,6 +114,9 @@ fn explain_gives_unit_range_default_and_sentence() {
     let keys: Json = serde_json::from_str(&standard_output(&["explain", "specimen.mesh", "--json"])).expect("JSON");
     assert_eq!(keys[2]["key"], "specimen.mesh.size");
     assert_eq!(keys[2]["unit"], "m");
+    let all: Json = serde_json::from_str(&standard_output(&["explain", "keys", "--json"])).expect("JSON");
+    let is_listed = |key: &Json| all.as_array().expect("a list").contains(key);
+    assert!(is_listed(&keys[0]) && all[0]["key"] == "title", "{all}");
     assert!(
         standard_output(&["explain", "mesh.size"]).starts_with("specimen.mesh.size\nlayer.mesh.size\n    Target edge")
     );
@@ -146,6 +149,8 @@ fn implausible_values_are_findings_of_check_and_run() {
             "is 0.92 kg/m3, which is implausible: usual are 20 kg/m3 to 25000 kg/m3; did you mean \"0.92 g/cm3\"?",
         ),
         ("specimen.material.elastic={ young = 10, poisson = 0.4 }", "did you mean \"10 MPa\"?"),
+        ("specimen.material.elastic={ young = 4000, poisson = 0.4 }", "did you mean \"4000 MPa\"?"),
+        ("specimen.material.fabric.md.curve=[[139, \"29.3 MPa\"]]", "did you mean \"139 %\"?"),
         ("specimen.material.fabric.md.curve=[[1.39, 29.3]]", "did you mean \"29.3 MPa\"?"),
         ("layers.faces=[0, -30]", "did you mean \"-30 mm\"?"),
     ] {
@@ -246,6 +251,8 @@ fn explain_knows_the_columns_of_signals() {
     assert!(head.contains("of the impactor \"head\"") && head.contains("`run.head_displacement`"), "{head}");
     let json: Json = serde_json::from_str(&standard_output(&["explain", "film_distance_m", "--json"])).expect("JSON");
     assert!(json[0]["sentence"].as_str().expect("a text").contains("at least"));
+    let all = standard_output(&["explain", "columns"]);
+    assert!(all.starts_with("displacement_m\n") && all.contains(slip.trim_end()), "{all}");
     for (unknown, hint) in [
         ("clamp_slp_m", "did you mean the column `clamp_slip_m`?"),
         ("head_max_strain_md", "no key `head_max_strain_md`"),
@@ -393,4 +400,20 @@ fn quantities_of_options_are_refused_with_the_form_that_is_expected() {
         assert!(workbench::error(&output).contains(expected), "{}", workbench::error(&output));
     }
     assert_eq!(standard_output(&[&hic[..], &["15 ms"]].concat()), standard_output(&[&hic[..], &["15"]].concat()));
+}
+
+#[test]
+fn explain_knows_the_figures_of_runs() {
+    let peak = standard_output(&["explain", "peak_acceleration_m_s2"]);
+    let expected = "Largest filtered acceleration; none where it met nothing.\n    figure of summary.json; in m/s2; of loading.impact\n    \
+                    in scripts `run.summary.peak_acceleration_m_s2`";
+    assert!(peak.contains(expected), "{peak}");
+    let left = standard_output(&["explain", "left_peak_acceleration_m_s2"]);
+    assert!(left.contains("of the impactor \"left\""), "{left}");
+    let all = standard_output(&["explain", "figures"]);
+    assert!(all.contains(peak.trim_end()) && all.contains("energy_balance_error\n"), "{all}");
+    let output = droptower(&["explain", "energy_absorbtion"]);
+    assert_eq!(output.status.code(), Some(2));
+    let hint = "did you mean the figure `energy_absorption`?";
+    assert!(String::from_utf8_lossy(&output.stderr).contains(hint), "{}", String::from_utf8_lossy(&output.stderr));
 }

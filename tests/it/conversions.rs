@@ -179,7 +179,7 @@ fn a_failed_filter_writes_no_file() {
         (&["filter", "none.csv", "--class", "60", "-o", "o.csv"], "none.csv: cannot be read"),
         (&["filter", "data.csv", "--column", "accel", "--class", "60", "-o", "o.001"], "is the name of ISO-MME"),
         (&["convert", "data.csv", "-o", "./data.csv"], "data.csv is the input"),
-        (&["convert", "data.csv", "-o", "o.xls"], "o.xls is neither .csv nor .mme"),
+        (&["convert", "data.csv", "-o", "o.xls"], "o.xls ends in none of .csv, .parquet, .mme and .zip"),
         (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
         (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),
         (&["info", "data.csv", "wrong.csv"], "wrong.csv:3:8"),

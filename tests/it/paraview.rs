@@ -33,8 +33,8 @@ fn states(folder: &Path, name: &str) -> Vec<(f64, UnstructuredGridPiece)> {
 }
 
 fn grid(path: &Path) -> UnstructuredGridPiece {
-    // Where nothing is left there is no piece, which VTK reads and this reader does not.
-    if !fs::read_to_string(path).expect("a VTU").contains("<Piece ") {
+    // Where nothing is left the piece is empty, which VTK reads and this reader does not.
+    if fs::read_to_string(path).expect("a VTU").contains("NumberOfCells=\"0\"") {
         return nothing();
     }
     let DataSet::UnstructuredGrid { pieces, .. } = Vtk::import(path).expect("a VTU").data else { panic!("no grid") };
@@ -158,6 +158,8 @@ fn the_bars_of_a_frame_have_a_series() {
          output = { frames = 2, filter = \"none\" }";
     fs::write(folder.path().join("bars.toml"), text).expect("a file");
     printed(&droptower(folder.path(), &["run", "bars.toml", "--vtu", "--out", "results"]));
+    // All series are ours: they are replaced by the next run.
+    printed(&droptower(folder.path(), &["run", "bars.toml", "--vtu", "--out", "results"]));
     let series = |name: &str| states(&folder.path().join("results"), name);
     let (ball, bars) = (series("impactor.pvd"), series("frame.pvd"));
     assert_eq!((ball.len(), bars.len()), (2, 2));
@@ -214,4 +216,57 @@ fn an_impactor_is_written_though_its_file_was_deleted() {
     let mut sorted = names.clone();
     sorted.sort_unstable_by_key(|name| (name.contains("impactor"), name.ends_with(".pvd"), name.to_string()));
     assert_eq!(names, sorted, "however many threads wrote them");
+}
+
+/// The numbers of a data set of the file for ParaView.
+fn stored(file: &hdf5_pure::File, name: &str) -> Vec<f64> {
+    file.dataset(&format!("VTKHDF/{name}")).expect("a data set").read_f64().expect("numbers")
+}
+
+#[test]
+fn one_file_holds_the_states_of_the_series_and_an_unchanged_mesh_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| root().join(name).display().to_string();
+    let (drop, stretch) = (path("scenarios/drop/1008.toml"), path("scenarios/stretch/md-0.2.toml"));
+    // Oblique fibres are strained alike, so that both sets break and no element is left.
+    let [md, td] = ["md", "td"].map(|set| format!("specimen.material.fabric.{set}={{ curve = [[0.3, 8e6]] }}"));
+    let changes = ["loading.stretch.direction=45 deg", "loading.stretch.until=0.6", "output.frames=8", &md, &td];
+    let rupture: Vec<&str> = changes.iter().flat_map(|change| ["--set", change]).collect();
+    for (scenario, changes, out, parts, meshes) in
+        [(&drop, &QUICK[..], "drop", &["film", "impactor"][..], 1), (&stretch, &rupture, "rupture", &["film"], 2)]
+    {
+        let formats = ["run", scenario.as_str(), "--vtu", "--vtkhdf", "--out", out];
+        printed(&droptower(folder.path(), &[&formats[..], changes].concat()));
+        for name in parts {
+            let file = hdf5_pure::File::open(folder.path().join(out).join(format!("{name}.vtkhdf"))).expect("HDF5");
+            let attributes = file.group("VTKHDF").expect("the root").attrs().expect("attributes");
+            let kind = hdf5_pure::AttrValue::AsciiString("UnstructuredGrid".into());
+            assert_eq!(attributes.get("Type"), Some(&kind));
+            let series = states(&folder.path().join(out), &format!("{name}.pvd"));
+            let times: Vec<f64> = series.iter().map(|(time, _)| *time).collect();
+            assert_eq!(stored(&file, "Steps/Values"), times);
+            assert_eq!(stored(&file, "NumberOfCells").len(), meshes, "{out}/{name}");
+            let points = stored(&file, "Points");
+            for (state, (_, grid)) in series.iter().enumerate() {
+                let first = |data: &str| stored(&file, &format!("Steps/{data}"))[state] as usize;
+                let expected: Vec<f64> = grid.points.cast_into().expect("points");
+                assert_eq!(points[3 * first("PointOffsets")..][..expected.len()], expected);
+                let cells = stored(&file, "NumberOfCells")[first("PartOffsets")] as usize;
+                assert_eq!(cells, grid.cells.num_cells());
+                for attribute in &grid.data.cell {
+                    let name = attribute.name();
+                    let expected = array(&grid.data.cell, name);
+                    let components = expected.len() / cells;
+                    let from = components * first(&format!("CellDataOffsets/{name}"));
+                    let found = &stored(&file, &format!("CellData/{name}"))[from..][..expected.len()];
+                    let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+                    assert_eq!(bits(found), bits(&expected), "{out}/{name} in state {state}");
+                }
+            }
+        }
+        // What was written is ours: it is replaced by the next run, without it.
+        let plain = ["run", scenario.as_str(), "--out", out];
+        printed(&droptower(folder.path(), &[&plain[..], changes].concat()));
+        assert!(!folder.path().join(out).join("film.vtkhdf").exists());
+    }
 }

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 use droptower::functions;
 use droptower::post;
 use droptower::report::Figure;
-use droptower::script::{Arguments, Limits, OutputCollector};
+use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::signal::csv;
 
 use crate::workbench::{droptower, error};
@@ -88,7 +88,7 @@ fn a_run_writes_its_folder() {
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
     assert!(page.contains("default-src 'none'"));
     assert!(["src=", "href=\"http", "url(", "@import"].iter().all(|load| !page.contains(load)));
-    assert_eq!(names(bench.path()), ["drop.toml", "runs"]);
+    assert_eq!(names(bench.path()), ["drop.toml", "droptower.schema.json", "runs"]);
     assert_eq!(names(&bench.path().join("runs")), ["drop"]);
 }
 
@@ -229,7 +229,7 @@ fn folders_of_the_user_are_not_replaced() {
         let output = run(bench.path(), &["drop.toml", "--out", place]);
         assert_eq!(code(&output), Some(2), "{place}");
         assert!(error(&output).contains(expected), "{}", error(&output));
-        assert_eq!(names(bench.path()), ["drop.toml", "own"]);
+        assert_eq!(names(bench.path()), ["drop.toml", "droptower.schema.json", "own"]);
         assert_eq!(names(&bench.path().join("own")), ["notes.txt"]);
     }
 }
@@ -329,7 +329,8 @@ fn the_examples_of_the_scripting_reference_run() {
         let mut scope = Scope::new();
         let scenario = path.to_str().expect("UTF-8").to_owned();
         scope.push_constant("args", Arguments::new(Map::from([("scenario".into(), scenario.into())])));
-        let held = engine.eval_with_scope::<bool>(&mut scope, entry.example);
-        assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
+        let script = Script::compile(&engine, &scope, Path::new("s.rhai"), entry.example);
+        let held = script.unwrap_or_else(|faults| panic!("{}: {faults:?}", entry.call)).evaluate(&engine, &mut scope);
+        assert!(matches!(held.as_ref().map(|held| held.as_bool()), Ok(Ok(true))), "{}: {held:?}", entry.call);
     }
 }

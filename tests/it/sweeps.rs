@@ -120,6 +120,87 @@ fn what_was_computed_is_taken_by_larger_sweeps_and_other_scripts() {
 }
 
 #[test]
+fn a_page_says_how_each_run_is_repeated() {
+    let scene = scene(VARIATION);
+    let folder = scene.path();
+    printed(&sweep(folder, &["-n", "4", "--set", "loading.impact.duration=5 ms", "--keep", "2,2"]));
+    let page = fs::read_to_string(folder.join("runs/drop.sweep/report.html")).expect("a page");
+    let single = "<pre>droptower run drop.toml --set &#39;loading.impact.duration=5 ms&#39; --set &#39;impactor.mass=";
+    assert!(page.contains(single), "the command of a run has the changes of the sweep, but not its number of runs");
+    let rows = table(folder);
+    for row in &rows {
+        let changes = format!("--set impactor.friction={} --set", row["impactor.friction"]);
+        assert!(page.contains(&changes), "{changes}");
+    }
+    let of_second = &rows[1];
+    let kept = fs::read_to_string(folder.join("runs/drop.sweep.runs/2/summary.json")).expect("a run folder");
+    let kept: Json = serde_json::from_str(&kept).expect("figures");
+    let peak = kept["peak_acceleration_m_s2"].as_f64().expect("a figure");
+    close(peak, number(of_second, "peak_acceleration_m_s2"), 1e-15);
+}
+
+#[test]
+fn what_cannot_be_kept_is_refused() {
+    let scene = scene(VARIATION);
+    let folder = scene.path();
+    for (options, mistake) in [
+        (["--keep", "2,13"], "--keep: there is no run 13 of 12"),
+        (["--keep", "best"], "expected worst:3, all, or numbers of runs"),
+    ] {
+        let output = sweep(folder, &options);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(error(&output).contains(mistake), "{}", error(&output));
+        assert!(!folder.join("runs").exists(), "nothing is computed");
+    }
+    let output = sweep(folder, &["--figure", "peak"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("give one of these by --figure: peak_acceleration_m_s2, "), "{}", error(&output));
+}
+
+#[test]
+fn a_change_of_what_varies_is_refused() {
+    let scene = scene(VARIATION);
+    let output = sweep(scene.path(), &["--set", "impactor.mass=60 g"]);
+    assert_eq!(output.status.code(), Some(2));
+    let expected = "`impactor.mass` varies, so --set impactor.mass=… would change nothing";
+    assert!(error(&output).contains(expected), "{}", error(&output));
+    let held = sweep(scene.path(), &["-n", "2", "--set", "variation.\"impactor.mass\"=[\"11 kg\"]"]);
+    printed(&held);
+    assert!(table(scene.path()).iter().all(|row| row["impactor.mass_kg"] == "11"));
+}
+
+#[test]
+fn a_listed_file_that_is_missing_is_found_before_the_first_run() {
+    let scene = scene("[variation]\n\"specimen.material\" = [\"nope.toml\"]");
+    for command in ["check", "sweep"] {
+        let output = droptower(scene.path(), &[command, "drop.toml"]);
+        assert_eq!(output.status.code(), Some(2), "{command}");
+        assert!(error(&output).contains("nope.toml"), "{}", error(&output));
+    }
+    assert!(!scene.path().join("runs").exists());
+}
+
+/// As on a full disk: of the record that does not fit, a part is written.
+#[cfg(unix)]
+#[test]
+fn a_sweep_whose_records_do_not_fit_goes_on_from_there() {
+    let scene = scene(VARIATION);
+    let folder = scene.path();
+    let program = command(folder, &[]).get_program().to_owned();
+    let words = "trap '' XFSZ; ulimit -f 16; exec \"$0\" sweep drop.toml -n 100";
+    let full = std::process::Command::new("bash").args(["-c", words]).arg(program).current_dir(folder).output();
+    let full = full.expect("bash starts");
+    assert_eq!(full.status.code(), Some(1), "{}", error(&full));
+    assert!(error(&full).contains("runs/.evaluations: "), "{}", error(&full));
+    let before = evaluations(folder);
+    assert!((10..100).contains(&before), "{before}");
+    let begin = Instant::now();
+    let found = summary(folder, &["-n", "100"]);
+    assert_eq!([&found["runs"], &found["reused"]], [100, before]);
+    assert!(begin.elapsed() < Duration::from_secs(60), "no claim is left behind");
+}
+
+#[test]
 fn failed_and_refused_runs_are_rows_with_their_cause() {
     let variation = "specimen.symmetry = \"none\"\n[variation]\n\"layers.count\" = [8, 9]\n\"impactor.position\" = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\", \"0 mm\"]]\n";
     let scene = scene(variation);
@@ -194,9 +275,8 @@ fn a_sweep_that_was_killed_or_terminated_goes_on_from_there() {
         assert!(!folder.join("runs/drop.sweep").exists(), "a part is not stored as the whole");
         let before = evaluations(folder);
         assert!((3..200).contains(&before), "{before}");
-        let found = summary(folder, &["-n", "20"]);
-        assert_eq!(found["runs"], 20);
-        assert!(found["reused"].as_u64().expect("a count") >= before.min(20) - 2, "{before}: {found}");
+        let found = summary(folder, &["-n", "200"]);
+        assert_eq!([&found["runs"], &found["reused"]], [200, before]);
     }
 }
 
@@ -215,7 +295,15 @@ fn a_sweep_stops_before_its_time_is_over() {
 fn evaluations_are_listed_and_removed() {
     let scene = scene(VARIATION);
     let folder = scene.path();
-    printed(&sweep(folder, &["-n", "3"]));
+    fs::write(folder.join("a.rhai"), "measure(\"early_m_s\", run.velocity.at(0.001));").expect("a script");
+    let with_script = ["-n", "3", "--set", "post.script=\"a.rhai\""];
+    printed(&sweep(folder, &with_script));
+    // A script needs the signals of whole runs, which go with the records.
+    let whole =
+        || glob::glob(folder.join("runs/.evaluations/runs/*/*.run").to_str().expect("UTF-8")).expect("a pattern");
+    assert_eq!(whole().count(), 3);
+    let listed = figures(&droptower(folder, &["store", "list", "--json"]));
+    assert_eq!(listed[0]["runs"], 3, "{listed}");
     let prune = |more: &[&str]| figures(&droptower(folder, &[&["store", "prune", "--json"], more].concat()));
     let left = |found: Json| [found["removed"].as_u64(), found["left"].as_u64()].map(|count| count.expect("a count"));
     // What is being written is not removed, nor what this build may take.
@@ -227,7 +315,8 @@ fn evaluations_are_listed_and_removed() {
     assert_eq!(left(prune(&[])), [0, 3]);
     assert_eq!(left(prune(&["--older-than", "3 h"])), [0, 3]);
     assert_eq!(left(prune(&["--older-than", "1 h"])), [3, 0]);
-    assert_eq!(summary(folder, &["-n", "3"])["reused"], 0);
+    assert_eq!(whole().count(), 0);
+    assert_eq!(summary(folder, &with_script)["reused"], 0);
 }
 
 #[test]
@@ -280,4 +369,84 @@ fn mistakes_in_a_table_of_points_are_shown_in_it() {
     fs::write(scene.path().join("points.csv"), "layers.count,impactor.mass\n8,10 kg\n9,11000 g\n").expect("a table");
     assert_eq!(summary(scene.path(), &[])["runs"], 2);
     assert_eq!(table(scene.path())[1]["impactor.mass_kg"], "11");
+}
+
+/// A script of six runs, of which two are the same and one cannot start.
+const SCRIPT: &str = r#"
+let base = scenario("drop.toml").with(#{
+    "specimen.mesh.size": args.number("mesh", 80) + " mm",
+    "loading.impact.duration": args.number("duration", 10) + " ms",
+});
+let masses = [10, 11, 12, 13, 12];
+let runs = simulate_all(masses.map(|mass| base.with(#{ "impactor.mass": mass + " kg" })));
+table("runs", runs.map(|run| #{ travel_m: run.displacement.min() }));
+try {
+    base.with(#{ "specimen.symmetry": "none", "impactor.position": ["0 mm", "0 mm", "0 mm"] }).simulate();
+} catch (cause) {
+    log("failed: " + cause);
+}
+"#;
+
+#[test]
+fn a_script_is_computed_by_several_processes() {
+    let scene = scene("");
+    let folder = scene.path();
+    fs::write(folder.join("study.rhai"), SCRIPT).expect("a script");
+    let start = |share: &str| {
+        let arguments = ["script", "study.rhai", "--json", "--shard", share];
+        command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
+    };
+    let parts = ["1/2", "2/2"].map(start).map(|child| figures(&child.wait_with_output().expect("an end")));
+    let computed: u64 = parts.iter().map(|part| part["computed"].as_u64().expect("a count")).sum();
+    // Four runs and one that cannot start, to which both processes may come at the same moment.
+    assert!((5..=6).contains(&computed), "{parts:?}");
+    assert!(!folder.join("runs/study").exists(), "a part has no results");
+    let whole = droptower(folder, &["script", "study.rhai"]);
+    assert!(error(&whole).contains("6 of 6 runs were computed before"), "{}", error(&whole));
+    assert!(error(&whole).contains("failed: drop: the impactor starts "), "{}", error(&whole));
+    let table = fs::read_to_string(folder.join("runs/study/tables/runs.csv")).expect("a table");
+    let rows: Vec<&str> = table.lines().collect();
+    assert!(rows.len() == 6 && rows[3] == rows[5], "{table}");
+}
+
+#[test]
+fn a_script_stops_before_its_time_is_over() {
+    let scene = scene("");
+    let folder = scene.path();
+    fs::write(folder.join("study.rhai"), SCRIPT).expect("a script");
+    let begin = Instant::now();
+    let stopped =
+        droptower(folder, &["script", "study.rhai", "--arg", "mesh=3", "--arg", "duration=60", "--stop-after", "1 s"]);
+    assert_eq!(stopped.status.code(), Some(1), "{}", error(&stopped));
+    assert!(error(&stopped).contains("was stopped before its end"), "{}", error(&stopped));
+    let long = ["--arg", "mesh=3", "--arg", "duration=60"];
+    let part =
+        droptower(folder, &[&["script", "study.rhai", "--stop-after", "1 s", "--shard", "1/2"], &long[..]].concat());
+    assert!(part.status.success(), "{}", error(&part));
+    assert!(begin.elapsed() < Duration::from_secs(600), "a process that was told to stop went on");
+}
+
+#[test]
+fn mistakes_about_a_computing_centre_are_shown() {
+    let scene = scene(VARIATION);
+    let folder = scene.path();
+    for (text, words) in [
+        ("time = \"50 min\"", "missing key `cores`"),
+        ("time = \"50 min\"\ncores = 4\nqueue = \"a\"", "unknown key `queue`"),
+        ("time = \"50 m\"\ncores = 4", "expected a time, found \"50 m\""),
+        ("time = \"50 min\"\ncores = 4\naccount = \"a b\"", "expected letters, digits and any of _ . , : + -"),
+    ] {
+        fs::write(folder.join("cluster.toml"), text).expect("a file");
+        let output = sweep(folder, &["--on", "slurm"]);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(error(&output).contains(words), "{}", error(&output));
+    }
+    fs::write(folder.join("cluster.toml"), "time = \"50 min\"\ncores = 4").expect("a file");
+    let nowhere = command(folder, &["sweep", "drop.toml", "--on", "slurm"]).env("PATH", "/nowhere").output();
+    let nowhere = nowhere.expect("the binary starts");
+    assert_eq!(nowhere.status.code(), Some(1));
+    assert!(error(&nowhere).contains("cannot start `sbatch`"), "{}", error(&nowhere));
+    let changed = sweep(folder, &["--shard", "1/2", "--study", "0123"]);
+    assert_eq!(changed.status.code(), Some(2));
+    assert!(error(&changed).contains("changed since the job was submitted"), "{}", error(&changed));
 }

@@ -8,7 +8,8 @@ use serde_json::Value as Json;
 use crate::workbench::{close, droptower, error, printed};
 
 const STANDARDS: [&str; 6] = ["d1709-a", "d1709-b", "d7192", "d5748", "iso7765-2", "en14477"];
-const MATERIALS: [&str; 11] = [
+const MATERIALS: [&str; 12] = [
+    "tearing",
     "fabric",
     "rates",
     "elastic",

@@ -43,6 +43,11 @@ pub fn printed(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).expect("UTF-8")
 }
 
+/// What it prints, whether it succeeds or not.
+pub fn printed_text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
 /// The figures that it prints where it succeeds.
 pub fn figures(output: &Output) -> Json {
     serde_json::from_str(&printed(output)).expect("JSON")

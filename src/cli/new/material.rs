@@ -37,6 +37,8 @@ pub(super) enum MaterialKind {
     Plastic,
     /// Relaxes: a Prony series on a law of rubber
     Viscous,
+    /// Tears: a criterion and a fracture energy on a law that yields
+    Tearing,
 }
 
 impl MaterialKind {
@@ -56,6 +58,7 @@ impl MaterialKind {
             MaterialKind::Ogden => include_str!("templates/materials/ogden.toml"),
             MaterialKind::Plastic => include_str!("templates/materials/plastic.toml"),
             MaterialKind::Viscous => include_str!("templates/materials/viscous.toml"),
+            MaterialKind::Tearing => include_str!("templates/materials/tearing.toml"),
         };
         Template { text, scripts: &[] }
     }

@@ -1,5 +1,6 @@
-//! `droptower new`: a commented scenario or material to start from, with the scripts that it needs.
+//! `droptower new`: a commented scenario, material or figure to start from, with the scripts that it needs.
 
+mod case;
 mod material;
 mod test;
 
@@ -8,9 +9,11 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::Value;
 
-use super::{Failure, Shared, print};
+use super::{Failure, Shared, output, print};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::scenario::FileKind;
 
 #[derive(Debug, Args)]
 pub(super) struct NewArgs {
@@ -22,8 +25,13 @@ pub(super) struct NewArgs {
 enum Kind {
     #[command(flatten)]
     Test(test::Test),
+    /// A test: a folder with a scenario and what its run must give, for `droptower test`
+    #[command(name = "test")]
+    Case(case::CaseArgs),
     /// A material file of one layer of film
     Material(material::MaterialArgs),
+    /// A curve in a picture of a published figure, for `droptower digitize`
+    Figure(Target),
 }
 
 /// Where a template is written.
@@ -32,6 +40,8 @@ struct Target {
     /// The file to write; an existing file is not replaced. Scripts are written beside it
     path: PathBuf,
 }
+
+const FIGURE: &str = include_str!("templates/figure.toml");
 
 /// A script that is written beside a scenario: its file and its text.
 type Script = (&'static str, &'static str);
@@ -43,14 +53,19 @@ struct Template {
 }
 
 pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
-    let (template, path, next) = match &args.kind {
+    let (kind, template, path, next) = match &args.kind {
+        Kind::Case(args) => return case::write(args, shared),
         Kind::Test(test) => {
             let path = &test.target().path;
-            (test.template(), path, test.next(path))
+            (FileKind::Scenario, test.template(), path, test.next(path))
         }
         Kind::Material(args) => {
             let path = &args.target.path;
-            (args.kind.template(), path, format!("droptower check {}", shown_path(path)))
+            (FileKind::Material, args.kind.template(), path, format!("droptower check {}", shown_path(path)))
+        }
+        Kind::Figure(Target { path }) => {
+            let next = format!("droptower digitize {} -o curve.csv --overlay look.png", shown_path(path));
+            (FileKind::Figure, Template { text: FIGURE, scripts: &[] }, path, next)
         }
     };
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -60,7 +75,7 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     if let Some((path, _)) = scripts.iter().find(|(path, text)| is_other(path, text)) {
         return Err(exists(path, "the template needs a script of this name: choose another folder"));
     }
-    write_new(path, template.text)?;
+    write_with_schema(kind, path, template.text)?;
     for (path, text) in scripts.iter().filter(|(path, _)| !path.exists()) {
         write_new(path, text)?;
     }
@@ -70,6 +85,26 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     let beside: Vec<String> = scripts.iter().map(|(path, _)| shown_path(path).to_string()).collect();
     let files = [&[shown_path(path).to_string()], &beside[..]].concat().join(", ");
     print(&format!("wrote {files}; try: {next}"))
+}
+
+/// Writes a new file whose first line names the schema beside it, by which editors know its keys.
+fn write_with_schema(kind: FileKind, path: &Path, text: &str) -> Result<(), Failure> {
+    write_new(path, &format!("#:schema {}\n{text}", kind.schema_file()))?;
+    write_schema(kind, &path.with_file_name(kind.schema_file()))
+}
+
+/// Writes the schema; that of another version is replaced, a file of the user's is left as it is.
+fn write_schema(kind: FileKind, path: &Path) -> Result<(), Failure> {
+    let schema = kind.schema();
+    let is_ours = |found: Value| found["title"] == schema["title"];
+    let is_free = match fs::read(path) {
+        Ok(found) => serde_json::from_slice(&found).is_ok_and(is_ours),
+        Err(error) => error.kind() == ErrorKind::NotFound,
+    };
+    if !is_free {
+        return Ok(());
+    }
+    output::write(path, |file| serde_json::to_writer_pretty(file, &schema).map_err(std::io::Error::other))
 }
 
 /// Whether there is something else than `text` at `path`.

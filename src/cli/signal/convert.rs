@@ -9,12 +9,13 @@ use serde::Serialize;
 use super::input::FileArgs;
 use super::output;
 use super::remarks::Remarks;
-use crate::cli::output::ends_in;
+use crate::cli::output::{check, ends_in, write};
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, folder_of, shown_path};
 use crate::signal::file::ChannelSelection;
 use crate::signal::isomme::{self, Headers, WriteError};
-use crate::signal::{Annotations, MeasuredChannel, Measurement};
+use crate::signal::{Annotations, MeasuredChannel, Measurement, Recording};
+use crate::table;
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
@@ -25,12 +26,37 @@ pub(crate) struct ConvertArgs {
     pub column: Vec<String>,
     #[command(flatten)]
     pub file: FileArgs,
-    /// A table (.csv), or a test (.mme) with its folder Channel; values in SI
+    /// A table (.csv, .parquet), a test (.mme) with its folder Channel, or both zipped (.zip); values in SI
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
-    /// Replace the table where it exists; a test is never replaced
+    /// Replace the table or the archive where it exists; a test is never replaced
     #[arg(long)]
     pub force: bool,
+}
+
+/// What a recording is converted to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Format {
+    Table,
+    /// A table in Apache Parquet.
+    Parquet,
+    /// A test with its folder of channels.
+    Test,
+    /// The same in one zip archive.
+    Archive,
+}
+
+impl Format {
+    /// By the ending of the file.
+    fn of(out: &Path) -> Result<Format, Diagnostic> {
+        let endings =
+            [("csv", Format::Table), ("parquet", Format::Parquet), ("mme", Format::Test), ("zip", Format::Archive)];
+        let found = endings.into_iter().find(|(ending, _)| ends_in(out, ending)).map(|(_, format)| format);
+        found.ok_or_else(|| {
+            let mistake = Diagnostic::new(format!("{} ends in none of .csv, .parquet, .mme and .zip", shown_path(out)));
+            mistake.hint("the ending names the format")
+        })
+    }
 }
 
 /// The channels that were written.
@@ -58,44 +84,60 @@ pub(super) fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
 
 fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
     let bad = |mistake: Diagnostic| Failure::from(mistake);
-    let as_test = ends_in(&args.out, "mme");
-    if !as_test && !ends_in(&args.out, "csv") {
-        return Err(bad(Diagnostic::new(format!("{} is neither .csv nor .mme", shown_path(&args.out)))));
-    }
-    if !as_test {
-        output::check_table(&args.out, &args.path, args.force)?;
+    let format = Format::of(&args.out).map_err(bad)?;
+    match format {
+        Format::Table => output::check_table(&args.out, &args.path, args.force)?,
+        Format::Parquet => check(&args.out, "parquet", Some(&args.path), Some(args.force))?,
+        Format::Archive => check(&args.out, "zip", Some(&args.path), Some(args.force))?,
+        Format::Test => {}
     }
     let channels = match &args.column[..] {
         [] => ChannelSelection::All,
         names => ChannelSelection::Named(names.to_vec()),
     };
     let found = args.file.read(&args.path, channels)?;
-    if as_test {
-        let headers = match isomme::is_part(&args.path) {
-            true => Headers::read(&args.path).map_err(|error| bad(faults::recording(&error.into())))?,
-            false => Headers::default(),
-        };
-        isomme::rewrite(&args.out, &found, &headers).map_err(|error| match error {
-            WriteError::Write { .. } => output::failed(&args.out, &error),
-            _ => bad(Diagnostic::new(error.to_string())),
-        })?;
-    } else {
-        let several = || {
-            let mistake = format!("{}: its channels do not share one time axis", shown_path(&args.path));
-            bad(Diagnostic::new(mistake).hint("take those that do: --column NAME --column NAME"))
-        };
-        output::write_csv(&args.out, &comments(&found), &found.recording().ok_or_else(several)?)?;
+    let unwritten = |error: WriteError| match error {
+        WriteError::Write { .. } => output::failed(&args.out, &error),
+        _ => bad(Diagnostic::new(error.to_string())),
+    };
+    match format {
+        Format::Table => output::write_csv(&args.out, &comments(&found), &shared_axis(&found, &args.path)?)?,
+        Format::Parquet => {
+            let columns = shared_axis(&found, &args.path)?.columns();
+            write(&args.out, |out| out.write_all(&table::to_parquet(&columns, &comments(&found))?))?;
+        }
+        Format::Test => isomme::rewrite(&args.out, &found, &headers(&args.path)?).map_err(unwritten)?,
+        Format::Archive => {
+            let bytes = isomme::zipped(&args.out, &found, &headers(&args.path)?).map_err(unwritten)?;
+            write(&args.out, |out| out.write_all(&bytes))?;
+        }
     }
     Ok(Converted {
         path: shown_path(&args.path),
         out: shown_path(&args.out),
         written: std::iter::once(shown_path(&args.out))
-            .chain(beside(&args.out).filter(|_| as_test).into_iter().flatten())
+            .chain(beside(&args.out).filter(|_| format == Format::Test).into_iter().flatten())
             .collect(),
         called: found.channels.iter().map(called).collect(),
         remarks: (&found.annotations).into(),
         channels: found.channels.into_iter().map(|channel| channel.name).collect(),
     })
+}
+
+/// The channels over their one time axis.
+fn shared_axis(found: &Measurement, path: &Path) -> Result<Recording, Diagnostic> {
+    found.recording().ok_or_else(|| {
+        let mistake = format!("{}: its channels do not share one time axis", shown_path(path));
+        Diagnostic::new(mistake).hint("take those that do: --column NAME --column NAME")
+    })
+}
+
+/// The headers of the recording at `path`; a table has none.
+fn headers(path: &Path) -> Result<Headers, Failure> {
+    if !isomme::is_part(path) {
+        return Ok(Headers::default());
+    }
+    Headers::read(path).map_err(|error| Failure::from(faults::recording(&error.into())))
 }
 
 /// The channel files beside a test, and the list of them.

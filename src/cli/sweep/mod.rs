@@ -1,39 +1,40 @@
 //! `droptower sweep`: many runs of a scenario whose keys vary.
 
+mod cluster;
 mod progress;
 mod results;
-mod signals;
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
+use super::changes::Changes;
+use super::complete;
+use super::farm::{self, FarmArgs};
 use super::faults::{preparing, storing};
-use super::scenarios::{both, changes};
+use super::scenarios::both;
 use super::{Failure, Shared, print_figures};
-use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
+use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post::{EvaluationError, Evaluations};
 use crate::scenario::Document;
+use crate::store::evaluations::Share;
 use crate::store::{self, Origin};
-use crate::sweep::{Done, Share, Stop, Sweep, SweepError, SweepResults, Work};
-use crate::units::Time;
+use crate::sweep::{Done, Stop, Sweep, SweepError, SweepResults, Work};
+use cluster::Centre;
 use progress::Progress;
 use results::Keep;
 
 #[derive(Debug, Args)]
 pub(super) struct SweepArgs {
     /// The scenario, with a table [variation]
+    #[arg(add = complete::scenarios())]
     pub scenario: PathBuf,
     /// Number of runs, in place of `variation.samples`
     #[arg(short = 'n', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: Option<u32>,
-    /// Change a key: key.path=value
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Leave out a key that the scenario gives or inherits: key.path
-    #[arg(long, value_name = "KEY")]
-    pub unset: Vec<String>,
+    #[command(flatten)]
+    pub changes: Changes,
     /// Folder for the results, in place of runs/<name of the scenario>.sweep
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -46,18 +47,33 @@ pub(super) struct SweepArgs {
     /// The figure by which runs are the worst: the largest
     #[arg(long, value_name = "FIGURE")]
     pub figure: Option<String>,
-    /// Take this part of the runs first, then what no other process has begun: 3/16
-    #[arg(long, value_name = "K/N")]
-    pub shard: Option<String>,
-    /// Stop before this wall time is over ("50min"); what is done stays
-    #[arg(long, value_name = "TIME")]
-    pub stop_after: Option<String>,
+    #[command(flatten)]
+    pub farm: FarmArgs,
     /// Compute nothing: gather what all processes have done
     #[arg(long, conflicts_with_all = ["shard", "stop_after"])]
     pub merge: bool,
+    /// Let tasks of a computing centre compute the runs: submit them, wait, gather
+    #[arg(long, value_name = "SCHEDULER", value_enum, conflicts_with_all = ["shard", "stop_after", "merge"])]
+    pub on: Option<On>,
+    /// The file about the computing centre
+    #[arg(long, value_name = "FILE", default_value = "cluster.toml", requires = "on")]
+    pub cluster: PathBuf,
+    /// Compute only if this is the digest of the study: tasks of a job give it
+    #[arg(long, value_name = "DIGEST", hide = true)]
+    pub study: Option<String>,
     /// Folder of the evaluations that are never computed twice
     #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
     pub store: PathBuf,
+}
+
+/// A scheduler.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum On {
+    /// Slurm: array jobs by sbatch
+    Slurm,
+    /// HyperQueue: task arrays by hq
+    #[value(name = "hyperqueue")]
+    HyperQueue,
 }
 
 /// What the arguments say, checked.
@@ -67,24 +83,27 @@ struct Task {
     evaluations: Evaluations,
     place: PathBuf,
     keep: Keep,
-    share: Share,
     stop: Stop,
+    centre: Option<Centre>,
 }
 
 pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     let begin = Instant::now();
     let task = task(args, begin)?;
-    let Task { sweep, evaluations, share, stop, .. } = &task;
-    signals::cancel_on_termination(&stop.requested)?;
+    let Task { sweep, evaluations, stop, centre, .. } = &task;
+    farm::cancel_on_termination(&stop.requested)?;
+    let before = centre.as_ref().map(|centre| centre.compute(&task, args, shared)).transpose()?;
     let progress = Progress::new(sweep.len(), shared);
-    let work = Work { sweep, evaluations, share: *share, stop, gather: args.merge };
+    let is_part = evaluations.share() != Share::WHOLE;
+    let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge || centre.is_some() };
     let done = work.run(&|event| progress.show(&event));
     progress.finish();
-    let done = done.map_err(|error| failed(&error))?;
+    let mut done = done.map_err(|error| failed(&error))?;
+    done.taken = before.unwrap_or(done.taken);
     if done.len() < sweep.len() {
         return unfinished(&task, &done, args, shared);
     }
-    if *share != Share::WHOLE {
+    if is_part {
         return print_figures(shared, &partly(&done, sweep), || shard_text(&done, sweep));
     }
     let found = SweepResults::of(sweep, &done, evaluations).map_err(|error| failed(&error))?;
@@ -94,14 +113,45 @@ pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
 /// All arguments checked, or all their mistakes.
 fn task(args: &SweepArgs, begin: Instant) -> Result<Task, Failure> {
     let ((keep, share), (deadline, assignments)) =
-        both(both(keep(args), share(args)), both(deadline(args, begin), changes(&args.set, &args.unset)))?;
+        both(both(keep(args), args.farm.share()), both(args.farm.deadline(begin), args.changes.assignments()))?;
     let document = Document::read(&args.scenario)?.with(&assignments);
     let samples = args.samples.map(|samples| samples as usize);
     let sweep = Sweep::prepare(&document, samples).map_err(|error| refused(&error, &document))?;
+    check_changes(args, &sweep)?;
+    keep.check(sweep.len())?;
     let place = place(args, &sweep.model().name)?;
-    let evaluations = Evaluations::open(&args.store).map_err(|error| failed(&error))?;
+    same_study(args, &sweep)?;
+    let centre = args.on.map(|on| Centre::read(on, &args.cluster)).transpose()?;
+    let evaluations = Evaluations::open(&args.store).map_err(|error| failed(&error))?.with_share(share);
     let stop = Stop { deadline, ..Stop::default() };
-    Ok(Task { sweep, document, evaluations, place, keep, share, stop })
+    Ok(Task { sweep, document, evaluations, place, keep, stop, centre })
+}
+
+/// Refuses to change a key that varies: each run would give it another value.
+fn check_changes(args: &SweepArgs, sweep: &Sweep) -> Result<(), Vec<Diagnostic>> {
+    let is_part =
+        |path: &str, of: &str| path.strip_prefix(of).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    let changed = args.changes.set.iter().filter_map(|change| change.split('=').next()).map(str::trim);
+    let mistake = |path: &str| {
+        let factors = &sweep.variation().factors;
+        let varied = &factors.iter().find(|factor| is_part(path, &factor.path))?.path;
+        let mistake = Diagnostic::new(format!("`{varied}` varies, so --set {path}=… would change nothing"));
+        Some(mistake.hint(format!("give it one value: --set 'variation.\"{varied}\"=[…]'")))
+    };
+    let mistakes: Vec<Diagnostic> = changed.filter_map(mistake).collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+}
+
+/// Refuses to compute another study than the one that was submitted.
+fn same_study(args: &SweepArgs, sweep: &Sweep) -> Result<(), Failure> {
+    let Some(submitted) = &args.study else { return Ok(()) };
+    let found = sweep.digest().map_err(|error| failed(&error))?.to_string();
+    if *submitted == found {
+        return Ok(());
+    }
+    let mistake =
+        Diagnostic::new("the scenario, a file that it names or droptower changed since the job was submitted");
+    Err(mistake.hint("end the job, and submit it again").into())
 }
 
 fn place(args: &SweepArgs, name: &str) -> Result<PathBuf, Failure> {
@@ -124,29 +174,6 @@ fn keep(args: &SweepArgs) -> Result<Keep, Vec<Diagnostic>> {
     })
 }
 
-fn share(args: &SweepArgs) -> Result<Share, Vec<Diagnostic>> {
-    let Some(text) = &args.shard else { return Ok(Share::WHOLE) };
-    Share::parse(text).ok_or_else(|| {
-        let mistake = Diagnostic::new(format!("expected a part of the runs, found \"{text}\""));
-        vec![mistake.hint("the third of sixteen processes is --shard 3/16")]
-    })
-}
-
-/// Latest time at which a run may end.
-fn deadline(args: &SweepArgs, begin: Instant) -> Result<Option<Instant>, Vec<Diagnostic>> {
-    let Some(text) = &args.stop_after else { return Ok(None) };
-    let source = Source::unfiled("--stop-after", text.clone());
-    let mistake = |message: String, hint: String| {
-        vec![Diagnostic::new(message).at(&Span::new(&source, 0..text.len())).hint(hint)]
-    };
-    let seconds = Time::DIMENSION.parse(text).map_err(|error| mistake(error.to_string(), error.hint()))?;
-    let limit = Duration::try_from_secs_f64(seconds).ok().and_then(|limit| begin.checked_add(limit));
-    match limit {
-        Some(limit) if seconds > 0.0 => Ok(Some(limit)),
-        _ => Err(mistake(format!("no run ends within {text}"), "write it like \"50 min\"".into())),
-    }
-}
-
 fn refused(error: &SweepError, document: &Document) -> Failure {
     match error {
         SweepError::Scenario(mistakes) => mistakes.clone().into(),
@@ -163,7 +190,8 @@ fn refused(error: &SweepError, document: &Document) -> Failure {
 }
 
 fn failed(error: &EvaluationError) -> Failure {
-    Failure::output(Diagnostic::new(error.to_string()))
+    let hint = error.hint().map(str::to_owned);
+    Failure::output(Diagnostic { hint, ..Diagnostic::new(error.to_string()) })
 }
 
 /// What a process says of a sweep that is not complete.
@@ -184,9 +212,9 @@ fn shard_text(done: &Done, sweep: &Sweep) -> String {
 
 /// A sweep that has runs left is not stored: a table of a part would be taken for the whole.
 fn unfinished(task: &Task, done: &Done, args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
-    let Task { sweep, share, .. } = task;
+    let Task { sweep, evaluations, .. } = task;
     let (name, missing) = (&sweep.model().name, sweep.len() - done.len());
-    if *share != Share::WHOLE {
+    if evaluations.share() != Share::WHOLE {
         return print_figures(shared, &partly(done, sweep), || {
             format!("{name}: {} runs computed here, {missing} of {} are not done yet", done.computed, sweep.len())
         });

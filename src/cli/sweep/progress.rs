@@ -8,9 +8,10 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
 use crate::cli::Shared;
+use crate::cluster::Tasks;
 use crate::diagnostic::printable;
 use crate::number::{figure, wall_time};
-use crate::sweep::Event;
+use crate::sweep::{Event, Outlook};
 
 /// Time between two events.
 const EVERY: Duration = Duration::from_millis(500);
@@ -21,7 +22,10 @@ pub(super) struct Progress {
     events: bool,
     quiet: bool,
     total: usize,
+    started: Instant,
     state: Mutex<State>,
+    /// The tasks of a job as they were shown last.
+    shown: Mutex<Option<Tasks>>,
 }
 
 /// What was done so far.
@@ -30,6 +34,10 @@ struct State {
     computed: usize,
     failed: usize,
     refused: usize,
+    /// Runs that other processes have computed meanwhile.
+    elsewhere: usize,
+    /// Runs that were left, and how many were computed here by then; none where all that are not done are left.
+    left: Option<[usize; 2]>,
     /// When the first run that is not taken from a record was begun.
     began: Instant,
     reported: Instant,
@@ -40,11 +48,16 @@ impl State {
         self.taken + self.computed + self.refused
     }
 
-    /// Runs per second, and seconds to go.
+    /// Runs per second, here and elsewhere, and seconds to go.
     fn pace(&self, total: usize) -> Option<[f64; 2]> {
         let elapsed = self.began.elapsed().as_secs_f64();
-        let rate = self.computed as f64 / elapsed;
-        (self.computed > 0 && elapsed > 0.0).then(|| [rate, (total - self.done()) as f64 / rate])
+        let rate = (self.computed + self.elsewhere) as f64 / elapsed;
+        let open = total - self.done();
+        let left = match self.left {
+            Some([left, by_then]) => open.min(left.saturating_sub(self.computed - by_then)),
+            None => open,
+        };
+        (self.computed > 0 && elapsed > 0.0).then(|| [rate, left as f64 / rate])
     }
 }
 
@@ -58,8 +71,17 @@ impl Progress {
             bar.set_style(style);
         }
         let now = Instant::now();
-        let state = State { taken: 0, computed: 0, failed: 0, refused: 0, began: now, reported: now };
-        Progress { bar, events: shared.json, quiet: shared.quiet, total, state: Mutex::new(state) }
+        let state =
+            State { taken: 0, computed: 0, failed: 0, refused: 0, elsewhere: 0, left: None, began: now, reported: now };
+        Progress {
+            bar,
+            events: shared.json,
+            quiet: shared.quiet,
+            total,
+            started: now,
+            state: Mutex::new(state),
+            shown: Mutex::default(),
+        }
     }
 
     /// Shows what became of a run.
@@ -75,6 +97,10 @@ impl Progress {
             Event::Computed(evaluation) => {
                 state.computed += 1;
                 state.failed += usize::from(evaluation.failure.is_some());
+            }
+            Event::Left(Outlook { left, elsewhere }) => {
+                state.left = Some([*left, state.computed]);
+                state.elsewhere = *elsewhere;
             }
             Event::Refused(cause) => {
                 state.refused += 1;
@@ -100,6 +126,7 @@ impl Progress {
                 "of": self.total,
                 "reused": state.taken,
                 "failed": state.failed + state.refused,
+                "elapsed_s": self.started.elapsed().as_secs_f64(),
                 "runs_per_s": pace.map(|[rate, _]| rate),
                 "to_go_s": pace.map(|[_, to_go]| to_go),
             });
@@ -115,6 +142,41 @@ impl Progress {
             Some([rate, to_go]) => format!("{} runs/s  {} to go{failed}", figure(rate, 2), wall_time(to_go)),
             None => failed,
         });
+    }
+
+    /// Shows that so many runs are done, `before` of which were before others began to compute the rest.
+    pub(super) fn reached(&self, done: usize, before: usize) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if state.done() == done {
+            return;
+        }
+        if state.computed == 0 {
+            state.began = Instant::now();
+        }
+        (state.taken, state.computed) = (before, done.saturating_sub(before));
+        self.report(&state);
+    }
+
+    /// Shows what becomes of the tasks of a job.
+    pub(super) fn tasks(&self, id: &str, tasks: &Tasks) {
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        if shown.replace(tasks.clone()).as_ref() == Some(tasks) {
+            return;
+        }
+        if self.events && !self.quiet {
+            let event = json!({ "event": "tasks", "job": id, "tasks": tasks });
+            let _ = writeln!(io::stderr(), "{event}");
+        }
+        let reason = tasks.reason.as_ref().map(|reason| format!(" ({reason})")).unwrap_or_default();
+        self.note(&format!("job {id}: {} tasks run, {} wait{reason}", tasks.running, tasks.waiting));
+    }
+
+    /// Prints a line above the bar.
+    pub(super) fn note(&self, text: &str) {
+        if !self.quiet && !self.events {
+            let text = format!("note: {text}");
+            self.bar.suspend(|| drop(writeln!(io::stderr(), "{}", printable(&text))));
+        }
     }
 
     /// Removes the bar.

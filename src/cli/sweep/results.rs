@@ -1,5 +1,6 @@
 //! The results of a sweep: its folder, the folders of single runs, and what the terminal shows.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::{SweepArgs, Task};
@@ -8,7 +9,8 @@ use crate::cli::{Failure, Shared, digest, folder, print_figures, run, scenarios}
 use crate::diagnostic::Diagnostic;
 use crate::model::Loading;
 use crate::number::{figure, wall_time};
-use crate::report::{self, SweepPage};
+use crate::report::SweepPage;
+use crate::shell::quoted;
 use crate::store::{Draft, Origin, StoreError};
 use crate::sweep::{Sweep, SweepResults};
 
@@ -38,23 +40,40 @@ impl Keep {
         numbers.filter(|numbers| numbers.iter().all(|number| *number > 0)).map(Keep::Numbers)
     }
 
-    /// The places of the runs, from zero.
-    fn places(&self, sweep: &Sweep, found: &SweepResults, figure: &str) -> Result<Vec<usize>, Diagnostic> {
-        Ok(match self {
-            Keep::None => vec![],
-            Keep::All => (0..sweep.len()).collect(),
-            Keep::Worst(_) if found.table.column(figure).is_none() => {
-                let names: Vec<&str> = found.statistics.iter().map(|(name, _)| name.as_str()).collect();
-                let mistake = Diagnostic::new(format!("the runs have no figure `{figure}`"));
-                return Err(mistake.hint(format!("give one of these by --figure: {}", names.join(", "))));
-            }
-            Keep::Worst(count) => found.worst(figure, *count),
-            Keep::Numbers(numbers) => match numbers.iter().find(|number| **number > sweep.len()) {
-                Some(number) => return Err(Diagnostic::new(format!("there is no run {number} of {}", sweep.len()))),
-                None => numbers.iter().map(|number| number - 1).collect(),
-            },
-        })
+    /// Refuses numbers that a sweep of so many runs does not have.
+    pub(super) fn check(&self, runs: usize) -> Result<(), Diagnostic> {
+        let Keep::Numbers(numbers) = self else { return Ok(()) };
+        match numbers.iter().find(|number| **number > runs) {
+            Some(number) => Err(Diagnostic::new(format!("--keep: there is no run {number} of {runs}"))),
+            None => Ok(()),
+        }
     }
+
+    /// The places of the runs, from zero, each once.
+    fn places(&self, found: &SweepResults, figure: &str) -> Vec<usize> {
+        match self {
+            Keep::None => vec![],
+            Keep::All => (0..found.table.rows()).collect(),
+            Keep::Worst(count) => found.worst(figure, *count),
+            Keep::Numbers(numbers) => {
+                let places: BTreeSet<usize> = numbers.iter().map(|number| number - 1).collect();
+                places.into_iter().collect()
+            }
+        }
+    }
+}
+
+/// The figure by which runs are the worst: the one that is asked for, which the runs must have if any has figures.
+fn figure_of<'a>(sweep: &Sweep, found: &SweepResults, asked: Option<&'a str>) -> Result<&'a str, Diagnostic> {
+    let figure = asked.unwrap_or(main_figure(sweep));
+    let figures = found.table.figures();
+    let is_known = figures.is_empty() || figures.iter().any(|column| column.name == figure);
+    if asked.is_none() || is_known {
+        return Ok(figure);
+    }
+    let names: Vec<&str> = found.statistics.iter().map(|(name, _)| name.as_str()).collect();
+    let mistake = Diagnostic::new(format!("the runs have no figure `{figure}`"));
+    Err(mistake.hint(format!("give one of these by --figure: {}", names.join(", "))))
 }
 
 /// Writes the results, and shows them.
@@ -66,11 +85,11 @@ pub(super) fn store(
     seconds: f64,
 ) -> Result<(), Failure> {
     let Task { sweep, place, keep, document, .. } = task;
-    let figure = args.figure.as_deref().unwrap_or(main_figure(sweep));
-    let kept = keep.places(sweep, found, figure)?;
+    let figure = figure_of(sweep, found, args.figure.as_deref())?;
+    let kept = keep.places(found, figure);
     let summary = found.summary(sweep, seconds);
-    let command = command(args);
-    let page = SweepPage { sweep, results: found, summary: &summary, command: &command, figure };
+    let [command, single] = [command(args, "sweep"), command(args, "run")];
+    let page = SweepPage { sweep, results: found, summary: &summary, command: &command, single: &single, figure };
     let origin = Origin::of_sweep(&args.scenario);
     let scenario = format!("# droptower {}\n{}{}", env!("CARGO_PKG_VERSION"), origin.line(place), document.resolved());
     let write = || -> Result<Vec<String>, StoreError> {
@@ -104,12 +123,11 @@ fn main_figure(sweep: &Sweep) -> &'static str {
     }
 }
 
-/// The arguments that repeat the sweep.
-fn command(args: &SweepArgs) -> String {
-    let mut words = vec!["droptower sweep".to_owned(), report::quoted(&args.scenario.display().to_string())];
-    words.extend(args.samples.map(|samples| format!("-n {samples}")));
-    words.extend(args.unset.iter().map(|key| format!("--unset {}", report::quoted(key))));
-    words.extend(args.set.iter().map(|change| format!("--set {}", report::quoted(change))));
+/// The command that repeats the sweep, or, as `run`, the scenario as it is written.
+fn command(args: &SweepArgs, verb: &str) -> String {
+    let mut words = vec![format!("droptower {verb}"), quoted(&args.scenario.display().to_string())];
+    words.extend(args.samples.filter(|_| verb == "sweep").map(|samples| format!("-n {samples}")));
+    words.extend(args.changes.words().map(|word| quoted(&word)));
     words.join(" ")
 }
 
@@ -128,6 +146,9 @@ fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> Stri
         let Some((_, of)) = found.statistics.iter().find(|(own, _)| own == name) else { continue };
         let [p05, p50, p95] = [of.p05, of.p50, of.p95].map(|value| figure(value, DIGITS));
         lines.push(format!("  {name:width$}  median {p50}  5 % {p05}  95 % {p95}"));
+    }
+    if found.effects.is_empty() && found.table.rows() > 0 {
+        lines.push("  no effects: too few runs, or figures that do not vary; the page has their quantiles".into());
     }
     if let Some((probability, [low, high])) = found.rupture {
         let [probability, low, high] = [probability, low, high].map(|share| figure(100.0 * share, 3));

@@ -127,6 +127,9 @@ impl Objective for ScriptObjective<'_> {
     }
 
     fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
+        if self.session.cancellation().is_cancelled() {
+            return fatal(refuse("the study was stopped")).into();
+        }
         let session = self.session.with_trial(cancellation);
         let returned = self.call(x, &session);
         let evaluation = self.evaluation(returned, &session);

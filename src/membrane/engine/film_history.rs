@@ -37,7 +37,8 @@ impl FilmHistory {
                 self.variables.extend(history.variables().map(|variable| variable[lane]));
                 self.volume.push(volume[lane]);
             }
-            let viscous = elements.viscous.iter().flat_map(|viscous| viscous.of_block(block));
+            let viscous =
+                elements.viscous.iter().flat_map(|viscous| viscous.of_block(block).iter().map(|stored| &stored.0));
             let tearing = elements.tearing.iter().flat_map(|tearing| tearing.of_block(block));
             self.variables.extend(viscous.chain(tearing).map(|variable| variable[lane]));
         }
@@ -72,7 +73,10 @@ impl Reader<'_> {
                     variable[copies.clone()].fill(*saved);
                 }
             }
-            let viscous = elements.viscous.iter_mut().flat_map(|viscous| viscous.block_mut(block).1);
+            let viscous = elements
+                .viscous
+                .iter_mut()
+                .flat_map(|viscous| viscous.block_mut(block).1.iter_mut().map(|stored| &mut stored.0));
             let tearing = elements.tearing.iter_mut().flat_map(|tearing| tearing.of_block_mut(block));
             for (variable, saved) in viscous.chain(tearing).zip(&mut self.variables) {
                 variable[lane] = *saved;

@@ -9,7 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
+use super::{Deformation, Energy, Measure, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
 use crate::lane::{Lane, dot, larger, splat};
 
 /// Isotropic linear elasticity for small strain and any rotation; it carries compression.
@@ -101,6 +101,7 @@ impl Elastic {
 
 impl MembraneLaw for Elastic {
     type History<const L: usize> = PeakStrains<L>;
+    const MEASURE: Option<Measure> = Some(Measure::SecondPiola);
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {

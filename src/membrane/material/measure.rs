@@ -92,8 +92,10 @@ impl Measure {
                 for l in 0..L {
                     let (first, second) = (c[0][l].sqrt(), c[1][l].sqrt());
                     let (m1, m2) = (larger(first, 1.0), larger(second, 1.0));
-                    out.strain[0][l] = if first > 1.0 { first } else { 0.5 * (c[0][l] + 1.0) };
-                    out.strain[1][l] = if second > 1.0 { second } else { 0.5 * (c[1][l] + 1.0) };
+                    // Computed in any case, so that lanes do not branch.
+                    let slack = [0.5 * (c[0][l] + 1.0), 0.5 * (c[1][l] + 1.0)];
+                    out.strain[0][l] = if first > 1.0 { first } else { slack[0] };
+                    out.strain[1][l] = if second > 1.0 { second } else { slack[1] };
                     let (product, both) = (m1 * m2, 1.0 / (m1 * m2));
                     (out.scale[0][l], out.scale[1][l], out.scale[2][l]) = (m1, m2, product);
                     (out.inverse[0][l], out.inverse[1][l], out.inverse[2][l]) = (m2 * both, m1 * both, both);

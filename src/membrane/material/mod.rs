@@ -36,7 +36,8 @@ pub use layer_breaks::LayerBreaks;
 pub use measure::{Measure, ViscousBase, WithoutCompression};
 pub use multipliers::Multipliers;
 pub use plastic::{
-    FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Plastic, PlasticHistory, RateTable, RateTableError, Voce,
+    CowperSymonds, FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Plastic, PlasticHistory, RateTable,
+    RateTableError, Voce,
 };
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub(crate) use rupture::{AT_TIP, Densities, OPEN, Tear};
@@ -176,6 +177,9 @@ impl<const L: usize> Stiffness<L> {
 pub trait MembraneLaw {
     /// Its history variables at an integration point.
     type History<const L: usize>: History<L>;
+    /// The stress that relaxes in a Prony series on it, that of [`MembraneLaw::viscous`]; none where it cannot have one. A
+    /// constant, so that kernels have no code for the others.
+    const MEASURE: Option<Measure> = None;
     /// Stress at deformation `d`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero
     /// while film is mounted.
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L>;

@@ -15,7 +15,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
-use super::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
+use super::{Deformation, Energy, Measure, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
 use crate::lane::{Lane, larger, splat};
 
 /// An elastic film without stiffness against compression.
@@ -80,6 +80,7 @@ impl TensionField {
 
 impl MembraneLaw for TensionField {
     type History<const L: usize> = PeakStrains<L>;
+    const MEASURE: Option<Measure> = Some(Measure::SecondPiola);
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {

@@ -1,5 +1,6 @@
 //! A key that varies: the values that it may have.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use droptower_uncertainty::distribution::{Distribution, DistributionError};
@@ -51,6 +52,19 @@ pub enum Input {
 }
 
 impl Factor {
+    /// The assignments of listed values that are words, of each word once: a table may list it in thousands of rows.
+    pub fn words(&self) -> impl Iterator<Item = Assignment> + '_ {
+        let levels: &[Level] = match &self.values {
+            Values::Levels(levels) => levels,
+            Values::Distribution(_) => &[],
+        };
+        let mut known = BTreeSet::new();
+        levels.iter().filter_map(move |level| match &level.input {
+            Input::Text(word) => known.insert(word).then(|| self.assignment(level)),
+            Input::Number(_) => None,
+        })
+    }
+
     /// Reads the values of a key.
     pub(super) fn read(key: &VariedKey, mistakes: &mut Mistakes<'_>) -> Option<Factor> {
         // The grammar reports these.

@@ -128,12 +128,12 @@ pub(super) fn bounds(points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::film::{outlines, tests::sheet};
+    use crate::report::film::tests::sheet;
 
     #[test]
     fn a_fine_mesh_is_coarsened_within_its_bounds() {
         let (points, film) = sheet(200);
-        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
+        let outlines: Vec<[u32; 4]> = film.outlines().collect();
         let surface = CoarseSurface::of(&points, &outlines, 3000);
         assert!(surface.patches.len() <= 3000 && surface.patches.len() > 1500, "{}", surface.patches.len());
         let [low, high] = bounds(surface.positions(&points).into_iter());

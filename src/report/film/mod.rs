@@ -1,6 +1,7 @@
 //! The film on a page: snapshots of faces and impactors, in few enough bytes to send the page by mail.
 
 mod coarse;
+mod stored;
 
 use std::collections::BTreeSet;
 
@@ -12,11 +13,15 @@ use self::coarse::{CoarseSurface, bounds};
 use super::body::Body;
 use super::html::{data, escape};
 use super::plot::DIGITS;
+use super::scene::{Moment, RunScene};
 use crate::model::{Loading, Model};
 use crate::number::rounded;
 use crate::post::lowest_point;
 use crate::signal::{Recording, column};
 use crate::simulate::{Film, FilmState, Outcome, Snapshot};
+
+pub use self::stored::FilmError;
+pub(super) use self::stored::scene;
 
 /// Most snapshots on a page.
 const MOST_STATES: usize = 32;
@@ -58,24 +63,29 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> S
     format!("<figure class=\"film\">\n{data}<figcaption class=\"note\">{}</figcaption>\n</figure>\n", escape(&note))
 }
 
-/// Name of an event that the page jumps to, and its time, s.
-type Moment = (String, f64);
+/// The scene of a run with every element in all its snapshots, and the moments that its page has; `None` without
+/// snapshots.
+pub fn run_scene(model: &Model, outcome: &Outcome, signals: &Recording) -> Option<RunScene> {
+    RunScene::of_outcome(outcome, moments(model, outcome, signals))
+}
 
+/// The events of a run that a page jumps to.
 fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment> {
     let peak = |channel: &str| Some(signals.series(channel)?.largest()?[0]);
+    let moment = |words, time| Moment { words, time };
     let mut moments = Vec::new();
     if matches!(model.loading, Loading::Impact { .. }) {
         for (name, prefix) in model.names().into_iter().zip(model.prefixes()) {
             let words = |what: &str| name.map_or_else(|| what.to_owned(), |name| format!("{what}, {name}"));
             let braking = peak(&format!("{prefix}{}", column::ACCELERATION_FILTERED.name));
-            moments.extend(braking.map(|time| (words("largest deceleration"), time)));
-            moments.extend(lowest_point(signals, &prefix).map(|[time, _]| (words("lowest point"), time)));
+            moments.extend(braking.map(|time| moment(words("largest deceleration"), time)));
+            moments.extend(lowest_point(signals, &prefix).map(|[time, _]| moment(words("lowest point"), time)));
         }
     } else {
-        moments.extend(peak(column::FORCE.name).map(|time| ("largest force".to_owned(), time)));
+        moments.extend(peak(column::FORCE.name).map(|time| moment("largest force".to_owned(), time)));
     }
-    moments.extend(outcome.rupture_time.map(|time| ("rupture".to_owned(), time)));
-    moments.sort_by(|a, b| a.1.total_cmp(&b.1));
+    moments.extend(outcome.rupture_time.map(|time| moment("rupture".to_owned(), time)));
+    moments.sort_by(|a, b| a.time.total_cmp(&b.time));
     moments
 }
 
@@ -85,7 +95,7 @@ fn chosen(snapshots: &[&Snapshot], moments: &[Moment], most: usize) -> BTreeSet<
     let last = snapshots.len() - 1;
     // A failed element is shown failed in the next snapshot.
     let after = |time: f64| snapshots.partition_point(|snapshot| snapshot.time < time).min(last);
-    let wanted = [0, last].into_iter().chain(moments.iter().map(|(_, time)| after(*time)));
+    let wanted = [0, last].into_iter().chain(moments.iter().map(|moment| after(moment.time)));
     let mut chosen = BTreeSet::new();
     for at in wanted {
         if chosen.len() < most {
@@ -108,6 +118,8 @@ pub(super) fn is_finite(snapshot: &Snapshot) -> bool {
 struct Face {
     index: usize,
     mirrored: [bool; 2],
+    /// Number of its elements.
+    elements: usize,
     surface: CoarseSurface,
 }
 
@@ -115,18 +127,13 @@ fn faces(films: &[Film], first: &Snapshot) -> Vec<Face> {
     let images = |film: &Film| 1 << film.mirrored.iter().filter(|mirrored| **mirrored).count();
     let drawn: usize = films.iter().map(|film| images(film) * (film.quads.len() + film.tris.len())).sum();
     let face = |(index, film): (usize, &Film)| {
-        let outlines: Vec<[u32; 4]> = outlines(film).collect();
+        let outlines: Vec<[u32; 4]> = film.outlines().collect();
         // Patches are shared out by the numbers of elements.
         let share = (outlines.len() as f64 * (MOST_PATCHES as f64 / drawn as f64).min(1.0)) as usize;
         let surface = CoarseSurface::of(&first.films[index].positions, &outlines, share.max(LEAST_PATCHES));
-        Face { index, mirrored: film.mirrored, surface }
+        Face { index, mirrored: film.mirrored, elements: outlines.len(), surface }
     };
     films.iter().enumerate().map(face).collect()
-}
-
-/// Corners of the elements in the order of their strains; a triangle has its last one twice.
-fn outlines(film: &Film) -> impl Iterator<Item = [u32; 4]> {
-    film.quads.iter().copied().chain(film.tris.iter().map(|&[a, b, c]| [a, b, c, c]))
 }
 
 /// What is drawn.
@@ -157,7 +164,7 @@ impl Scene<'_> {
                 "poses": state.impactors.iter().map(pose).collect::<Vec<_>>(),
             })
         };
-        let moment = |(words, time): &Moment| json!([words, rounded(time * 1e3, DIGITS)]);
+        let moment = |Moment { words, time }: &Moment| json!([words, rounded(time * 1e3, DIGITS)]);
         let face = |face: &Face| {
             json!({
                 "nodes": face.surface.nodes.len(),
@@ -173,6 +180,7 @@ impl Scene<'_> {
             "states": self.states.iter().zip(&places).map(state).collect::<Vec<_>>(),
             "moments": self.moments.iter().map(moment).collect::<Vec<_>>(),
             "bodies": self.bodies.iter().map(body).collect::<Vec<_>>(),
+            "coarsened": self.faces.iter().any(|face| face.surface.patches.len() < face.elements),
         })
     }
 
@@ -309,10 +317,44 @@ mod tests {
     #[test]
     fn strains_are_quantised_and_failed_elements_marked() {
         let (points, film) = sheet(2);
-        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
-        let face = Face { index: 0, mirrored: film.mirrored, surface: CoarseSurface::of(&points, &outlines, 100) };
+        let outlines: Vec<[u32; 4]> = film.outlines().collect();
+        let face = Face {
+            index: 0,
+            mirrored: film.mirrored,
+            elements: outlines.len(),
+            surface: CoarseSurface::of(&points, &outlines, 100),
+        };
         let written = strains(&face, &snapshot(0.0, &points, &film), [[0.0, 0.5], [0.0, 0.5], [-0.2, 0.3]]);
         assert_eq!(written[..6], [FAILED, FAILED, FAILED, 51, 254, 0]);
+    }
+
+    #[test]
+    fn a_film_is_read_back_as_it_was_written() {
+        let (points, film) = sheet(3);
+        let bodies =
+            vec![Body { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]], triangles: vec![[0, 1, 2]] }];
+        let pose = ([0.5, 0.25, 0.125], [0.0, 0.0, 0.6, 0.8]);
+        let states = [0.0, 1.5e-3].map(|time| Snapshot { impactors: vec![pose], ..snapshot(time, &points, &film) });
+        let moments = vec![Moment { words: "lowest point".into(), time: 1.5e-3 }];
+        let written = Scene { faces: faces(&[film], &states[0]), states: states.iter().collect(), moments, bodies };
+        let found = stored::scene(&written.contents()).expect("a film");
+        assert_eq!((found.faces.len(), found.faces[0].nodes, found.faces[0].mirrored), (1, 16, [true; 2]));
+        assert_eq!(found.faces[0].patches, written.faces[0].surface.patches);
+        assert_eq!((&found.moments, found.is_coarsened), (&written.moments, false));
+        assert_eq!((&found.bodies[0].points, found.bodies[0].patches[0]), (&written.bodies[0].points, [0, 1, 2, 2]));
+        for (found, written) in found.states.iter().zip(&states) {
+            assert_eq!((found.time, &found.impactors), (written.time, &written.impactors));
+            let [film, own] = [&found.films[0], &written.films[0]];
+            assert_eq!(film.failed, own.failed);
+            let near = |a: &[f32; 3], b: &[f32; 3]| (0..3).all(|k| (a[k] - b[k]).abs() <= 2e-3);
+            assert!(film.positions.iter().zip(&own.positions).all(|(a, b)| near(a, b)));
+            assert!(film.strains.iter().zip(&own.strains).skip(1).all(|(a, b)| near(a, b)), "{:?}", film.strains);
+        }
+        let mut damaged = written.contents();
+        damaged["states"][0]["strains"] = "AAAA".into();
+        assert!(matches!(stored::scene(&damaged), Err(FilmError::Mismatch { what: "strains and patches" })));
+        damaged["faces"][0]["nodes"] = 5.into();
+        assert!(matches!(stored::scene(&damaged), Err(FilmError::Mismatch { what: "corners and nodes" })));
     }
 
     #[test]
@@ -328,8 +370,13 @@ mod tests {
     #[test]
     fn failed_elements_do_not_extend_the_bounds() {
         let (mut points, film) = sheet(2);
-        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
-        let face = Face { index: 0, mirrored: film.mirrored, surface: CoarseSurface::of(&points, &outlines, 100) };
+        let outlines: Vec<[u32; 4]> = film.outlines().collect();
+        let face = Face {
+            index: 0,
+            mirrored: film.mirrored,
+            elements: outlines.len(),
+            surface: CoarseSurface::of(&points, &outlines, 100),
+        };
         // A corner of the first element alone, which has failed.
         points[0] = [-1e6; 3];
         let state = snapshot(0.0, &points, &film);
@@ -338,16 +385,18 @@ mod tests {
     }
 
     #[test]
-    fn page_and_recording_use_the_same_colour_map() {
+    fn page_recording_and_pictures_use_the_same_colour_map() {
         let rows = |text: &'static str| -> String {
             let (_, rest) = text.split_once("const VIRIDIS").expect("colours");
             let (_, rest) = rest.split_once("= [").expect("their beginning");
             let (rows, _) = rest.split_once("];").expect("their end");
             rows.split_whitespace().collect()
         };
-        let [page, recording] = [include_str!("../page/page.js"), include_str!("../../../viz/src/colour.rs")].map(rows);
+        let page = rows(include_str!("../page/page.js"));
         assert_eq!(page.matches('[').count(), 9);
-        assert_eq!(page, recording);
+        for other in [include_str!("../../../viz/src/colour.rs"), include_str!("../../picture/colour.rs")] {
+            assert_eq!(page, rows(other));
+        }
     }
 
     #[test]
@@ -355,20 +404,21 @@ mod tests {
         let (points, film) = sheet(1);
         let snapshots: Vec<Snapshot> = (0..240).map(|at| snapshot(f64::from(at) * 0.5e-3, &points, &film)).collect();
         let snapshots: Vec<&Snapshot> = snapshots.iter().collect();
-        let chosen = chosen(&snapshots, &[("lowest point".into(), 57.3e-3), ("rupture".into(), 80.2e-3)], 32);
+        let at = |words: &str, time| Moment { words: words.into(), time };
+        let chosen = chosen(&snapshots, &[at("lowest point", 57.3e-3), at("rupture", 80.2e-3)], 32);
         assert!(chosen.len() <= 32 && chosen.len() > 28, "{}", chosen.len());
         assert!([0, 239, 115, 161].iter().all(|at| chosen.contains(at)), "{chosen:?}");
-        assert_eq!(super::chosen(&snapshots[..1], &[("lowest point".into(), 1.0)], 32).len(), 1);
+        assert_eq!(super::chosen(&snapshots[..1], &[at("lowest point", 1.0)], 32).len(), 1);
     }
 
     #[test]
     fn the_largest_film_stays_below_its_size_limit() {
         let (points, film) = sheet(300);
         let snapshots: Vec<Snapshot> = (0..40).map(|at| snapshot(f64::from(at), &points, &film)).collect();
-        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
+        let outlines: Vec<[u32; 4]> = film.outlines().collect();
         let surface = CoarseSurface::of(&points, &outlines, MOST_PATCHES / 4);
         let most = (MOST_BYTES / surface.bytes()).clamp(2, MOST_STATES);
-        let face = Face { index: 0, mirrored: film.mirrored, surface };
+        let face = Face { index: 0, mirrored: film.mirrored, elements: outlines.len(), surface };
         let states = snapshots.iter().take(most).collect();
         let scene = Scene { faces: vec![face], states, moments: vec![], bodies: vec![] };
         let text = data(&scene.contents());

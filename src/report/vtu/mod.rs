@@ -51,6 +51,9 @@ pub enum VtuError {
     /// A collection cannot be written as XML.
     #[error("PVD: {0}")]
     Collection(#[from] quick_xml::Error),
+    /// A data set cannot be written as HDF5.
+    #[error("VTKHDF: {0}")]
+    Hdf(#[from] hdf5_pure::Error),
     /// The snapshots lack their detail.
     #[error("the snapshots have no stresses: the run was made without detail")]
     NoDetail,
@@ -69,20 +72,34 @@ pub struct File {
 type Triangulation = (Vec<nalgebra::Point3<f64>>, Vec<[u32; 3]>);
 
 /// Points and cells with their arrays.
-struct Grid {
-    points: Vec<[f32; 3]>,
+pub(super) struct Grid {
+    pub points: Vec<[f32; 3]>,
     /// Corners of triangles and quadrilaterals.
-    cells: Vec<Vec<u64>>,
-    on_points: Vec<Attribute>,
-    on_cells: Vec<Attribute>,
+    pub cells: Vec<Vec<u64>>,
+    pub on_points: Vec<Attribute>,
+    pub on_cells: Vec<Attribute>,
 }
 
-/// All files of a run, in their order, made by as many threads as there are.
-///
-/// # Errors
-/// Of each file: snapshots without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
-pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
-    let film = series("film", &outcome.snapshots, move |snapshot| film::grid(model, outcome, snapshot));
+/// Points and cells in a snapshot.
+type OfSnapshot<'a> = dyn Fn(&Snapshot) -> Result<Grid, VtuError> + Send + Sync + 'a;
+
+/// What is shown in files of its own: the film, the impactors, the bars of a frame.
+pub(super) struct Part<'a> {
+    /// `film`, `impactor`, `frame`.
+    pub name: &'static str,
+    grid: Box<OfSnapshot<'a>>,
+}
+
+impl Part<'_> {
+    /// Its points and cells in a snapshot.
+    pub fn grid(&self, snapshot: &Snapshot) -> Result<Grid, VtuError> {
+        (self.grid)(snapshot)
+    }
+}
+
+/// What is shown of a run.
+pub(super) fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>> {
+    let film = Part { name: "film", grid: Box::new(move |snapshot| film::grid(model, outcome, snapshot)) };
     let surfaces: Vec<Triangulation> = outcome.impactors.iter().map(|surface| surface.triangles(SIDES)).collect();
     // The bars come after the impactors.
     let mut impactors = surfaces;
@@ -91,21 +108,26 @@ pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterato
     let bodies = |name, surfaces: Vec<Triangulation>, first: usize| {
         let is_empty = surfaces.is_empty();
         let grid = move |snapshot: &Snapshot| Ok(posed(&surfaces, snapshot.impactors.get(first..).unwrap_or_default()));
-        (!is_empty).then(|| series(name, &outcome.snapshots, grid))
+        (!is_empty).then(|| Part { name, grid: Box::new(grid) })
     };
-    let (impactors, frame) = (bodies("impactor", impactors, 0), bodies("frame", frame, first_of_frame));
-    film.chain(impactors.into_par_iter().flatten()).chain(frame.into_par_iter().flatten())
+    let bodies = [bodies("impactor", impactors, 0), bodies("frame", frame, first_of_frame)];
+    std::iter::once(film).chain(bodies.into_iter().flatten()).collect()
+}
+
+/// All files of a run, in their order, made by as many threads as there are.
+///
+/// # Errors
+/// Of each file: snapshots without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
+pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
+    parts(model, outcome).into_par_iter().flat_map(|part| series(part, &outcome.snapshots))
 }
 
 /// A file for each snapshot, then the collection with their times.
-fn series<'a>(
-    name: &'static str,
-    snapshots: &'a [Snapshot],
-    grid: impl Fn(&Snapshot) -> Result<Grid, VtuError> + Send + Sync + 'a,
-) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
+fn series<'a>(part: Part<'a>, snapshots: &'a [Snapshot]) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
+    let name = part.name;
     let place = move |state: usize| format!("{SNAPSHOTS}/{name}_{state:04}.vtu");
     let state = move |(number, snapshot): (usize, &Snapshot)| {
-        Ok(File { name: place(number), content: grid(snapshot).and_then(unstructured)? })
+        Ok(File { name: place(number), content: part.grid(snapshot).and_then(unstructured)? })
     };
     let collected = move |()| {
         let times = snapshots.iter().enumerate().map(|(number, snapshot)| (place(number), snapshot.time));
@@ -114,7 +136,19 @@ fn series<'a>(
     snapshots.par_iter().enumerate().map(state).chain(rayon::iter::once(()).map(collected))
 }
 
+/// A state in which no element is left: vtkio would write it without their number, and VTK reports an error then.
+const NOTHING_LEFT: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian">
+  <UnstructuredGrid>
+    <Piece NumberOfPoints="0" NumberOfCells="0"/>
+  </UnstructuredGrid>
+</VTKFile>
+"#;
+
 fn unstructured(grid: Grid) -> Result<Vec<u8>, VtuError> {
+    if grid.cells.is_empty() {
+        return Ok(NOTHING_LEFT.into());
+    }
     let kind = |corners: &Vec<u64>| if corners.len() == 3 { CellType::Triangle } else { CellType::Quad };
     let ends = grid.cells.iter().scan(0, |end, corners| {
         *end += corners.len() as u64;
@@ -126,13 +160,11 @@ fn unstructured(grid: Grid) -> Result<Vec<u8>, VtuError> {
     };
     let data = Attributes { point: grid.on_points, cell: grid.on_cells };
     let piece = UnstructuredGridPiece { points: IOBuffer::F32(grid.points.concat()), cells, data };
-    // A piece without cells would be written without their number, and then VTK does not read it.
-    let pieces = if grid.cells.is_empty() { vec![] } else { vec![Piece::Inline(Box::new(piece))] };
     let vtk = Vtk {
         version: Version::new_xml(1, 0),
         title: String::new(),
         byte_order: ByteOrder::LittleEndian,
-        data: DataSet::UnstructuredGrid { meta: None, pieces },
+        data: DataSet::UnstructuredGrid { meta: None, pieces: vec![Piece::Inline(Box::new(piece))] },
         file_path: None,
     };
     let mut out = Vec::new();

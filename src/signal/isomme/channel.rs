@@ -1,21 +1,18 @@
 //! One channel file: its header, then a value a line.
 
-use std::fs::File;
-use std::io::BufReader;
-use std::path::{Path, PathBuf};
-
 use super::fault::{Fault, Mistake, ReadError};
+use super::files::{Member, MemberLines};
 use super::header::{Header, stated};
 use crate::signal::Warning;
 use crate::signal::channel_code::ChannelCode;
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
-use crate::signal::text::{self, Line, Lines};
+use crate::signal::text::Line;
 use crate::units::{Time, Unit};
 
 /// A channel of which only the header was read.
 #[derive(Clone, Debug)]
 pub struct ChannelHead {
-    pub path: PathBuf,
+    pub file: Member,
     pub header: Header,
     /// The channel code, or the name of the file where none is stated.
     pub name: String,
@@ -24,13 +21,12 @@ pub struct ChannelHead {
 }
 
 impl ChannelHead {
-    /// Reads the header of the file at `path`.
-    pub fn read(path: &Path) -> Result<ChannelHead, ReadError> {
-        let header = head(path).map(|(header, ..)| header).map_err(|mistake| mistake.of(path))?;
-        let file = || path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let name = header.text("Channel code").map_or_else(file, str::to_owned);
+    /// Reads the header of `file`.
+    pub fn read(file: &Member) -> Result<ChannelHead, ReadError> {
+        let header = head(file).map(|(header, ..)| header).map_err(|mistake| mistake.of(&file.path))?;
+        let name = header.text("Channel code").map_or_else(|| file.name(), str::to_owned);
         let label = header.text("Name of the channel").unwrap_or(&name).to_owned();
-        Ok(ChannelHead { path: path.into(), header, name, label })
+        Ok(ChannelHead { file: file.clone(), header, name, label })
     }
 
     /// Whether it is a time axis by its code or its dimension.
@@ -84,18 +80,18 @@ impl ChannelHead {
 
     /// A number of the header.
     pub fn number(&self, key: &str) -> Result<Option<f64>, ReadError> {
-        self.header.number(key).map_err(|(line, fault)| Mistake { line, column: 1, fault }.of(&self.path))
+        self.header.number(key).map_err(|(line, fault)| Mistake { line, column: 1, fault }.of(&self.file.path))
     }
 
     /// A mistake in the line of a key.
     pub fn at(&self, key: &str, fault: Fault) -> ReadError {
-        Mistake { line: self.header.line(key), column: 1, fault }.of(&self.path)
+        Mistake { line: self.header.line(key), column: 1, fault }.of(&self.file.path)
     }
 
     fn read_values(&self, check: impl FnMut(f64) -> Result<(), Fault>) -> Result<Vec<f64>, ReadError> {
-        let (values, last) = self.rows(check).map_err(|mistake| mistake.of(&self.path))?;
+        let (values, last) = self.rows(check).map_err(|mistake| mistake.of(&self.file.path))?;
         let (channel, found) = (self.name.clone(), values.len());
-        let at_end = |fault| Mistake { line: last, column: 1, fault }.of(&self.path);
+        let at_end = |fault| Mistake { line: last, column: 1, fault }.of(&self.file.path);
         match self.number("Number of samples")? {
             Some(stated) if (found as f64) < stated => Err(at_end(Fault::Truncated { channel, stated, found })),
             Some(stated) if found as f64 > stated => Err(at_end(Fault::TooMany { channel, stated, found })),
@@ -106,7 +102,7 @@ impl ChannelHead {
 
     /// The values, and the line that the last of them stands in.
     fn rows(&self, mut check: impl FnMut(f64) -> Result<(), Fault>) -> Result<(Vec<f64>, usize), Mistake> {
-        let (_, first, mut lines) = head(&self.path)?;
+        let (_, first, mut lines) = head(&self.file)?;
         let (mut values, mut last) = (Vec::new(), 0);
         let mut push = |line: &Line| {
             let at = |fault| Mistake { line: line.number, column: 1, fault };
@@ -146,11 +142,11 @@ impl ChannelHead {
     }
 }
 
-type Head = (Header, Option<Line<'static>>, Lines<BufReader<File>>);
+type Head = (Header, Option<Line<'static>>, MemberLines);
 
-/// The header of the file at `path`, the first line of its values, and the lines that follow.
-fn head(path: &Path) -> Result<Head, Mistake> {
-    let mut lines = text::open(path)?;
+/// The header of `file`, the first line of its values, and the lines that follow.
+fn head(file: &Member) -> Result<Head, Mistake> {
+    let mut lines = file.lines()?;
     let mut header = Header::default();
     while let Some(line) = lines.line()? {
         if !line.text.trim().is_empty() && !take(&mut header, &line)? {
@@ -162,10 +158,10 @@ fn head(path: &Path) -> Result<Head, Mistake> {
 }
 
 /// All lines of a file that has a header only; other lines are noted.
-pub fn read_header(path: &Path, warnings: &mut Vec<Warning>) -> Result<Header, ReadError> {
+pub fn read_header(file: &Member, warnings: &mut Vec<Warning>) -> Result<Header, ReadError> {
     let (mut others, mut first) = (0, 0);
     let mut read = || {
-        let (mut header, mut lines) = (Header::default(), text::open(path)?);
+        let (mut header, mut lines) = (Header::default(), file.lines()?);
         while let Some(line) = lines.line()? {
             if !line.text.trim().is_empty() && !take(&mut header, &line)? {
                 others += 1;
@@ -174,10 +170,9 @@ pub fn read_header(path: &Path, warnings: &mut Vec<Warning>) -> Result<Header, R
         }
         Ok(header)
     };
-    let header = read().map_err(|mistake: Mistake| mistake.of(path))?;
+    let header = read().map_err(|mistake: Mistake| mistake.of(&file.path))?;
     if others > 0 {
-        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        warnings.push(Warning::SkippedHeaderLines { file, count: others, first });
+        warnings.push(Warning::SkippedHeaderLines { file: file.name(), count: others, first });
     }
     Ok(header)
 }

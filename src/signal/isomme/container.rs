@@ -1,12 +1,12 @@
 //! The files of a container, and the measurement in them.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::channel::{ChannelHead, read_header};
 use super::fault::{Fault, Mistake, ReadError};
-use super::files::{Files, number};
+use super::files::{Files, Member, number};
 use super::header::Header;
 use crate::signal::channel_fault::ChannelFault;
 use crate::signal::measurement::find;
@@ -51,7 +51,7 @@ impl Headers {
     pub fn read(path: &Path) -> Result<Headers, ReadError> {
         let files = Files::locate(path)?;
         // Their warnings were reported when the recording was read.
-        let read = |file: Option<PathBuf>| {
+        let read = |file: Option<Member>| {
             file.map_or_else(|| Ok(Header::default()), |file| read_header(&file, &mut Vec::new()))
         };
         let channels = Container::open(path)?.heads;
@@ -82,7 +82,7 @@ impl Container {
         let named = number(path);
         let mut container = Container { heads: Vec::new(), single: None, comments: Vec::new(), warnings: Vec::new() };
         for file in &files.channels {
-            let is_named = named.is_some() && number(file) == named;
+            let is_named = named.is_some() && number(&file.path) == named;
             match ChannelHead::read(file) {
                 Ok(head) => {
                     container.single = container.single.or(is_named.then_some(container.heads.len()));
@@ -114,13 +114,13 @@ impl Container {
     }
 
     /// Compares the list of channels with the channel files, by their codes.
-    fn compare(&mut self, list: &Path) -> Result<(), ReadError> {
+    fn compare(&mut self, list: &Member) -> Result<(), ReadError> {
         let header = read_header(list, &mut self.warnings)?;
         let names = header.entries().iter().filter(|entry| entry.key.to_lowercase().starts_with("name of channel"));
         let listed: Vec<(&str, Option<&str>)> =
             names.filter_map(|entry| entry.value.as_deref()).map(code_and_name).collect();
         let stated = header.number("Number of channels");
-        let stated = stated.map_err(|(line, fault)| Mistake { line, column: 1, fault }.of(list))?;
+        let stated = stated.map_err(|(line, fault)| Mistake { line, column: 1, fault }.of(&list.path))?;
         if let Some(stated) = stated.filter(|stated| *stated != listed.len() as f64) {
             self.warnings.push(Warning::ChannelCountDiffers { stated, listed: listed.len() });
         }

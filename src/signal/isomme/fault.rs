@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::archive::ArchiveFault;
 use crate::diagnostic::listed;
 use crate::number::significant;
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
@@ -21,6 +22,9 @@ pub enum Fault {
     /// A fault of a channel that files of every format can have.
     #[error(transparent)]
     Channel(#[from] ChannelFault),
+    /// A zip archive cannot be read, or holds what no test does.
+    #[error(transparent)]
+    Archive(#[from] ArchiveFault),
     /// The folder holds no container.
     #[error("neither a test (.mme) nor a list of channels (.chn) in the folder")]
     NoTest,
@@ -137,6 +141,7 @@ impl Fault {
             Fault::Channel(ChannelFault::Name(error)) => return error.hint(),
             Fault::Channel(ChannelFault::NotOne { .. }) => "name the channel: --column CODE",
             Fault::Channel(ChannelFault::NotFinite { .. }) => "write NOVALUE where nothing was measured",
+            Fault::Archive(fault) => return fault.hint().map(str::to_owned),
             Fault::SeveralTests { .. } => "name the .mme file",
             Fault::NoTable => "ISO-MME channels have their own time and names; leave them out",
             _ => return None,

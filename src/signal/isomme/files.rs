@@ -1,45 +1,73 @@
-//! Where the files of a container are.
+//! Where the files of a container are: in a folder, or in a zip archive.
 
 use std::ffi::OsStr;
 use std::fs;
-use std::io::{self, ErrorKind};
+use std::io::{self, BufRead, Cursor, ErrorKind};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use super::archive::Archive;
 use super::fault::{Fault, Mistake, ReadError};
 use crate::diagnostic::folder_of;
 use crate::file::FileError;
-use crate::signal::text::TextError;
+use crate::signal::text::{self, Lines, TextError};
 
-/// Whether the file at `path` is part of a container, by its name: a folder, `.mme`, `.chn` or `.001`, ….
+/// Whether the file at `path` is part of a container, by its name: a folder, `.zip`, `.mme`, `.chn` or `.001`, ….
 pub fn is_part(path: &Path) -> bool {
-    let Some(extension) = path.extension().and_then(|extension| extension.to_str()) else {
-        return path.is_dir();
-    };
-    path.is_dir() || ["mme", "chn"].iter().any(|known| extension.eq_ignore_ascii_case(known)) || number(path).is_some()
+    path.is_dir() || ["zip", "mme", "chn"].iter().any(|known| has_extension(path, known)) || number(path).is_some()
+}
+
+/// The lines of a file of a container.
+pub(super) type MemberLines = Lines<Box<dyn BufRead>>;
+
+/// A file of a container.
+#[derive(Clone, Debug)]
+pub(super) struct Member {
+    /// Its path; of one in an archive, behind that of the archive.
+    pub path: PathBuf,
+    place: Place,
+}
+
+impl Member {
+    /// The name of the file.
+    pub fn name(&self) -> String {
+        name_of(&self.path)
+    }
+
+    /// Its lines. Of one in an archive, the whole text is held in memory.
+    pub fn lines(&self) -> Result<MemberLines, Mistake> {
+        match &self.place {
+            Place::Disk => Ok(text::open(&self.path)?.boxed()),
+            Place::Archive(archive, at) => {
+                let inner = self.path.strip_prefix(at).unwrap_or(&self.path);
+                let failed = |error| Mistake::whole(Fault::Text(TextError::Open(FileError::Io(error))));
+                Ok(Lines::new(Box::new(Cursor::new(archive.bytes(inner).map_err(failed)?))))
+            }
+        }
+    }
 }
 
 /// The files of a container.
 pub(super) struct Files {
-    pub test: Option<PathBuf>,
-    pub list: Option<PathBuf>,
+    pub test: Option<Member>,
+    pub list: Option<Member>,
     /// In the order of their numbers.
-    pub channels: Vec<PathBuf>,
+    pub channels: Vec<Member>,
 }
 
 impl Files {
     pub fn locate(path: &Path) -> Result<Files, ReadError> {
-        let fail = |fault| Mistake::whole(fault).of(path);
-        if path.is_dir() {
-            return Files::locate(&test_in(path)?);
-        }
-        if !path.is_file() {
+        let place = Place::of(path).map_err(|fault| Mistake::whole(fault).of(path))?;
+        let test = if place.is_folder(path) { place.test_in(path)? } else { path.to_owned() };
+        let fail = |fault| Mistake::whole(fault).of(&test);
+        if !place.is_file(&test) {
             let missing = io::Error::new(ErrorKind::NotFound, "no such file or folder");
             return Err(fail(Fault::Text(TextError::Open(FileError::Io(missing)))));
         }
-        let is_test = has_extension(path, "mme");
-        let folder = if is_test { channel_folder(path)? } else { folder_of(path).to_owned() };
-        let stem = stem_of(path);
-        let files: Vec<PathBuf> = entries(&folder)?.into_iter().filter(|file| stem_of(file) == stem).collect();
+        let is_test = has_extension(&test, "mme");
+        let folder = if is_test { place.channel_folder(&test)? } else { folder_of(&test).to_owned() };
+        let stem = stem_of(&test);
+        let files: Vec<PathBuf> = place.entries(&folder)?.into_iter().filter(|file| stem_of(file) == stem).collect();
         let list = files.iter().find(|file| has_extension(file, "chn")).cloned();
         let mut channels: Vec<(u64, PathBuf)> =
             files.into_iter().filter_map(|file| Some((number(&file)?, file))).collect();
@@ -47,35 +75,81 @@ impl Files {
             return Err(fail(Fault::NoChannelFiles { stem }));
         }
         channels.sort();
-        let channels = channels.into_iter().map(|(_, file)| file).collect();
-        Ok(Files { test: is_test.then(|| path.to_owned()), list, channels })
+        let member = |path: PathBuf| Member { path, place: place.clone() };
+        let channels = channels.into_iter().map(|(_, file)| member(file)).collect();
+        Ok(Files { test: is_test.then(|| member(test)), list: list.map(member), channels })
     }
 }
 
-/// The test in a folder, or else its list of channels.
-fn test_in(folder: &Path) -> Result<PathBuf, ReadError> {
-    let fail = |fault| Mistake::whole(fault).of(folder);
-    let files = entries(folder)?;
-    let of_kind = |kind| files.iter().filter(|file| has_extension(file, kind)).collect::<Vec<_>>();
-    let (tests, lists) = (of_kind("mme"), of_kind("chn"));
-    match (&tests[..], &lists[..]) {
-        ([one], _) | ([], [one]) => Ok((*one).clone()),
-        ([], []) => Err(fail(Fault::NoTest)),
-        ([], several) | (several, _) => {
-            Err(fail(Fault::SeveralTests { found: several.iter().map(|file| name_of(file)).collect() }))
+/// Where paths lead to: to the disk, or into an archive, whose path is that of its outermost folder.
+#[derive(Clone, Debug)]
+enum Place {
+    Disk,
+    Archive(Arc<Archive>, PathBuf),
+}
+
+impl Place {
+    fn of(path: &Path) -> Result<Place, Fault> {
+        if path.is_file() && has_extension(path, "zip") {
+            return Ok(Place::Archive(Arc::new(Archive::open(path)?), path.to_owned()));
+        }
+        Ok(Place::Disk)
+    }
+
+    fn is_folder(&self, path: &Path) -> bool {
+        match self {
+            Place::Disk => path.is_dir(),
+            Place::Archive(archive, at) => {
+                path.strip_prefix(at).is_ok_and(|inner| inner.as_os_str().is_empty() || archive.is_folder(inner))
+            }
         }
     }
+
+    fn is_file(&self, path: &Path) -> bool {
+        match self {
+            Place::Disk => path.is_file(),
+            Place::Archive(archive, at) => path.strip_prefix(at).is_ok_and(|inner| archive.is_file(inner)),
+        }
+    }
+
+    /// The entries of a folder, in the order of their names.
+    fn entries(&self, folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
+        match self {
+            Place::Disk => entries_on_disk(folder),
+            Place::Archive(archive, at) => {
+                let inner = folder.strip_prefix(at).unwrap_or(folder);
+                Ok(archive.entries(inner).into_iter().map(|entry| at.join(entry)).collect())
+            }
+        }
+    }
+
+    /// The test in a folder, or else its list of channels. An archive may have it in its only folder.
+    fn test_in(&self, folder: &Path) -> Result<PathBuf, ReadError> {
+        let fail = |fault| Mistake::whole(fault).of(folder);
+        let files = self.entries(folder)?;
+        let of_kind = |kind| files.iter().filter(|file| has_extension(file, kind)).collect::<Vec<_>>();
+        let (tests, lists) = (of_kind("mme"), of_kind("chn"));
+        let folders: Vec<&PathBuf> = files.iter().filter(|file| self.is_folder(file)).collect();
+        match (&tests[..], &lists[..], &folders[..], self) {
+            ([one], ..) | ([], [one], ..) => Ok((*one).clone()),
+            ([], [], [inner], Place::Archive(..)) => self.test_in(inner),
+            ([], [], ..) => Err(fail(Fault::NoTest)),
+            ([], several, ..) | (several, ..) => {
+                Err(fail(Fault::SeveralTests { found: several.iter().map(|file| name_of(file)).collect() }))
+            }
+        }
+    }
+
+    /// The folder `Channel` beside a test.
+    fn channel_folder(&self, test: &Path) -> Result<PathBuf, ReadError> {
+        let is_it = |entry: &PathBuf| self.is_folder(entry) && name_of(entry).eq_ignore_ascii_case("channel");
+        let found = self.entries(folder_of(test))?.into_iter().find(is_it);
+        found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).of(test))
+    }
 }
 
-/// The folder `Channel` beside a test.
-fn channel_folder(test: &Path) -> Result<PathBuf, ReadError> {
-    let is_it = |entry: &PathBuf| entry.is_dir() && name_of(entry).eq_ignore_ascii_case("channel");
-    let found = entries(folder_of(test))?.into_iter().find(is_it);
-    found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).of(test))
-}
-
-/// The entries of a folder, in the order of their names.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
+/// The entries of a folder on the disk, in the order of their names.
+fn entries_on_disk(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     let failed = |error| Mistake::whole(Fault::Text(TextError::Open(FileError::from(error)))).of(folder);
     let entries = fs::read_dir(folder).map_err(failed)?;
     let mut paths =

@@ -2,8 +2,10 @@
 //! a file about the test.
 //!
 //! A whole container is `<test>.mme` beside a folder `Channel` with `<test>.chn` and `<test>.001`, …; files are found
-//! however their names are capitalised. Read are also a list without its test and a channel on its own.
+//! however their names are capitalised. Read are also a list without its test, a channel on its own, and a zip archive
+//! that holds a container, at its top or in a folder.
 
+mod archive;
 mod channel;
 mod container;
 mod fault;
@@ -12,8 +14,9 @@ mod header;
 mod write;
 
 pub use super::channel_code::ChannelCode;
+pub use archive::ArchiveFault;
 pub use container::{Headers, measure};
 pub use fault::{Fault, ReadError};
 pub use files::is_part;
 pub use header::{Entry, Header};
-pub use write::{WriteError, rewrite, write};
+pub use write::{WriteError, rewrite, write, zipped};

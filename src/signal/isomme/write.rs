@@ -1,11 +1,13 @@
-//! Writing a whole container.
+//! Writing a whole container: a test with its folder `Channel`, or both in a zip archive.
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::container::Headers;
 use super::header::{Entry, Header};
@@ -74,54 +76,99 @@ pub fn write(path: &Path, measurement: &Measurement) -> Result<(), WriteError> {
 /// Writes `measurement` as [`write()`] does, with the `headers` of the container that it was read from, in
 /// their order, except for the entries that the SI units and the samples determine.
 pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Result<(), WriteError> {
-    let stem = path.file_stem().filter(|stem| !stem.is_empty());
-    let stem = stem.ok_or_else(|| WriteError::NoName { path: path.into() })?.to_string_lossy();
-    if let Some(channel) = measurement.channels.iter().find(|channel| channel.series.is_empty()) {
-        return Err(WriteError::Empty { name: channel.name.clone() });
-    }
-    let count = measurement.channels.len();
-    if count > MOST_CHANNELS {
-        return Err(WriteError::TooMany { count });
-    }
+    let texts = Texts::of(path, measurement, headers)?;
     let folder = folder_of(path);
-    let channels = folder.join("Channel");
+    let channels = folder.join(CHANNELS);
     for place in [path, &channels] {
         if place.exists() {
             return Err(WriteError::Exists { path: place.into() });
         }
     }
-    let test = test_lines(&headers.test, &stem, measurement.annotations.comments());
-    lay_down(path, folder, &channels, &stem, &sheets(measurement, headers), [&test, &list_head(&headers.list)])
-        .map_err(|source| WriteError::Write { path: path.into(), source })
+    let failed = |source| WriteError::Write { path: path.into(), source };
+    lay_down(path, folder, &channels, &texts).map_err(failed)
 }
 
-fn lay_down(
-    path: &Path,
-    folder: &Path,
-    channels: &Path,
-    stem: &str,
-    sheets: &[Sheet],
-    [test_lines, list_head]: [&[Pair]; 2],
-) -> io::Result<()> {
+/// The bytes of a zip archive with `measurement` as [`rewrite`] writes it, in a folder of the archive's name; `path` is that
+/// of the archive, and is not written.
+///
+/// The same measurement gives the same bytes: files have the earliest time of the format.
+pub fn zipped(path: &Path, measurement: &Measurement, headers: &Headers) -> Result<Vec<u8>, WriteError> {
+    let texts = Texts::of(path, measurement, headers)?;
+    packed(&texts).map_err(|source| WriteError::Write { path: path.into(), source })
+}
+
+/// Folder of the channel files.
+const CHANNELS: &str = "Channel";
+
+/// The files of a container.
+struct Texts<'a> {
+    stem: String,
+    test: Vec<Pair>,
+    list: Vec<Pair>,
+    sheets: Vec<Sheet<'a>>,
+}
+
+impl<'a> Texts<'a> {
+    /// Those of a container called as the file at `path`.
+    fn of(path: &Path, measurement: &'a Measurement, headers: &'a Headers) -> Result<Texts<'a>, WriteError> {
+        let stem = path.file_stem().filter(|stem| !stem.is_empty());
+        let stem = stem.ok_or_else(|| WriteError::NoName { path: path.into() })?.to_string_lossy().into_owned();
+        if let Some(channel) = measurement.channels.iter().find(|channel| channel.series.is_empty()) {
+            return Err(WriteError::Empty { name: channel.name.clone() });
+        }
+        let count = measurement.channels.len();
+        if count > MOST_CHANNELS {
+            return Err(WriteError::TooMany { count });
+        }
+        let test = test_lines(&headers.test, &stem, measurement.annotations.comments());
+        Ok(Texts { stem, test, list: list_head(&headers.list), sheets: sheets(measurement, headers) })
+    }
+
+    /// Gives the path of each file and how its text is written to `file`, the test last.
+    fn each(
+        &self,
+        mut file: impl FnMut(&str, &dyn Fn(&mut dyn Write) -> io::Result<()>) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let Texts { stem, test, list, sheets } = self;
+        for (number, sheet) in (1..).zip(sheets) {
+            file(&format!("{CHANNELS}/{stem}.{number:03}"), &|out| sheet.write(out))?;
+        }
+        file(&format!("{CHANNELS}/{stem}.chn"), &|out| write_list(out, list, sheets))?;
+        file(&format!("{stem}.mme"), &|out| write_pairs(out, test))
+    }
+}
+
+fn lay_down(path: &Path, folder: &Path, channels: &Path, texts: &Texts) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     let draft = tempfile::Builder::new().prefix(".isomme-").tempdir_in(folder)?;
-    let inner = draft.path().join("Channel");
-    fs::create_dir(&inner)?;
-    let file = |path: PathBuf| fs::File::create_new(path).map(BufWriter::new);
-    for (number, sheet) in (1..).zip(sheets) {
-        sheet.write(file(inner.join(format!("{stem}.{number:03}")))?)?;
-    }
-    write_list(file(inner.join(format!("{stem}.chn")))?, list_head, sheets)?;
-    let test = draft.path().join("test.mme");
-    let mut out = file(test.clone())?;
-    write_pairs(&mut out, test_lines)?;
-    out.flush()?;
-    drop(out);
-    fs::rename(&inner, channels)?;
-    fs::rename(&test, path).inspect_err(|_| {
+    fs::create_dir(draft.path().join(CHANNELS))?;
+    let mut last = PathBuf::new();
+    texts.each(|name, write| {
+        last = draft.path().join(name);
+        let mut out = BufWriter::new(fs::File::create_new(&last)?);
+        write(&mut out)?;
+        out.flush()
+    })?;
+    fs::rename(draft.path().join(CHANNELS), channels)?;
+    fs::rename(&last, path).inspect_err(|_| {
         // What is left without its test is no container; that it cannot be removed either adds nothing.
         let _ = fs::remove_dir_all(channels);
     })
+}
+
+fn packed(texts: &Texts) -> io::Result<Vec<u8>> {
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    texts.each(|name, write| {
+        archive.start_file(format!("{}/{name}", texts.stem), options)?;
+        let mut out = BufWriter::new(&mut archive);
+        write(&mut out)?;
+        out.flush()
+    })?;
+    Ok(archive.finish()?.into_inner())
 }
 
 /// One channel file.
@@ -230,12 +277,9 @@ type Pair = (String, String);
 const IN_THE_UNIT: [&str; 3] = ["channel amplitude class", "offset pre test", "offset post test"];
 
 impl Sheet<'_> {
-    fn write(&self, mut out: impl Write) -> io::Result<()> {
-        write_pairs(&mut out, &self.lines())?;
-        for value in self.values {
-            write!(out, "{}\r\n", number(*value))?;
-        }
-        out.flush()
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        write_pairs(out, &self.lines())?;
+        self.values.iter().try_for_each(|value| write!(out, "{}\r\n", number(*value)))
     }
 
     /// The lines of the original header, with the entries that the data determine replaced; then the entries that it
@@ -364,18 +408,17 @@ fn list_head(list: &Header) -> Vec<Pair> {
     if lines.is_empty() { vec![pair("Instrumentation standard", NOTHING)] } else { lines }
 }
 
-fn write_list(mut out: impl Write, head: &[Pair], sheets: &[Sheet]) -> io::Result<()> {
-    write_pairs(&mut out, head)?;
+fn write_list(out: &mut dyn Write, head: &[Pair], sheets: &[Sheet]) -> io::Result<()> {
+    write_pairs(out, head)?;
     let names = (1..).zip(sheets).map(|(number, sheet)| {
         pair(&format!("Name of channel {number:03}"), format!("{} / {}", sheet.code, sheet.label))
     });
     let count = pair("Number of channels", sheets.len().to_string());
-    write_pairs(&mut out, &std::iter::once(count).chain(names).collect::<Vec<_>>())?;
-    out.flush()
+    write_pairs(out, &std::iter::once(count).chain(names).collect::<Vec<_>>())
 }
 
 /// Lines of a header; what would end a line is a blank.
-fn write_pairs(out: &mut impl Write, pairs: &[Pair]) -> io::Result<()> {
+fn write_pairs(out: &mut dyn Write, pairs: &[Pair]) -> io::Result<()> {
     pairs.iter().try_for_each(|(key, value)| write!(out, "{key:KEY$}:{}\r\n", value.replace(char::is_control, " ")))
 }
 

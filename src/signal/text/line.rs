@@ -40,6 +40,13 @@ pub struct Lines<R> {
     utf_16: Option<&'static Encoding>,
 }
 
+impl<R: BufRead + 'static> Lines<R> {
+    /// The same lines, whatever they are read from.
+    pub fn boxed(self) -> Lines<Box<dyn BufRead>> {
+        Lines { source: Box::new(self.source), bytes: self.bytes, number: self.number, utf_16: self.utf_16 }
+    }
+}
+
 impl<R: BufRead> Lines<R> {
     /// The lines of `source` from its first.
     pub fn new(source: R) -> Lines<R> {

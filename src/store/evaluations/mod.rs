@@ -6,21 +6,24 @@
 //! claims nothing for long. Where two processes nevertheless compute the same, both records hold the same.
 
 mod segment;
+mod share;
 #[cfg(test)]
 mod tests;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::fmt;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use serde::Serialize;
+use sha2::{Digest as _, Sha256};
 
 use crate::file;
 use segment::{Entry, Kind, OwnSegment, Segment};
+pub use share::Share;
 
 /// Time without growth after which the claims of a segment hold no longer.
 pub const STALE: Duration = Duration::from_secs(15);
@@ -40,6 +43,20 @@ const RUN: &str = "run";
 /// What identifies an evaluation: a digest of all that decides its result.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Key(pub [u8; 16]);
+
+impl Key {
+    /// The digest of parts, each with its length.
+    pub fn of(parts: &[&[u8]]) -> Key {
+        let mut digest = Sha256::new();
+        for part in parts {
+            digest.update((part.len() as u64).to_le_bytes());
+            digest.update(part);
+        }
+        let mut key = [0; 16];
+        key.copy_from_slice(&digest.finalize()[..16]);
+        Key(key)
+    }
+}
 
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -75,7 +92,11 @@ struct State {
     index: HashMap<Key, Place>,
     /// Claims of other processes, each with its segment.
     claims: HashMap<Key, u32>,
+    /// Claims of this process.
+    under_way: HashSet<Key>,
     own: Option<OwnSegment>,
+    /// Records that other processes wrote.
+    others: usize,
     /// Names of segments that are known, or that are none.
     known: HashSet<PathBuf>,
 }
@@ -91,6 +112,10 @@ pub struct SegmentFigures {
     pub evaluations: usize,
     /// Size, bytes.
     pub bytes: u64,
+    /// Runs that are kept whole beside it.
+    pub runs: usize,
+    /// Their size, bytes.
+    pub run_bytes: u64,
     /// Time since it last grew, s.
     pub age_s: f64,
 }
@@ -101,9 +126,14 @@ impl EvaluationStore {
     /// # Errors
     /// The folder or a segment in it cannot be read.
     pub fn open(folder: &Path, build: &str) -> io::Result<EvaluationStore> {
-        let store = EvaluationStore { folder: folder.into(), build: build.into(), state: Mutex::default() };
+        let store = EvaluationStore::unread(folder, build);
         store.refresh()?;
         Ok(store)
+    }
+
+    /// The store in `folder`, of which nothing is read before it is refreshed.
+    pub fn unread(folder: &Path, build: &str) -> EvaluationStore {
+        EvaluationStore { folder: folder.into(), build: build.into(), state: Mutex::default() }
     }
 
     /// Where it is.
@@ -148,6 +178,11 @@ impl EvaluationStore {
         self.state().index.len()
     }
 
+    /// Number of records that other processes have written, now or before.
+    pub fn others(&self) -> usize {
+        self.state().others
+    }
+
     /// Whether there are no records.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -158,26 +193,47 @@ impl EvaluationStore {
     /// # Errors
     /// It cannot be written.
     pub fn put(&self, key: Key, record: &[u8]) -> io::Result<()> {
-        self.append(Kind::Record, key, record)
+        self.append(Kind::Record, key, record)?;
+        self.state().under_way.remove(&key);
+        Ok(())
     }
 
-    /// Claims an evaluation for this process; `false` where another process computes it.
+    /// Claims an evaluation for a thread of this process; `false` where another thread or another process computes it.
     ///
     /// # Errors
     /// The claim cannot be written.
     pub fn claim(&self, key: Key) -> io::Result<bool> {
-        if self.state().is_claimed(key) {
-            return Ok(false);
+        {
+            let mut state = self.state();
+            if state.claimant(key).is_some() || !state.under_way.insert(key) {
+                return Ok(false);
+            }
         }
-        self.append(Kind::Claim, key, &[]).map(|()| true)
+        self.append(Kind::Claim, key, &[])?;
+        // Another process may have done the same at the same time.
+        self.refresh()?;
+        let is_lost = self.state().yields(key);
+        if is_lost {
+            self.release(key)?;
+        }
+        Ok(!is_lost)
     }
 
-    /// Shows other processes that this one is at work, where it has not lately.
+    /// Gives up a claim of this process: the evaluation is kept otherwise, or was not finished.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn release(&self, key: Key) -> io::Result<()> {
+        self.state().under_way.remove(&key);
+        self.append(Kind::Released, key, &[])
+    }
+
+    /// Shows other processes that this one is at work, where it has claims and has not shown it lately.
     ///
     /// # Errors
     /// It cannot be written.
     pub fn keep_alive(&self) -> io::Result<()> {
-        let is_due = self.state().own.as_ref().is_none_or(|own| own.written.elapsed() >= HEARTBEAT);
+        let is_due = self.state().own.as_ref().is_some_and(|own| own.written.elapsed() >= HEARTBEAT);
         if is_due { self.append(Kind::Alive, Key([0; 16]), &[]) } else { Ok(()) }
     }
 
@@ -203,13 +259,12 @@ impl EvaluationStore {
     /// # Errors
     /// It cannot be written.
     pub fn put_run(&self, key: Key, content: &[u8]) -> io::Result<()> {
+        // First, so that whoever removes the segment finds the run, however this process ends.
+        self.append(Kind::Kept, key, &[])?;
         let path = self.run_path(key);
         let folder = path.parent().unwrap_or(&self.folder);
         fs::create_dir_all(folder)?;
-        let mut draft = tempfile::NamedTempFile::new_in(folder)?;
-        draft.write_all(&file::checksum(content).to_le_bytes())?;
-        draft.write_all(content)?;
-        draft.persist(&path).map(drop).map_err(|error| error.error)
+        file::replace(&path, &[&file::checksum(content).to_le_bytes(), content].concat())
     }
 
     /// The whole run kept under `key`; none where there is none, or a damaged one.
@@ -231,17 +286,17 @@ impl EvaluationStore {
     /// # Errors
     /// The folder or a segment cannot be read.
     pub fn list(folder: &Path) -> io::Result<Vec<SegmentFigures>> {
-        segments(folder)?.into_iter().map(|path| Segment::figures(&path)).collect()
+        segments(folder)?.into_iter().map(|path| Segment::figures(&path, |key| run_path(folder, key))).collect()
     }
 
-    /// Removes the segment at `path` and the whole runs of its records.
+    /// Removes the segment at `path` and the runs that its process keeps whole.
     ///
     /// # Errors
     /// Something cannot be removed.
     pub fn remove(folder: &Path, path: &Path) -> io::Result<()> {
         let mut keys = BTreeSet::new();
         if let Some(mut segment) = Segment::open_any(path)? {
-            segment.follow(|entry| keys.extend([entry.key]))?;
+            segment.follow(|entry| keys.extend((entry.kind == Kind::Kept).then_some(entry.key)))?;
         }
         for key in keys {
             match fs::remove_file(run_path(folder, key)) {
@@ -286,28 +341,47 @@ impl EvaluationStore {
 impl State {
     /// Takes in what a segment has gained.
     fn follow(&mut self, place: usize) -> io::Result<()> {
-        let State { segments, index, claims, .. } = self;
+        let State { segments, index, claims, others, .. } = self;
         let number = place as u32;
-        let mut is_closed = segments[place].is_closed;
-        segments[place].follow(|Entry { kind, key, offset, length }| {
+        let (before, rest) = segments.split_at_mut(place);
+        let Some((segment, after)) = rest.split_first_mut() else { return Ok(()) };
+        let (path, mut is_closed) = (segment.path.clone(), segment.is_closed);
+        // Of two claims that were made at once, the one that wins.
+        let yields = |other: u32| {
+            let other = before.get(other as usize).or_else(|| after.get((other as usize).checked_sub(place + 1)?));
+            other.is_some_and(|other| other.is_alive() && other.is_before(&path))
+        };
+        segment.follow(|Entry { kind, key, offset, length }| {
             is_closed = kind == Kind::Closed;
             match kind {
                 Kind::Record => {
                     claims.remove(&key);
-                    index.entry(key).or_insert(Place { segment: number, length, offset });
+                    index.entry(key).or_insert_with(|| {
+                        *others += 1;
+                        Place { segment: number, length, offset }
+                    });
                 }
+                Kind::Claim if claims.get(&key).is_some_and(|other| yields(*other)) => {}
                 Kind::Claim => drop(claims.insert(key, number)),
-                Kind::Header | Kind::Alive | Kind::Closed => {}
+                Kind::Released if claims.get(&key) == Some(&number) => drop(claims.remove(&key)),
+                Kind::Released => {}
+                Kind::Header | Kind::Alive | Kind::Closed | Kind::Kept => {}
             }
         })?;
-        segments[place].is_closed = is_closed;
+        segment.is_closed = is_closed;
         Ok(())
     }
 
-    /// Whether another process that still grows has claimed the evaluation.
-    fn is_claimed(&self, key: Key) -> bool {
+    /// The other process that still grows and has claimed the evaluation.
+    fn claimant(&self, key: Key) -> Option<&Segment> {
         let segment = self.claims.get(&key).and_then(|segment| self.segments.get(*segment as usize));
-        segment.is_some_and(|segment| !segment.is_closed && segment.grown.is_some_and(|at| at.elapsed() < STALE))
+        segment.filter(|segment| segment.is_alive())
+    }
+
+    /// Whether a claim that this process has just made yields to that of another.
+    fn yields(&self, key: Key) -> bool {
+        let own = self.own.as_ref().map(|own| own.path.as_path());
+        self.claimant(key).zip(own).is_some_and(|(other, own)| other.is_before(own))
     }
 }
 

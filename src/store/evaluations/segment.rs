@@ -7,7 +7,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::{Key, SegmentFigures};
+use super::{Key, STALE, SegmentFigures};
 use crate::file;
 
 /// The first line of a segment.
@@ -33,6 +33,10 @@ pub(super) enum Kind {
     Alive = 3,
     /// The process has given up its claims.
     Closed = 4,
+    /// The process has given up one claim.
+    Released = 5,
+    /// The process keeps a run whole beside its segment.
+    Kept = 6,
 }
 
 /// An entry of a segment, with the place of its content.
@@ -47,9 +51,12 @@ pub(super) struct Entry {
 /// A segment that is read.
 #[derive(Debug)]
 pub(super) struct Segment {
+    pub path: PathBuf,
     file: File,
     /// End of the last complete entry.
     end: u64,
+    /// Length of the file when it was last looked at; what a killed process leaves may end in an incomplete entry.
+    length: u64,
     /// When it last grew; none of one that was old already.
     pub grown: Option<Instant>,
     /// Whether its process has given up its claims.
@@ -62,6 +69,8 @@ pub(super) struct OwnSegment {
     pub path: PathBuf,
     file: File,
     end: u64,
+    /// Whether an entry that could not be written whole may stand behind the end.
+    is_torn: bool,
     /// When it last grew.
     pub written: Instant,
     /// Its place among the segments.
@@ -70,7 +79,8 @@ pub(super) struct OwnSegment {
 
 impl Kind {
     fn of(byte: u8) -> Option<Kind> {
-        const ALL: [Kind; 5] = [Kind::Header, Kind::Record, Kind::Claim, Kind::Alive, Kind::Closed];
+        use Kind::{Alive, Claim, Closed, Header, Kept, Record, Released};
+        const ALL: [Kind; 7] = [Header, Record, Claim, Alive, Closed, Released, Kept];
         ALL.into_iter().find(|kind| *kind as u8 == byte)
     }
 }
@@ -88,34 +98,58 @@ impl Segment {
         let mut start = Vec::new();
         (&mut file).take(MAGIC.len() as u64).read_to_end(&mut start)?;
         // By the clocks of two machines, which may differ: at worst a claim is taken for alive or dead a while too long.
-        let age = file.metadata()?.modified()?.elapsed().unwrap_or_default();
+        let about = file.metadata()?;
+        let age = about.modified()?.elapsed().unwrap_or_default();
         let grown = Instant::now().checked_sub(age);
-        let segment = Segment { file, end: MAGIC.len() as u64, grown, is_closed: false };
+        let segment =
+            Segment { path: path.into(), file, end: MAGIC.len() as u64, length: about.len(), grown, is_closed: false };
         Ok((start == MAGIC).then_some(segment))
     }
 
     /// The segment of this process, of which nothing remains to be read.
     pub(super) fn of_own(own: &OwnSegment) -> io::Result<Segment> {
-        Ok(Segment { file: File::open(&own.path)?, end: u64::MAX, grown: None, is_closed: false })
+        let file = File::open(&own.path)?;
+        Ok(Segment { path: own.path.clone(), file, end: u64::MAX, length: u64::MAX, grown: None, is_closed: false })
     }
 
-    /// What is said of the segment at `path`.
-    pub(super) fn figures(path: &Path) -> io::Result<SegmentFigures> {
+    /// Whether its claims hold.
+    pub(super) fn is_alive(&self) -> bool {
+        !self.is_closed && self.grown.is_some_and(|at| at.elapsed() < STALE)
+    }
+
+    /// Whether it comes before the segment at `path`: of two processes that claim the same at once, that one computes it.
+    pub(super) fn is_before(&self, path: &Path) -> bool {
+        self.path.file_name() < path.file_name()
+    }
+
+    /// What is said of the segment at `path`, whose runs that are kept whole are at `run_path`.
+    pub(super) fn figures(path: &Path, run_path: impl Fn(Key) -> PathBuf) -> io::Result<SegmentFigures> {
         let about = std::fs::metadata(path)?;
         let age = about.modified()?.elapsed().unwrap_or_default();
-        let (mut build, mut evaluations) = (None, 0);
+        let (mut build, mut evaluations, mut run_bytes) = (None, 0, vec![]);
         if let Some(mut segment) = Segment::open_any(path)? {
             build = segment.build()?;
-            segment.follow(|entry| evaluations += usize::from(entry.kind == Kind::Record))?;
+            segment.follow(|Entry { kind, key, .. }| match kind {
+                Kind::Record => evaluations += 1,
+                Kind::Kept => run_bytes.extend(std::fs::metadata(run_path(key)).map(|about| about.len())),
+                _ => {}
+            })?;
         }
-        Ok(SegmentFigures { path: path.into(), build, evaluations, bytes: about.len(), age_s: age.as_secs_f64() })
+        Ok(SegmentFigures {
+            path: path.into(),
+            build,
+            evaluations,
+            bytes: about.len(),
+            runs: run_bytes.len(),
+            run_bytes: run_bytes.iter().sum(),
+            age_s: age.as_secs_f64(),
+        })
     }
 
     /// The build in its first entry.
     fn build(&mut self) -> io::Result<Option<String>> {
-        let (mut first, end) = (None, self.end);
-        self.follow(|entry| first = first.or(Some(entry)))?;
-        self.end = end;
+        self.file.seek(SeekFrom::Start(self.end))?;
+        let first = next(&mut &self.file, self.end, self.length, &mut Vec::new())?;
         let Some(Entry { kind: Kind::Header, offset, length, .. }) = first else { return Ok(None) };
         Ok(String::from_utf8(self.read(offset, length)?).ok())
     }
@@ -136,12 +170,13 @@ impl Segment {
         }
         self.file.seek(SeekFrom::Start(self.end))?;
         let mut reader = io::BufReader::with_capacity(1 << 20, &self.file);
-        let (mut content, is_first) = (Vec::new(), self.end == MAGIC.len() as u64);
+        let mut content = Vec::new();
         while let Some(entry) = next(&mut reader, self.end, length, &mut content)? {
             self.end = entry.offset + u64::from(entry.length);
             take(entry);
         }
-        if !is_first {
+        if length > self.length {
+            self.length = length;
             self.grown = Some(Instant::now());
         }
         Ok(())
@@ -171,34 +206,47 @@ fn next(reader: &mut impl Read, start: u64, length: u64, content: &mut Vec<u8>) 
     Ok(kind.map(|kind| Entry { kind, key: Key(key), offset, length: size }))
 }
 
+/// An entry as it is written.
+fn entry(kind: Kind, key: Key, content: &[u8]) -> io::Result<Vec<u8>> {
+    let size = u32::try_from(content.len()).ok().filter(|size| *size <= MOST);
+    let size = size.ok_or_else(|| io::Error::other("an evaluation is too large to be kept"))?;
+    let mut entry = Vec::with_capacity(LEAD + content.len());
+    entry.extend_from_slice(&[0; FRAME]);
+    entry.push(kind as u8);
+    entry.extend_from_slice(&key.0);
+    entry.extend_from_slice(content);
+    let checksum = file::checksum(&entry[FRAME..]);
+    entry[..4].copy_from_slice(&size.to_le_bytes());
+    entry[4..FRAME].copy_from_slice(&checksum.to_le_bytes());
+    Ok(entry)
+}
+
 impl OwnSegment {
-    /// A new segment in `folder`.
+    /// A new segment in `folder`, which has its header by the time that others see it.
     pub(super) fn create(folder: &Path, extension: &str, build: &str) -> io::Result<OwnSegment> {
-        let suffix = format!(".{extension}");
-        let draft = tempfile::Builder::new().prefix("").suffix(&suffix).rand_bytes(12).tempfile_in(folder)?;
-        let (_, path) = draft.keep().map_err(|error| error.error)?;
-        let mut file = OpenOptions::new().append(true).open(&path)?;
-        file.write_all(MAGIC)?;
-        let end = MAGIC.len() as u64;
-        let mut own = OwnSegment { path, file, end, written: Instant::now(), number: None };
-        own.append(Kind::Header, Key([0; 16]), build.as_bytes())?;
-        Ok(own)
+        let mut draft = file::temporary(folder)?;
+        let header = entry(Kind::Header, Key([0; 16]), build.as_bytes())?;
+        let start = [MAGIC, &header].concat();
+        draft.write_all(&start)?;
+        let name = draft.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = name.rsplit('-').next().unwrap_or_default();
+        let path = folder.join(name).with_extension(extension);
+        draft.persist_noclobber(&path).map_err(|error| error.error)?;
+        let file = OpenOptions::new().append(true).open(&path)?;
+        Ok(OwnSegment { path, file, end: start.len() as u64, is_torn: false, written: Instant::now(), number: None })
     }
 
     /// Adds an entry; the place of its content.
     pub(super) fn append(&mut self, kind: Kind, key: Key, content: &[u8]) -> io::Result<u64> {
-        let size = u32::try_from(content.len()).ok().filter(|size| *size <= MOST);
-        let size = size.ok_or_else(|| io::Error::other("an evaluation is too large to be kept"))?;
-        let mut entry = Vec::with_capacity(LEAD + content.len());
-        entry.extend_from_slice(&[0; FRAME]);
-        entry.push(kind as u8);
-        entry.extend_from_slice(&key.0);
-        entry.extend_from_slice(content);
-        let checksum = file::checksum(&entry[FRAME..]);
-        entry[..4].copy_from_slice(&size.to_le_bytes());
-        entry[4..FRAME].copy_from_slice(&checksum.to_le_bytes());
+        let entry = entry(kind, key, content)?;
+        if self.is_torn {
+            // What a full disk took of an entry would hide all that follows.
+            self.file.set_len(self.end)?;
+        }
+        self.is_torn = true;
         // One call, so that a killed process leaves at most its last entry incomplete.
         self.file.write_all(&entry)?;
+        self.is_torn = false;
         let offset = self.end + LEAD as u64;
         self.end += entry.len() as u64;
         self.written = Instant::now();

@@ -1,6 +1,7 @@
 //! Records survive whatever happens to the processes that write them.
 
 use std::fs;
+use std::io::Write;
 
 use super::*;
 
@@ -109,6 +110,25 @@ fn claims_hold_until_given_up_or_fulfilled() {
     assert!(!other.claim(key(4)).unwrap());
 }
 
+/// Two processes that look, find nothing, and claim the same at once: when both have looked again, one computes it.
+#[test]
+fn of_two_claims_at_once_one_yields() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, other, third] = [open(folder.path()), open(folder.path()), open(folder.path())];
+    let path = |store: &EvaluationStore| store.state().own.as_ref().unwrap().path.clone();
+    [&one, &other].iter().for_each(|store| store.put(key(9), b"").unwrap());
+    let [first, second] = if path(&one) < path(&other) { [one, other] } else { [other, one] };
+    assert!(first.claim(key(1)).unwrap() && !second.claim(key(1)).unwrap());
+    // The one that yields gives up its own claim, not that of the other.
+    third.refresh().unwrap();
+    assert!(!third.claim(key(1)).unwrap());
+    // The later one cannot yield before it is there.
+    assert!(second.claim(key(2)).unwrap() && first.claim(key(2)).unwrap());
+    first.put(key(2), b"once").unwrap();
+    second.refresh().unwrap();
+    assert!(second.contains(key(2)));
+}
+
 #[test]
 fn claims_of_an_old_segment_do_not_hold() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,18 +139,47 @@ fn claims_of_an_old_segment_do_not_hold() {
     assert!(open(folder.path()).claim(key(1)).unwrap());
 }
 
+/// What a killed process or a full disk leaves of an entry is no sign of life: its claims end.
+#[test]
+fn a_segment_that_ends_in_an_incomplete_entry_does_not_grow() {
+    let folder = tempfile::tempdir().unwrap();
+    let killed = open(folder.path());
+    killed.put(key(2), b"whole").unwrap();
+    killed.claim(key(1)).unwrap();
+    let mut file = fs::OpenOptions::new().append(true).open(only_segment(folder.path())).unwrap();
+    file.write_all(&[7; 40]).unwrap();
+    file.set_modified(std::time::SystemTime::now() - 2 * STALE).unwrap();
+    let found = open(folder.path());
+    found.refresh().unwrap();
+    assert!(found.contains(key(2)) && found.claim(key(1)).unwrap());
+}
+
+/// A segment shows its header as soon as it shows itself: a process that looked too early would never look again.
+#[test]
+fn nothing_but_whole_segments_is_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, other] = [open(folder.path()), open(folder.path())];
+    one.claim(key(1)).unwrap();
+    let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert_eq!(names, [only_segment(folder.path())]);
+    other.refresh().unwrap();
+    assert!(!other.claim(key(1)).unwrap());
+}
+
 #[test]
 fn whole_runs_are_kept_beside_and_removed_with_their_segment() {
     let folder = tempfile::tempdir().unwrap();
     let store = open(folder.path());
     assert_eq!(store.run(key(1)).unwrap(), None);
-    store.put(key(1), b"figures").unwrap();
+    // Figures are kept under another key than the run that a script made them of.
+    store.put(key(5), b"figures").unwrap();
     store.put_run(key(1), b"signals").unwrap();
     assert_eq!(store.run(key(1)).unwrap().as_deref(), Some(&b"signals"[..]));
     fs::write(store.run_path(key(1)), b"damaged!").unwrap();
     assert_eq!(store.run(key(1)).unwrap(), None);
     let [figures] = &EvaluationStore::list(folder.path()).unwrap()[..] else { panic!("one segment") };
     assert_eq!((figures.build.as_deref(), figures.evaluations), (Some("1"), 1));
+    assert_eq!((figures.runs, figures.run_bytes), (1, 8));
     EvaluationStore::remove(folder.path(), &figures.path).unwrap();
     assert!(!store.run_path(key(1)).exists() && open(folder.path()).is_empty());
 }

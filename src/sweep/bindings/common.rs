@@ -8,7 +8,7 @@ use crate::post::{Evaluations, Study};
 use crate::scenario::{Assignment, Document};
 use crate::script::{HostResult, Options, Session, from_json, refuse, to_json};
 use crate::sweep::work::{Done, Stop, Work};
-use crate::sweep::{Share, Sweep, SweepError, SweepResults};
+use crate::sweep::{Sweep, SweepError, SweepResults};
 
 /// What a script's sweeps are run with.
 pub(super) struct Host<'a> {
@@ -25,7 +25,7 @@ impl Host<'_> {
 
     fn done(&self, sweep: &Sweep) -> HostResult<Done> {
         let stop = Stop { requested: self.session.cancellation().clone(), deadline: None };
-        let work = Work { sweep, evaluations: self.evaluations, share: Share::WHOLE, stop: &stop, gather: false };
+        let work = Work { sweep, evaluations: self.evaluations, waits: true, stop: &stop, gather: false };
         let done = work.run(&|_| {}).map_err(refuse)?;
         if done.len() < sweep.len() { Err(refuse("the sweep was cancelled")) } else { Ok(done) }
     }

@@ -106,13 +106,16 @@ fn outputs(document: &Document, points: &[Vec<f64>], limit: &Limit, host: &Host<
     let places: Vec<Vec<f64>> = points.iter().map(|point| point.iter().map(unit).collect()).collect();
     let sweep = Sweep::at(document, &places).map_err(refused)?;
     let results = host.results(&sweep)?;
-    let column = results.table.column(&limit.figure);
-    let column = column.ok_or_else(|| refuse(format!("the runs have no figure `{}`", limit.figure)))?;
+    let values = match results.table.column(&limit.figure) {
+        Some(column) => column.values.numbers(),
+        None if results.failed == points.len() => return Ok(vec![None; points.len()]),
+        None => return Err(refuse(format!("the runs have no figure `{}`", limit.figure))),
+    };
     let state = |(row, value): (usize, Option<f64>)| match results.table.failure(row) {
         Some(_) => None,
         None => value.map(|value| limit.state(value)),
     };
-    Ok(column.values.numbers().into_iter().enumerate().map(state).collect())
+    Ok(values.into_iter().enumerate().map(state).collect())
 }
 
 /// `staircase(scenario, #{ … })`.

@@ -7,7 +7,8 @@ use super::common::{Host, refused, varied};
 use crate::post::Study;
 use crate::script::{Entry, HostResult, Options, from_json};
 use crate::sweep::Sweep;
-use crate::sweep::table::{Column, Table, Values};
+use crate::sweep::table::Table;
+use crate::table::{Column, Values};
 
 /// `sweep(scenario, #{ … })`.
 pub(super) fn sweep(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {

@@ -114,8 +114,8 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
         for (p, point) in self.points.iter_mut().enumerate() {
             let d = point.deformation(x);
             let mut stress = law.stress(&d, &mut point.history, dt);
-            if let Some(viscous) = &mut viscous {
-                viscous.advance(p, &d, &mut stress);
+            if let (Some(measure), Some(viscous)) = (M::MEASURE, &mut viscous) {
+                viscous.advance(measure, p, &d, &mut stress);
             }
             point.subtract_stress(&stress.p, out);
             beyond |= super::is_beyond(law, &point.history, &point.volume);

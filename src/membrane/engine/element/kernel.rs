@@ -116,7 +116,13 @@ fn add_forces_lanewise<
     let mut failed = false;
     let mut x = [[splat(0.0); 3]; NODES];
     let mut out = [[splat(0.0); 3]; NODES];
-    let mut viscous = elements.viscous.as_mut().map(|viscous| viscous.pass(dt));
+    let mut viscous = match M::MEASURE {
+        Some(_) => elements.viscous.as_mut().map(|viscous| viscous.pass(dt)),
+        None => {
+            assert!(elements.viscous.is_none(), "a Prony series on a law that cannot have one");
+            None
+        }
+    };
     let tearing = elements.tearing.as_ref();
     for (b, (corners, block)) in elements.corners.iter().zip(&mut elements.blocks).enumerate() {
         gather(corners, position, &mut x);

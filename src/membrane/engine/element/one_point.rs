@@ -82,26 +82,9 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
         Shape { deformation: Deformation { f, stretch_variance }, q, mean_square }
     }
 
-    /// [`Block::forces`], of parallelograms alone or of any quadrilaterals.
+    /// Forces on the nodes by `stress` and the hourglass force `h`.
     #[inline(always)]
-    fn forces_of<M, const SKEWED: bool>(
-        &mut self,
-        law: &M,
-        viscous: Option<MovedBlock<'_, L>>,
-        x: &[Lane3<L>; 4],
-        dt: f64,
-        out: &mut [Lane3<L>; 4],
-    ) -> bool
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
-        let shape = self.shape::<SKEWED>(x);
-        let mut stress = law.stress(&shape.deformation, &mut self.history, dt);
-        if let Some(mut viscous) = viscous {
-            viscous.advance(0, &shape.deformation, &mut stress);
-        }
-        let left = [self.history.left(0), self.history.left(1)];
-        let h = shape.hourglass_force(&self.volume, &mut stress, stabilisation(law), left);
+    fn scatter<const SKEWED: bool>(&self, stress: &Stress<L>, h: &Lane3<L>, out: &mut [Lane3<L>; 4]) {
         for axis in 0..3 {
             for l in 0..L {
                 let (vp, vq) = (self.volume[l] * stress.p[0][axis][l], self.volume[l] * stress.p[1][axis][l]);
@@ -116,7 +99,6 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
                 out[3][axis][l] = quarter + second;
             }
         }
-        super::is_beyond(law, &self.history, &self.volume)
     }
 }
 
@@ -187,12 +169,20 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     where
         M: MembraneLaw<History<L> = P>,
     {
-        // Structured meshes are made of parallelograms, and theirs is the hot path.
-        if self.skewed {
-            self.forces_of::<M, true>(law, viscous, x, dt, out)
-        } else {
-            self.forces_of::<M, false>(law, viscous, x, dt, out)
+        // Structured meshes are made of parallelograms, and theirs is the hot path. The law is compiled once for both.
+        let shape = if self.skewed { self.shape::<true>(x) } else { self.shape::<false>(x) };
+        let mut stress = law.stress(&shape.deformation, &mut self.history, dt);
+        if let (Some(measure), Some(mut viscous)) = (M::MEASURE, viscous) {
+            viscous.advance(measure, 0, &shape.deformation, &mut stress);
         }
+        let left = [self.history.left(0), self.history.left(1)];
+        let h = shape.hourglass_force(&self.volume, &mut stress, stabilisation(law), left);
+        if self.skewed {
+            self.scatter::<true>(&stress, &h, out);
+        } else {
+            self.scatter::<false>(&stress, &h, out);
+        }
+        super::is_beyond(law, &self.history, &self.volume)
     }
 
     #[inline(always)]

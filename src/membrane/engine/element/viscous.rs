@@ -1,20 +1,20 @@
 //! Viscous film: the history variables of its Prony series, beside the blocks of its elements.
 
-use crate::lane::Lane;
-use crate::material::{Deformation, Energy, Stiffness, Stress, ViscousLaw, ViscousStep};
+use crate::lane::{Lane, Stored};
+use crate::material::{Deformation, Energy, Measure, Stiffness, Stress, ViscousLaw, ViscousStep};
 
 /// The Prony series of elements and its history variables, block by block and point by point.
 #[derive(Clone, Debug)]
 pub(crate) struct ViscousPoints<const L: usize> {
     law: ViscousLaw,
     /// Coefficients of the present step, and its length, s; NaN before the first one that takes time.
-    step: ViscousStep,
+    step: ViscousStep<L>,
     dt: f64,
     /// Whether the film was mounted or has moved.
     is_mounted: bool,
     /// Of one block.
     per_block: usize,
-    variables: Vec<Lane<L>>,
+    variables: Vec<Stored<L>>,
 }
 
 impl<const L: usize> ViscousPoints<L> {
@@ -22,7 +22,7 @@ impl<const L: usize> ViscousPoints<L> {
     pub(crate) fn new(law: ViscousLaw, blocks: usize, points: usize) -> ViscousPoints<L> {
         let per_block = points * law.viscosity.variables();
         let step = ViscousStep::mounting(&law.viscosity);
-        let variables = vec![[0.0; L]; blocks * per_block];
+        let variables = vec![Stored([0.0; L]); blocks * per_block];
         let mut points = ViscousPoints { law, step, dt: f64::NAN, is_mounted: false, per_block, variables };
         points.reset();
         points
@@ -59,12 +59,12 @@ impl<const L: usize> ViscousPoints<L> {
     }
 
     /// History variables of one block.
-    pub(crate) fn of_block(&self, block: usize) -> &[Lane<L>] {
+    pub(crate) fn of_block(&self, block: usize) -> &[Stored<L>] {
         self.block(block).variables
     }
 
     /// The law and the variables of one block, mutable; all points of the block follow each other.
-    pub(crate) fn block_mut(&mut self, block: usize) -> (&ViscousLaw, &mut [Lane<L>]) {
+    pub(crate) fn block_mut(&mut self, block: usize) -> (&ViscousLaw, &mut [Stored<L>]) {
         // Its variables may be restored ones.
         self.is_mounted = true;
         (&self.law, &mut self.variables[block * self.per_block..][..self.per_block])
@@ -100,8 +100,8 @@ impl<const L: usize> ViscousPoints<L> {
 /// The blocks of viscous film in a step.
 pub(crate) struct ViscousPass<'a, const L: usize> {
     law: &'a ViscousLaw,
-    step: &'a ViscousStep,
-    blocks: std::slice::ChunksExactMut<'a, Lane<L>>,
+    step: &'a ViscousStep<L>,
+    blocks: std::slice::ChunksExactMut<'a, Stored<L>>,
 }
 
 impl<const L: usize> ViscousPass<'_, L> {
@@ -116,16 +116,16 @@ impl<const L: usize> ViscousPass<'_, L> {
 /// Viscous points of one block in a step.
 pub(crate) struct MovedBlock<'a, const L: usize> {
     law: &'a ViscousLaw,
-    step: &'a ViscousStep,
-    variables: &'a mut [Lane<L>],
+    step: &'a ViscousStep<L>,
+    variables: &'a mut [Stored<L>],
 }
 
 impl<const L: usize> MovedBlock<'_, L> {
-    /// Replaces the stress of the law at the point numbered `point`, which is deformed by `d`.
+    /// Replaces the stress of the law of this measure at the point numbered `point`, which is deformed by `d`.
     #[inline(always)]
-    pub(crate) fn advance(&mut self, point: usize, d: &Deformation<L>, stress: &mut Stress<L>) {
+    pub(crate) fn advance(&mut self, measure: Measure, point: usize, d: &Deformation<L>, stress: &mut Stress<L>) {
         let count = self.law.viscosity.variables();
-        self.law.advance(self.step, d, stress, &mut self.variables[point * count..][..count]);
+        self.law.advance(measure, self.step, d, stress, &mut self.variables[point * count..][..count]);
     }
 }
 
@@ -133,11 +133,11 @@ impl<const L: usize> MovedBlock<'_, L> {
 #[derive(Clone, Copy)]
 pub(crate) struct ViscousBlock<'a, const L: usize> {
     law: &'a ViscousLaw,
-    variables: &'a [Lane<L>],
+    variables: &'a [Stored<L>],
 }
 
 impl<const L: usize> ViscousBlock<'_, L> {
-    fn point(&self, point: usize) -> &[Lane<L>] {
+    fn point(&self, point: usize) -> &[Stored<L>] {
         let count = self.law.viscosity.variables();
         &self.variables[point * count..][..count]
     }

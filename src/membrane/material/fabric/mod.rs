@@ -147,6 +147,7 @@ impl<F: FibreLaw> Fabric<F> {
 
 impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     type History<const L: usize> = PointHistory<F::History<L>, L>;
+    const MEASURE: Option<Measure> = Some(Measure::Fibres);
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L> {

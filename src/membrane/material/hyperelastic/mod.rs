@@ -30,7 +30,7 @@ pub use tension::Tension;
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
-use super::{Deformation, Energy, LawVisitor, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
+use super::{Deformation, Energy, LawVisitor, Measure, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
 use crate::lane::{Lane, splat};
 use principal::Principal;
 
@@ -183,6 +183,7 @@ impl<E: StrainEnergy> Hyperelastic<E> {
 
 impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
     type History<const L: usize> = PeakStrains<L>;
+    const MEASURE: Option<Measure> = Some(Measure::SecondPiola);
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {

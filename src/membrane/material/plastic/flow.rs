@@ -1,80 +1,19 @@
 //! The plastic part of a step: the amount of flow after which stress and flow stress agree.
 //!
-//! An elastic trial with the squares `a_i = κ_i y_i²` relaxes by the flow `γ` to `σ̄² = Σ a_i/(1 + γκ_i)²` while p grows by
-//! `γ σ̄` (theory.md, equations 258 and 261; Simo and Taylor, Int. J. Numer. Meth. Engng 22, 1986). Both are monotone, so the
-//! root is unique. Newton's method is safeguarded by a bracket: a step that leaves it, or is longer than half the last
-//! one, is replaced by a bisection. A lane that has converged no longer changes, whatever the others need.
+//! While a trial relaxes by the flow `γ` to `σ̄`, p grows by `γ σ̄` (theory.md, equations 258 and 261). Both are monotone, so the
+//! root is unique.
 
 use super::hardening::Hardening;
-use super::rate::FlowRate;
-use crate::lane::{Lane, exp, larger, ln, smaller, splat};
-use crate::material::elastic::Plane;
-
-/// Trials above the flow stress by less than this share do not flow.
-const ROUND_OFF: f64 = 4e-15;
-
-/// Stress over flow stress, less one, at which Newton's method takes its last step, which squares it.
-const TOLERANCE: f64 = 1e-10;
-
-/// Most steps of Newton's method or bisections: beyond the bisections of any bracket to round-off.
-const STEPS: usize = 120;
+use super::overstress::Overstress;
+use super::rate::{FlowRate, RateTable};
+use super::root::root;
+use super::trial::{ROUND_OFF, Relaxed, Trial};
+use crate::lane::{Lane, exp, ln, splat};
 
 /// Range of ln γ that is searched.
 const DEEPEST: f64 = 200.0;
 
-/// An elastic trial.
-pub(super) struct Trial<'a, const L: usize> {
-    /// κ_i, Pa.
-    pub(super) stiffness: [f64; 3],
-    /// The least of them.
-    pub(super) softest: f64,
-    /// a_i.
-    pub(super) squares: Plane<L>,
-    /// p before the step.
-    pub(super) before: &'a Lane<L>,
-    /// Flow stress at p before the step, slow, Pa.
-    pub(super) flow_stress: Lane<L>,
-    /// σ̄ over it after the last step, Pa.
-    pub(super) overstress: &'a Lane<L>,
-}
-
-/// σ̄, 1/(1 + γκ_i) and −dσ̄/dγ.
-pub(super) struct Relaxed<const L: usize> {
-    pub(super) stress: Lane<L>,
-    pub(super) shares: Plane<L>,
-    slope: Lane<L>,
-}
-
 impl<const L: usize> Trial<'_, L> {
-    /// σ̄ of the trial over the flow stress, less one.
-    #[inline(always)]
-    fn excess(&self) -> Lane<L> {
-        let [a, b, c] = &self.squares;
-        std::array::from_fn(|l| (a[l] + b[l] + c[l]).sqrt() / self.flow_stress[l] - 1.0)
-    }
-
-    /// The stress after the flow γ.
-    #[inline(always)]
-    pub(super) fn relaxed(&self, gamma: &Lane<L>) -> Relaxed<L> {
-        let nothing = splat(0.0);
-        let mut out = Relaxed { stress: nothing, shares: [nothing; 3], slope: nothing };
-        let mut falls = splat::<L>(0.0);
-        for i in 0..3 {
-            for l in 0..L {
-                let share = 1.0 / (1.0 + gamma[l] * self.stiffness[i]);
-                let square = self.squares[i][l] * share * share;
-                out.shares[i][l] = share;
-                out.stress[l] += square;
-                falls[l] += square * share * self.stiffness[i];
-            }
-        }
-        for l in 0..L {
-            out.stress[l] = out.stress[l].sqrt();
-            out.slope[l] = falls[l] / out.stress[l];
-        }
-        out
-    }
-
     /// γ of this step of `dt` (s), zero where the trial does not flow; none where no lane flows. Without time, flow is
     /// slow.
     #[inline(always)]
@@ -87,17 +26,15 @@ impl<const L: usize> Trial<'_, L> {
         if open == splat(0.0) {
             return None;
         }
-        let is_slow = dt <= 0.0 || matches!(rate, FlowRate::Independent);
-        Some(match is_slow {
-            true => self.slow(hardening, &excess, open),
-            false => self.rated(hardening, rate, dt, &excess, open),
+        Some(match rate {
+            FlowRate::CowperSymonds(law) if dt > 0.0 => {
+                Overstress { trial: self, hardening, law, dt }.flow(&excess, open)
+            }
+            FlowRate::Table(table) if dt > 0.0 => self.rated(hardening, table, dt, &excess, open),
+            FlowRate::Independent | FlowRate::CowperSymonds(_) | FlowRate::Table(_) => {
+                self.slow(hardening, &excess, open)
+            }
         })
-    }
-
-    /// A bound on γ from above: σ̄ is at most that of the trial over 1 + γ min κ; a margin for round-off.
-    #[inline(always)]
-    fn most(&self, excess: f64) -> f64 {
-        excess / self.softest * (1.0 + 1e-6)
     }
 
     /// The root of σ_y(p + γσ̄)/σ̄ = 1 in `open` lanes.
@@ -125,30 +62,22 @@ impl<const L: usize> Trial<'_, L> {
         })
     }
 
-    /// The root with the flow stress at the rate γσ̄/dt, in ln γ, from the rate of the last step.
+    /// The root with the flow stress at the rate γσ̄/dt, in ln γ.
     #[inline(always)]
-    fn rated(&self, hardening: &Hardening, rate: &FlowRate, dt: f64, excess: &Lane<L>, open: Lane<L>) -> Lane<L> {
+    fn rated(&self, hardening: &Hardening, rate: &RateTable, dt: f64, excess: &Lane<L>, open: Lane<L>) -> Lane<L> {
         let log_dt = ln(dt);
-        let (mut over, mut last) = (splat::<L>(1.0), splat::<L>(1.0));
-        for l in 0..L {
-            over[l] = if open[l] > 0.0 { excess[l] } else { 1.0 };
-            last[l] = if self.overstress[l] > 0.0 { self.overstress[l] / self.flow_stress[l] } else { over[l] };
-        }
-        let (fastest, last) = (rate.fastest(&over), rate.fastest(&last));
-        let (mut least, mut most, mut start) = (splat(0.0), splat(0.0), splat(0.0));
+        let (mut least, mut most) = (splat(0.0), splat(0.0));
         for l in 0..L {
             let flows = open[l] > 0.0;
             let slow = ln(if flows { self.most(excess[l]) } else { 1.0 });
-            // The rate alone gives at most the whole excess: γ ≤ ṗ dt/σ̄ with σ̄ above the slow flow stress.
-            let per_rate = log_dt - ln(self.flow_stress[l]);
-            let bound = smaller(fastest[l] + per_rate, slow);
-            most[l] = if flows { bound } else { 0.0 };
+            most[l] = if flows { slow } else { 0.0 };
             least[l] = most[l] - DEEPEST;
-            let before = last[l] + log_dt - ln(self.flow_stress[l] + self.overstress[l]);
-            start[l] = larger(least[l], smaller(before, most[l]));
         }
-        let log = root(start, [least, most], open, |log| {
-            let gamma = log.map(exp);
+        let log = root(most, [least, most], open, |log| {
+            let mut gamma = splat(0.0);
+            for l in 0..L {
+                gamma[l] = exp(log[l]);
+            }
             let Relaxed { stress, slope, .. } = self.relaxed(&gamma);
             let (mut p, mut log_rate) = (*self.before, splat(0.0));
             for l in 0..L {
@@ -176,39 +105,4 @@ impl<const L: usize> Trial<'_, L> {
         }
         gamma
     }
-}
-
-/// The root of a function that grows, between `low` and `high`, from `x` on in lanes where `open` is not zero. `of` gives
-/// value and derivative.
-#[inline(always)]
-fn root<const L: usize>(
-    mut x: Lane<L>,
-    [mut low, mut high]: [Lane<L>; 2],
-    mut open: Lane<L>,
-    of: impl Fn(&Lane<L>) -> [Lane<L>; 2],
-) -> Lane<L> {
-    let mut last = splat::<L>(f64::INFINITY);
-    for _ in 0..STEPS {
-        let [value, derivative] = of(&x);
-        let mut widest = 0.0;
-        for l in 0..L {
-            let is_below = value[l] < 0.0;
-            low[l] = if is_below { x[l] } else { low[l] };
-            high[l] = if is_below { high[l] } else { x[l] };
-            let newton = x[l] - value[l] / derivative[l];
-            let is_close = value[l].abs() <= TOLERANCE;
-            let is_outside = (newton <= low[l]) | (newton >= high[l]) | ((newton - x[l]).abs() > 0.5 * last[l]);
-            // A NaN must propagate.
-            let next = if is_outside & !is_close { 0.5 * (low[l] + high[l]) } else { newton };
-            let is_open = open[l] > TOLERANCE;
-            last[l] = (next - x[l]).abs();
-            x[l] = if is_open { next } else { x[l] };
-            open[l] = if is_open { value[l].abs() } else { open[l] };
-            widest = larger(open[l], widest);
-        }
-        if widest <= TOLERANCE {
-            break;
-        }
-    }
-    x
 }

@@ -16,23 +16,26 @@ mod hill;
 mod history;
 mod logarithm;
 mod modes;
+mod overstress;
 mod rate;
+mod root;
 #[cfg(test)]
 mod tests;
+mod trial;
 
 pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
 pub use hill::Hill;
 pub use history::PlasticHistory;
-pub use rate::{FlowRate, RateTable, RateTableError};
+pub use rate::{CowperSymonds, FlowRate, RateTable, RateTableError};
 
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, MembraneLaw, Stiffness, Stress};
 use crate::lane::{Lane, exp, larger, splat};
-use flow::Trial;
 use logarithm::Logarithm;
 use modes::Modes;
+use trial::Trial;
 
 /// A plastic film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -110,12 +113,17 @@ impl Plastic {
         }
         if !matches!(self.rate, FlowRate::Independent) {
             let slow = self.hardening.flow(&p).stress;
+            let (mut over, mut work) = (splat::<L>(0.0), splat::<L>(0.0));
             for l in 0..L {
+                let above = larger(relaxed.stress[l] - slow[l], 0.0);
                 // Of a lane that does not flow what is left is round-off.
-                let over = if gamma[l] > 0.0 { larger(relaxed.stress[l] - slow[l], 0.0) } else { 0.0 };
-                history.surplus[l] += 0.5 * (history.overstress[l] + over) * (p[l] - history.equivalent[l]);
-                history.overstress[l] = over;
+                over[l] = if gamma[l] > 0.0 { above } else { 0.0 };
+                work[l] = 0.5 * (history.overstress[l] + over[l]) * (p[l] - history.equivalent[l]);
             }
+            for l in 0..L {
+                history.surplus[l] += work[l];
+            }
+            history.overstress = over;
         }
         history.equivalent = p;
         t

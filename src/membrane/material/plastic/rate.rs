@@ -13,15 +13,47 @@ use crate::material::log_interval::LogInterval;
 pub enum FlowRate {
     /// None.
     Independent,
-    /// σ_y (1 + (ṗ/D)^(1/P)) (theory.md, equation 260; Cowper and Symonds, Brown University, 1957).
-    CowperSymonds {
-        /// D, 1/s.
-        reference: f64,
-        /// P, at least one.
-        exponent: f64,
-    },
+    /// The law of Cowper and Symonds.
+    CowperSymonds(CowperSymonds),
     /// Curves by rate, from that of the hardening on: interpolated in the logarithm of the rate, constant outside.
     Table(RateTable),
+}
+
+/// The flow stress σ_y (1 + (ṗ/D)^(1/P)) (theory.md, equation 260; Cowper and Symonds, Brown University, 1957).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CowperSymonds {
+    /// D, 1/s.
+    pub reference: f64,
+    /// P, at least one.
+    pub exponent: f64,
+}
+
+/// Largest exponent whose powers are products.
+const PRODUCTS: f64 = 16.0;
+
+impl CowperSymonds {
+    /// q^(P − 1) of the share `q` > 0 of the slow flow stress: products where P is a whole number, as it mostly is.
+    #[inline(always)]
+    pub(super) fn power_below<const L: usize>(&self, q: &Lane<L>) -> Lane<L> {
+        let power = self.exponent - 1.0;
+        if power.fract() != 0.0 || power > PRODUCTS {
+            let (mut log, mut out) = (splat::<L>(0.0), splat::<L>(0.0));
+            for l in 0..L {
+                log[l] = power * ln(q[l]);
+            }
+            for l in 0..L {
+                out[l] = exp(log[l]);
+            }
+            return out;
+        }
+        let mut out = splat(1.0);
+        for _ in 0..power as u32 {
+            for l in 0..L {
+                out[l] *= q[l];
+            }
+        }
+        out
+    }
 }
 
 /// Flow curves of rising rates after that of the hardening.
@@ -113,59 +145,41 @@ impl FlowRate {
     pub fn range(&self) -> Option<[f64; 2]> {
         match self {
             FlowRate::Table(RateTable { lowest, highest, .. }) => Some([*lowest, *highest]),
-            FlowRate::Independent | FlowRate::CowperSymonds { .. } => None,
+            FlowRate::Independent | FlowRate::CowperSymonds(_) => None,
         }
     }
 
     /// Flow stress at p and the constant rate (1/s) where slow flow has that of `slow`, Pa.
     pub(super) fn at(&self, slow: Flow<1>, p: f64, rate: f64) -> f64 {
-        self.flow(&slow, &[p], &[ln(rate)]).stress[0]
+        match self {
+            FlowRate::Independent => slow.stress[0],
+            FlowRate::CowperSymonds(CowperSymonds { reference, exponent }) => {
+                slow.stress[0] * (1.0 + exp((ln(rate) - ln(*reference)) / exponent))
+            }
+            FlowRate::Table(table) => table.flow(&slow, &[p], &[ln(rate)]).stress[0],
+        }
     }
+}
 
+impl RateTable {
     /// Flow stress at p and ln ṗ, where slow flow has that of `slow`.
     #[inline(always)]
     pub(super) fn flow<const L: usize>(&self, slow: &Flow<L>, p: &Lane<L>, log_rate: &Lane<L>) -> RatedFlow<L> {
         let mut out = RatedFlow { stress: slow.stress, by_strain: slow.slope, by_log_rate: splat(0.0) };
-        match self {
-            FlowRate::Independent => {}
-            FlowRate::CowperSymonds { reference, exponent } => {
-                let (log, power) = (ln(*reference), 1.0 / exponent);
-                for l in 0..L {
-                    let over = exp(power * (log_rate[l] - log));
-                    out.stress[l] *= 1.0 + over;
-                    out.by_strain[l] *= 1.0 + over;
-                    out.by_log_rate[l] = power * over * slow.stress[l];
-                }
+        let (mut below, mut slope) = (slow.stress, slow.slope);
+        for Step { interval, curve } in &self.steps {
+            let above = curve.flow(p);
+            for l in 0..L {
+                let weight = interval.weight(log_rate[l]);
+                let rise = above.stress[l] - below[l];
+                out.stress[l] += weight * rise;
+                out.by_strain[l] += weight * (above.slope[l] - slope[l]);
+                let is_inside = (weight > 0.0) & (weight < 1.0);
+                out.by_log_rate[l] += if is_inside { interval.per_log() * rise } else { 0.0 };
             }
-            FlowRate::Table(table) => {
-                let (mut below, mut slope) = (slow.stress, slow.slope);
-                for Step { interval, curve } in &table.steps {
-                    let above = curve.flow(p);
-                    for l in 0..L {
-                        let weight = interval.weight(log_rate[l]);
-                        let rise = above.stress[l] - below[l];
-                        out.stress[l] += weight * rise;
-                        out.by_strain[l] += weight * (above.slope[l] - slope[l]);
-                        let is_inside = (weight > 0.0) & (weight < 1.0);
-                        out.by_log_rate[l] += if is_inside { interval.per_log() * rise } else { 0.0 };
-                    }
-                    (below, slope) = (above.stress, above.slope);
-                }
-            }
+            (below, slope) = (above.stress, above.slope);
         }
         out
-    }
-
-    /// A bound on ln ṗ from above at which the flow stress exceeds that of slow flow by at most the factor 1 + `over`.
-    #[inline(always)]
-    pub(super) fn fastest<const L: usize>(&self, over: &Lane<L>) -> Lane<L> {
-        match self {
-            FlowRate::CowperSymonds { reference, exponent } => {
-                let log = ln(*reference);
-                over.map(|over| log + exponent * ln(over))
-            }
-            FlowRate::Independent | FlowRate::Table(_) => splat(f64::INFINITY),
-        }
     }
 }
 

@@ -24,7 +24,7 @@ fn orthotropic() -> Hill {
 }
 
 fn cowper_symonds() -> FlowRate {
-    FlowRate::CowperSymonds { reference: 40.0, exponent: 5.0 }
+    FlowRate::CowperSymonds(CowperSymonds { reference: 40.0, exponent: 5.0 })
 }
 
 fn by_rate() -> Plastic {
@@ -549,8 +549,11 @@ fn equibiaxial_tension_and_shear_have_their_closed_forms() {
 /// table's first curve.
 #[test]
 fn the_rate_raises_the_flow_stress() {
-    let cowper = Plastic::new(elastic(), Hill::default(), voce(), cowper_symonds());
-    for law in [cowper, by_rate()] {
+    let cowper = |exponent| {
+        let rate = FlowRate::CowperSymonds(CowperSymonds { reference: 40.0, exponent });
+        Plastic::new(elastic(), Hill::default(), voce(), rate)
+    };
+    for law in [cowper(5.0), cowper(5.5), cowper(40.0), by_rate()] {
         for rate in [1e-4, 0.3, 20.0, 5e3] {
             let (mut history, steps, mut along) = (Point::virgin(), 3000, 0.0);
             let mut before = 0.0;
@@ -566,6 +569,28 @@ fn the_rate_raises_the_flow_stress() {
             let expected = law.flow_stress(p, flowed);
             let found = law.hardening.stress(p) + history.overstress[0];
             assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        }
+    }
+}
+
+/// One step of virgin film, of any length and strain, ends at the flow stress of the rate of that step, whatever the
+/// exponent: no product overflows, and no search ends early.
+#[test]
+fn a_step_ends_at_the_flow_stress_of_its_rate() {
+    let [exponents, references] = [vec![1.0, 1.7, 3.0, 5.0, 17.5, 100.0], vec![1e-3, 40.0, 1e6]];
+    for (exponent, reference) in exponents.iter().flat_map(|p| references.iter().map(move |d| (*p, *d))) {
+        let rate = FlowRate::CowperSymonds(CowperSymonds { reference, exponent });
+        let law = Plastic::new(elastic(), orthotropic(), table(), rate);
+        for (strain, dt) in
+            [0.06, 0.1, 0.7, 3.0].into_iter().flat_map(|e| [1e-9, 1e-6, 1e-3, 1.0, 1e3].map(|dt| (e, dt)))
+        {
+            let (f, mut history) = (strained([strain, -0.4 * strain, 0.2 * strain]), Point::virgin());
+            step(&law, f, &mut history, dt);
+            let growth = history.equivalent[0];
+            let found = effective(&law.hill, work_stress(&law, f, &history));
+            assert!(growth > 0.0 && found.is_finite(), "{exponent} {reference} {strain} {dt}: {growth} {found}");
+            let expected = law.flow_stress(growth, growth / dt);
+            assert!((found / expected - 1.0).abs() < 1e-8, "{exponent} {reference} {strain} {dt}: {found} {expected}");
         }
     }
 }

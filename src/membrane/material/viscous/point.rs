@@ -1,7 +1,7 @@
 //! The history variables of a viscous point, and its stress, energy and stiffness.
 
 use super::{Viscosity, ViscousStep};
-use crate::lane::{Lane, larger, smaller, splat};
+use crate::lane::{Lane, Stored, larger, smaller, splat};
 use crate::material::elastic::{Elastic, Plane};
 use crate::material::measure::{Measure, Measured, ViscousBase, WithoutCompression};
 use crate::material::{Deformation, Energy, Stiffness, Stress};
@@ -37,72 +37,82 @@ impl ViscousLaw {
     }
 
     /// Sets the history variables of a point to those of virgin film.
-    pub fn reset<const L: usize>(&self, variables: &mut [Lane<L>]) {
-        variables.fill(splat(0.0));
+    pub fn reset<const L: usize>(&self, variables: &mut [Stored<L>]) {
+        variables.fill(Stored(splat(0.0)));
         for (variable, strain) in variables[STRAIN..WORK].iter_mut().zip(self.base.measure.undeformed()) {
-            *variable = splat(strain);
+            variable.0 = splat(strain);
         }
     }
 
     /// Replaces the `stress` of the law at deformation `d` by that of viscous film after `step`, and updates the history
-    /// variables (theory.md, equations 280 to 284).
+    /// variables (theory.md, equations 280 to 284). `measure` is that of the law, for the compiler to know.
     #[inline(always)]
     pub fn advance<const L: usize>(
         &self,
-        step: &ViscousStep,
+        measure: Measure,
+        step: &ViscousStep<L>,
         d: &Deformation<L>,
         stress: &mut Stress<L>,
-        variables: &mut [Lane<L>],
+        variables: &mut [Stored<L>],
     ) {
-        let at = self.base.measure.at(d);
+        let at = measure.at(d);
         let base = self.base_stress(&at, stress);
         let Some((head, terms)) = variables.split_first_chunk_mut::<FIRST_TERM>() else { return };
         let (terms, _) = terms.as_chunks_mut::<3>();
-        let long_term = self.long_term;
-        let mut change = [splat::<L>(0.0); 3];
         let (mut before, mut now) = ([splat::<L>(0.0); 3], [splat::<L>(0.0); 3]);
         // Component by component, so that the sums over the terms stay in registers.
         for k in 0..3 {
-            for l in 0..L {
-                change[k][l] = base[k][l] - head[STRESS + k][l];
-                before[k][l] = long_term * head[STRESS + k][l];
-                now[k][l] = long_term * base[k][l];
-            }
-            head[STRESS + k] = base[k];
-            for (&[kept, taken], overstress) in step.terms.iter().zip(terms.iter_mut()) {
-                let old = overstress[k];
-                let mut new = old;
+            [before[k], now[k]] = self.relax(step, &base[k], &mut head[STRESS + k], terms, k);
+        }
+        if let Some(raised) = self.without_compression(&at, &base, &now) {
+            for k in 0..3 {
+                let mut change = splat::<L>(0.0);
                 for l in 0..L {
-                    new[l] = kept * old[l] + taken * change[k][l];
-                    before[k][l] += old[l];
-                    now[k][l] += new[l];
+                    // The film is longer than its span: by this its own stress is higher.
+                    change[l] = (raised[k][l] - now[k][l]) / step.fresh;
+                    head[STRESS + k][l] += change[l];
                 }
-                overstress[k] = new;
-            }
-        }
-        if self.base.compression != WithoutCompression::Carried {
-            let raised = self.without_compression(&at, &base, &now);
-            // Film is taut for the most part, and the terms are many.
-            if raised != now {
-                for k in 0..3 {
+                for ([_, taken], overstress) in step.terms.iter().zip(terms.iter_mut()) {
                     for l in 0..L {
-                        // The film is longer than its span: by this its own stress is higher.
-                        change[k][l] = (raised[k][l] - now[k][l]) / step.fresh;
-                        head[STRESS + k][l] += change[k][l];
+                        overstress[k][l] += taken[l] * change[l];
                     }
                 }
-                for (&[_, taken], overstress) in step.terms.iter().zip(terms) {
-                    for k in 0..3 {
-                        for l in 0..L {
-                            overstress[k][l] += taken * change[k][l];
-                        }
-                    }
-                }
-                now = raised;
             }
+            now = raised;
         }
-        self.work(&at, &before, &now, head);
+        self.work(measure, &at, &before, &now, head);
         *stress = Elastic::first_piola(d, at.unmeasured(&now));
+    }
+
+    /// Component `k` of the total stress before and after a step in which that of the law changes from `own`, its history
+    /// variable, to `base`.
+    #[inline(always)]
+    fn relax<const L: usize>(
+        &self,
+        step: &ViscousStep<L>,
+        base: &Lane<L>,
+        own: &mut Stored<L>,
+        terms: &mut [[Stored<L>; 3]],
+        k: usize,
+    ) -> [Lane<L>; 2] {
+        let (mut change, mut before, mut now) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));
+        for l in 0..L {
+            change[l] = base[l] - own[l];
+            before[l] = self.long_term * own[l];
+            now[l] = self.long_term * base[l];
+        }
+        own.0 = *base;
+        for ([kept, taken], overstress) in step.terms.iter().zip(terms) {
+            let mut overstress_now = splat::<L>(0.0);
+            for l in 0..L {
+                let old = overstress[k][l];
+                overstress_now[l] = kept[l] * old + taken[l] * change[l];
+                before[l] += old;
+                now[l] += overstress_now[l];
+            }
+            overstress[k].0 = overstress_now;
+        }
+        [before, now]
     }
 
     /// The law's stress in its measure, of film strained at once.
@@ -121,17 +131,18 @@ impl ViscousLaw {
     #[inline(always)]
     fn work<const L: usize>(
         &self,
+        measure: Measure,
         at: &Measured<L>,
         before: &Plane<L>,
         now: &Plane<L>,
-        head: &mut [Lane<L>; FIRST_TERM],
+        head: &mut [Stored<L>; FIRST_TERM],
     ) {
         for l in 0..L {
             let mut work = 0.0;
             for k in 0..2 {
                 work += (before[k][l] + now[k][l]) * (at.strain[k][l] - head[STRAIN + k][l]);
             }
-            let inverse = match self.base.measure {
+            let inverse = match measure {
                 Measure::SecondPiola => 1.0,
                 Measure::Fibres => 1.0 / (larger(head[STRAIN][l], 1.0) * larger(head[STRAIN + 1][l], 1.0)),
             };
@@ -139,49 +150,85 @@ impl ViscousLaw {
             work += shear * (at.strain[2][l] - head[STRAIN + 2][l]);
             head[WORK][l] += 0.5 * work;
         }
-        head[STRAIN..WORK].copy_from_slice(&at.strain);
+        for k in 0..3 {
+            head[STRAIN + k].0 = at.strain[k];
+        }
     }
 
-    /// The stress `total` without what compression the law `base` does not carry.
+    /// The stress `total` without what compression the law `base` does not carry, where it has any in a lane.
     #[inline(always)]
-    fn without_compression<const L: usize>(&self, at: &Measured<L>, base: &Plane<L>, total: &Plane<L>) -> Plane<L> {
-        let mut out = *total;
-        if self.base.compression == WithoutCompression::Fibres {
-            for k in 0..2 {
-                for l in 0..L {
-                    out[k][l] = larger(smaller(base[k][l], 0.0), total[k][l]);
-                }
-            }
-            return out;
+    fn without_compression<const L: usize>(
+        &self,
+        at: &Measured<L>,
+        base: &Plane<L>,
+        total: &Plane<L>,
+    ) -> Option<Plane<L>> {
+        match self.base.compression {
+            WithoutCompression::Carried => None,
+            WithoutCompression::Fibres => Self::without_compressed_fibres(base, total),
+            WithoutCompression::AnyDirection => self.taut(at, total),
         }
+    }
+
+    /// The stress `total` with no more compression of a fibre than `base`, where a fibre has more.
+    #[inline(always)]
+    fn without_compressed_fibres<const L: usize>(base: &Plane<L>, total: &Plane<L>) -> Option<Plane<L>> {
+        let mut out = *total;
+        let mut is_compressed = false;
+        for k in 0..2 {
+            for l in 0..L {
+                let least = smaller(base[k][l], 0.0);
+                is_compressed |= least > total[k][l];
+                out[k][l] = larger(least, total[k][l]);
+            }
+        }
+        is_compressed.then_some(out)
+    }
+
+    /// The stress `total` without compression in any direction, where there is any.
+    #[inline(always)]
+    fn taut<const L: usize>(&self, at: &Measured<L>, total: &Plane<L>) -> Option<Plane<L>> {
         let s = at.unmeasured(total);
-        let poisson = -self.base.compliance[2] / self.base.compliance[0];
+        let (mut mean, mut apart, mut radius) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));
+        let mut is_taut = true;
         for l in 0..L {
-            let (mean, apart) = (0.5 * (s[0][l] + s[1][l]), 0.5 * (s[0][l] - s[1][l]));
-            let radius = (apart * apart + s[2][l] * s[2][l]).sqrt();
+            mean[l] = 0.5 * (s[0][l] + s[1][l]);
+            apart[l] = 0.5 * (s[0][l] - s[1][l]);
+            radius[l] = (apart[l] * apart[l] + s[2][l] * s[2][l]).sqrt();
+            is_taut &= mean[l] - radius[l] >= 0.0;
+        }
+        // Film is taut for the most part.
+        if is_taut {
+            return None;
+        }
+        let poisson = -self.base.compliance[2] / self.base.compliance[0];
+        let mut out = *total;
+        for l in 0..L {
+            let least = mean[l] - radius[l];
             // Wrinkled film is wider by its compression over the modulus, and carries Poisson's ratio of it along the wrinkles.
-            let released = poisson * smaller(mean - radius, 0.0);
-            let (first, second) = (larger(mean + radius - released, 0.0), larger(mean - radius, 0.0));
-            let inverse = 1.0 / larger(radius, POINT);
-            let (cosine, sine) = (apart * inverse, s[2][l] * inverse);
+            let released = poisson * smaller(least, 0.0);
+            let (first, second) = (larger(mean[l] + radius[l] - released, 0.0), larger(least, 0.0));
+            let inverse = 1.0 / larger(radius[l], POINT);
+            let (cosine, sine) = (apart[l] * inverse, s[2][l] * inverse);
             let (mean_left, apart_left) = (0.5 * (first + second), 0.5 * (first - second));
             let raised = [mean_left + apart_left * cosine, mean_left - apart_left * cosine, apart_left * sine];
             // Taut film keeps its stress to the bit.
             for k in 0..3 {
-                out[k][l] = if mean - radius >= 0.0 { total[k][l] } else { raised[k] * at.scale[k][l] };
+                let raised = raised[k] * at.scale[k][l];
+                out[k][l] = if least >= 0.0 { total[k][l] } else { raised };
             }
         }
-        out
+        Some(out)
     }
 
     /// Stress of the point with these history variables, where it is deformed by `d`.
-    pub fn stress<const L: usize>(&self, d: &Deformation<L>, variables: &[Lane<L>]) -> Stress<L> {
+    pub fn stress<const L: usize>(&self, d: &Deformation<L>, variables: &[Stored<L>]) -> Stress<L> {
         Elastic::first_piola(d, self.base.measure.at(d).unmeasured(&self.total(variables)))
     }
 
     /// (1 − Σg) S° + Σ q, in the measure of the law.
     #[inline(always)]
-    fn total<const L: usize>(&self, variables: &[Lane<L>]) -> Plane<L> {
+    fn total<const L: usize>(&self, variables: &[Stored<L>]) -> Plane<L> {
         let mut total = [splat(0.0); 3];
         for k in 0..3 {
             for l in 0..L {
@@ -203,14 +250,14 @@ impl ViscousLaw {
         d: &Deformation<L>,
         stress: &Stress<L>,
         energy: &Energy<L>,
-        variables: &[Lane<L>],
+        variables: &[Stored<L>],
     ) -> Energy<L> {
         let base = self.base_stress(&self.base.measure.at(d), stress);
-        let own = [variables[STRESS], variables[STRESS + 1], variables[STRESS + 2]];
+        let own = [0, 1, 2].map(|k| variables[STRESS + k].0);
         let (of_base, of_own) = (self.base.complementary(&base), self.base.complementary(&own));
         let mut springs = splat::<L>(0.0);
         for (term, overstress) in self.viscosity.terms.iter().zip(variables[FIRST_TERM..].as_chunks::<3>().0) {
-            let spring = self.base.complementary(overstress);
+            let spring = self.base.complementary(&overstress.map(|q| q.0));
             for l in 0..L {
                 springs[l] += spring[l] / term.share;
             }
@@ -229,8 +276,8 @@ impl ViscousLaw {
     }
 
     /// Sets the work of a point up to now, J/m³.
-    pub fn set_work<const L: usize>(&self, variables: &mut [Lane<L>], work: &Lane<L>) {
-        variables[WORK] = *work;
+    pub fn set_work<const L: usize>(&self, variables: &mut [Stored<L>], work: &Lane<L>) {
+        variables[WORK].0 = *work;
     }
 
     /// Instantaneous energy over that of the law as written.
@@ -244,11 +291,11 @@ impl ViscousLaw {
         &self,
         d: &Deformation<L>,
         mut stiffness: Stiffness<L>,
-        variables: &[Lane<L>],
+        variables: &[Stored<L>],
     ) -> Stiffness<L> {
         let at = self.base.measure.at(d);
         let (total, base) =
-            (at.unmeasured(&self.total(variables)), at.unmeasured(&[variables[0], variables[1], variables[2]]));
+            (at.unmeasured(&self.total(variables)), at.unmeasured(&[0, 1, 2].map(|k| variables[STRESS + k].0)));
         for l in 0..L {
             let sheared = larger(total[2][l].abs() - base[2][l].abs(), 0.0);
             for fibre in 0..2 {
@@ -266,7 +313,7 @@ impl ViscousLaw {
     /// fibres are not broken fell from `before` to `left`.
     pub fn break_fibres<const L: usize>(
         &self,
-        variables: &mut [Lane<L>],
+        variables: &mut [Stored<L>],
         lane: usize,
         before: [f64; 2],
         left: [f64; 2],

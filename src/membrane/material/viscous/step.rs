@@ -1,24 +1,25 @@
 //! What a Prony series does within one time step.
 
 use super::Viscosity;
-use crate::lane::exp;
+use crate::lane::{Stored, exp, splat};
 
 /// Δt/τ below which the mean of the decay is its series.
 const SHORT: f64 = 0.5;
 
-/// Coefficients of a step, the same at every point.
+/// Coefficients of a step, the same at every point. They are stored in every lane, so that kernels load them as they load
+/// what they multiply.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ViscousStep {
+pub struct ViscousStep<const L: usize> {
     /// Of each term: the share of its overstress that is kept over the step, and the part of the change of the
     /// instantaneous stress that it takes up.
-    pub(super) terms: Vec<[f64; 2]>,
+    pub(super) terms: Vec<[Stored<L>; 2]>,
     /// Change of the stress over that of the instantaneous one within the step.
     pub(super) fresh: f64,
 }
 
-impl ViscousStep {
+impl<const L: usize> ViscousStep<L> {
     /// A step of `dt` ≥ 0 (s) over which the instantaneous stress changes steadily: exact (theory.md, equation 281).
-    pub fn over(viscosity: &Viscosity, dt: f64) -> ViscousStep {
+    pub fn over(viscosity: &Viscosity, dt: f64) -> ViscousStep<L> {
         let of_term = |term: &super::PronyTerm| {
             let [kept, mean] = decay(dt / term.time);
             [kept, term.share * mean]
@@ -27,13 +28,14 @@ impl ViscousStep {
     }
 
     /// Mounting of film that is free of stress and rests then.
-    pub fn mounting(viscosity: &Viscosity) -> ViscousStep {
+    pub fn mounting(viscosity: &Viscosity) -> ViscousStep<L> {
         let of_term = |term: &super::PronyTerm| [0.0, term.share * viscosity.left(term)];
         ViscousStep::of(viscosity, viscosity.terms.iter().map(of_term).collect())
     }
 
-    fn of(viscosity: &Viscosity, terms: Vec<[f64; 2]>) -> ViscousStep {
+    fn of(viscosity: &Viscosity, terms: Vec<[f64; 2]>) -> ViscousStep<L> {
         let fresh = viscosity.long_term() + terms.iter().map(|[_, taken]| taken).sum::<f64>();
+        let terms = terms.into_iter().map(|term| term.map(|coefficient| Stored(splat(coefficient)))).collect();
         ViscousStep { terms, fresh }
     }
 }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use super::step::decay;
 use super::*;
-use crate::lane::{Lane, splat};
+use crate::lane::{Stored, splat};
 use crate::material::hyperelastic::{Hyperelastic, Polynomial};
 use crate::material::tests::film;
 use crate::material::{
@@ -18,13 +18,15 @@ struct Point<M> {
     law: M,
     viscous: ViscousLaw,
     history: PeakStrains<1>,
-    variables: Vec<Lane<1>>,
+    variables: Vec<Stored<1>>,
 }
 
 impl<M: MembraneLaw<History<1> = PeakStrains<1>> + Clone> Point<M> {
     fn new(law: M, viscosity: Viscosity) -> Point<M> {
-        let viscous = ViscousLaw::new(viscosity, law.viscous().unwrap());
-        let mut variables = vec![splat(0.0); viscous.viscosity.variables()];
+        let base = law.viscous().unwrap();
+        assert_eq!(M::MEASURE, Some(base.measure));
+        let viscous = ViscousLaw::new(viscosity, base);
+        let mut variables = vec![Stored(splat(0.0)); viscous.viscosity.variables()];
         viscous.reset(&mut variables);
         Point { law, viscous, history: History::virgin(), variables }
     }
@@ -38,9 +40,9 @@ impl<M: MembraneLaw<History<1> = PeakStrains<1>> + Clone> Point<M> {
         self
     }
 
-    fn taken(&mut self, step: &ViscousStep, d: &Deformation<1>) -> Stress<1> {
+    fn taken(&mut self, step: &ViscousStep<1>, d: &Deformation<1>) -> Stress<1> {
         let mut stress = self.law.stress(d, &mut self.history, 0.0);
-        self.viscous.advance(step, d, &mut stress, &mut self.variables);
+        self.viscous.advance(M::MEASURE.unwrap(), step, d, &mut stress, &mut self.variables);
         stress
     }
 

@@ -99,7 +99,7 @@ fn stiffness_of_viscous_film_is_bounded() {
                         }
                     }
                     let mut stress = point.law.stress(&d, &mut point.history.clone(), 0.0);
-                    point.viscous.advance(&instant, &d, &mut stress, &mut point.variables.clone());
+                    point.viscous.advance(M::MEASURE.unwrap(), &instant, &d, &mut stress, &mut point.variables.clone());
                     (0..3)
                         .map(|axis| n[axis] * (b[0] * stress.p[0][axis][0] + b[1] * stress.p[1][axis][0]))
                         .sum::<f64>()

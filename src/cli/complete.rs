@@ -1,0 +1,126 @@
+//! Completion in shells: commands and options, keys of scenarios, files.
+
+use std::ffi::{OsStr, OsString};
+use std::io;
+
+use clap::{Args, Command};
+use clap_complete::engine::{ArgValueCompleter, CompletionCandidate, PathCompleter};
+use clap_complete::env::{CompleteEnv, Shells};
+
+use super::{Failure, print};
+use crate::diagnostic::Diagnostic;
+use crate::scenario::grammar::{self, Key, Rule};
+
+/// Variable by which a shell asks for completions.
+const VARIABLE: &str = "DROPTOWER_COMPLETE";
+
+#[derive(Debug, Args)]
+pub(super) struct CompletionsArgs {
+    /// bash, zsh, fish, powershell or elvish
+    shell: String,
+}
+
+/// Answers a shell that asks for completions, and ends; does nothing where none asks.
+pub(super) fn answer(command: fn() -> Command) {
+    CompleteEnv::with_factory(command).var(VARIABLE).complete();
+}
+
+/// Prints the script that a shell reads once.
+pub(super) fn run(args: &CompletionsArgs) -> Result<(), Failure> {
+    let shells = Shells::builtins();
+    let Some(shell) = shells.completer(&args.shell) else {
+        let names: Vec<&str> = shells.names().collect();
+        let mistake = Diagnostic::new(format!("there is no completion for the shell \"{}\"", args.shell));
+        return Err(mistake.hint(format!("there is one for {}", names.join(", "))).into());
+    };
+    let program = std::env::current_exe().unwrap_or_else(|_| "droptower".into());
+    let mut script = Vec::new();
+    let written = shell.write_registration(VARIABLE, "droptower", "droptower", &program.to_string_lossy(), &mut script);
+    written.map_err(|error: io::Error| Failure::output(Diagnostic::new(error.to_string())))?;
+    print(String::from_utf8_lossy(&script).trim_end())
+}
+
+/// Scenario files.
+pub(super) fn scenarios() -> ArgValueCompleter {
+    files("toml")
+}
+
+/// Script files.
+pub(super) fn scripts() -> ArgValueCompleter {
+    files("rhai")
+}
+
+fn files(extension: &'static str) -> ArgValueCompleter {
+    let is_wanted = move |path: &std::path::Path| path.extension().is_some_and(|own| own == extension);
+    ArgValueCompleter::new(PathCompleter::file().filter(is_wanted))
+}
+
+/// Keys of a scenario.
+pub(super) fn keys() -> ArgValueCompleter {
+    ArgValueCompleter::new(|written: &OsStr| candidates(written, ""))
+}
+
+/// Changes of keys: a key with its equals sign, then the words that it may have.
+pub(super) fn changes() -> ArgValueCompleter {
+    ArgValueCompleter::new(|written: &OsStr| match written.to_str().and_then(|text| text.split_once('=')) {
+        Some((path, value)) => words(path, value),
+        None => candidates(written, "="),
+    })
+}
+
+/// The keys that begin as it is written, one step deeper at a time.
+fn candidates(written: &OsStr, after: &str) -> Vec<CompletionCandidate> {
+    let Some(written) = written.to_str() else { return vec![] };
+    let (table, begun) = written.rsplit_once('.').unwrap_or(("", written));
+    let mut rule = grammar::scenario();
+    for step in table.split('.').filter(|step| !step.is_empty()) {
+        match rule.under(step) {
+            Some(below) => rule = below,
+            None => return vec![],
+        }
+    }
+    let keys = rule.table().into_iter().flat_map(|table| &table.keys);
+    let candidate = |key: &Key| {
+        let path = if table.is_empty() { key.name.clone() } else { format!("{table}.{}", key.name) };
+        let has_keys = key.rule.table().is_some();
+        let text = format!("{path}{}", if has_keys { "." } else { after });
+        let help = key.sentence.clone().map(Into::into);
+        CompletionCandidate::new(OsString::from(text)).help(help)
+    };
+    keys.filter(|key| key.name.starts_with(begun)).map(candidate).collect()
+}
+
+/// The words that the key at the path may have.
+fn words(path: &str, begun: &str) -> Vec<CompletionCandidate> {
+    let rule = path.split('.').try_fold(grammar::scenario(), Rule::under);
+    let words = rule.map(Rule::words).unwrap_or_default().into_iter();
+    let candidate = |(word, sentence): (&str, Option<&str>)| {
+        let help = sentence.map(|sentence| sentence.to_owned().into());
+        CompletionCandidate::new(OsString::from(format!("{path}={word}"))).help(help)
+    };
+    words.filter(|(word, _)| word.starts_with(begun)).map(candidate).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(found: Vec<CompletionCandidate>) -> Vec<String> {
+        found.iter().map(|candidate| candidate.get_value().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn keys_are_completed_step_by_step() {
+        assert_eq!(texts(candidates(OsStr::new("imp"), "=")), ["impactor."]);
+        assert_eq!(texts(candidates(OsStr::new("impactor.ma"), "=")), ["impactor.mass="]);
+        assert_eq!(texts(candidates(OsStr::new("specimen.mesh.si"), "")), ["specimen.mesh.size"]);
+        assert!(texts(candidates(OsStr::new("nothing."), "")).is_empty());
+        assert!(texts(candidates(OsStr::new(""), "")).contains(&"specimen.".to_owned()));
+    }
+
+    #[test]
+    fn words_of_a_key_are_completed() {
+        assert_eq!(texts(words("specimen.symmetry", "qu")), ["specimen.symmetry=quarter"]);
+        assert!(words("impactor.mass", "1").is_empty());
+    }
+}

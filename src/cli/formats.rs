@@ -1,0 +1,24 @@
+//! The formats in which results are also written, on request.
+
+use clap::Args;
+
+/// What a run writes beside its usual files.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub(super) struct Formats {
+    /// Also write the snapshots for ParaView: film.pvd, impactor.pvd and frame.pvd (the bars), with strain, stress and thickness
+    #[arg(long)]
+    pub vtu: bool,
+    /// Also write the snapshots for ParaView, all of them in one file: film.vtkhdf, impactor.vtkhdf and frame.vtkhdf
+    #[arg(long)]
+    pub vtkhdf: bool,
+    /// Also write every table as Apache Parquet, for pandas, Polars and R
+    #[arg(long)]
+    pub parquet: bool,
+}
+
+impl Formats {
+    /// Whether snapshots need what ParaView shows: stresses, velocities, fibres.
+    pub(super) fn need_detail(self) -> bool {
+        self.vtu || self.vtkhdf
+    }
+}

@@ -1,0 +1,149 @@
+//! `droptower picture`: the scene of a stored run, or a plot of its page, as a file for slides and papers.
+
+mod args;
+mod list;
+mod plots;
+mod preset;
+mod scene;
+mod style;
+mod words;
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+pub(super) use self::args::PictureArgs;
+use self::preset::Preset;
+use super::{Failure, Shared, output, print_figures};
+use crate::diagnostic::{Diagnostic, shown_path};
+use crate::picture::{Drawing, PictureError};
+use crate::report::{StoredPage, StoredPageError};
+
+/// A picture, and what is told of it.
+struct Made {
+    /// What the file holds.
+    content: Vec<u8>,
+    /// What it shows, on one line.
+    words: String,
+    figures: Map<String, Value>,
+}
+
+/// The format that the ending of a file names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Svg,
+    /// Binary glTF: the scene in 3-D.
+    Glb,
+}
+
+pub(super) fn run(args: &PictureArgs, shared: &Shared) -> Result<(), Failure> {
+    let page = StoredPage::read(&args.run).map_err(|error| unreadable(&error));
+    let Some(out) = args.out.as_deref() else {
+        return list::run(&page?, shared);
+    };
+    let format = format(out)?;
+    if format == Format::Glb {
+        check_options_of_surfaces(args)?;
+    }
+    output::check(out, format.ending(), None, Some(args.force))?;
+    let Made { content, words, mut figures } = match &args.plot {
+        Some(name) => plots::draw(&page?, name, args, format)?,
+        None => scene::draw(page, args, format, shared)?,
+    };
+    output::write(out, |file| file.write_all(&content))?;
+    figures.insert("out".into(), json!(shown_path(out)));
+    print_figures(shared, &figures, || format!("{words}\n  {}", shown_path(out)))
+}
+
+impl Made {
+    /// A flat picture.
+    fn drawn(
+        drawing: &Drawing,
+        format: Format,
+        words: String,
+        mut figures: Map<String, Value>,
+    ) -> Result<Made, PictureError> {
+        let content = match format {
+            Format::Png => drawing.png()?,
+            Format::Svg | Format::Glb => drawing.svg()?.into_bytes(),
+        };
+        let [width, height] = drawing.pixels();
+        figures.insert("pixels".into(), json!([width, height]));
+        Ok(Made { content, words, figures })
+    }
+}
+
+impl Format {
+    fn ending(self) -> &'static str {
+        match self {
+            Format::Png => "png",
+            Format::Svg => "svg",
+            Format::Glb => "glb",
+        }
+    }
+}
+
+fn format(out: &Path) -> Result<Format, Diagnostic> {
+    let named =
+        [Format::Png, Format::Svg, Format::Glb].into_iter().find(|format| output::ends_in(out, format.ending()));
+    named.ok_or_else(|| {
+        let mistake = Diagnostic::new(format!("{} does not end in .png, .svg or .glb", shown_path(out)));
+        mistake.hint("the ending names the format")
+    })
+}
+
+/// Refuses what only a flat picture has.
+fn check_options_of_surfaces(args: &PictureArgs) -> Result<(), Diagnostic> {
+    let given = [
+        ("--plot", args.plot.is_some()),
+        ("--view", args.view.is_some()),
+        ("--perspective", args.perspective),
+        ("--style", args.style != Preset::default()),
+        ("--size", args.size.is_some()),
+        ("--width", args.width.is_some()),
+        ("--height", args.height.is_some()),
+        ("--font", args.font.is_some()),
+        ("--font-size", args.font_size.is_some()),
+        ("--line-width", args.line_width.is_some()),
+        ("--dpi", args.dpi.is_some()),
+    ];
+    match given.iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => {
+            let mistake = Diagnostic::new(format!("a .glb is a scene in 3-D, which has no {option}"));
+            Err(mistake.hint("leave it out, or write a .png or .svg"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn unreadable(error: &StoredPageError) -> Diagnostic {
+    let mistake = Diagnostic::new(error.to_string());
+    match error {
+        StoredPageError::Missing { .. } => mistake.hint("name the folder of a run, such as runs/drop/1008"),
+        StoredPageError::NoPage { .. } => mistake.hint("runs that cannot be measured have none"),
+        StoredPageError::NotAPage { .. } => mistake.hint("name the folder of results, or its report.html"),
+        StoredPageError::NoFilm { .. } => {
+            mistake.hint("draw one of its plots: --plot NAME; without -o they are listed")
+        }
+        StoredPageError::Unreadable { .. } | StoredPageError::Plot { .. } | StoredPageError::Film { .. } => mistake,
+    }
+}
+
+fn refused(error: &PictureError) -> Diagnostic {
+    let mistake = Diagnostic::new(error.to_string());
+    match error {
+        PictureError::Size { .. } => mistake.hint("change --size, --width, --height or --dpi"),
+        _ => mistake,
+    }
+}
+
+/// A word among those that are known is missing.
+fn unknown<'a>(what: &str, written: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("there is no {what} `{}`", crate::diagnostic::printable(written)));
+    let all = known.clone().into_iter().collect::<Vec<_>>().join(", ");
+    match crate::diagnostic::closest(written, known) {
+        Some(close) => mistake.hint(format!("did you mean `{close}`? There are {all}")),
+        None => mistake.hint(format!("there are {all}")),
+    }
+}

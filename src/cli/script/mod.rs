@@ -1,0 +1,451 @@
+//! `droptower script`: a Rhai script over scenarios.
+
+mod help;
+mod profile;
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Args;
+use rhai::{Dynamic, Engine, Scope};
+use serde_json::{Map, Value, json};
+
+use super::changes::Changes;
+use super::complete;
+use super::farm::{self, FarmArgs};
+use super::faults::{reading, script, storing};
+use super::scenarios::both;
+use super::{Failure, Shared, digest, folder, print_figures, table};
+use crate::diagnostic::{Diagnostic, printable, shown_path};
+use crate::finding::Finding;
+use crate::functions;
+use crate::identify::{self, Identity, SearchEvent, SearchHost};
+use crate::post::{self, EvaluationError, Evaluations};
+use crate::report::StudyPage;
+use crate::scenario::Assignment;
+use crate::script::{
+    About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, argument_value,
+    to_json,
+};
+use crate::store::evaluations::Share;
+use crate::store::{self, Draft, Origin, StoreError, run_files};
+use crate::sweep;
+use crate::units::with_decimal_point;
+
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub(super) struct ScriptArgs {
+    /// The Rhai script
+    #[arg(value_name = "SCRIPT", required_unless_present = "help", add = complete::scripts())]
+    pub path: Option<PathBuf>,
+    /// Print what the script does and its arguments; without a script, what this command does
+    #[arg(long, short)]
+    pub help: bool,
+    /// Find mistakes in the script and its arguments without running it
+    #[arg(long)]
+    pub check: bool,
+    /// Print each line when it is reached
+    #[arg(long)]
+    pub trace: bool,
+    /// At the end, print how often each line was reached and how long it took
+    #[arg(long)]
+    pub profile: bool,
+    /// The scenario that the script finds in args.scenario
+    #[arg(long, value_name = "SCENARIO", add = complete::scenarios())]
+    pub scenario: Option<String>,
+    /// A value that the script finds in args: key=value
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub arg: Vec<String>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// Folder for the results, in place of runs/<name of the script>
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace results of another scenario or script in the same folder
+    #[arg(long)]
+    pub force: bool,
+    /// Also write every table as Apache Parquet, for pandas, Polars and R
+    #[arg(long)]
+    pub parquet: bool,
+    #[command(flatten)]
+    pub farm: FarmArgs,
+    /// Folder of the evaluations that are never computed twice
+    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
+    pub store: PathBuf,
+}
+
+/// Names that belong to a study's summary.
+const RESERVED: [&str; 9] =
+    ["script", "droptower", "study", "warning", "warnings", "findings", "tables", "plots", "files"];
+
+/// A script that was run, and its output.
+struct Studied {
+    /// The script's name.
+    name: String,
+    /// Script, scenario, changes and arguments, which run the study again.
+    call: Map<String, Value>,
+    /// The script and its modules.
+    program: Script,
+    output: ScriptOutput,
+    /// The finding that recordings behind it are virtual, which its output begins with.
+    virtual_recordings: Option<Finding>,
+}
+
+impl ScriptArgs {
+    /// The script; there is one unless help is asked for.
+    fn path(&self) -> &Path {
+        self.path.as_deref().unwrap_or(Path::new(""))
+    }
+}
+
+pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
+    let begin = Instant::now();
+    if args.help {
+        return help::show(args.path.as_deref(), shared);
+    }
+    if args.path().extension().is_some_and(|extension| extension == "toml") {
+        let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(args.path())));
+        return Err(mistake.hint(format!("run it with `droptower run {}`", shown_path(args.path()))).into());
+    }
+    let name = args.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let place = place(args.out.as_deref(), &name).map_err(|error| storing(&error))?;
+    let origin = Origin::of_script(args.path(), args.scenario.as_deref().map(Path::new));
+    if !args.force {
+        origin.check(&place).map_err(|error| storing(&error))?;
+    }
+    let (share, deadline) = both(args.farm.share(), args.farm.deadline(begin))?;
+    if args.check {
+        return check(args, &place, shared);
+    }
+    let evaluations = Evaluations::open(&args.store).map_err(|error| unkept(&error))?.with_share(share);
+    let evaluations = Arc::new(evaluations);
+    let studied = studied(args, name, &place, (&evaluations, deadline), shared.quiet);
+    evaluations.store().close().map_err(|error| unkept(&evaluations.failed(error)))?;
+    let Some(studied) = studied? else { return unfinished(args, &evaluations, shared) };
+    if share != Share::WHOLE {
+        return part(args, &evaluations, shared);
+    }
+    let files = store_results(&studied, args, &place, origin).map_err(|error| Failure::output(storing(&error)))?;
+    print_figures(shared, &summary(&studied), || {
+        let Studied { name, output, .. } = &studied;
+        format!("{name}\n{}{}", table::script_output(output), digest::folder(&place, &files))
+    })
+}
+
+/// Finds mistakes without running anything; no store of evaluations is opened.
+fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
+    let (host, collector) = (SearchHost::new(None, |_| {}), OutputCollector::new(Vec::new()));
+    let engine = engine(args.changes.assignments()?, &Arc::new(Evaluations::unread(&args.store)), &host, &collector);
+    compiled(args, &engine, place)?;
+    let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
+    print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
+}
+
+/// What a process says that computed a part of a study.
+fn part(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result<(), Failure> {
+    let [taken, computed] = evaluations.counts();
+    let figures = json!({ "script": shown_path(args.path()), "reused": taken, "computed": computed });
+    print_figures(shared, &figures, || format!("{}: {computed} runs computed here", shown_path(args.path())))
+}
+
+/// A study that was stopped by a signal or its deadline: one of several processes has done its work, another one has not.
+fn unfinished(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result<(), Failure> {
+    if evaluations.share() != Share::WHOLE {
+        return part(args, evaluations, shared);
+    }
+    let mistake = Diagnostic::new(format!("{} was stopped before its end", shown_path(args.path())));
+    Err(Failure::output(mistake.hint("its runs are kept: the same command goes on from there")))
+}
+
+pub(super) fn unkept(error: &EvaluationError) -> Failure {
+    Failure::output(Diagnostic::new(error.to_string()))
+}
+
+/// Runs the script, whose results go to `place`; its messages are printed at once. None where it was stopped.
+fn studied(
+    args: &ScriptArgs,
+    name: String,
+    place: &Path,
+    (evaluations, deadline): (&Arc<Evaluations>, Option<Instant>),
+    quiet: bool,
+) -> Result<Option<Studied>, Failure> {
+    let print_line = move |line: &str| {
+        if !quiet {
+            // The report has every message, so one that cannot be printed is dropped.
+            let _ = writeln!(io::stderr(), "{}", printable(line));
+        }
+    };
+    let collector = OutputCollector::new(RESERVED.map(String::from).into());
+    let collector = collector.with_listener(move |message| print_line(&message.to_string()));
+    let searches = collector.clone();
+    // Processes that compute a study together cannot share one history.
+    let history = (evaluations.share() == Share::WHOLE).then(|| store::history_of(place));
+    let host = SearchHost::new(history, move |event| match event {
+        SearchEvent::Progress(progress) => print_line(&progress.to_string()),
+        SearchEvent::OpenPoints(open) => print_line(&format!("note: profiles: {open} points remain")),
+        SearchEvent::Warning(warning) => print_line(&Message::Finding(&Finding::new(warning)).to_string()),
+        SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
+        SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
+    });
+    let mut engine = engine(args.changes.assignments()?, evaluations, &host, &collector);
+    let profile = (args.trace || args.profile).then(|| profile::watch(&mut engine, args));
+    let Compiled { program, scope, call } = compiled(args, &engine, place)?;
+    host.identify(Identity { script: program.whole_text(), given: decisive(&call) });
+    let stopped = |fault: Fault| match fault.numerical {
+        true => Failure::numerical(script(&fault)),
+        false => Failure::from(script(&fault)),
+    };
+    let cancellation = Session::of_engine(&engine).cancellation().clone();
+    if args.farm.is_given() {
+        farm::cancel_on_termination(&cancellation)?;
+    }
+    let ran = farm::watched(evaluations, &cancellation, deadline, || program.run(&engine, scope));
+    if let Some(profile) = profile.filter(|_| args.profile) {
+        // Where the time went is asked of a script that failed, too.
+        let _ = writeln!(io::stderr(), "{}", profile::table(&profile.lines(), &program));
+    }
+    match ran {
+        Err(_) if cancellation.is_cancelled() => return Ok(None),
+        ran => ran.map_err(stopped)?,
+    }
+    let [taken, computed] = evaluations.counts();
+    if taken > 0 {
+        let all = taken + computed;
+        print_line(&format!("note: {taken} of {all} runs were computed before ({})", shown_path(&args.store)));
+    }
+    let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
+    let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));
+    if let Some(finding) = &virtual_recordings {
+        print_line(&Message::Finding(finding).to_string());
+    }
+    let mut output = collector.output();
+    output.findings.splice(..0, virtual_recordings.clone());
+    Ok(Some(Studied { name, call, program, output, virtual_recordings }))
+}
+
+/// The interpreter with all functions of studies, whose scenarios have these changes.
+pub(super) fn engine(
+    changes: Vec<Assignment>,
+    evaluations: &Arc<Evaluations>,
+    host: &SearchHost,
+    collector: &OutputCollector,
+) -> Engine {
+    let mut engine = functions::engine(Limits::STUDY);
+    functions::register_output(&mut engine, collector);
+    functions::register_reading(&mut engine);
+    Session::of_engine(&engine).report_to(collector);
+    post::register_studies(&mut engine, changes, Some(Arc::clone(evaluations)));
+    identify::register(&mut engine, host);
+    sweep::register(&mut engine, evaluations);
+    Arguments::register(&mut engine);
+    engine
+}
+
+/// A script that can run.
+struct Compiled {
+    program: Script,
+    scope: Scope<'static>,
+    call: Map<String, Value>,
+}
+
+/// The script and its arguments, without mistakes.
+fn compiled(args: &ScriptArgs, engine: &Engine, place: &Path) -> Result<Compiled, Failure> {
+    let given = arguments(&args.arg, args.scenario.as_deref())?;
+    let call = call(args, &given, place)?;
+    let mut scope = Scope::new();
+    // The arguments are checked against what the script declares, so its text comes first.
+    scope.push_constant("args", Arguments::default());
+    let program = Script::read(engine, &scope, args.path()).map_err(|error| reading(&error))?;
+    let about = About::read(args.path(), program.text())?;
+    check_declared(&program, &about)?;
+    let mistakes = about.check(&given);
+    if !mistakes.is_empty() {
+        return Err(mistakes.into());
+    }
+    check_read(&program, &given)?;
+    check_commas(&program, &about, &given)?;
+    let mut scope = Scope::new();
+    scope.push_constant("args", Arguments::new(about.complete(&given)));
+    Ok(Compiled { program, scope, call })
+}
+
+/// Refuses declarations of arguments that the script does not read.
+fn check_declared(script: &Script, about: &About) -> Result<(), Vec<Diagnostic>> {
+    let unread = about.arguments.iter().filter(|one| !script.mentions_argument(&one.name));
+    let mistakes: Vec<Diagnostic> = unread
+        .map(|one| Diagnostic::new(format!("the script declares --arg {} and does not read it", one.name)))
+        .collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+}
+
+/// Refuses arguments that the script does not read: one that is misspelt would have no effect.
+fn check_read(script: &Script, given: &rhai::Map) -> Result<(), Vec<Diagnostic>> {
+    let unread = given.keys().filter(|name| !script.mentions_argument(name));
+    let mistake = |name: &rhai::Identifier| {
+        let how = if name == "scenario" { "--scenario".into() } else { format!("--arg {name}") };
+        Diagnostic::new(format!("the script does not read `args.{name}`"))
+            .hint(format!("leave {how} out, or correct it"))
+    };
+    let mistakes: Vec<Diagnostic> = unread.map(mistake).collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+}
+
+/// Refuses `8,9`, which may be one number or two, unless the script declares or reads a list of numbers or a text.
+fn check_commas(script: &Script, about: &About, given: &rhai::Map) -> Result<(), Vec<Diagnostic>> {
+    let mistake = |(name, value): (&rhai::Identifier, &Dynamic)| {
+        let value = value.to_string();
+        let point = with_decimal_point(&value).filter(|point| point.parse::<f64>().is_ok())?;
+        if name == "scenario" || about.has_commas(name) || script.reads_list_or_text(name) {
+            return None;
+        }
+        let hint =
+            format!("write one number with a decimal point: {point}; a list with a space: \"{}\"", spaced(&value));
+        Some(Diagnostic::new(format!("decimal comma in --arg {name}={value}")).hint(hint))
+    };
+    let mistakes: Vec<Diagnostic> = given.iter().filter_map(mistake).collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+}
+
+/// Script, scenario, changes and arguments as they were given, and the working folder seen from the results at `place`.
+fn call(args: &ScriptArgs, given: &rhai::Map, place: &Path) -> Result<Map<String, Value>, Vec<Diagnostic>> {
+    let mut own = Map::new();
+    for (name, value) in given.iter().filter(|(name, _)| *name != "scenario") {
+        let value = to_json(value).map_err(|error| vec![Diagnostic::new(format!("--arg {name}: {error}"))])?;
+        own.insert(name.to_string(), value);
+    }
+    let call = [
+        ("script", json!(shown_path(args.path()))),
+        ("scenario", json!(args.scenario)),
+        ("set", json!(args.changes.set)),
+        ("unset", json!(args.changes.unset)),
+        ("args", Value::Object(own)),
+        (run_files::STUDY_FOLDER, json!(store::path_from(place, Path::new(".")))),
+    ];
+    Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
+}
+
+/// The part of the call on which trials of a search depend: all but the path of the script and the working folder.
+fn decisive(call: &Map<String, Value>) -> Map<String, Value> {
+    let decisive = call.iter().filter(|(name, _)| *name != "script" && *name != run_files::STUDY_FOLDER);
+    decisive.map(|(name, value)| (name.clone(), value.clone())).collect()
+}
+
+fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
+    let place = match out {
+        Some(folder) => folder.into(),
+        None => store::place(Path::new("runs"), name)?,
+    };
+    store::check_places(std::slice::from_ref(&place))?;
+    Ok(place)
+}
+
+/// The constant `args` of the script: numbers, booleans and text.
+pub(super) fn arguments(given: &[String], scenario: Option<&str>) -> Result<rhai::Map, Vec<Diagnostic>> {
+    let mut map = rhai::Map::new();
+    let mut mistakes = Vec::new();
+    for argument in given {
+        match argument.split_once('=') {
+            Some((key, value)) => drop(map.insert(key.trim().into(), argument_value(value.trim()))),
+            None => mistakes.push(Diagnostic::new(format!("expected key=value after --arg, found `{argument}`"))),
+        }
+    }
+    if let Some(scenario) = scenario {
+        map.insert("scenario".into(), scenario.to_owned().into());
+    }
+    if mistakes.is_empty() { Ok(map) } else { Err(mistakes) }
+}
+
+/// A list with a space behind its commas.
+fn spaced(list: &str) -> String {
+    list.trim().replace(',', ", ")
+}
+
+fn summary(studied: &Studied) -> Map<String, Value> {
+    let Studied { name, call, output, virtual_recordings, .. } = studied;
+    let mut summary = Map::new();
+    summary.insert("script".into(), json!(name));
+    summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
+    summary.insert("study".into(), Value::Object(call.clone()));
+    summary.extend(virtual_recordings.iter().map(|finding| ("warning".into(), json!(finding.message))));
+    let warnings = output.findings.iter().filter(|finding| finding.is_warning());
+    summary.insert("warnings".into(), warnings.map(|warning| json!(warning.message)).collect());
+    summary.insert("findings".into(), json!(output.findings));
+    summary.extend(output.measures.clone());
+    let tables = output.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
+    summary.insert("tables".into(), Value::Object(tables.collect()));
+    summary.insert("plots".into(), output.plots.iter().map(|plot| plot.title.clone()).collect());
+    summary.insert("files".into(), output.files.names().into());
+    summary
+}
+
+fn store_results(
+    studied: &Studied,
+    args: &ScriptArgs,
+    place: &Path,
+    origin: Origin,
+) -> Result<Vec<String>, StoreError> {
+    let Studied { name, call, program, output, .. } = studied;
+    let draft = Draft::begin(place, origin, args.force)?;
+    let modules: Vec<(&str, &str)> = program.modules().map(|(name, source)| (name, &*source.text)).collect();
+    let page = StudyPage { name, call, output, script: program.text(), modules: &modules };
+    let files = folder::fill_study(&draft, &page, &summary(studied), args.parquet)?;
+    draft.publish()?;
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::script;
+
+    /// One comma between digits is a list where the script reads a list, a text where it reads a text, and otherwise one
+    /// number or two.
+    #[test]
+    fn a_comma_between_digits_is_what_the_script_reads() {
+        let given = |text: &str, value: &str| {
+            let mut engine = functions::engine(Limits::STUDY);
+            Arguments::register(&mut engine);
+            let mut scope = Scope::new();
+            scope.push_constant("args", Arguments::default());
+            let script = Script::compile(&engine, &scope, Path::new("s.rhai"), text).expect("a script");
+            let about = About::read(Path::new("s.rhai"), text).expect("declarations");
+            check_commas(&script, &about, &[("a".into(), argument_value(value))].into())
+        };
+        for script in ["args.a", "args.number(\"a\", 1)", "args.a; args.numbers(\"b\", [1, 2])"] {
+            let mistakes = given(script, "8,9").expect_err("a mistake");
+            assert_eq!(mistakes[0].message, "decimal comma in --arg a=8,9");
+            let hint = "write one number with a decimal point: 8.9; a list with a space: \"8, 9\"";
+            assert_eq!(mistakes[0].hint.as_deref(), Some(hint));
+            for value in ["8, 9", "2.75,3.41", "2,3,4", "a,b", "8"] {
+                assert!(given(script, value).is_ok(), "{script} {value}");
+            }
+        }
+        let declared = ["//! --arg a=1, 2  ends\nargs.a", "//! --arg a=x,y  names\nargs.a"];
+        let read = ["args.numbers(\"a\", [1, 2])", "let f = || { let t = args.text(\"a\", \"\"); t };"];
+        for script in [declared, read].concat() {
+            assert!(given(script, "8,9").is_ok(), "{script}");
+        }
+    }
+
+    #[test]
+    fn every_field_of_the_summary_is_reserved() {
+        let studied = Studied {
+            name: "study".into(),
+            call: Map::new(),
+            program: Script::compile(&script::engine(Limits::STUDY), &Scope::new(), Path::new("s.rhai"), "")
+                .expect("a script"),
+            output: ScriptOutput::default(),
+            virtual_recordings: Some(Finding::of_script("virtual-recording", "a recording is virtual")),
+        };
+        let fields: BTreeSet<String> = summary(&studied).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(fields, RESERVED.map(String::from).into());
+        let refused = OutputCollector::new(RESERVED.map(String::from).into()).measure("warnings", json!(["none"]));
+        let message = refused.unwrap_err().to_string();
+        let expected = "`warnings` is a field of the summary and cannot be replaced: report a warning with";
+        assert!(message.starts_with(expected), "{message}");
+    }
+}

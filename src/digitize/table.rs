@@ -1,0 +1,124 @@
+//! The curve as values, each with its error.
+
+use super::trace::trace;
+use super::{Figure, Trace, TraceError, Warning};
+
+/// Points to either side that a point is compared with, for the scatter of the trace.
+const NEIGHBOURS: usize = 3;
+
+/// A normal deviation over the median distance from the middle.
+const NORMAL_FROM_MEDIAN: f64 = 1.4826;
+
+/// Share of its length over which the curve may be missing.
+const MISSING: f64 = 0.03;
+
+/// Share of what has its colour that may be elsewhere.
+const ELSEWHERE: f64 = 0.25;
+
+/// Share of the x axis that it must cover.
+const COVERED: f64 = 0.5;
+
+/// A curve that was read out of a picture.
+#[derive(Clone, Debug)]
+pub struct Digitized {
+    /// Values across and up, SI, in rising order across.
+    pub points: Vec<[f64; 2]>,
+    /// Half the width of the interval in which a value up lies with 95 %, one a point.
+    pub errors: Vec<f64>,
+    /// The curve in pixels.
+    pub trace: Trace,
+    /// Scatter of the trace, pixels.
+    pub scatter: f64,
+    /// What puts it in doubt.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads the curve of a figure out of its picture.
+///
+/// # Errors
+/// Nothing has its colour, or too much.
+pub fn digitize(figure: &Figure) -> Result<Digitized, TraceError> {
+    let is_left_out = |at: [f64; 2]| figure.without.iter().any(|area| holds(*area, at));
+    let pixel = |column: usize, row: usize| {
+        let middle = [column as f64 + 0.5, row as f64 + 0.5];
+        (!is_left_out(middle)).then(|| figure.colour(column, row))
+    };
+    let [left, top, right, bottom] = figure.area;
+    let found = trace([left..right, top..bottom], &figure.ink, pixel)?;
+    let scatter = scatter(&found.points).max(figure.least_scatter);
+    let mut points: Vec<([f64; 2], f64)> = Vec::with_capacity(found.points.len());
+    for (place, pixel) in found.points.iter().enumerate() {
+        points.push((figure.axes.values(*pixel), error(figure, &found, place, scatter)));
+    }
+    points.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+    let (points, errors) = points.into_iter().unzip();
+    let warnings = warnings(figure, &found);
+    Ok(Digitized { points, errors, trace: found, scatter, warnings })
+}
+
+fn holds([left, top, right, bottom]: [f64; 4], [x, y]: [f64; 2]) -> bool {
+    (left..=right).contains(&x) && (top..=bottom).contains(&y)
+}
+
+/// The scatter of the trace about itself: half the second difference of a smooth curve is small.
+fn scatter(points: &[[f64; 2]]) -> f64 {
+    let mut distances: Vec<f64> = points
+        .windows(3)
+        .filter(|three| three[2][0] - three[0][0] == 2.0)
+        .map(|three| (three[1][1] - three[0][1].midpoint(three[2][1])).abs())
+        .collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    // Of independent points with deviation s, this difference has the deviation s √1.5.
+    let median = distances.get(distances.len() / 2).copied().unwrap_or(0.0);
+    NORMAL_FROM_MEDIAN * median / 1.5_f64.sqrt()
+}
+
+/// Half the width of the interval of a value up: from the scatter of the trace, and from the points of the axes, whose error
+/// grows beyond them; an error across counts by the slope of the curve. Where another curve hides a part of the line, its
+/// middle is uncertain by half of what is hidden.
+fn error(figure: &Figure, trace: &Trace, place: usize, scatter: f64) -> f64 {
+    let points = &trace.points;
+    let hidden = 0.5 * (trace.thickness - trace.covered[place]).max(0.0);
+    let near = &points[place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS + 1).min(points.len())];
+    let [first, last] = [near[0], near[near.len() - 1]];
+    let [from, to] = [first, last].map(|pixel| figure.axes.values(pixel));
+    let steep = if to[0] == from[0] { 0.0 } else { (to[1] - from[1]) / (to[0] - from[0]) };
+    let pixel = points[place];
+    let slopes = figure.axes.slopes(pixel);
+    let places = figure.axes.places(pixel);
+    // Evenly distributed within ± `pixel_error`.
+    let of_axis = |index: usize| {
+        let place: f64 = places[index];
+        figure.pixel_error / 3.0_f64.sqrt() * ((1.0 - place).powi(2) + place.powi(2)).sqrt()
+    };
+    let length = |index: usize| slopes[index][0].hypot(slopes[index][1]);
+    let across = of_axis(0) * length(0) * steep;
+    let up = of_axis(1) * length(1);
+    let deviation = (across.powi(2) + up.powi(2) + (scatter * slopes[1][1]).powi(2)).sqrt();
+    2.0 * deviation + hidden * slopes[1][1].abs()
+}
+
+fn warnings(figure: &Figure, found: &Trace) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let (Some(first), Some(last)) = (found.points.first(), found.points.last()) else {
+        return warnings;
+    };
+    let length = (last[0] - first[0]).max(1.0);
+    let missing: f64 = found.gaps.iter().map(|[from, to]| to - from - 1.0).sum();
+    let longest = found.gaps.iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+    if let Some([from, to]) = longest.filter(|_| missing / length > MISSING) {
+        let at = |column: f64| {
+            let point = found.points.iter().find(|point| point[0] == column);
+            point.map_or(f64::NAN, |point| figure.axes.values(*point)[0])
+        };
+        warnings.push(Warning::Interrupted { share: missing / length, from: at(*from), to: at(*to) });
+    }
+    if found.elsewhere > ELSEWHERE {
+        warnings.push(Warning::Elsewhere { share: found.elsewhere });
+    }
+    let share = (length + 1.0) / (figure.area[2] - figure.area[0]).max(1) as f64;
+    if share < COVERED {
+        warnings.push(Warning::Short { share });
+    }
+    warnings
+}

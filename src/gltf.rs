@@ -1,0 +1,292 @@
+//! Surfaces as binary glTF 2.0 (Khronos, ISO/IEC 12113), which slides, browsers and Blender show in 3-D.
+//!
+//! Our z points up, that of glTF y: (x, y, z) becomes (x, z, −y). Lengths are in m in both.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+use serde_json::{Map, Value, json};
+
+/// A surface of triangles.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Its name in the file.
+    pub name: String,
+    /// Points, m, z up; those of no triangle are left out.
+    pub points: Vec<[f32; 3]>,
+    /// Points at the corners of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// How it looks.
+    pub look: Look,
+    /// Cosine of the angle between neighbouring triangles up to which the edge between them looks smooth.
+    pub crease: f32,
+}
+
+/// How a surface looks; colours are sRGB, from 0 to 255.
+#[derive(Clone, Debug)]
+pub enum Look {
+    /// Film: a colour a point, the same on both sides.
+    Film(Vec<[f32; 3]>),
+    /// A body of one colour, seen from outside.
+    Body([f32; 3]),
+}
+
+/// Constants of the format.
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// The surfaces with anything to show as a `.glb`; `notes` are kept in its `asset.extras`.
+pub fn binary(surfaces: &[Surface], notes: Map<String, Value>) -> Vec<u8> {
+    let mut file = File::default();
+    surfaces.iter().for_each(|surface| file.add(surface));
+    file.finish(notes)
+}
+
+#[derive(Default)]
+struct File {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    materials: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+}
+
+impl File {
+    fn add(&mut self, surface: &Surface) {
+        let Vertices { positions, normals, points, indices } = Vertices::of(surface);
+        if indices.is_empty() {
+            return;
+        }
+        let mut attributes = json!({
+            "POSITION": self.vectors(&positions, true),
+            "NORMAL": self.vectors(&normals, false),
+        });
+        let material = match &surface.look {
+            Look::Film(colours) => {
+                let colours: Vec<[f32; 3]> = points.iter().map(|point| colours[*point as usize].map(linear)).collect();
+                attributes["COLOR_0"] = self.vectors(&colours, false).into();
+                json!({
+                    "name": surface.name,
+                    "doubleSided": true,
+                    "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.6 },
+                })
+            }
+            Look::Body(colour) => {
+                let [r, g, b] = colour.map(linear);
+                json!({
+                    "name": surface.name,
+                    "pbrMetallicRoughness":
+                        { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.4, "roughnessFactor": 0.5 },
+                })
+            }
+        };
+        let indices = self.accessor(
+            &indices.concat(),
+            u32::to_le_bytes,
+            ELEMENT_ARRAY_BUFFER,
+            |count| json!({ "componentType": UNSIGNED_INT, "type": "SCALAR", "count": count }),
+        );
+        let part = json!({ "attributes": attributes, "indices": indices, "material": self.materials.len() });
+        self.materials.push(material);
+        self.nodes.push(json!({ "name": surface.name, "mesh": self.meshes.len() }));
+        self.meshes.push(json!({ "name": surface.name, "primitives": [part] }));
+    }
+
+    /// Vectors of three numbers; the number of their accessor.
+    fn vectors(&mut self, vectors: &[[f32; 3]], with_ends: bool) -> usize {
+        self.accessor(&vectors.concat(), f32::to_le_bytes, ARRAY_BUFFER, |count| {
+            let mut accessor = json!({ "componentType": FLOAT, "type": "VEC3", "count": count / 3 });
+            if with_ends {
+                let end = |pick: fn(f32, f32) -> f32| {
+                    vectors.iter().copied().reduce(|a, b| [0, 1, 2].map(|axis| pick(a[axis], b[axis])))
+                };
+                accessor["min"] = json!(end(f32::min));
+                accessor["max"] = json!(end(f32::max));
+            }
+            accessor
+        })
+    }
+
+    fn accessor<T: Copy>(
+        &mut self,
+        values: &[T],
+        bytes: fn(T) -> [u8; 4],
+        target: u32,
+        accessor: impl FnOnce(usize) -> Value,
+    ) -> usize {
+        let offset = self.bytes.len();
+        self.bytes.extend(values.iter().flat_map(|value| bytes(*value)));
+        let mut accessor = accessor(values.len());
+        accessor["bufferView"] = self.views.len().into();
+        self.views.push(json!({ "buffer": 0, "byteOffset": offset, "byteLength": 4 * values.len(), "target": target }));
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    /// The header, the JSON and the bytes, each filled to four bytes.
+    fn finish(self, notes: Map<String, Value>) -> Vec<u8> {
+        let generator = concat!("droptower ", env!("CARGO_PKG_VERSION"));
+        let mut file = Map::new();
+        file.insert("asset".into(), json!({ "version": "2.0", "generator": generator, "extras": notes }));
+        // The format knows no empty lists.
+        if !self.nodes.is_empty() {
+            file.insert("scene".into(), 0.into());
+            file.insert("scenes".into(), json!([{ "nodes": (0..self.nodes.len()).collect::<Vec<_>>() }]));
+            let lists = [
+                ("nodes", self.nodes),
+                ("meshes", self.meshes),
+                ("materials", self.materials),
+                ("accessors", self.accessors),
+                ("bufferViews", self.views),
+                ("buffers", vec![json!({ "byteLength": self.bytes.len() })]),
+            ];
+            file.extend(lists.map(|(name, list)| (name.to_owned(), list.into())));
+        }
+        let mut text = Value::from(file).to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let chunks: Vec<(&[u8; 4], &[u8])> = [(b"JSON", &text[..]), (b"BIN\0", &self.bytes[..])]
+            .into_iter()
+            .filter(|(_, content)| !content.is_empty())
+            .collect();
+        let length: usize = 12 + chunks.iter().map(|(_, content)| 8 + content.len()).sum::<usize>();
+        let mut out = Vec::with_capacity(length);
+        out.extend(b"glTF");
+        out.extend(2_u32.to_le_bytes());
+        out.extend((length as u32).to_le_bytes());
+        for (kind, content) in chunks {
+            out.extend((content.len() as u32).to_le_bytes());
+            out.extend(kind);
+            out.extend(content);
+        }
+        out
+    }
+}
+
+/// The vertices of a surface: a point once for each normal that it has.
+struct Vertices {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    /// Point of the surface that each is.
+    points: Vec<u32>,
+    indices: Vec<[u32; 3]>,
+}
+
+impl Vertices {
+    fn of(surface: &Surface) -> Vertices {
+        let points: Vec<[f32; 3]> = surface.points.iter().map(|[x, y, z]| [*x, *z, -*y]).collect();
+        let at = |point: u32| Vector3::from(points[point as usize]);
+        // Their lengths are twice the areas. A triangle without one shows nothing.
+        let with_normal = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(at);
+            let normal = (b - a).cross(&(c - a));
+            (normal.norm() > 0.0 && normal.norm().is_finite()).then_some((*corners, normal))
+        };
+        let triangles: Vec<([u32; 3], Vector3<f32>)> = surface.triangles.iter().filter_map(with_normal).collect();
+        let mut around: Vec<Vec<u32>> = vec![vec![]; points.len()];
+        for (number, (corners, _)) in (0..).zip(&triangles) {
+            corners.iter().for_each(|point| around[*point as usize].push(number));
+        }
+        let mut known: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
+        let mut vertices = Vertices { positions: vec![], normals: vec![], points: vec![], indices: vec![] };
+        for (corners, own) in &triangles {
+            let vertex = |point: u32| {
+                let neighbours = around[point as usize].iter().map(|number| triangles[*number as usize].1);
+                let smooth = neighbours.filter(|other| other.dot(own) >= surface.crease * other.norm() * own.norm());
+                let normal =
+                    <[f32; 3]>::from(smooth.sum::<Vector3<f32>>().try_normalize(0.0).unwrap_or(own.normalize()));
+                *known.entry((point, normal.map(f32::to_bits))).or_insert_with(|| {
+                    vertices.positions.push(points[point as usize]);
+                    vertices.normals.push(normal);
+                    vertices.points.push(point);
+                    vertices.points.len() as u32 - 1
+                })
+            };
+            let corners = corners.map(vertex);
+            vertices.indices.push(corners);
+        }
+        vertices
+    }
+}
+
+/// A part of a colour in sRGB (0 to 255) as linear light (0 to 1), IEC 61966-2-1.
+fn linear(part: f32) -> f32 {
+    let part = part / 255.0;
+    if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles of a square in z = 1 and one that is upright at its edge; the last point is that of no triangle.
+    fn folded(crease: f32) -> Surface {
+        let points = vec![
+            [0.0, 0.0, 1.0],
+            [1.0, 0.0, 1.0],
+            [1.0, 1.0, 1.0],
+            [0.0, 1.0, 1.0],
+            [1.0, 0.5, 2.0],
+            [f32::NAN, 0.0, 0.0],
+        ];
+        let colours = vec![[255.0, 0.0, 0.0]; 6];
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [1, 4, 2]];
+        Surface { name: "film".into(), points, triangles, look: Look::Film(colours), crease }
+    }
+
+    /// JSON and bytes of a file, whose lengths are those that it states.
+    fn parts(file: &[u8]) -> (Value, &[u8]) {
+        let number = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+        assert_eq!((&file[..4], number(4), number(8)), (&b"glTF"[..], 2, file.len()));
+        let text = &file[20..20 + number(12)];
+        let rest = 20 + text.len();
+        assert_eq!((&file[16..20], text.len() % 4), (&b"JSON"[..], 0));
+        let bytes = if rest < file.len() { &file[rest + 8..] } else { &[] };
+        (serde_json::from_slice(text).unwrap(), bytes)
+    }
+
+    fn floats(json: &Value, bytes: &[u8], accessor: &Value) -> Vec<f32> {
+        let view = &json["bufferViews"]
+            [json["accessors"][accessor.as_u64().unwrap() as usize]["bufferView"].as_u64().unwrap() as usize];
+        let [from, length] = ["byteOffset", "byteLength"].map(|key| view[key].as_u64().unwrap() as usize);
+        bytes[from..][..length].chunks(4).map(|part| f32::from_le_bytes(part.try_into().unwrap())).collect()
+    }
+
+    #[test]
+    fn a_surface_stands_upright_and_is_split_at_sharp_edges() {
+        for (crease, vertices) in [(0.5, 7), (-1.0, 5)] {
+            let file = binary(&[folded(crease)], Map::new());
+            let (json, bytes) = parts(&file);
+            let attributes = &json["meshes"][0]["primitives"][0]["attributes"];
+            let positions = floats(&json, bytes, &attributes["POSITION"]);
+            assert_eq!(positions.len(), 3 * vertices);
+            assert_eq!(json["accessors"][0]["min"], json!([0.0, 1.0, -1.0]));
+            assert_eq!(json["accessors"][0]["max"], json!([1.0, 2.0, 0.0]));
+            let normals = floats(&json, bytes, &attributes["NORMAL"]);
+            assert!(normals.chunks(3).all(|n| (n.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-6));
+            assert_eq!(normals[..3], [0.0, 1.0, 0.0], "the square faces upwards");
+            let colours = floats(&json, bytes, &attributes["COLOR_0"]);
+            assert_eq!(colours[..3], [1.0, 0.0, 0.0]);
+            assert_eq!(json["materials"][0]["doubleSided"], true);
+        }
+    }
+
+    #[test]
+    fn a_scene_without_anything_to_show_is_a_file_still() {
+        let nothing = Surface { triangles: vec![[0, 0, 1]], ..folded(0.5) };
+        let notes = Map::from_iter([("time_s".to_owned(), json!(0.057))]);
+        let file = binary(&[nothing], notes);
+        let (json, bytes) = parts(&file);
+        assert!(bytes.is_empty() && json.get("meshes").is_none());
+        assert_eq!(json["asset"]["extras"]["time_s"], 0.057);
+    }
+
+    #[test]
+    fn colours_are_linear_light() {
+        for (part, expected) in [(0.0, 0.0), (255.0, 1.0), (128.0, 0.215_860_5), (5.0, 0.001_517_635)] {
+            assert!((linear(part) - expected).abs() < 1e-6, "{part}");
+        }
+    }
+}

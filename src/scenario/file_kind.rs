@@ -1,0 +1,56 @@
+//! The kinds of files that users write, and their schemas.
+
+use serde_json::Value as Json;
+
+use super::{Cluster, Expectations, Figure, Material, Scenario, schema};
+
+/// A kind of file that users write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A scenario.
+    Scenario,
+    /// A material of one layer of film.
+    Material,
+    /// What a run must give: `expect.toml`.
+    Expectations,
+    /// The resources of a computing centre: `cluster.toml`.
+    Cluster,
+    /// A curve in a picture: `figure.toml`.
+    Figure,
+}
+
+impl FileKind {
+    /// Title of its schema.
+    pub fn title(self) -> &'static str {
+        match self {
+            FileKind::Scenario => "droptower scenario",
+            FileKind::Material => "droptower material",
+            FileKind::Expectations => "droptower expectations",
+            FileKind::Cluster => "droptower cluster",
+            FileKind::Figure => "droptower figure",
+        }
+    }
+
+    /// Name of the file that holds its schema beside files of this kind.
+    pub fn schema_file(self) -> &'static str {
+        match self {
+            FileKind::Scenario => "droptower.schema.json",
+            FileKind::Material => "droptower-material.schema.json",
+            FileKind::Expectations => "droptower-expect.schema.json",
+            FileKind::Cluster => "droptower-cluster.schema.json",
+            FileKind::Figure => "droptower-figure.schema.json",
+        }
+    }
+
+    /// The schema for editors.
+    pub fn schema(self) -> Json {
+        let title = self.title();
+        match self {
+            FileKind::Scenario => schema::published::<Scenario>(title),
+            FileKind::Material => schema::published::<Material>(title),
+            FileKind::Expectations => schema::published::<Expectations>(title),
+            FileKind::Cluster => schema::published::<Cluster>(title),
+            FileKind::Figure => schema::published::<Figure>(title),
+        }
+    }
+}

@@ -1,0 +1,135 @@
+"""Checks results of droptower in the formats of others, with the readers of others."""
+
+import json
+import sys
+import xml.etree.ElementTree as xml
+import zipfile
+from pathlib import Path
+
+import h5py
+import numpy
+import pandas
+import polars
+import pyarrow.parquet
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOHDF import vtkHDFReader
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+
+def numbers(array):
+    return None if array is None else vtk_to_numpy(array)
+
+
+def arrays(data):
+    return {data.GetArrayName(place): numbers(data.GetArray(place)) for place in range(data.GetNumberOfArrays())}
+
+
+def grid(found):
+    """Points, corners, kinds of cells and all arrays of an unstructured grid of VTK."""
+    cells = found.GetCells()
+    return {
+        "points": numbers(found.GetPoints().GetData()) if found.GetNumberOfPoints() else numpy.zeros((0, 3)),
+        "connectivity": numbers(cells.GetConnectivityArray()),
+        "offsets": numbers(cells.GetOffsetsArray()),
+        "types": numpy.array([found.GetCellType(cell) for cell in range(found.GetNumberOfCells())]),
+        **{f"point {name}": values for name, values in arrays(found.GetPointData()).items()},
+        **{f"cell {name}": values for name, values in arrays(found.GetCellData()).items()},
+    }
+
+
+def of_series(folder, name):
+    """Times and grids of a .pvd."""
+    for state in xml.parse(folder / f"{name}.pvd").getroot().iter("DataSet"):
+        path = folder / state.attrib["file"]
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(path))
+        reader.Update()
+        assert reader.GetErrorCode() == 0, path
+        yield float(state.attrib["timestep"]), grid(reader.GetOutput())
+
+
+def check_states(folder, name):
+    """Every state of a .vtkhdf as VTK reads it is that of the series."""
+    path = folder / f"{name}.vtkhdf"
+    reader = vtkHDFReader()
+    assert reader.CanReadFile(str(path)), path
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    series = list(of_series(folder, name))
+    assert reader.GetNumberOfSteps() == len(series), path
+    times = reader.GetOutputInformation(0).Get(reader.GetExecutive().TIME_STEPS())
+    assert list(times) == [time for time, _ in series], path
+    shown = 0
+    for step, (time, expected) in enumerate(series):
+        reader.SetStep(step)
+        reader.Update()
+        assert reader.GetTimeValue() == time, path
+        found = grid(reader.GetOutput())
+        if not len(expected["types"]):
+            assert not len(found["types"]), f"{path}, state {step}: cells"
+            continue
+        shown += 1
+        assert found.keys() == expected.keys(), f"{path}, state {step}: {found.keys() ^ expected.keys()}"
+        for key, values in expected.items():
+            assert found[key].shape == values.shape, f"{path}, state {step}, {key}"
+            assert numpy.array_equal(found[key], values, equal_nan=values.dtype.kind == "f"), f"{path}, {step}, {key}"
+    with h5py.File(path) as file:
+        root = file["VTKHDF"]
+        assert root.attrs["Type"] == b"UnstructuredGrid" and list(root.attrs["Version"]) == [2, 2], path
+        kind = root.attrs.get_id("Type").get_type()
+        assert not kind.is_variable_str() and kind.get_cset() == h5py.h5t.CSET_ASCII, path
+        meshes = len(root["NumberOfCells"])
+    size = sum(state.stat().st_size for state in folder.glob(f"vtu/{name}_*.vtu"))
+    print(f"  {path.parent.name}/{path.name}: {shown} states, {meshes} meshes, {path.stat().st_size} bytes of {size}")
+    return meshes
+
+
+def check_parquet(path, csv):
+    """The same columns and numbers as the CSV, by three readers."""
+    expected = pandas.read_csv(csv, comment="#")
+    found = pandas.read_parquet(path)
+    pandas.testing.assert_frame_equal(found, expected, check_dtype=False, check_exact=True)
+    assert polars.read_parquet(path).columns == list(expected.columns), path
+    metadata = pyarrow.parquet.read_schema(path).metadata
+    return json.loads(metadata[b"units"]), metadata.get(b"comments", b"").decode()
+
+
+def main():
+    results = Path(sys.argv[1])
+    for run, parts in {
+        "drop": ["film", "impactor"],
+        "bars": ["film", "impactor", "frame"],
+        "tear": ["film"],
+        "rupture": ["film"],
+    }.items():
+        found = {name: check_states(results / run, name) for name in parts}
+        assert found.get("impactor", 1) == 1, "a rigid body has one mesh"
+        tables = sorted((results / run).glob("**/*.parquet"))
+        for path in tables:
+            units, _ = check_parquet(path, path.with_suffix(".csv"))
+            assert units["time_s"] == "s" if path.stem == "signals" else True, path
+        assert len(tables) >= 2, run
+    assert (results / "drop/tables/energy_shares.parquet").is_file()
+    study = list((results / "study/tables").glob("*.csv"))
+    assert study and all(path.with_suffix(".parquet").is_file() for path in study)
+    for path in study:
+        check_parquet(path.with_suffix(".parquet"), path)
+
+    signals = pandas.read_parquet(results / "comparison/signals.parquet")
+    for name, rows in signals.groupby("run"):
+        own = pandas.read_csv(results / name / "signals.csv")
+        assert len(rows) == len(own) and (rows["displacement_m"].to_numpy() == own["displacement_m"].to_numpy()).all()
+    figures = pandas.read_parquet(results / "comparison/figures.parquet").set_index("run")
+    summary = json.loads((results / "drop/summary.json").read_text())
+    assert figures.loc["drop", "energy_absorption"] == summary["energy_absorption"]
+
+    units, comments = check_parquet(results / "test.parquet", results / "test.csv")
+    assert units["11HEADCG0000ACXP_m_s2"] == "m/s2" and "filtered before: 11HEADCG0000ACXP with CFC 1000" in comments
+    with zipfile.ZipFile(results / "test.zip") as archive:
+        assert archive.testzip() is None
+        assert "test/test.mme" in archive.namelist()
+    print("formats: read by VTK, h5py, pandas, Polars and Python as droptower means them")
+
+
+if __name__ == "__main__":
+    main()
