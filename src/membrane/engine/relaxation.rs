@@ -6,6 +6,7 @@ use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::film_contact::FilmContact;
+use super::nodes::RelaxationStep;
 use super::{EnergyLedger, Engine, Fault, Film, Impact, TimeStep, Vectors, film};
 
 /// Residual below which film counts as mounted in equilibrium.
@@ -110,14 +111,15 @@ impl Engine {
                 }
             }
             let over = if at_rest { 0.5 * dt } else { 0.5 * (last + dt) };
-            let drift =
-                |range: &Range<usize>| self.nodes.relax(range.clone(), over, dt, self.loads.film_gravity(), lightness);
-            let now: f64 = ranges.iter().map(drift).sum();
+            let step = RelaxationStep { last, dt, kick: over, gravity: self.loads.film_gravity(), lightness };
+            let now: f64 = ranges.iter().map(|range| self.nodes.relax(range.clone(), &step)).sum();
             self.settle_on_bars(&ranges);
             steps += 1;
             at_rest = now < kinetic;
             kinetic = if at_rest { 0.0 } else { now };
             if at_rest {
+                ranges.iter().for_each(|range| self.nodes.return_to_peak(range.clone(), &step));
+                self.settle_on_bars(&ranges);
                 self.nodes.stop();
             }
             self.virgin_forces();

@@ -2,10 +2,12 @@
 
 mod correction;
 mod integration;
+mod relaxation;
 mod vectors;
 
 pub(super) use correction::Correction;
 pub(super) use integration::{Kick, StepSums, VelocityRecord};
+pub(super) use relaxation::RelaxationStep;
 pub use vectors::Vectors;
 pub(super) use vectors::gather;
 
@@ -117,25 +119,6 @@ impl Nodes {
             }
         }
         sums
-    }
-
-    /// Kicks some nodes over `kick` (s), without damping, and moves them by `dt` (s); the mass against vertical motion
-    /// is divided by `lightness`. Returns their kinetic energy with these masses, J.
-    pub(super) fn relax(&mut self, nodes: Range<usize>, kick: f64, dt: f64, gravity: f64, lightness: f64) -> f64 {
-        let mut kinetic = 0.0;
-        for n in nodes {
-            let (mut v, mut x) = (self.velocity.at(n), self.position.at(n));
-            let (force, inverse_mass) = (self.force.at(n), self.effective_inverse_mass.at(n));
-            for axis in (0..3).filter(|axis| inverse_mass[*axis] > 0.0) {
-                let (factor, field) = if axis == 2 { (lightness, -gravity) } else { (1.0, 0.0) };
-                v[axis] += kick * factor * (force[axis] * inverse_mass[axis] + field);
-                x[axis] += v[axis] * dt;
-                kinetic += 0.5 * self.mass[n] / factor * v[axis] * v[axis];
-            }
-            self.velocity.set(n, v);
-            self.position.set(n, x);
-        }
-        kinetic
     }
 
     /// Multiplies all velocities along z.

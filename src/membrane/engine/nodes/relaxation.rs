@@ -1,0 +1,65 @@
+//! Steps of a dynamic relaxation.
+
+use std::ops::Range;
+
+use super::Nodes;
+
+/// A step of a relaxation.
+pub(in crate::engine) struct RelaxationStep {
+    /// The time step before it, s.
+    pub last: f64,
+    /// Its time step, s.
+    pub dt: f64,
+    /// Time over which it changes velocities, s.
+    pub kick: f64,
+    /// m/s².
+    pub gravity: f64,
+    /// Factor by which the mass against vertical motion is reduced.
+    pub lightness: f64,
+}
+
+impl RelaxationStep {
+    fn lightness(&self, axis: usize) -> f64 {
+        if axis == 2 { self.lightness } else { 1.0 }
+    }
+}
+
+impl Nodes {
+    /// Steps some nodes, without damping. Returns their kinetic energy with the masses of the step, J.
+    pub(in crate::engine) fn relax(&mut self, nodes: Range<usize>, step: &RelaxationStep) -> f64 {
+        let mut kinetic = 0.0;
+        for n in nodes {
+            let (mut v, mut x, kick) = (self.velocity.at(n), self.position.at(n), self.kick(n, step));
+            for axis in (0..3).filter(|axis| kick[*axis].is_some()) {
+                v[axis] += kick[axis].unwrap_or(0.0);
+                x[axis] += v[axis] * step.dt;
+                kinetic += 0.5 * self.mass[n] / step.lightness(axis) * v[axis] * v[axis];
+            }
+            self.velocity.set(n, v);
+            self.position.set(n, x);
+        }
+        kinetic
+    }
+
+    /// Puts some nodes, which [`Nodes::relax`] has just stepped, back to the middle of the step before.
+    pub(in crate::engine) fn return_to_peak(&mut self, nodes: Range<usize>, step: &RelaxationStep) {
+        for n in nodes {
+            let (v, mut x, kick) = (self.velocity.at(n), self.position.at(n), self.kick(n, step));
+            for axis in (0..3).filter(|axis| kick[*axis].is_some()) {
+                let before = v[axis] - kick[axis].unwrap_or(0.0);
+                x[axis] -= v[axis] * step.dt + 0.5 * before * step.last;
+            }
+            self.position.set(n, x);
+        }
+    }
+
+    /// Change of a node's velocity in a step along each free axis, m/s.
+    fn kick(&self, node: usize, step: &RelaxationStep) -> [Option<f64>; 3] {
+        let (force, inverse_mass) = (self.force.at(node), self.effective_inverse_mass.at(node));
+        [0, 1, 2].map(|axis| {
+            let field = if axis == 2 { -step.gravity } else { 0.0 };
+            let kick = step.kick * step.lightness(axis) * (force[axis] * inverse_mass[axis] + field);
+            (inverse_mass[axis] > 0.0).then_some(kick)
+        })
+    }
+}
