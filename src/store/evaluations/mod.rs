@@ -2,8 +2,9 @@
 //!
 //! Every process appends to a segment of its own, and reads those of the others: nothing is ever locked or overwritten,
 //! and what a killed process leaves is complete up to its last record. A process that is about to compute an evaluation
-//! claims it. A claim holds while the segment of its process grows, by the clock of whoever asks: a killed process
-//! claims nothing for long. Where two processes nevertheless compute the same, both records hold the same.
+//! claims it, looks whether another has claimed the same meanwhile, and says that it begins. A claim holds while the
+//! segment of its process grows, by the clock of whoever asks: a killed process claims nothing for long. Where two
+//! processes nevertheless compute the same (a network file system shows their entries late), both records hold the same.
 
 mod segment;
 mod share;
@@ -16,6 +17,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::Duration;
 
 use serde::Serialize;
@@ -30,6 +32,9 @@ pub const STALE: Duration = Duration::from_secs(15);
 
 /// Time between two signs of life of a process that is at work.
 pub const HEARTBEAT: Duration = Duration::from_secs(2);
+
+/// Time between two looks at a claim that was made at the same time.
+const LOOK_AGAIN: Duration = Duration::from_millis(1);
 
 /// Extension of segments.
 const SEGMENT: &str = "evaluations";
@@ -86,12 +91,31 @@ pub struct EvaluationStore {
     state: Mutex<State>,
 }
 
+/// A claim of another process.
+#[derive(Clone, Copy, Debug)]
+struct Claim {
+    segment: u32,
+    /// Whether its process has seen no other claim that it yields to.
+    has_begun: bool,
+}
+
+/// What becomes of a claim; of several rivals, the last of these counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Verdict {
+    /// This process computes the evaluation.
+    Stands,
+    /// Another one has claimed it at the same time and is about to see that it yields, or to begin.
+    Open,
+    /// Another one computes it.
+    Yields,
+}
+
 #[derive(Debug, Default)]
 struct State {
     segments: Vec<Segment>,
     index: HashMap<Key, Place>,
-    /// Claims of other processes, each with its segment.
-    claims: HashMap<Key, u32>,
+    /// Claims of other processes.
+    claims: HashMap<Key, Vec<Claim>>,
     /// Claims of this process.
     under_way: HashSet<Key>,
     own: Option<OwnSegment>,
@@ -205,18 +229,24 @@ impl EvaluationStore {
     pub fn claim(&self, key: Key) -> io::Result<bool> {
         {
             let mut state = self.state();
-            if state.claimant(key).is_some() || !state.under_way.insert(key) {
+            if state.rivals(key).next().is_some() || !state.under_way.insert(key) {
                 return Ok(false);
             }
         }
         self.append(Kind::Claim, key, &[])?;
-        // Another process may have done the same at the same time.
-        self.refresh()?;
-        let is_lost = self.state().yields(key);
-        if is_lost {
-            self.release(key)?;
+        // Another process may have done the same at the same time. Of the claims that have not begun, the one in the first
+        // segment stands once the others have yielded; they do not wait for it, so that none waits for long.
+        loop {
+            self.refresh()?;
+            let verdict = self.state().verdict(key);
+            match verdict {
+                Verdict::Stands => break,
+                Verdict::Yields => return self.release(key).map(|()| false),
+                Verdict::Open => thread::sleep(LOOK_AGAIN),
+            }
         }
-        Ok(!is_lost)
+        self.append(Kind::Begun, key, &[])?;
+        Ok(true)
     }
 
     /// Gives up a claim of this process: the evaluation is kept otherwise, or was not finished.
@@ -343,14 +373,8 @@ impl State {
     fn follow(&mut self, place: usize) -> io::Result<()> {
         let State { segments, index, claims, others, .. } = self;
         let number = place as u32;
-        let (before, rest) = segments.split_at_mut(place);
-        let Some((segment, after)) = rest.split_first_mut() else { return Ok(()) };
-        let (path, mut is_closed) = (segment.path.clone(), segment.is_closed);
-        // Of two claims that were made at once, the one that wins.
-        let yields = |other: u32| {
-            let other = before.get(other as usize).or_else(|| after.get((other as usize).checked_sub(place + 1)?));
-            other.is_some_and(|other| other.is_alive() && other.is_before(&path))
-        };
+        let Some(segment) = segments.get_mut(place) else { return Ok(()) };
+        let mut is_closed = segment.is_closed;
         segment.follow(|Entry { kind, key, offset, length }| {
             is_closed = kind == Kind::Closed;
             match kind {
@@ -361,27 +385,37 @@ impl State {
                         Place { segment: number, length, offset }
                     });
                 }
-                Kind::Claim if claims.get(&key).is_some_and(|other| yields(*other)) => {}
-                Kind::Claim => drop(claims.insert(key, number)),
-                Kind::Released if claims.get(&key) == Some(&number) => drop(claims.remove(&key)),
-                Kind::Released => {}
-                Kind::Header | Kind::Alive | Kind::Closed | Kind::Kept => {}
+                Kind::Claim | Kind::Begun => {
+                    let all = claims.entry(key).or_default();
+                    all.retain(|claim| claim.segment != number);
+                    all.push(Claim { segment: number, has_begun: kind == Kind::Begun });
+                }
+                Kind::Released => {
+                    claims.entry(key).and_modify(|all| all.retain(|claim| claim.segment != number));
+                }
+                Kind::Closed => claims.values_mut().for_each(|all| all.retain(|claim| claim.segment != number)),
+                Kind::Header | Kind::Alive | Kind::Kept => {}
             }
         })?;
         segment.is_closed = is_closed;
+        claims.retain(|_, all| !all.is_empty());
         Ok(())
     }
 
-    /// The other process that still grows and has claimed the evaluation.
-    fn claimant(&self, key: Key) -> Option<&Segment> {
-        let segment = self.claims.get(&key).and_then(|segment| self.segments.get(*segment as usize));
-        segment.filter(|segment| segment.is_alive())
+    /// The claims of other processes that still grow.
+    fn rivals(&self, key: Key) -> impl Iterator<Item = (&Segment, bool)> {
+        let claims = self.claims.get(&key).into_iter().flatten();
+        let segment = |claim: &Claim| Some((self.segments.get(claim.segment as usize)?, claim.has_begun));
+        claims.filter_map(segment).filter(|(segment, _)| segment.is_alive())
     }
 
-    /// Whether a claim that this process has just made yields to that of another.
-    fn yields(&self, key: Key) -> bool {
+    /// What becomes of a claim that this process has just made.
+    fn verdict(&self, key: Key) -> Verdict {
         let own = self.own.as_ref().map(|own| own.path.as_path());
-        self.claimant(key).zip(own).is_some_and(|(other, own)| other.is_before(own))
+        let of_rival = |(rival, has_begun): (&Segment, bool)| {
+            if has_begun || own.is_some_and(|own| rival.is_before(own)) { Verdict::Yields } else { Verdict::Open }
+        };
+        self.rivals(key).map(of_rival).max().unwrap_or(Verdict::Stands)
     }
 }
 

@@ -27,7 +27,7 @@ pub(super) enum Kind {
     Header = 0,
     /// An evaluation.
     Record = 1,
-    /// The process is about to compute an evaluation.
+    /// The process wants to compute an evaluation.
     Claim = 2,
     /// The process is at work.
     Alive = 3,
@@ -37,6 +37,8 @@ pub(super) enum Kind {
     Released = 5,
     /// The process keeps a run whole beside its segment.
     Kept = 6,
+    /// The process computes an evaluation that it has claimed: no other claim has begun, or stands before it.
+    Begun = 7,
 }
 
 /// An entry of a segment, with the place of its content.
@@ -79,8 +81,8 @@ pub(super) struct OwnSegment {
 
 impl Kind {
     fn of(byte: u8) -> Option<Kind> {
-        use Kind::{Alive, Claim, Closed, Header, Kept, Record, Released};
-        const ALL: [Kind; 7] = [Header, Record, Claim, Alive, Closed, Released, Kept];
+        use Kind::{Alive, Begun, Claim, Closed, Header, Kept, Record, Released};
+        const ALL: [Kind; 8] = [Header, Record, Claim, Alive, Closed, Released, Kept, Begun];
         ALL.into_iter().find(|kind| *kind as u8 == byte)
     }
 }
@@ -117,7 +119,8 @@ impl Segment {
         !self.is_closed && self.grown.is_some_and(|at| at.elapsed() < STALE)
     }
 
-    /// Whether it comes before the segment at `path`: of two processes that claim the same at once, that one computes it.
+    /// Whether it comes before the segment at `path`: of two claims that were made at once and have not begun, that of the
+    /// first segment stands.
     pub(super) fn is_before(&self, path: &Path) -> bool {
         self.path.file_name() < path.file_name()
     }

@@ -122,11 +122,34 @@ fn of_two_claims_at_once_one_yields() {
     // The one that yields gives up its own claim, not that of the other.
     third.refresh().unwrap();
     assert!(!third.claim(key(1)).unwrap());
-    // The later one cannot yield before it is there.
-    assert!(second.claim(key(2)).unwrap() && first.claim(key(2)).unwrap());
-    first.put(key(2), b"once").unwrap();
-    second.refresh().unwrap();
-    assert!(second.contains(key(2)));
+    // One that has begun keeps its claim, in whichever segment it is.
+    assert!(second.claim(key(2)).unwrap() && !first.claim(key(2)).unwrap());
+    second.put(key(2), b"once").unwrap();
+    first.refresh().unwrap();
+    assert!(first.contains(key(2)));
+}
+
+#[test]
+fn of_claims_at_the_same_moment_one_stands() {
+    const PROCESSES: usize = 3;
+    const EVALUATIONS: u16 = 2000;
+    let evaluation = |number: u16| Key(std::array::from_fn(|place| number.to_le_bytes()[place % 2]));
+    let folder = tempfile::tempdir().unwrap();
+    let start = std::sync::Barrier::new(PROCESSES);
+    let process = || {
+        let store = open(folder.path());
+        let claims = |number: &u16| {
+            start.wait();
+            store.claim(evaluation(*number)).unwrap()
+        };
+        (0..EVALUATIONS).filter(claims).collect::<Vec<u16>>()
+    };
+    let mut standing: Vec<u16> = std::thread::scope(|scope| {
+        let processes = [(); PROCESSES].map(|()| scope.spawn(process));
+        processes.into_iter().flat_map(|process| process.join().unwrap()).collect()
+    });
+    standing.sort_unstable();
+    assert_eq!(standing, (0..EVALUATIONS).collect::<Vec<u16>>());
 }
 
 #[test]
