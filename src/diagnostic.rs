@@ -50,6 +50,11 @@ pub struct Span {
 }
 
 impl Span {
+    /// Whether it is the same range of the same text.
+    pub fn is(&self, other: &Span) -> bool {
+        Arc::ptr_eq(&self.source, &other.source) && self.range == other.range
+    }
+
     /// The bytes `range` of `source`, moved to whole characters within the text.
     pub fn new(source: &Arc<Source>, range: Range<usize>) -> Span {
         let text = &source.text;

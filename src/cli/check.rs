@@ -116,8 +116,9 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
         if let Some(variation) = &variation {
             sweep::check_words(&checked.document.without_variation(), variation)?;
         }
-        let variation = variation.as_ref().map(Varies::of);
-        return Ok(Facts { findings: checked.plan.findings().to_vec(), inertias, variation });
+        let varying = variation.iter().flat_map(|of| sweep::warnings(&checked.document.without_variation(), of));
+        let findings = checked.plan.findings().iter().cloned().chain(varying.map(|warning| Finding::new(&warning)));
+        return Ok(Facts { findings: findings.collect(), inertias, variation: variation.as_ref().map(Varies::of) });
     }
     let material = Document::read_material(path)?.with(assignments);
     model::check_material(&material)?;

@@ -3,7 +3,7 @@
 use super::{Failure, Shared, checkpoint, print, print_json};
 use crate::diagnostic::closest;
 use crate::finding::Code;
-use crate::{confidence, digitize, experiment, identify, model, post, script, signal, simulate};
+use crate::{confidence, digitize, experiment, identify, model, post, script, signal, simulate, sweep};
 
 /// The word in place of a key that lists all codes.
 pub(super) const WORD: &str = "findings";
@@ -20,6 +20,7 @@ fn all() -> impl Iterator<Item = &'static Code> {
         digitize::CODES,
         model::CODES,
         simulate::CODES,
+        sweep::CODES,
         script::CODES,
         post::CODES,
         identify::CODES,

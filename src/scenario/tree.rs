@@ -8,6 +8,9 @@ use toml::de::{DeTable, DeValue};
 use crate::diagnostic::{Diagnostic, Source, Span};
 use crate::number;
 
+/// Significant digits of a number that is named: nobody writes more, and those of a sweep are quantiles.
+const DIGITS: usize = 9;
+
 /// A value with its place.
 #[derive(Clone, Debug)]
 pub struct Node {
@@ -200,7 +203,7 @@ impl Node {
             Value::Text(text) => format!("\"{text}\""),
             Value::Time(text) => text.clone(),
             Value::Whole(whole) => whole.to_string(),
-            Value::Number(number) => number::plain(*number),
+            Value::Number(number) => number::plain(number::rounded(*number, DIGITS)),
             Value::Flag(flag) => flag.to_string(),
             Value::List(items) => format!("a list of {}", items.len()),
             Value::Table(_) => "a table".to_owned(),

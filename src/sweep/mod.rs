@@ -5,6 +5,7 @@ mod outlook;
 mod results;
 mod statistics;
 mod table;
+mod warning;
 mod work;
 
 use rayon::prelude::*;
@@ -21,6 +22,7 @@ pub use outlook::Outlook;
 pub use results::SweepResults;
 pub use statistics::{Effect, Effects, Quantiles};
 pub use table::Table;
+pub use warning::{CODES, Warning, warnings};
 pub use work::{Done, Event, Stop, Work};
 
 /// A scenario, what varies in it, and the values of its runs.
@@ -123,6 +125,11 @@ impl Sweep {
         &self.base
     }
 
+    /// What is hardly meant in what varies.
+    pub fn findings(&self) -> Vec<Finding> {
+        warnings(&self.base, &self.variation).iter().map(Finding::new).collect()
+    }
+
     /// Number of runs.
     pub fn len(&self) -> usize {
         self.points.len()
@@ -175,7 +182,8 @@ impl Sweep {
     /// The run at `place`, checked.
     pub(crate) fn case(&self, place: usize) -> Result<Case, CaseError> {
         let document = self.document(place);
-        let model = model::check(&document).map_err(|mistakes| CaseError::Refused(refusal(&mistakes)))?;
+        let model = model::check(&document)
+            .map_err(|mistakes| CaseError::Refused(refusal(&mistakes, &self.variation.factors)))?;
         let plan = match Plan::is_common(&model, &self.model) {
             true => self.plan.clone(),
             false => Plan::prepare(&model).map_err(|error| CaseError::Refused(error.to_string()))?,
@@ -187,11 +195,15 @@ impl Sweep {
     }
 }
 
-/// The mistakes of a scenario in one line.
-fn refusal(mistakes: &[Diagnostic]) -> String {
-    let line = |mistake: &Diagnostic| match &mistake.hint {
-        Some(hint) => format!("{} ({hint})", mistake.message),
-        None => mistake.message.clone(),
+/// The mistakes of a scenario in one line, each with its key where it is the value of a factor.
+fn refusal(mistakes: &[Diagnostic], factors: &[Factor]) -> String {
+    let key = |mistake: &Diagnostic| {
+        let is_there = |factor: &&Factor| mistake.span.as_ref().is_some_and(|span| span.is(&factor.span));
+        factors.iter().find(is_there).map_or_else(String::new, |factor| format!("`{}`: ", factor.path))
+    };
+    let line = |mistake: &Diagnostic| {
+        let hint = mistake.hint.as_ref().map_or_else(String::new, |hint| format!(" ({hint})"));
+        format!("{}{}{hint}", key(mistake), mistake.message)
     };
     mistakes.iter().map(line).collect::<Vec<_>>().join("; ")
 }

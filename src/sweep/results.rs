@@ -78,6 +78,7 @@ impl SweepResults {
             ("rupture_probability", json!(probability)),
             ("interval", json!(interval)),
             ("effects", json!(self.effects)),
+            ("findings", json!(sweep.findings())),
         ];
         entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }

@@ -214,6 +214,30 @@ fn failed_and_refused_runs_are_rows_with_their_cause() {
     assert!(rows[1]["peak_displacement_m"].is_empty());
 }
 
+#[test]
+fn a_distribution_of_values_that_cannot_be_has_a_warning() {
+    let scene = scene(
+        "[variation]\n\"impactor.friction\" = { normal = { mean = 0.2, deviation = 0.1 } }\n\
+         \"layers.prestrain.md\" = { uniform = [0.0, 0.2] }\n",
+    );
+    let checked = figures(&droptower(scene.path(), &["check", "drop.toml", "--json"]));
+    let refused = |findings: &Json| -> Vec<Json> {
+        let all = findings.as_array().expect("a list").iter();
+        all.filter(|finding| finding["code"] == "values-refused").cloned().collect()
+    };
+    let found = refused(&checked[0]["findings"]);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!([&found[0]["key"], &found[0]["low"]], [&Json::from("impactor.friction"), &Json::from(0.0)]);
+    // The normal distribution is below its mean by two deviations with a probability of 0.02275.
+    assert!((found[0]["share"].as_f64().expect("a share") - 0.02275).abs() < 1e-5, "{found:?}");
+    let output = sweep(scene.path(), &["-n", "64"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(error(&output).contains("runs failed: `impactor.friction`: out of range"), "{}", error(&output));
+    let text = fs::read_to_string(scene.path().join("runs/drop.sweep/summary.json")).expect("a summary");
+    let summary: Json = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(refused(&summary["findings"]), found);
+}
+
 fn start(folder: &Path, more: &[&str]) -> Child {
     let arguments = [&["sweep", "drop.toml"], more].concat();
     command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{SweepArgs, Task};
 use crate::cli::faults::storing;
-use crate::cli::{Failure, Shared, digest, folder, print_figures, run, scenarios};
+use crate::cli::{Failure, Shared, digest, findings, folder, print_figures, run, scenarios};
 use crate::diagnostic::Diagnostic;
 use crate::model::Loading;
 use crate::number::{figure, wall_time};
@@ -154,7 +154,7 @@ fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> Stri
         let [probability, low, high] = [probability, low, high].map(|share| figure(100.0 * share, 3));
         lines.push(format!("  the film ruptures in {probability} % of the runs (interval of 95 %: {low} to {high} %)"));
     }
-    lines.push(folder.to_owned());
+    lines.push(findings::lines("  ", &sweep.findings()) + folder);
     lines.join("\n")
 }
 

@@ -98,6 +98,14 @@ impl Factor {
         Assignment::of_node(&self.path, &self.span, &level.node)
     }
 
+    /// A number, SI, as it is written in a scenario, with its unit.
+    pub fn written(&self, value: f64) -> String {
+        match self.dimension {
+            Some(dimension) if value != 0.0 => format!("\"{}\"", dimension.show(value)),
+            _ => number::plain(value),
+        }
+    }
+
     /// The listed value numbered `place`; the last one beyond it.
     pub(super) fn level(&self, place: usize) -> Level {
         let listed = match &self.values {
@@ -108,7 +116,7 @@ impl Factor {
     }
 
     /// The number `value`, SI, as a value of the key.
-    pub(super) fn number(&self, value: f64) -> Level {
+    pub(crate) fn number(&self, value: f64) -> Level {
         Level { input: Input::Number(value), node: Node::new(Value::Number(value), self.span.clone()) }
     }
 }
