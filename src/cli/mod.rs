@@ -18,6 +18,7 @@ mod faults;
 mod figures;
 mod findings;
 mod folder;
+mod given;
 mod forecast;
 mod formats;
 mod functions;

@@ -25,10 +25,9 @@ use self::complete::{Assistant, Words};
 use self::history::History;
 use self::input::Open;
 use self::signals::Signals;
-use super::changes::Changes;
+use super::given::Given;
 use super::{
-    DiagnosticFormat, Failure, Shared, complete as shells, faults, print, print_diagnostics, print_line, print_records,
-    script, table,
+    DiagnosticFormat, Failure, Shared, faults, print, print_diagnostics, print_line, print_records, script, table,
 };
 use crate::diagnostic::{Diagnostic, printable};
 use crate::identify::{SearchEvent, SearchHost};
@@ -42,14 +41,8 @@ use crate::store;
 
 #[derive(Debug, Args)]
 pub(super) struct ReplArgs {
-    /// The scenario in args.scenario
-    #[arg(long, value_name = "SCENARIO", add = shells::scenarios())]
-    pub scenario: Option<String>,
-    /// A value in args: key=value
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub arg: Vec<String>,
     #[command(flatten)]
-    pub changes: Changes,
+    pub given: Given,
     /// Folder of the evaluations that are never computed twice
     #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
     pub store: PathBuf,
@@ -106,8 +99,8 @@ impl<'a> Repl<'a> {
             }
             _ => {}
         });
-        let engine = script::engine(args.changes.assignments()?, evaluations, &host, &collector);
-        let given = script::arguments(&args.arg, args.scenario.as_deref())?;
+        let engine = script::engine(args.given.changes.assignments()?, evaluations, &host, &collector);
+        let given = args.given.values()?;
         let mut scope = Scope::new();
         scope.push_constant("args", Arguments::new(given.clone()));
         Ok(Repl {

@@ -12,10 +12,10 @@ use clap::Args;
 use rhai::{Dynamic, Engine, Scope};
 use serde_json::{Map, Value, json};
 
-use super::changes::Changes;
 use super::complete;
 use super::farm::{self, FarmArgs};
 use super::faults::{reading, script, storing};
+use super::given::Given;
 use super::scenarios::both;
 use super::{Failure, Shared, digest, folder, print_figures, table};
 use crate::diagnostic::{Diagnostic, printable, shown_path};
@@ -26,8 +26,7 @@ use crate::post::{self, EvaluationError, Evaluations};
 use crate::report::StudyPage;
 use crate::scenario::Assignment;
 use crate::script::{
-    About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, argument_value,
-    to_json,
+    About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
 use crate::store::evaluations::Share;
 use crate::store::{self, Draft, Origin, StoreError, run_files};
@@ -52,14 +51,8 @@ pub(super) struct ScriptArgs {
     /// At the end, print how often each line was reached and how long it took
     #[arg(long)]
     pub profile: bool,
-    /// The scenario that the script finds in args.scenario
-    #[arg(long, value_name = "SCENARIO", add = complete::scenarios())]
-    pub scenario: Option<String>,
-    /// A value that the script finds in args: key=value
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub arg: Vec<String>,
     #[command(flatten)]
-    pub changes: Changes,
+    pub given: Given,
     /// Folder for the results, in place of runs/<name of the script>
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -111,7 +104,7 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let name = args.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| storing(&error))?;
-    let origin = Origin::of_script(args.path(), args.scenario.as_deref().map(Path::new));
+    let origin = Origin::of_script(args.path(), args.given.scenario.as_deref().map(Path::new));
     if !args.force {
         origin.check(&place).map_err(|error| storing(&error))?;
     }
@@ -137,7 +130,8 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 /// Finds mistakes without running anything; no store of evaluations is opened.
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(None, |_| {}), OutputCollector::new(Vec::new()));
-    let engine = engine(args.changes.assignments()?, &Arc::new(Evaluations::unread(&args.store)), &host, &collector);
+    let engine =
+        engine(args.given.changes.assignments()?, &Arc::new(Evaluations::unread(&args.store)), &host, &collector);
     compiled(args, &engine, place)?;
     let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
     print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
@@ -189,7 +183,7 @@ fn studied(
         SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
         SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
     });
-    let mut engine = engine(args.changes.assignments()?, evaluations, &host, &collector);
+    let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector);
     let profile = (args.trace || args.profile).then(|| profile::watch(&mut engine, args));
     let Compiled { program, scope, call } = compiled(args, &engine, place)?;
     host.identify(Identity { script: program.whole_text(), given: decisive(&call) });
@@ -252,7 +246,7 @@ struct Compiled {
 
 /// The script and its arguments, without mistakes.
 fn compiled(args: &ScriptArgs, engine: &Engine, place: &Path) -> Result<Compiled, Failure> {
-    let given = arguments(&args.arg, args.scenario.as_deref())?;
+    let given = args.given.values()?;
     let call = call(args, &given, place)?;
     let mut scope = Scope::new();
     // The arguments are checked against what the script declares, so its text comes first.
@@ -317,9 +311,9 @@ fn call(args: &ScriptArgs, given: &rhai::Map, place: &Path) -> Result<Map<String
     }
     let call = [
         ("script", json!(shown_path(args.path()))),
-        ("scenario", json!(args.scenario)),
-        ("set", json!(args.changes.set)),
-        ("unset", json!(args.changes.unset)),
+        ("scenario", json!(args.given.scenario)),
+        ("set", json!(args.given.changes.set)),
+        ("unset", json!(args.given.changes.unset)),
         ("args", Value::Object(own)),
         (run_files::STUDY_FOLDER, json!(store::path_from(place, Path::new(".")))),
     ];
@@ -339,22 +333,6 @@ fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
     };
     store::check_places(std::slice::from_ref(&place))?;
     Ok(place)
-}
-
-/// The constant `args` of the script: numbers, booleans and text.
-pub(super) fn arguments(given: &[String], scenario: Option<&str>) -> Result<rhai::Map, Vec<Diagnostic>> {
-    let mut map = rhai::Map::new();
-    let mut mistakes = Vec::new();
-    for argument in given {
-        match argument.split_once('=') {
-            Some((key, value)) => drop(map.insert(key.trim().into(), argument_value(value.trim()))),
-            None => mistakes.push(Diagnostic::new(format!("expected key=value after --arg, found `{argument}`"))),
-        }
-    }
-    if let Some(scenario) = scenario {
-        map.insert("scenario".into(), scenario.to_owned().into());
-    }
-    if mistakes.is_empty() { Ok(map) } else { Err(mistakes) }
 }
 
 /// A list with a space behind its commas.
@@ -400,7 +378,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::script;
+    use crate::script::{self, argument_value};
 
     /// One comma between digits is a list where the script reads a list, a text where it reads a text, and otherwise one
     /// number or two.
