@@ -1,5 +1,5 @@
 //! `droptower explain`: unit, range, default and sentence of the keys under a path, script functions, codes of
-//! findings, columns of signals, figures.
+//! findings, columns of signals and energies, figures.
 
 use clap::Args;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use crate::scenario::grammar::{self, Key, Rule, TableRule};
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
     /// Key path, e.g. specimen.mesh, or its end, e.g. mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
-    /// e.g. coarse-contact; a column of signals.csv, e.g. clamp_slip_m; a figure of summary.json, e.g. energy_absorption; `keys`,
+    /// e.g. coarse-contact; a column of signals.csv or energies.csv, e.g. clamp_slip_m; a figure of summary.json, e.g. energy_absorption; `keys`,
     /// `functions`, `findings`, `columns` or `figures` for all of them
     #[arg(value_name = "KEY", add = complete::keys())]
     pub path: Option<String>,

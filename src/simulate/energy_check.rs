@@ -3,8 +3,19 @@
 use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
-use crate::engine::Energies;
+use crate::engine::{Energies, EnergyTerm};
 use crate::signal::{Channel, Recording};
+
+/// The sum of the terms as a channel.
+const SUM: EnergyTerm = EnergyTerm {
+    name: "sum_J",
+    sentence: &["Sum of all terms, which is constant but for the error of the energy balance."],
+};
+
+/// The columns of a run's energies.
+pub fn energy_columns() -> impl Iterator<Item = EnergyTerm> {
+    Energies::TERMS.iter().copied().chain([SUM])
+}
 
 /// Balance error, over the energy exchanged, that stops a run.
 const STOP: f64 = 0.1;
@@ -120,12 +131,12 @@ impl EnergyCheck {
 
     /// One channel a term, and their sum.
     pub(super) fn recording(&self) -> Recording {
-        let channel = |(term, name): (usize, &&str)| Channel {
-            name: (*name).to_string(),
-            values: self.rows.iter().map(|e| e.terms()[term]).collect(),
+        let channel = |(place, term): (usize, &EnergyTerm)| Channel {
+            name: term.name.to_owned(),
+            values: self.rows.iter().map(|e| e.terms()[place]).collect(),
         };
-        let mut channels: Vec<Channel> = Energies::NAMES.iter().enumerate().map(channel).collect();
-        channels.push(Channel { name: "sum_J".into(), values: self.rows.iter().map(Energies::total).collect() });
+        let mut channels: Vec<Channel> = Energies::TERMS.iter().enumerate().map(channel).collect();
+        channels.push(Channel { name: SUM.name.to_owned(), values: self.rows.iter().map(Energies::total).collect() });
         Recording { time: self.time.clone(), channels }
     }
 }

@@ -27,12 +27,14 @@ mod warning;
 
 use std::time::{Duration, Instant};
 
+pub use crate::engine::EnergyTerm;
 use crate::engine::{self, Engine, Relaxation, Settling, Surface, ThreadPool};
 use crate::model::{Hold, Model};
 use crate::signal::Recording;
 pub use cancellation::Cancellation;
 pub use check::check;
 pub use checkpoint::{Checkpoint, Checkpoints, Restart};
+pub use energy_check::energy_columns;
 pub use fault::{Failure, Fault, RunError};
 pub use film::Film;
 pub use image::Image;

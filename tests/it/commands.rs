@@ -253,6 +253,12 @@ fn explain_knows_the_columns_of_signals() {
     assert!(json[0]["sentence"].as_str().expect("a text").contains("at least"));
     let all = standard_output(&["explain", "columns"]);
     assert!(all.starts_with("displacement_m\n") && all.contains(slip.trim_end()), "{all}");
+    let hourglass = standard_output(&["explain", "hourglass_J"]);
+    assert!(
+        hourglass.contains("column of energies.csv; in J; of every run\n    in scripts `run.energies.hourglass_J`"),
+        "{hourglass}"
+    );
+    assert!(all.contains(hourglass.trim_end()) && all.contains("sum_J\n"), "{all}");
     for (unknown, hint) in [
         ("clamp_slp_m", "did you mean the column `clamp_slip_m`?"),
         ("head_max_strain_md", "no key `head_max_strain_md`"),

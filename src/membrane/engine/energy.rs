@@ -2,79 +2,68 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Terms of the energy balance, J. Their sum is constant (theory.md, equation 24).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Energies {
-    /// Kinetic, film.
-    pub kinetic_film: f64,
-    /// Kinetic, impactors.
-    pub kinetic_impactor: f64,
-    /// Potential in gravity, film and impactors, over the undeformed state.
-    pub potential: f64,
-    /// Elastic, returned on unloading.
-    pub stored: f64,
-    /// Absorbed by the film's law.
-    pub absorbed: f64,
-    /// Stored in fibres when they broke, and in film that tore.
-    pub rupture: f64,
-    /// In the stabilisation against hourglass modes.
-    pub hourglass: f64,
-    /// Dissipated where nodes come into contact.
-    pub contact: f64,
-    /// Dissipated by friction of film on the impactor, on the frame's bars and on film.
-    pub friction: f64,
-    /// Dissipated by friction of the impactor's guide.
-    pub guide: f64,
-    /// Dissipated where impactors meet each other or the frame's bars.
-    pub collision: f64,
-    /// Dissipated by friction of film in the frame's clamp.
-    pub clamp: f64,
-    /// Dissipated by mass-proportional damping.
-    pub damping: f64,
+macro_rules! terms {
+    ($($(#[doc = $doc:literal])+ $term:ident = $name:literal;)+) => {
+        /// Terms of the energy balance, J. Their sum is constant (theory.md, equation 24).
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+        pub struct Energies {
+            $($(#[doc = $doc])+ pub $term: f64,)+
+        }
+
+        impl Energies {
+            /// The terms as channels, in the order of [`Energies::terms`].
+            pub const TERMS: &[EnergyTerm] = &[$(EnergyTerm { name: $name, sentence: &[$($doc),+] }),+];
+
+            /// The terms in order.
+            pub fn terms(&self) -> [f64; Self::TERMS.len()] {
+                [$(self.$term),+]
+            }
+        }
+    };
+}
+
+/// A term of the energy balance as a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EnergyTerm {
+    /// It ends with the unit.
+    pub name: &'static str,
+    /// What it is, as one or more lines.
+    pub sentence: &'static [&'static str],
+}
+
+terms! {
+    /// Kinetic energy of the film.
+    kinetic_film = "kinetic_film_J";
+    /// Kinetic energy of the impactors.
+    kinetic_impactor = "kinetic_impactor_J";
+    /// Potential energy of film and impactors in gravity, over the undeformed state.
+    potential = "potential_J";
+    /// Elastic energy of the film, returned on unloading.
+    stored = "stored_J";
+    /// Energy absorbed by the film's law.
+    absorbed = "absorbed_J";
+    /// Energy that was stored in fibres when they broke, and in film that tore.
+    rupture = "rupture_J";
+    /// Energy in the stabilisation against hourglass modes.
+    hourglass = "hourglass_J";
+    /// Energy dissipated where nodes come into contact.
+    contact = "contact_J";
+    /// Energy dissipated by friction of film on the impactor, on the frame's bars and on film.
+    friction = "friction_J";
+    /// Energy dissipated by friction of the impactor's guide.
+    guide = "guide_J";
+    /// Energy dissipated where impactors meet each other or the frame's bars.
+    collision = "collision_J";
+    /// Energy dissipated by friction of film in the frame's clamp.
+    clamp = "clamp_J";
+    /// Energy dissipated by mass-proportional damping.
+    damping = "damping_J";
     /// External work by jaws, pressure, an impactor with prescribed motion or what launches an impactor, counted
     /// negative.
-    pub external: f64,
+    external = "external_J";
 }
 
 impl Energies {
-    /// Names of the terms as channels, in the order of [`Energies::terms`].
-    pub const NAMES: [&'static str; 14] = [
-        "kinetic_film_J",
-        "kinetic_impactor_J",
-        "potential_J",
-        "stored_J",
-        "absorbed_J",
-        "rupture_J",
-        "hourglass_J",
-        "contact_J",
-        "friction_J",
-        "guide_J",
-        "collision_J",
-        "clamp_J",
-        "damping_J",
-        "external_J",
-    ];
-
-    /// The terms in order.
-    pub fn terms(&self) -> [f64; 14] {
-        [
-            self.kinetic_film,
-            self.kinetic_impactor,
-            self.potential,
-            self.stored,
-            self.absorbed,
-            self.rupture,
-            self.hourglass,
-            self.contact,
-            self.friction,
-            self.guide,
-            self.collision,
-            self.clamp,
-            self.damping,
-            self.external,
-        ]
-    }
-
     /// Sum of all terms.
     pub fn total(&self) -> f64 {
         self.terms().iter().sum()

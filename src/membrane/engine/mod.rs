@@ -49,7 +49,7 @@ pub use clamp::{Clamp, ClampedNode};
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use cushion::{Cushion, area};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, TooWide, Torn, UndefinedFibreDirection};
-pub use energy::Energies;
+pub use energy::{Energies, EnergyTerm};
 pub use failure::Failures;
 pub use fault::Fault;
 pub use film::{AddedMass, Film};
