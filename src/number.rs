@@ -50,6 +50,11 @@ pub fn duration(seconds: f64) -> String {
     if seconds < 10.0 { format!("{:.1} ms", seconds * 1e3) } else { format!("{seconds:.1} s") }
 }
 
+/// A wall time that has passed: as one to come, but below 10 s with its fractions.
+pub fn time_taken(seconds: f64) -> String {
+    if seconds < 10.0 { format!("{} s", figure(seconds, 2)) } else { wall_time(seconds) }
+}
+
 /// A wall time in s, min, hours and minutes, or days and hours.
 pub fn wall_time(seconds: f64) -> String {
     let (minutes, hours) = ((seconds / 60.0).round() as u64, (seconds / 3600.0).round() as u64);
@@ -143,6 +148,15 @@ mod tests {
     fn times_are_in_milliseconds_or_seconds() {
         assert_eq!(duration(0.0573), "57.3 ms");
         assert_eq!(duration(2000.04), "2000.0 s");
+    }
+
+    #[test]
+    fn short_times_that_have_passed_have_fractions() {
+        for (seconds, expected) in
+            [(0.104, "0.10 s"), (1.26, "1.3 s"), (9.94, "9.9 s"), (12.2, "13 s"), (400.0, "7 min")]
+        {
+            assert_eq!(time_taken(seconds), expected);
+        }
     }
 
     #[test]

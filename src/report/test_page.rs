@@ -3,7 +3,7 @@
 use super::html::{self, escape};
 use super::plot;
 use crate::expectation::Verdict;
-use crate::number::wall_time;
+use crate::number::time_taken;
 use crate::plot::{Curve, Plot, TIME};
 use crate::signal::{Series, column};
 
@@ -64,7 +64,7 @@ fn all(verdicts: &[Verdict]) -> String {
             (true, false) => "passed",
             (false, _) => "failed",
         };
-        vec![verdict.name.clone(), became.into(), wall_time(verdict.seconds)]
+        vec![verdict.name.clone(), became.into(), time_taken(verdict.seconds)]
     };
     let header = ["test", "verdict", "time"].map(String::from);
     html::table("rows", &header, &verdicts.iter().map(row).collect::<Vec<_>>())

@@ -8,7 +8,7 @@ use crate::cli::faults::storing;
 use crate::cli::{Failure, Shared, digest, findings, folder, print_figures, run, scenarios};
 use crate::diagnostic::Diagnostic;
 use crate::model::Loading;
-use crate::number::{figure, wall_time};
+use crate::number::{figure, time_taken};
 use crate::report::SweepPage;
 use crate::shell::quoted;
 use crate::store::{Draft, Origin, StoreError};
@@ -138,7 +138,7 @@ fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> Stri
         found.table.rows(),
         found.reused,
         found.failed,
-        wall_time(seconds)
+        time_taken(seconds)
     )];
     let width = found.statistics.iter().map(|(name, _)| name.len()).max().unwrap_or_default();
     let varying = found.effects.iter().map(|effects| effects.figure.as_str());

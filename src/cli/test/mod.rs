@@ -15,7 +15,7 @@ use super::faults::{evaluating, storing};
 use super::{Failure, Shared, folder, output, print_figures};
 use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::expectation::{Difference, Given, Verdict};
-use crate::number::wall_time;
+use crate::number::time_taken;
 use crate::post::{Results, failure_message};
 use crate::simulate::{self, Cancellation, RunError, RunOptions};
 use crate::store::{self, Draft, Origin};
@@ -126,7 +126,7 @@ fn results(case: &Case) -> Result<Results, String> {
 
 /// The line that a case leaves when it ends.
 fn told(verdict: &Verdict) -> String {
-    let time = wall_time(verdict.seconds);
+    let time = time_taken(verdict.seconds);
     match (verdict.has_passed(), verdict.blessed) {
         (true, true) => format!("recorded  {}  {time}", verdict.name),
         (true, false) => format!("ok        {}  {time}", verdict.name),
@@ -158,7 +158,7 @@ fn text(verdicts: &[Verdict], seconds: f64) -> String {
     }
     let failed = verdicts.iter().filter(|verdict| !verdict.has_passed()).count();
     let passed = verdicts.len() - failed;
-    lines.push(format!("{passed} passed, {failed} failed, {}", wall_time(seconds)));
+    lines.push(format!("{passed} passed, {failed} failed, {}", time_taken(seconds)));
     lines.join("\n") + "\n"
 }
 
