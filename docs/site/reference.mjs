@@ -126,9 +126,11 @@ function findingPage(ask) {
 }
 
 function columnPage(ask) {
-  const lines = ["# Columns of signals", "", "The columns of `signals.csv`. Of several impactors, each column of an impactor begins with its name:", "`head_displacement_m`.", ""];
-  lines.push(row(["Column", "Unit", "Meaning", "In scripts"]), row(["---", "---", "---", "---"]));
-  for (const { column, unit, sentence, when, script } of ask("explain", "columns", "--json")) {
+  const lines = ["# Columns", "", "The columns of a run. Of several impactors, each column of an impactor begins with its name:", "`head_displacement_m`.", ""];
+  let last = "";
+  for (const { column, file, unit, sentence, when, script } of ask("explain", "columns", "--json")) {
+    if (file !== last) lines.push("", `## ${code(file)}`, "", row(["Column", "Unit", "Meaning", "In scripts"]), row(["---", "---", "---", "---"]));
+    last = file;
     const shown = `<a id="${column}"></a>${code(column)}`;
     lines.push(row([shown, prose(unit), `${prose(sentence)} It is there ${prose(when)}.`, code(script)]));
   }
@@ -182,7 +184,7 @@ export function reference(droptower) {
     "- [Keys](reference/keys.md)",
     ...keys.pages.map(([name]) => `    - [${name}](reference/${name}.md)`),
     "- [Functions of scripts](reference/functions.md)",
-    "- [Columns of signals](reference/columns.md)",
+    "- [Columns](reference/columns.md)",
     "- [Findings](reference/findings.md)",
     "- [Commands and options](reference/options.md)",
   ];
