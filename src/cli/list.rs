@@ -23,7 +23,7 @@ pub(super) struct ListArgs {
 struct Listed {
     name: String,
     path: String,
-    /// `None` where the file cannot be read; `droptower check` gives the reason.
+    /// `None` where the file is meant as a scenario and cannot be read; `droptower check` gives the reason.
     title: Option<String>,
 }
 
@@ -65,11 +65,13 @@ fn is_result(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name == run_files::SCENARIO) && store::is_run(folder_of(path))
 }
 
-/// The file as a scenario; none where it is something else, e.g. a material.
+/// The file as a scenario; none where it is something else, e.g. a material or the settings of another program.
 fn listed(path: &Path) -> Option<Listed> {
     let shown = shown_path(path);
     let Ok(document) = Document::read(path) else {
-        return Some(Listed { name: shown.clone(), path: shown, title: None });
+        let is_meant = |text: String| ["specimen", "extends"].iter().any(|key| text.contains(key));
+        let is_meant = std::fs::read_to_string(path).is_ok_and(is_meant);
+        return is_meant.then(|| Listed { name: shown.clone(), path: shown, title: None });
     };
     document.find("specimen")?;
     let name = document.name();

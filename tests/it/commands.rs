@@ -314,6 +314,8 @@ fn list_without_a_folder_searches_below_the_working_directory() {
         ("runs/drop/scenario.toml", "title = \"Stored\"\n[specimen]\n"),
         ("runs/drop/summary.json", "{}"),
         (".hidden/drop.toml", "[specimen]\n"),
+        ("begun.toml", "[specimen\n"),
+        ("pyproject.toml", "[project\n"),
     ] {
         let path = folder.path().join(path);
         fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
@@ -321,7 +323,8 @@ fn list_without_a_folder_searches_below_the_working_directory() {
     }
     let output = workbench::droptower(folder.path(), &["list"]);
     let lines = workbench::printed(&output);
-    assert_eq!(lines.lines().collect::<Vec<_>>(), ["mine/drop.toml  Mine"]);
+    let listed = ["begun.toml      (not readable; see droptower check)", "mine/drop.toml  Mine"];
+    assert_eq!(lines.lines().collect::<Vec<_>>(), listed);
     assert!(workbench::error(&output).contains("the scenarios of result folders are left out: 1"));
 }
 
