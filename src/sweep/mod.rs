@@ -22,7 +22,7 @@ pub use outlook::Outlook;
 pub use results::SweepResults;
 pub use statistics::{Effect, Effects, Quantiles};
 pub use table::Table;
-pub use warning::{CODES, Warning, warnings};
+pub use warning::{Beyond, CODES, Limit, Warning, warnings};
 pub use work::{Done, Event, Stop, Work};
 
 /// A scenario, what varies in it, and the values of its runs.

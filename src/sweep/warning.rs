@@ -31,8 +31,6 @@ pub enum Warning {
     Refused {
         /// Path of the key.
         key: String,
-        /// Probability of these values.
-        share: f64,
         /// Which they are.
         beyond: Beyond,
     },
@@ -41,31 +39,39 @@ pub enum Warning {
 /// The values of a distribution that the scenario does not take.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Beyond {
-    /// Those below this one, SI and as it is written.
-    Below(f64, String),
-    /// Those above this one, SI and as it is written.
-    Above(f64, String),
+    /// Those below a limit.
+    Below(Limit),
+    /// Those above a limit.
+    Above(Limit),
     /// Its median among others.
     Median,
 }
 
+/// The limit of the values that the scenario takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// SI.
+    pub value: f64,
+    /// As it is written in a scenario.
+    pub written: String,
+    /// Probability of the values beyond it.
+    pub share: f64,
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Warning::Refused { key, share, beyond } = self;
+        let Warning::Refused { key, beyond } = self;
+        let (where_to, side, Limit { written, share, .. }) = match beyond {
+            Beyond::Below(limit) => ("below", "low", limit),
+            Beyond::Above(limit) => ("above", "high", limit),
+            Beyond::Median => return write!(f, "with the median of `{key}` the scenario cannot be run"),
+        };
         let percent = number::significant(100.0 * share, 2);
-        match beyond {
-            Beyond::Below(_, limit) => write!(
-                f,
-                "`{key}` is below {limit} in {percent} % of its distribution, where the scenario cannot be run: \
-                 truncate = {{ low = {limit} }} leaves that out"
-            ),
-            Beyond::Above(_, limit) => write!(
-                f,
-                "`{key}` is above {limit} in {percent} % of its distribution, where the scenario cannot be run: \
-                 truncate = {{ high = {limit} }} leaves that out"
-            ),
-            Beyond::Median => write!(f, "with the median of `{key}` the scenario cannot be run"),
-        }
+        write!(
+            f,
+            "`{key}` is {where_to} {written} in {percent} % of its distribution, where the scenario cannot be run: \
+             truncate = {{ {side} = {written} }} leaves that out"
+        )
     }
 }
 
@@ -75,15 +81,15 @@ impl Report for Warning {
     }
 
     fn figures(&self) -> Map<String, Value> {
-        let Warning::Refused { key, share, beyond } = self;
+        let Warning::Refused { key, beyond } = self;
         let limit = match beyond {
-            Beyond::Below(limit, _) => Some(("low", *limit)),
-            Beyond::Above(limit, _) => Some(("high", *limit)),
+            Beyond::Below(limit) => Some(("low", limit)),
+            Beyond::Above(limit) => Some(("high", limit)),
             Beyond::Median => None,
         };
-        let figures = [("key", key.as_str().into()), ("share", (*share).into())].into_iter();
-        let limit = limit.map(|(side, limit)| (side, limit.into()));
-        figures.chain(limit).map(|(name, value)| (name.to_owned(), value)).collect()
+        let limit = limit.map(|(side, limit)| [(side, limit.value.into()), ("share", limit.share.into())]);
+        let figures = [("key", key.as_str().into())].into_iter().chain(limit.into_iter().flatten());
+        figures.map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }
 
@@ -99,11 +105,12 @@ pub fn warnings(base: &Document, variation: &Variation) -> Vec<Warning> {
 /// The values of a factor with which the scenario, otherwise as written, is none.
 fn refused(base: &Document, factor: &Factor, distribution: &Distribution) -> Vec<Warning> {
     let is_taken = |value: f64| model::check(&base.with(&[factor.assignment(&factor.number(value))])).is_ok();
-    let warning = |share, beyond| Warning::Refused { key: factor.path.clone(), share, beyond };
+    let warning = |beyond| Warning::Refused { key: factor.path.clone(), beyond };
     let [low, median, high] = [LEAST, 0.5, 1.0 - LEAST].map(|share| distribution.quantile(share));
     if !is_taken(median) {
-        return vec![warning(0.5, Beyond::Median)];
+        return vec![warning(Beyond::Median)];
     }
+    // Limit and the probability of at most that value.
     let limit = |end: f64| {
         let (mut taken, mut refused) = (median, end);
         for _ in 0..HALVINGS {
@@ -111,16 +118,13 @@ fn refused(base: &Document, factor: &Factor, distribution: &Distribution) -> Vec
             *if is_taken(middle) { &mut taken } else { &mut refused } = middle;
         }
         // Of the halvings more digits are left than anybody wrote.
-        let limit = if taken.abs() < 1e-6 * (median - end).abs() { 0.0 } else { number::rounded(taken, 6) };
-        (limit, factor.written(limit))
+        let value = if taken.abs() < 1e-6 * (median - end).abs() { 0.0 } else { number::rounded(taken, 6) };
+        Limit { value, written: factor.written(value), share: distribution.cumulative(value) }
     };
-    let below = (!is_taken(low)).then(|| {
-        let (limit, written) = limit(low);
-        warning(distribution.cumulative(limit), Beyond::Below(limit, written))
-    });
+    let below = (!is_taken(low)).then(|| warning(Beyond::Below(limit(low))));
     let above = (!is_taken(high)).then(|| {
-        let (limit, written) = limit(high);
-        warning(1.0 - distribution.cumulative(limit), Beyond::Above(limit, written))
+        let limit = limit(high);
+        warning(Beyond::Above(Limit { share: 1.0 - limit.share, ..limit }))
     });
     below.into_iter().chain(above).collect()
 }
