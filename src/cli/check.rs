@@ -113,12 +113,13 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
         let checked = scenarios::check(path, assignments)?;
         let inertias = checked.model.impactors.iter().filter_map(Inertia::of).collect();
         let variation = model::variation(&checked.document)?;
+        let mut findings = checked.plan.findings().to_vec();
         if let Some(variation) = &variation {
-            sweep::check_words(&checked.document.without_variation(), variation)?;
+            let base = checked.document.without_variation();
+            sweep::check_words(&base, variation)?;
+            findings.extend(sweep::warnings(&base, variation).iter().map(Finding::new));
         }
-        let varying = variation.iter().flat_map(|of| sweep::warnings(&checked.document.without_variation(), of));
-        let findings = checked.plan.findings().iter().cloned().chain(varying.map(|warning| Finding::new(&warning)));
-        return Ok(Facts { findings: findings.collect(), inertias, variation: variation.as_ref().map(Varies::of) });
+        return Ok(Facts { findings, inertias, variation: variation.as_ref().map(Varies::of) });
     }
     let material = Document::read_material(path)?.with(assignments);
     model::check_material(&material)?;

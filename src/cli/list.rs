@@ -1,5 +1,6 @@
 //! `droptower list`: the scenarios of a folder.
 
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,7 @@ pub(super) struct ListArgs {
 struct Listed {
     name: String,
     path: String,
-    /// `None` where the file is meant as a scenario and cannot be read; `droptower check` gives the reason.
+    /// `None` where the file is meant as a scenario and has mistakes in its TOML; `droptower check` gives the reason.
     title: Option<String>,
 }
 
@@ -69,8 +70,8 @@ fn is_result(path: &Path) -> bool {
 fn listed(path: &Path) -> Option<Listed> {
     let shown = shown_path(path);
     let Ok(document) = Document::read(path) else {
-        let is_meant = |text: String| ["specimen", "extends"].iter().any(|key| text.contains(key));
-        let is_meant = std::fs::read_to_string(path).is_ok_and(is_meant);
+        let text = fs::read_to_string(path).ok()?;
+        let is_meant = ["specimen", "extends"].iter().any(|key| text.contains(key));
         return is_meant.then(|| Listed { name: shown.clone(), path: shown, title: None });
     };
     document.find("specimen")?;

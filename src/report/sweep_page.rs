@@ -45,7 +45,7 @@ pub fn sweep_page(page: &SweepPage) -> String {
     let facts = summary.iter().filter(|(name, _)| facts.contains(&name.as_str()));
     let body = [
         format!("<h1>{}</h1>\n", escape(&title)),
-        html::findings(Vec::new(), &sweep.findings()),
+        html::findings(Vec::new(), &results.findings),
         html::section("What varies", &inputs(sweep)),
         html::section("Figures", &[figure::table(facts), rupture(results)].concat()),
         html::section("Quantiles", &quantiles(page)),

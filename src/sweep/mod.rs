@@ -125,11 +125,6 @@ impl Sweep {
         &self.base
     }
 
-    /// What is hardly meant in what varies.
-    pub fn findings(&self) -> Vec<Finding> {
-        warnings(&self.base, &self.variation).iter().map(Finding::new).collect()
-    }
-
     /// Number of runs.
     pub fn len(&self) -> usize {
         self.points.len()

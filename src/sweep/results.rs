@@ -4,7 +4,8 @@ use serde_json::{Map, Value, json};
 
 use super::statistics::{self, Effects, Quantiles};
 use super::table::Table;
-use super::{Done, Sweep};
+use super::{Done, Sweep, warnings};
+use crate::finding::Finding;
 use crate::post::{EvaluationError, Evaluations, is_cost};
 use crate::table::Column;
 
@@ -27,6 +28,8 @@ pub struct SweepResults {
     pub rupture: Option<(f64, [f64; 2])>,
     /// Main effects on the figures that vary.
     pub effects: Vec<Effects>,
+    /// What is hardly meant in what varies.
+    pub findings: Vec<Finding>,
 }
 
 impl SweepResults {
@@ -56,6 +59,7 @@ impl SweepResults {
             statistics: statistics.collect(),
             rupture: rupture.map(|(share, interval)| (share, [interval.low, interval.high])),
             effects,
+            findings: warnings(&sweep.base, &sweep.variation).iter().map(Finding::new).collect(),
             table,
         })
     }
@@ -78,7 +82,7 @@ impl SweepResults {
             ("rupture_probability", json!(probability)),
             ("interval", json!(interval)),
             ("effects", json!(self.effects)),
-            ("findings", json!(sweep.findings())),
+            ("findings", json!(self.findings)),
         ];
         entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }

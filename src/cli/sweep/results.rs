@@ -154,7 +154,7 @@ fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> Stri
         let [probability, low, high] = [probability, low, high].map(|share| figure(100.0 * share, 3));
         lines.push(format!("  the film ruptures in {probability} % of the runs (interval of 95 %: {low} to {high} %)"));
     }
-    lines.push(findings::lines("  ", &sweep.findings()) + folder);
+    lines.push(findings::lines("  ", &found.findings) + folder);
     lines.join("\n")
 }
 

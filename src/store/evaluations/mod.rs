@@ -391,14 +391,18 @@ impl State {
                     all.push(Claim { segment: number, has_begun: kind == Kind::Begun });
                 }
                 Kind::Released => {
-                    claims.entry(key).and_modify(|all| all.retain(|claim| claim.segment != number));
+                    if let Some(all) = claims.get_mut(&key) {
+                        all.retain(|claim| claim.segment != number);
+                    }
                 }
-                Kind::Closed => claims.values_mut().for_each(|all| all.retain(|claim| claim.segment != number)),
+                Kind::Closed => claims.retain(|_, all| {
+                    all.retain(|claim| claim.segment != number);
+                    !all.is_empty()
+                }),
                 Kind::Header | Kind::Alive | Kind::Kept => {}
             }
         })?;
         segment.is_closed = is_closed;
-        claims.retain(|_, all| !all.is_empty());
         Ok(())
     }
 
