@@ -38,32 +38,21 @@
 //! checks. `docs/theory.md` has the equations that comments cite, `docs/glossary.md` the terms.
 #![warn(missing_docs)]
 
-pub mod number;
-pub mod units;
-pub mod diagnostic;
-pub mod file;
-pub mod finding;
-pub mod shell;
-pub mod table;
-pub use droptower_membrane::{engine, lane, material};
-pub mod mesh;
-pub mod signal;
-pub mod plot;
-pub mod confidence;
-pub mod experiment;
-pub mod scenario;
-pub mod digitize;
-pub mod model;
-pub mod simulate;
-pub mod store;
-pub mod script;
-pub mod functions;
-pub mod post;
-pub mod identify;
-pub mod sweep;
-pub mod expectation;
-pub mod gltf;
-pub mod report;
-pub mod picture;
-pub mod cluster;
-pub mod cli;
+#[doc(inline)]
+pub use base::{cancellation, diagnostic, file, finding, number, shell, table, units};
+#[doc(inline)]
+pub use cli;
+#[doc(inline)]
+pub use lab::{confidence, experiment, signal};
+#[doc(inline)]
+pub use membrane::{engine, lane, material};
+#[doc(inline)]
+pub use picture::{self, gltf};
+#[doc(inline)]
+pub use plot;
+#[doc(inline)]
+pub use report;
+#[doc(inline)]
+pub use scene::{digitize, expectation, mesh, model, scenario, simulate};
+#[doc(inline)]
+pub use study::{cluster, functions, identify, post, script, store, sweep};

@@ -1,6 +1,6 @@
 //! Numbers and quantities on the command line.
 
-use crate::units::{Dimension, Time, UnitError, with_decimal_point};
+use base::units::{Dimension, Time, UnitError, with_decimal_point};
 
 /// The number in SI of a quantity with its unit, for clap.
 pub(super) fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
@@ -38,7 +38,7 @@ fn decimal_comma(text: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::Mass;
+    use base::units::Mass;
 
     #[test]
     fn mistakes_state_the_form_that_is_expected() {

@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::complete;
-use crate::diagnostic::Diagnostic;
-use crate::scenario::Assignment;
+use base::diagnostic::Diagnostic;
+use scene::scenario::Assignment;
 
 /// `--set` and `--unset`.
 #[derive(Clone, Debug, Args)]

@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use super::scenarios::{self, Selection};
 use super::{Failure, Shared, findings, print, print_json};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::finding::Finding;
-use crate::model::{self, Guide, Impactor, Variation};
-use crate::number;
-use crate::scenario::{Assignment, Document};
-use crate::simulate;
-use crate::sweep;
+use base::diagnostic::{Diagnostic, shown_path};
+use base::finding::Finding;
+use base::number;
+use scene::model::{self, Guide, Impactor, Variation};
+use scene::scenario::{Assignment, Document};
+use scene::simulate;
+use study::sweep;
 
 /// Significant digits of lengths and moments.
 const DIGITS: usize = 4;

@@ -1,9 +1,11 @@
 //! `droptower explain findings`: what the codes of findings mean and what to do.
 
 use super::{Failure, Shared, checkpoint, print, print_json};
-use crate::diagnostic::closest;
-use crate::finding::Code;
-use crate::{confidence, digitize, experiment, identify, model, post, script, signal, simulate, sweep};
+use base::diagnostic::closest;
+use base::finding::Code;
+use lab::{confidence, experiment, signal};
+use scene::{digitize, model, simulate};
+use study::{identify, post, script, sweep};
 
 /// The word in place of a key that lists all codes.
 pub(super) const WORD: &str = "findings";
@@ -72,7 +74,7 @@ mod tests {
     use std::collections::HashSet;
 
     use super::*;
-    use crate::finding::is_code;
+    use base::finding::is_code;
 
     #[test]
     fn a_code_is_found_as_the_terminal_prints_it() {

@@ -4,9 +4,9 @@
 use serde::Serialize;
 
 use super::{Failure, Shared, print, print_json};
-use crate::signal::column::{self, COLUMNS, Column};
-use crate::simulate::{EnergyTerm, energy_columns};
-use crate::store::run_files::{ENERGIES, SIGNALS};
+use lab::signal::column::{self, COLUMNS, Column};
+use scene::simulate::{EnergyTerm, energy_columns};
+use study::store::run_files::{ENERGIES, SIGNALS};
 
 /// The word in place of a key that lists all columns.
 pub(super) const WORD: &str = "columns";

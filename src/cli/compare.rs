@@ -7,11 +7,11 @@ use clap::Args;
 use super::faults::{recording, storing};
 use super::scenarios::both;
 use super::{Failure, Shared, digest, expectations, findings, folder, print_figures, table};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::expectation::{Expectations, Given, Outside, Recorded};
-use crate::post::{FAILED_RUN, RunComparison};
-use crate::report::compare_page;
-use crate::store::{self, Draft, Origin, StoredRun, StoredRunError, run_files};
+use base::diagnostic::{Diagnostic, shown_path};
+use report::compare_page;
+use scene::expectation::{Expectations, Given, Outside, Recorded};
+use study::post::{FAILED_RUN, RunComparison};
+use study::store::{self, Draft, Origin, StoredRun, StoredRunError, run_files};
 
 #[derive(Debug, Args)]
 pub(super) struct CompareArgs {

@@ -8,8 +8,8 @@ use clap_complete::engine::{ArgValueCompleter, CompletionCandidate, PathComplete
 use clap_complete::env::{CompleteEnv, Shells};
 
 use super::{Failure, print};
-use crate::diagnostic::Diagnostic;
-use crate::scenario::grammar::{self, Key, Rule};
+use base::diagnostic::Diagnostic;
+use scene::scenario::grammar::{self, Key, Rule};
 
 /// Variable by which a shell asks for completions.
 const VARIABLE: &str = "DROPTOWER_COMPLETE";

@@ -5,12 +5,12 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::findings;
-use crate::diagnostic::shown_path;
-use crate::model::Model;
-use crate::number::{self, duration, grouped};
-use crate::post::{Audit, BodyFigures, Impact, Indent, Inflation, Measures, Results, Stretch};
-use crate::report::{G, subject};
-use crate::simulate::Outcome;
+use base::diagnostic::shown_path;
+use base::number::{self, duration, grouped};
+use report::{G, subject};
+use scene::model::Model;
+use scene::simulate::Outcome;
+use study::post::{Audit, BodyFigures, Impact, Indent, Inflation, Measures, Results, Stretch};
 
 /// Significant digits of a figure.
 pub(super) const DIGITS: usize = 3;

@@ -8,11 +8,11 @@ use image::{ImageFormat, Rgb, RgbImage};
 use serde::Serialize;
 
 use super::{Failure, Shared, output, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::digitize::{Digitized, Figure, TraceError, digitize};
-use crate::finding::Finding;
-use crate::number;
-use crate::scenario::Document;
+use base::diagnostic::{Diagnostic, shown_path};
+use base::finding::Finding;
+use base::number;
+use scene::digitize::{Digitized, Figure, TraceError, digitize};
+use scene::scenario::Document;
 
 /// Digits of a printed figure.
 const DIGITS: usize = 4;
@@ -117,7 +117,7 @@ fn table(figure: &Figure, found: &Digitized) -> std::io::Result<Vec<u8>> {
     writeln!(
         text,
         "# read out of the picture {} of {} x {} pixels by droptower {}",
-        crate::diagnostic::printable(&name).replace('\n', " "),
+        base::diagnostic::printable(&name).replace('\n', " "),
         picture.width(),
         picture.height(),
         env!("CARGO_PKG_VERSION")

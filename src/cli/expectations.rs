@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::codes;
-use crate::diagnostic::Diagnostic;
-use crate::expectation::Expectations;
-use crate::scenario::Document;
+use base::diagnostic::Diagnostic;
+use scene::expectation::Expectations;
+use scene::scenario::Document;
 
 /// The expectations in the file at `path`. A code that no finding has would never come: it is a mistake, unless scripts may
 /// report codes of their own and it is not close to a known one.

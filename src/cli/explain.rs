@@ -6,8 +6,8 @@ use serde::Serialize;
 use serde_json::Value as Json;
 
 use super::{Failure, Shared, codes, columns, complete, figures, functions, print, print_json};
-use crate::diagnostic::{Diagnostic, closest};
-use crate::scenario::grammar::{self, Key, Rule, TableRule};
+use base::diagnostic::{Diagnostic, closest};
+use scene::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use super::{DiagnosticFormat, print_diagnostics, print_records};
-use crate::diagnostic::Diagnostic;
+use base::diagnostic::Diagnostic;
 
 /// The exit status of a command that fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

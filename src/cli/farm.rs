@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::Failure;
-use crate::diagnostic::{Diagnostic, Source, Span};
-use crate::post::Evaluations;
-use crate::simulate::Cancellation;
-use crate::store::evaluations::Share;
-use crate::units::Time;
+use base::cancellation::Cancellation;
+use base::diagnostic::{Diagnostic, Source, Span};
+use base::units::Time;
+use study::post::Evaluations;
+use study::store::evaluations::Share;
 
 /// Time between two looks at the clock.
 const TICK: Duration = Duration::from_millis(100);

@@ -3,12 +3,12 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
-use crate::file;
-use crate::post::{EvaluateError, PrepareError, ReferenceError};
-use crate::script::{Fault, ReadError};
-use crate::signal::{self, QuantityError};
-use crate::store::StoreError;
+use base::diagnostic::{Diagnostic, Source, Span, shown_path};
+use base::file;
+use lab::signal::{self, QuantityError};
+use study::post::{EvaluateError, PrepareError, ReferenceError};
+use study::script::{Fault, ReadError};
+use study::store::StoreError;
 
 /// A script fault at its place in the script.
 pub(super) fn script(fault: &Fault) -> Diagnostic {

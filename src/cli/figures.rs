@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{Failure, Shared, print, print_json};
-use crate::post::{self, FigureName};
-use crate::signal::column;
+use lab::signal::column;
+use study::post::{self, FigureName};
 
 /// The word in place of a key that lists all figures.
 pub(super) const WORD: &str = "figures";

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::finding::Finding;
+use base::finding::Finding;
 
 /// One line a finding, with its severity and code, each after `indent` and ending with a line break.
 pub(super) fn lines<'f>(indent: &str, findings: impl IntoIterator<Item = &'f Finding>) -> String {
@@ -15,8 +15,8 @@ pub(super) fn lines<'f>(indent: &str, findings: impl IntoIterator<Item = &'f Fin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::finding::Report;
-    use crate::signal::Warning;
+    use base::finding::Report;
+    use lab::signal::Warning;
 
     #[test]
     fn each_line_has_severity_and_code_of_its_finding() {

@@ -6,16 +6,16 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json as json_of};
 
 use super::formats::Formats;
-use crate::expectation::{Outside, Verdict};
-use crate::model::Model;
-use crate::post::{Results, RunComparison};
-use crate::report::vtu::VtuError;
-use crate::report::{self, RunPage, StudyPage, SweepPage, compare_page, vtkhdf, vtu};
-use crate::script::{Row, ScriptOutput};
-use crate::signal::{Recording, csv};
-use crate::simulate::Outcome;
-use crate::store::{Draft, StoreError, run_files};
-use crate::table::{self, Column};
+use base::table::{self, Column};
+use lab::signal::{Recording, csv};
+use report::vtu::VtuError;
+use report::{self, RunPage, StudyPage, SweepPage, compare_page, vtkhdf, vtu};
+use scene::expectation::{Outside, Verdict};
+use scene::model::Model;
+use scene::simulate::Outcome;
+use study::post::{Results, RunComparison};
+use study::script::{Row, ScriptOutput};
+use study::store::{Draft, StoreError, run_files};
 
 /// A run, complete or failed.
 pub(super) struct Contents<'a> {

@@ -3,11 +3,11 @@
 use std::time::Duration;
 
 use super::digest::DIGITS;
-use crate::mesh::Outline;
-use crate::model::{Model, Symmetry};
-use crate::number::{self, grouped, rounded, wall_time};
-use crate::simulate::Progress;
-use crate::units::Time;
+use base::number::{self, grouped, rounded, wall_time};
+use base::units::Time;
+use scene::mesh::Outline;
+use scene::model::{Model, Symmetry};
+use scene::simulate::Progress;
 
 /// Wall time from which a forecast is printed, s.
 const LONG: f64 = 3600.0;

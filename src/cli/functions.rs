@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::{Failure, Shared, print, print_json};
-use crate::functions;
-use crate::identify;
-use crate::post;
-use crate::script::{Chapter, Entry};
-use crate::sweep;
+use study::functions;
+use study::identify;
+use study::post;
+use study::script::{Chapter, Entry};
+use study::sweep;
 
 /// The word that stands in place of a key.
 pub(super) const WORD: &str = "functions";

@@ -4,8 +4,8 @@ use clap::Args;
 
 use super::changes::Changes;
 use super::complete;
-use crate::diagnostic::Diagnostic;
-use crate::script::argument_value;
+use base::diagnostic::Diagnostic;
+use study::script::argument_value;
 
 /// `--scenario`, `--arg`, `--set` and `--unset` of scripts.
 #[derive(Clone, Debug, Args)]

@@ -8,9 +8,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, Shared, print, print_json, search};
-use crate::diagnostic::{Diagnostic, folder_of, shown_path};
-use crate::scenario::{Document, Value};
-use crate::store::{self, run_files};
+use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use scene::scenario::{Document, Value};
+use study::store::{self, run_files};
 
 #[derive(Debug, Args)]
 pub(super) struct ListArgs {

@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::progress::Bar;
 use super::scenarios::Checked;
-use crate::diagnostic::Diagnostic;
-use crate::report::RunPage;
-use crate::report::recording::{Address, Live, LiveError};
-use crate::simulate::SnapshotEvent;
+use base::diagnostic::Diagnostic;
+use report::RunPage;
+use report::recording::{Address, Live, LiveError};
+use scene::simulate::SnapshotEvent;
 
 /// The viewer that shows runs.
 pub(super) struct Viewer {

@@ -2,9 +2,9 @@
 
 use super::progress::Bar;
 use super::scenarios::Checked;
-use crate::diagnostic::Diagnostic;
-use crate::report::RunPage;
-use crate::simulate::SnapshotEvent;
+use base::diagnostic::Diagnostic;
+use report::RunPage;
+use scene::simulate::SnapshotEvent;
 
 /// A viewer; this build has none.
 pub(super) enum Viewer {}

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory};
 
 use super::{Droptower, Failure, print};
-use crate::diagnostic::{Diagnostic, shown_path};
+use base::diagnostic::{Diagnostic, shown_path};
 
 #[derive(Debug, Args)]
 pub(super) struct ManArgs {

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::Failure;
-use crate::diagnostic::{Diagnostic, folder_of, shown_path};
-use crate::file;
+use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use base::file;
 
 /// Text before the checksum in the last line of a file that may be replaced while it is unchanged.
 const SEAL: &str = "# Replaced by the next reduction only while it is unchanged: ";
@@ -142,7 +142,7 @@ fn has_seal(content: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::failure::ExitStatus;
+    use crate::failure::ExitStatus;
 
     fn refusal(out: &Path, input: Option<&Path>, force: Option<bool>) -> String {
         let refused = check(out, "csv", input, force).expect_err("a refusal");

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::diagnostic::{self, Diagnostic};
-use crate::engine::Settling;
-use crate::finding::{Finding, Report};
-use crate::number::{duration, figure, wall_time};
-use crate::simulate::Progress;
+use base::diagnostic::{self, Diagnostic};
+use base::finding::{Finding, Report};
+use base::number::{duration, figure, wall_time};
+use membrane::engine::Settling;
+use scene::simulate::Progress;
 
 /// Steps of the bar for one run.
 const PER_RUN: f64 = 1000.0;

@@ -16,16 +16,16 @@ use super::live::{self, Show, Viewer};
 use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
 use super::{Failure, Shared, digest, print, print_json};
-use crate::diagnostic::{Diagnostic, printable};
-use crate::file;
-use crate::number::duration;
-use crate::post;
-use crate::report::RunPage;
-use crate::scenario::Document;
-use crate::simulate::{
+use base::diagnostic::{Diagnostic, printable};
+use base::file;
+use base::number::duration;
+use report::RunPage;
+use scene::scenario::Document;
+use scene::simulate::{
     self, Cancellation, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent,
 };
-use crate::store::{self, Draft, Origin, run_files};
+use study::post;
+use study::store::{self, Draft, Origin, run_files};
 
 #[derive(Debug, Args)]
 pub(super) struct RunArgs {

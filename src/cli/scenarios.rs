@@ -7,12 +7,12 @@ use clap::Args;
 use super::changes::Changes;
 use super::complete;
 use super::faults::preparing;
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::finding::Finding;
-use crate::model::{self, Model};
-use crate::post::Plan;
-use crate::scenario::{Assignment, Document};
-use crate::simulate;
+use base::diagnostic::{Diagnostic, shown_path};
+use base::finding::Finding;
+use scene::model::{self, Model};
+use scene::scenario::{Assignment, Document};
+use scene::simulate;
+use study::post::Plan;
 
 /// Scenarios, and changes of their keys.
 #[derive(Debug, Args)]

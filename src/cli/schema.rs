@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 
 use super::{Failure, print_json};
-use crate::scenario::FileKind;
+use scene::scenario::FileKind;
 
 #[derive(Debug, Args)]
 pub(super) struct SchemaArgs {

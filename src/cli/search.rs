@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Diagnostic, shown_path};
+use base::diagnostic::{Diagnostic, shown_path};
 
 /// The files whose names are wanted, in the order of their paths, and the folders that cannot be read.
 ///

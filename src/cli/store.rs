@@ -6,12 +6,12 @@ use clap::{Args, Subcommand};
 use serde_json::json;
 
 use super::{Failure, Shared, print_figures};
-use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
-use crate::number::{grouped, wall_time};
-use crate::post::BUILD;
-use crate::store::evaluations::SegmentFigures;
-use crate::store::{self, EvaluationStore};
-use crate::units::Time;
+use base::diagnostic::{Diagnostic, Source, Span, shown_path};
+use base::number::{grouped, wall_time};
+use base::units::Time;
+use study::post::BUILD;
+use study::store::evaluations::SegmentFigures;
+use study::store::{self, EvaluationStore};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum StoreCommand {

@@ -1,7 +1,7 @@
 //! Tables on the terminal: the figures and tables of a script.
 
-use crate::report::{Figure, cell, columns};
-use crate::script::{Row, ScriptOutput};
+use report::{Figure, cell, columns};
+use study::script::{Row, ScriptOutput};
 
 /// Most rows of a table that are printed; its file has all of them.
 const MOST_ROWS: usize = 40;

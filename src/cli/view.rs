@@ -9,8 +9,8 @@ use clap::Args;
 
 use super::Failure;
 use super::Shared;
-use crate::diagnostic::{Diagnostic, printable, shown_path};
-use crate::store::run_files;
+use base::diagnostic::{Diagnostic, printable, shown_path};
+use study::store::run_files;
 
 #[derive(Debug, Args)]
 pub(super) struct ViewArgs {

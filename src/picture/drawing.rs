@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::png::{self, PictureError};
 use super::raster::Pixels;
-use crate::plot::{Plot, Style, svg_in};
+use plot::{Plot, Style, svg_in};
 
 /// What stands for the scene in the document.
 pub(super) const SCENE: &str = "<g id=\"scene\"/>";

@@ -8,8 +8,8 @@ use quick_xml::escape::escape;
 use super::camera::Camera;
 use super::colour;
 use super::drawing::SCENE;
-use crate::number::significant;
-use crate::plot::{Style, ticks};
+use base::number::significant;
+use plot::{Style, ticks};
 
 const INK: &str = "#1c2126";
 const PALE: &str = "#56616b";

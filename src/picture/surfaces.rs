@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use nalgebra::Isometry3;
 
 use super::colour::viridis;
-use super::scene::{CREASES, ScenePicture, drawn, posed, poses};
+use super::scene_picture::{CREASES, ScenePicture, drawn, posed, poses};
 use crate::gltf::{Look, Surface};
-use crate::report::{SceneBody, SceneFace};
-use crate::simulate::FilmState;
+use report::{SceneBody, SceneFace};
+use scene::simulate::FilmState;
 
 /// Colour of impactors and bars, sRGB.
 const BODY: [f32; 3] = [150.0, 154.0, 162.0];

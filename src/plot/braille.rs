@@ -1,7 +1,7 @@
 //! Diagrams as text: curves of dots in the characters of braille.
 
 use super::{Axis, Plot, Scale};
-use crate::number;
+use base::number;
 
 /// Dots of a character, across and down.
 const ACROSS: usize = 2;
@@ -117,7 +117,7 @@ fn framed(plot: &Plot, canvas: &Canvas, x: [f64; 2], y: [f64; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::{Curve, Plot};
+    use crate::{Curve, Plot};
 
     #[test]
     fn a_line_runs_from_corner_to_corner() {

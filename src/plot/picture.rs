@@ -13,7 +13,7 @@ use plotters::prelude::{
 
 use super::style::Style;
 use super::{Curve, Look, Plot, Scale};
-use crate::number::significant;
+use base::number::significant;
 
 /// Units of the drawing for a pixel of a page: the crate places points at whole units.
 const UNITS: i32 = 10;
@@ -354,7 +354,7 @@ fn draw_entry(
 }
 
 /// At most so many round values within a range.
-pub(crate) fn ticks(range: [f64; 2], most: usize) -> Vec<f64> {
+pub fn ticks(range: [f64; 2], most: usize) -> Vec<f64> {
     Along { range, scale: Scale::Linear }.key_points(most)
 }
 

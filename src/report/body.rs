@@ -1,6 +1,6 @@
 //! The impactor as it is drawn: triangles about its centre of mass, m.
 
-use crate::engine::Surface;
+use membrane::engine::Surface;
 
 /// A closed surface, its triangles counter-clockwise seen from outside.
 pub(super) struct Body {

@@ -3,14 +3,14 @@
 use serde_json::Value;
 
 use super::html::{self, escape};
-use super::{Figure, figure, plot};
-use crate::diagnostic::shown_path;
-use crate::expectation::Outside;
-use crate::number::significant;
-use crate::plot::{self as diagrams, Curve, Plot, TIME};
-use crate::post::RunComparison;
-use crate::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};
-use crate::signal::{Series, column};
+use super::{Figure, drawn, figure};
+use base::diagnostic::shown_path;
+use base::number::significant;
+use lab::signal::{Series, column};
+use plot::{self as diagrams, Curve, Plot, TIME};
+use scene::expectation::Outside;
+use study::post::RunComparison;
+use study::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};
 
 /// Pairs of columns of which the second is also drawn over the first.
 const AGAINST: [[&str; 2]; 4] = [
@@ -36,7 +36,7 @@ pub fn compare_page(comparison: &RunComparison, outside: Option<&[Outside]>) -> 
         html::section("Runs", &html::table("rows", &header_of_runs(), &runs(comparison))),
         html::section("Scenarios", &html::table("rows", &header("key"), &keys(comparison))),
         html::section("Figures", &html::table("rows", &header("figure"), &figures(comparison.key_figures()))),
-        html::section("Signals", &plot::figures(against.iter().chain(&over_time))),
+        html::section("Signals", &drawn::figures(against.iter().chain(&over_time))),
         html::section("Errors of signals", &distances(&html::table("rows", &header("signal"), &errors(comparison)))),
         html::section("Further figures", &html::table("rows", &header("figure"), &figures(comparison.other_figures()))),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
@@ -62,7 +62,7 @@ fn runs(comparison: &RunComparison) -> Vec<Vec<String>> {
 }
 
 /// Name with unit, then a value a run with its difference.
-pub(crate) fn figures<'a>(figures: impl Iterator<Item = &'a ComparedFigure>) -> Vec<Vec<String>> {
+pub fn figures<'a>(figures: impl Iterator<Item = &'a ComparedFigure>) -> Vec<Vec<String>> {
     figures.map(|figure| std::iter::once(quantity(&figure.name)).chain(values(figure)).collect()).collect()
 }
 
@@ -81,7 +81,7 @@ fn values(figure: &ComparedFigure) -> impl Iterator<Item = String> + '_ {
 }
 
 /// A key, then a value a scenario.
-pub(crate) fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
+pub fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
     let value =
         |value: &Option<String>| value.as_deref().map_or_else(|| "-".into(), |text| text.trim_matches('"').to_owned());
     comparison
@@ -92,7 +92,7 @@ pub(crate) fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
 }
 
 /// A signal, then the error of each run against the first.
-pub(crate) fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
+pub fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
     let value =
         |value: &Option<f64>| value.map_or_else(|| "-".into(), |error| format!("{} %", significant(100.0 * error, 3)));
     let row = |signals: &ComparedSignal| {
@@ -187,8 +187,8 @@ impl Shown {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signal::{Channel, Recording};
-    use crate::store::StoredRun;
+    use lab::signal::{Channel, Recording};
+    use study::store::StoredRun;
 
     #[test]
     fn columns_are_shown_in_the_units_of_the_table() {

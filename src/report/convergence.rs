@@ -1,7 +1,7 @@
 //! Plots of a search: its objective, its unknowns, and its simulations as they converge to the target.
 
-use crate::plot::{Axis, Curve, Plot, Scale, TIME};
-use crate::script::{ConvergenceHistory, FitHistory, Improvement, Over};
+use plot::{Axis, Curve, Plot, Scale, TIME};
+use study::script::{ConvergenceHistory, FitHistory, Improvement, Over};
 
 /// Most iterations whose curves one plot shows.
 const MOST_CURVES: usize = 8;
@@ -102,8 +102,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::script::{Iterate, Target};
-    use crate::units::Unit;
+    use base::units::Unit;
+    use study::script::{Iterate, Target};
 
     fn search(objectives: &[f64]) -> ConvergenceHistory {
         let target = Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] });

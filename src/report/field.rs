@@ -1,6 +1,6 @@
 //! Fields of the film by which faces are coloured, in recordings and pictures.
 
-use crate::simulate::FilmState;
+use scene::simulate::FilmState;
 
 /// A field of the film: a number of each element, or patch of several.
 pub struct Field {

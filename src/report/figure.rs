@@ -3,11 +3,11 @@
 use serde_json::{Map, Value};
 
 use super::html::escape;
-use crate::number;
-use crate::units::{STANDARD_GRAVITY, Unit};
+use base::number;
+use base::units::{STANDARD_GRAVITY, Unit};
 
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
-pub(crate) const G: f64 = STANDARD_GRAVITY;
+pub const G: f64 = STANDARD_GRAVITY;
 
 /// Significant digits of a figure or of a cell of a table.
 pub(super) const DIGITS: usize = 4;
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn shipped_scripts_name_units_that_are_known() {
         let read = |path: &Path| fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
         let scripts = ["scripts", "scripts/post"].map(|folder| fs::read_dir(root.join(folder)).expect("a folder"));
         let scripts = scripts.into_iter().flatten().map(|entry| entry.expect("an entry").path());
         let scripts = scripts.filter(|path| path.extension().is_some_and(|extension| extension == "rhai"));

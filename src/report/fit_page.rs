@@ -1,9 +1,9 @@
 //! The page of a fit: its figures, measured and fitted curves, residuals, and what it reports.
 
+use super::drawn;
 use super::html::{self, escape};
-use super::plot;
-use crate::finding::Finding;
-use crate::plot::{Correlation, Plot};
+use base::finding::Finding;
+use plot::{Correlation, Plot};
 
 /// The content of the page of a fit.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ pub fn fit_page(fit: &FitPage<'_>) -> String {
         format!("<h1>{}</h1>\n", escape(fit.title)),
         html::findings(Vec::new(), fit.findings),
         fit.tables.iter().map(table).collect(),
-        html::section("Curves", &plot::figures(&fit.plots)),
+        html::section("Curves", &drawn::figures(&fit.plots)),
         html::section("Correlations", &matrix.unwrap_or_default()),
         html::section("Material", &fit.material.map(html::verbatim).unwrap_or_default()),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),

@@ -4,8 +4,8 @@ use serde_json::{Map, Value};
 
 use super::figure::{DIGITS, G};
 use super::html::escape;
-use crate::number::{self, duration, significant};
-use crate::post::{BodyFigures, Measures, Results, lowest_point};
+use base::number::{self, duration, significant};
+use study::post::{BodyFigures, Measures, Results, lowest_point};
 
 /// A figure of the summary as its card shows it.
 struct Key {

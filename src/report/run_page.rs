@@ -3,16 +3,16 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{figure, film, key_figures, plot, run_plots, script_output, subject};
-use crate::diagnostic::shown_path;
-use crate::experiment::drop::Figures;
-use crate::model::{Model, Window};
-use crate::number::{duration, significant};
-use crate::plot::thinned;
-use crate::post::{COST, HEADER, ReferenceComparison, Results};
-use crate::scenario::{Assumption, assumptions};
-use crate::simulate::Outcome;
-use crate::store::run_files::{RUN_FILES, SNAPSHOTS};
+use super::{drawn, figure, film, key_figures, run_plots, script_output, subject};
+use base::diagnostic::shown_path;
+use base::number::{duration, significant};
+use lab::experiment::drop::Figures;
+use plot::thinned;
+use scene::model::{Model, Window};
+use scene::scenario::{Assumption, assumptions};
+use scene::simulate::Outcome;
+use study::post::{COST, HEADER, ReferenceComparison, Results};
+use study::store::run_files::{RUN_FILES, SNAPSHOTS};
 
 /// The content of the page of a run.
 #[derive(Clone, Copy)]
@@ -43,7 +43,7 @@ pub fn run_page(run: &RunPage) -> String {
         findings(run),
         key_figures::cards(results, &summary, run.failure.is_some()),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
-        html::section("Signals", &plot::figures(&thinned(run_plots::signals(results), MOST_POINTS[0]))),
+        html::section("Signals", &drawn::figures(&thinned(run_plots::signals(results), MOST_POINTS[0]))),
         script_output::sections(&results.script_output, MOST_POINTS[2]),
         html::section("Figures", &figures(&summary)),
         html::section("Assumed", &html::list(&assumed(run.scenario))),
@@ -96,12 +96,12 @@ fn audit(run: &RunPage) -> String {
             escape(&names.join(", "))
         ),
     };
-    let rates = plot::rates("Strain rates while loading", &audit.strain_rates);
-    let energies = plot::figures(&thinned(vec![energies], MOST_POINTS[1]));
+    let rates = drawn::rates("Strain rates while loading", &audit.strain_rates);
+    let energies = drawn::figures(&thinned(vec![energies], MOST_POINTS[1]));
     let energies = format!("<div>\n{energies}{note}</div>\n");
     let header =
         ["face", "elements", "shortest edge (mm)", "longest edge (mm)", "aspect ratio", "scaled Jacobian", "skew"];
-    let row = |(face, mesh): (usize, &crate::post::MeshFigures)| {
+    let row = |(face, mesh): (usize, &study::post::MeshFigures)| {
         let sizes = [mesh.shortest_edge_m * 1e3, mesh.longest_edge_m * 1e3];
         let shape = [mesh.aspect_ratio, mesh.scaled_jacobian, mesh.skew];
         let numbers = sizes.into_iter().chain(shape).map(|number| significant(number, figure::DIGITS));
@@ -109,7 +109,7 @@ fn audit(run: &RunPage) -> String {
     };
     let meshes: Vec<Vec<String>> = audit.meshes.iter().enumerate().map(row).collect();
     let meshes = html::table("rows", &header.map(String::from), &meshes);
-    [plot::side_by_side([energies, rates]), format!("<h3>Worst elements of each face</h3>\n{meshes}")].concat()
+    [drawn::side_by_side([energies, rates]), format!("<h3>Worst elements of each face</h3>\n{meshes}")].concat()
 }
 
 /// The reference: the window of the comparison, the notes of its file, and how it was reduced.

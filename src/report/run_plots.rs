@@ -1,9 +1,9 @@
 //! The plots of one run.
 
-use crate::plot::{Curve, Plot, TIME, Window};
-use crate::post::{Impact, Measures, ReferenceComparison, Results};
-use crate::signal::column::{self, Column};
-use crate::signal::{Channel, Recording, Series};
+use lab::signal::column::{self, Column};
+use lab::signal::{Channel, Recording, Series};
+use plot::{Curve, Plot, TIME, Window};
+use study::post::{Impact, Measures, ReferenceComparison, Results};
 
 /// Signals over time and against each other, by kind of loading.
 pub(super) fn signals(results: &Results) -> Vec<Plot> {

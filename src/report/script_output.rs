@@ -4,10 +4,10 @@ use serde_json::Value;
 
 use super::figure::{DIGITS, heading};
 use super::html::{self, escape};
-use super::{convergence, plot};
-use crate::number;
-use crate::plot::{Plot, thinned};
-use crate::script::{File, Row, ScriptOutput};
+use super::{convergence, drawn};
+use base::number;
+use plot::{Plot, thinned};
+use study::script::{File, Row, ScriptOutput};
 
 /// Most rows of a table on a page; its file has all of them.
 const MOST_ROWS: usize = 200;
@@ -26,7 +26,7 @@ pub(super) fn sections(output: &ScriptOutput, most: usize) -> String {
     let correlations: String =
         output.correlations.iter().map(|found| html::matrix(&found.title, &found.names, &found.rows)).collect();
     let sections = [
-        html::section("Plots", &plot::figures(&plots)),
+        html::section("Plots", &drawn::figures(&plots)),
         searches(output, left),
         html::section("Correlations", &correlations),
         html::section(
@@ -38,7 +38,7 @@ pub(super) fn sections(output: &ScriptOutput, most: usize) -> String {
 }
 
 /// The columns of a table: every name that a row has, in the order of first appearance.
-pub(crate) fn columns(rows: &[Row]) -> Vec<String> {
+pub fn columns(rows: &[Row]) -> Vec<String> {
     let mut columns: Vec<String> = Vec::new();
     for name in rows.iter().flat_map(Row::keys) {
         if !columns.contains(name) {
@@ -49,7 +49,7 @@ pub(crate) fn columns(rows: &[Row]) -> Vec<String> {
 }
 
 /// A value of a table as text: numbers rounded, empty where there is none.
-pub(crate) fn cell(value: &Value) -> String {
+pub fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),
@@ -96,7 +96,7 @@ fn searches(output: &ScriptOutput, mut left: usize) -> String {
         match left.checked_sub(points(&plots)) {
             Some(rest) => {
                 left = rest;
-                sections.push_str(&html::section(&format!("Search: {}", convergence.title), &plot::figures(&plots)));
+                sections.push_str(&html::section(&format!("Search: {}", convergence.title), &drawn::figures(&plots)));
             }
             None => without.push(&convergence.title),
         }
@@ -129,7 +129,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::script::ConvergenceHistory;
+    use study::script::ConvergenceHistory;
 
     fn row(value: Value) -> Row {
         value.as_object().cloned().unwrap()

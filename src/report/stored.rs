@@ -11,10 +11,10 @@ use thiserror::Error;
 
 use super::film::{self, FilmError};
 use super::html;
-use super::scene::RunScene;
-use crate::file::{self, FileError};
-use crate::plot::{Axis, Curve, Look, Plot, Scale, Window};
-use crate::store::run_files;
+use super::run_scene::RunScene;
+use base::file::{self, FileError};
+use plot::{Axis, Curve, Look, Plot, Scale, Window};
+use study::store::run_files;
 
 /// Longest page that is read, bytes.
 const MOST_BYTES: u64 = 64 << 20;
@@ -217,7 +217,7 @@ impl PlotData {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::plot;
+    use crate::drawn;
 
     fn stored(text: &str) -> Result<StoredPage, StoredPageError> {
         StoredPage::of("report.html".into(), text)
@@ -234,7 +234,7 @@ mod tests {
         let mut written = Plot::new("A & \"B\" 'c'", ["time (ms)", "force (N)"], curves);
         written.y.scale = Scale::Logarithmic;
         written.window = Some(Window { label: "loading".into(), range: [0.0, 1.5] });
-        let page = html::page("T & t", &format!("{}<footer>droptower 1</footer>", plot::figure(&written)));
+        let page = html::page("T & t", &format!("{}<footer>droptower 1</footer>", drawn::figure(&written)));
         let StoredPage { title, plots, .. } = stored(&page).expect("a page");
         assert_eq!(title, "T & t");
         let [found] = plots.as_slice() else { panic!("one plot") };

@@ -4,8 +4,8 @@ use serde_json::{Map, Value};
 
 use super::html::{self, escape};
 use super::{cell, figure, script_output};
-use crate::script::ScriptOutput;
-use crate::shell::quoted;
+use base::shell::quoted;
+use study::script::ScriptOutput;
 
 /// The content of the page of a study.
 #[derive(Clone, Copy)]
@@ -86,8 +86,8 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::finding::Finding;
-    use crate::script::Warning;
+    use base::finding::Finding;
+    use study::script::Warning;
 
     #[test]
     fn the_command_of_a_study_quotes_its_arguments() {

@@ -1,10 +1,10 @@
 //! What was run, in one phrase.
 
-use crate::model::{Guide, Impactor, ImpactorShape, Loading, Model};
-use crate::number::{duration, significant};
+use base::number::{duration, significant};
+use scene::model::{Guide, Impactor, ImpactorShape, Loading, Model};
 
 /// What hits or pulls what, and how fast: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
-pub(crate) fn subject(model: &Model) -> String {
+pub fn subject(model: &Model) -> String {
     let layers = layers(model);
     let figure = |value: f64| significant(value, 3);
     match (&model.loading, model.impactor()) {

@@ -4,12 +4,12 @@ use serde_json::{Map, Value};
 
 use super::figure::{DIGITS, heading};
 use super::html::{self, escape};
-use super::{figure, plot};
-use crate::number;
-use crate::plot::{Curve, Look, Plot};
-use crate::shell::quoted;
-use crate::sweep::{Sweep, SweepResults};
-use crate::table::{Column, Values};
+use super::{drawn, figure};
+use base::number;
+use base::shell::quoted;
+use base::table::{Column, Values};
+use plot::{Curve, Look, Plot};
+use study::sweep::{Sweep, SweepResults};
 
 /// The content of the page of a sweep.
 #[derive(Clone, Copy)]
@@ -50,7 +50,7 @@ pub fn sweep_page(page: &SweepPage) -> String {
         html::section("Figures", &[figure::table(facts), rupture(results)].concat()),
         html::section("Quantiles", &quantiles(page)),
         html::section("Main effects", &effects(results)),
-        html::section("Figures over inputs", &plot::figures(&plots(page))),
+        html::section("Figures over inputs", &drawn::figures(&plots(page))),
         html::section("Failed runs", &failures(results)),
         html::section("Runs", &runs(page)),
         html::section("A run by itself", &again(page)),
@@ -105,8 +105,8 @@ fn effects(results: &SweepResults) -> String {
     let Some(first) = results.effects.first() else { return String::new() };
     let head = std::iter::once("figure".to_owned()).chain(first.effects.iter().map(|effect| effect.input.clone()));
     let percent = |share: f64| number::figure(100.0 * share, 2);
-    let row = |effects: &crate::sweep::Effects| {
-        let cell = |effect: &crate::sweep::Effect| match effect.interval {
+    let row = |effects: &study::sweep::Effects| {
+        let cell = |effect: &study::sweep::Effect| match effect.interval {
             Some([low, high]) => format!("{} ({} to {})", percent(effect.share), percent(low), percent(high)),
             None => percent(effect.share),
         };

@@ -1,11 +1,11 @@
 //! The page of tests: what became of each case, and new signals over recorded ones where they differ.
 
+use super::drawn;
 use super::html::{self, escape};
-use super::plot;
-use crate::expectation::Verdict;
-use crate::number::time_taken;
-use crate::plot::{Curve, Plot, TIME};
-use crate::signal::{Series, column};
+use base::number::time_taken;
+use lab::signal::{Series, column};
+use plot::{Curve, Plot, TIME};
+use scene::expectation::Verdict;
 
 /// `report.html` of tests.
 pub fn test_page(verdicts: &[Verdict]) -> String {
@@ -26,7 +26,7 @@ pub fn test_page(verdicts: &[Verdict]) -> String {
 fn differences(verdict: &Verdict) -> String {
     let lines = verdict.differences.iter().map(|difference| format!("<li>{}</li>\n", escape(&difference.to_string())));
     let list = format!("<ul>\n{}</ul>\n", lines.collect::<String>());
-    [list, plot::figures(&plots(verdict))].concat()
+    [list, drawn::figures(&plots(verdict))].concat()
 }
 
 /// New over old of each signal that differs, with its corridor.
@@ -42,7 +42,7 @@ fn plots(verdict: &Verdict) -> Vec<Plot> {
 
 fn plot(verdict: &Verdict, name: &str) -> Option<Plot> {
     let (axis, factor) = column::of(name).map_or((name, 1.0), |(_, column)| (column.axis, column.factor));
-    let curve = |label: &str, recording: Option<&crate::signal::Recording>| {
+    let curve = |label: &str, recording: Option<&lab::signal::Recording>| {
         let series = recording?.series(name)?;
         Some(Curve::line(label, series.samples().map(|[time, value]| [1e3 * time, factor * value])))
     };

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use vtkio::model::{Attribute, DataArray, ElementType, IOBuffer};
 
 use super::vtu::{File, Grid, Part, VtuError, parts};
-use crate::model::Model;
-use crate::simulate::{Outcome, Snapshot};
+use scene::model::Model;
+use scene::simulate::{Outcome, Snapshot};
 
 /// Level of compression, 0 to 9: higher levels make files hardly smaller.
 const COMPRESSION: u32 = 5;
@@ -28,7 +28,7 @@ const QUAD: u8 = 9;
 /// A file for each part, made by as many threads as there are.
 ///
 /// # Errors
-/// Of each file: snapshots without their [`Detail`](crate::simulate::Detail), and what the format refuses.
+/// Of each file: snapshots without their [`Detail`](scene::simulate::Detail), and what the format refuses.
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     parts(model, outcome).into_par_iter().map(|part| {
         let content = States::of(&part, &outcome.snapshots)?.written()?;

@@ -4,6 +4,7 @@ mod architecture;
 mod commands;
 mod compare;
 mod conversions;
+mod coupon_materials;
 mod coupons;
 mod diagnostics;
 mod language;

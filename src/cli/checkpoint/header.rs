@@ -5,8 +5,8 @@ use std::io::{self, Read, Write};
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::{Identity, Model};
-use crate::scenario::{self, Document};
+use scene::model::{Identity, Model};
+use scene::scenario::{self, Document};
 
 /// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever
 /// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's
@@ -136,9 +136,9 @@ mod tests {
 
     /// The header of a run of so many layers, whose resolved scenario is `scenario`.
     fn header(version: &str, scenario: &str, layers: u32) -> CheckpointHeader {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
         let document = Document::read(&path).expect("a document");
-        let mut model = crate::model::check(&document).expect("a model");
+        let mut model = scene::model::check(&document).expect("a model");
         model.faces[0].layers = layers;
         let header = CheckpointHeader::new(&document, &model, None, false).expect("a header");
         CheckpointHeader { version: version.into(), scenario: scenario.into(), ..header }

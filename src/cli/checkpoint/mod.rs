@@ -12,10 +12,10 @@ use self::header::{CheckpointHeader, OTHER_LAYOUT};
 pub(super) use self::warning::{CODES, Warning};
 use super::faults::storing;
 use super::scenarios::Checked;
-use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
-use crate::simulate::{Checkpoint, Restart};
-use crate::store::checkpoints::{self, CheckpointStore};
-use crate::units::Time;
+use base::diagnostic::{Diagnostic, Source, Span, shown_path};
+use base::units::Time;
+use scene::simulate::{Checkpoint, Restart};
+use study::store::checkpoints::{self, CheckpointStore};
 
 /// When checkpoints are written, and whether the run resumes from one.
 #[derive(Clone, Copy, Debug, Default)]

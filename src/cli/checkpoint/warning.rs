@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use super::file_name;
-use crate::diagnostic::shown_path;
-use crate::finding::{Code, Report, codes};
+use base::codes;
+use base::diagnostic::shown_path;
+use base::finding::{Code, Report};
 
 codes! {
     NO_CHECKPOINT = "no-checkpoint", Note,

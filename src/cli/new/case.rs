@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Failure, Shared, print, write_with_schema};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::scenario::Document;
-use crate::scenario::FileKind;
-use crate::store;
+use base::diagnostic::{Diagnostic, shown_path};
+use scene::scenario::Document;
+use scene::scenario::FileKind;
+use study::store;
 
 #[derive(Debug, Args)]
 pub(super) struct CaseArgs {

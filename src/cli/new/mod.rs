@@ -12,8 +12,8 @@ use clap::Args;
 use serde_json::Value;
 
 use super::{Failure, Shared, output, print};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::scenario::FileKind;
+use base::diagnostic::{Diagnostic, shown_path};
+use scene::scenario::FileKind;
 
 #[derive(Debug, Args)]
 pub(super) struct NewArgs {

@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Subcommand;
 
 use super::{Script, Target, Template};
-use crate::diagnostic::shown_path;
+use base::diagnostic::shown_path;
 
 /// The tests.
 #[derive(Debug, Subcommand)]

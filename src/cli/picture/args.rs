@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, ValueHint};
 
 use super::preset::Preset;
-use crate::cli::argument::quantity;
-use crate::picture::{self, View};
-use crate::units::Length;
+use crate::argument::quantity;
+use base::units::Length;
+use picture::{self, View};
 
 #[derive(Debug, Args)]
-pub(in crate::cli) struct PictureArgs {
+pub(crate) struct PictureArgs {
     /// Folder of a run; with --plot also of a sweep, a study or a comparison
     #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
     pub run: PathBuf,
@@ -76,7 +76,7 @@ pub(in crate::cli) struct PictureArgs {
 
 /// What is drawn of a film with planes of symmetry.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(in crate::cli) enum Part {
+pub(crate) enum Part {
     /// The whole film
     #[default]
     Whole,

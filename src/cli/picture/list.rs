@@ -3,10 +3,10 @@
 use serde_json::json;
 
 use super::words::name_of;
-use crate::cli::{Failure, Shared, print_figures};
-use crate::diagnostic::Diagnostic;
-use crate::number::duration;
-use crate::report::{Field, RunScene, StoredPage, StoredPageError};
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::Diagnostic;
+use base::number::duration;
+use report::{Field, RunScene, StoredPage, StoredPageError};
 
 pub(super) fn run(page: &StoredPage, shared: &Shared) -> Result<(), Failure> {
     let scene = match page.scene() {

@@ -15,9 +15,9 @@ use serde_json::{Map, Value, json};
 pub(super) use self::args::PictureArgs;
 use self::preset::Preset;
 use super::{Failure, Shared, output, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::picture::{Drawing, PictureError};
-use crate::report::{StoredPage, StoredPageError};
+use base::diagnostic::{Diagnostic, shown_path};
+use picture::{Drawing, PictureError};
+use report::{StoredPage, StoredPageError};
 
 /// A picture, and what is told of it.
 struct Made {
@@ -140,9 +140,9 @@ fn refused(error: &PictureError) -> Diagnostic {
 
 /// A word among those that are known is missing.
 fn unknown<'a>(what: &str, written: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> Diagnostic {
-    let mistake = Diagnostic::new(format!("there is no {what} `{}`", crate::diagnostic::printable(written)));
+    let mistake = Diagnostic::new(format!("there is no {what} `{}`", base::diagnostic::printable(written)));
     let all = known.clone().into_iter().collect::<Vec<_>>().join(", ");
-    match crate::diagnostic::closest(written, known) {
+    match base::diagnostic::closest(written, known) {
         Some(close) => mistake.hint(format!("did you mean `{close}`? There are {all}")),
         None => mistake.hint(format!("there are {all}")),
     }

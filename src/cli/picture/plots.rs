@@ -5,11 +5,11 @@ use serde_json::{Map, json};
 use super::args::PictureArgs;
 use super::words::{find, name_of};
 use super::{Format, Made, refused, style, unknown};
-use crate::cli::Failure;
-use crate::diagnostic::Diagnostic;
-use crate::picture::Drawing;
-use crate::plot::Plot;
-use crate::report::StoredPage;
+use crate::Failure;
+use base::diagnostic::Diagnostic;
+use picture::Drawing;
+use plot::Plot;
+use report::StoredPage;
 
 pub(super) fn draw(page: &StoredPage, name: &str, args: &PictureArgs, format: Format) -> Result<Made, Failure> {
     if page.plots.is_empty() {

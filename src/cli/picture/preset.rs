@@ -4,7 +4,7 @@ use clap::ValueEnum;
 
 /// Size, letters, lines and resolution for a purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Preset {
+pub(crate) enum Preset {
     /// 1600 x 1000 pixels, letters of 12 pt, with a heading
     #[default]
     Slide,

@@ -3,9 +3,9 @@
 use super::Format;
 use super::args::PictureArgs;
 use super::preset::{Preset, Values};
-use crate::diagnostic::Diagnostic;
-use crate::picture::FAMILIES;
-use crate::plot::Style;
+use base::diagnostic::Diagnostic;
+use picture::FAMILIES;
+use plot::Style;
 
 /// Letters where no other are asked for: Arimo has the widths of Arial.
 const FAMILY: &str = "Arial, Helvetica, Arimo, sans-serif";

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::super::{Failure, functions, output, print};
 use super::{Repl, show};
-use crate::diagnostic::{Diagnostic, closest, folder_of, shown_path};
-use crate::file;
-use crate::script::{About, Arguments, LONGEST_SCRIPT, SourceText};
+use base::diagnostic::{Diagnostic, closest, folder_of, shown_path};
+use base::file;
+use study::script::{About, Arguments, LONGEST_SCRIPT, SourceText};
 
 /// A command of the session.
 #[derive(Debug, PartialEq)]

@@ -11,8 +11,8 @@ use rustyline::{Context, Helper};
 
 use super::super::functions;
 use super::input;
-use crate::post::Run;
-use crate::script::{Console, Session};
+use study::post::Run;
+use study::script::{Console, Session};
 
 /// Words of the language.
 const WORDS: [&str; 13] =
@@ -152,11 +152,11 @@ mod tests {
     use rhai::Scope;
 
     use super::*;
-    use crate::script::{Fields, Limits};
+    use study::script::{Fields, Limits};
 
     #[test]
     fn functions_variables_keys_and_figures_are_completed() {
-        let engine = crate::functions::engine(Limits::STUDY);
+        let engine = study::functions::engine(Limits::STUDY);
         Session::of_engine(&engine).declare(Fields { map: "summary", names: &["peak_force_N", "elements"] });
         let mut console = Console::new(Scope::new());
         let _ = console.run(&engine, "let tower = #{ radius: 0.1, films: #{ md: 1 } }; fn twice(x) { 2 * x }").unwrap();

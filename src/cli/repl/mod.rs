@@ -29,15 +29,15 @@ use super::given::Given;
 use super::{
     DiagnosticFormat, Failure, Shared, faults, print, print_diagnostics, print_line, print_records, script, table,
 };
-use crate::diagnostic::{Diagnostic, printable};
-use crate::identify::{SearchEvent, SearchHost};
-use crate::post::Evaluations;
-use crate::script::{
+use base::cancellation::Cancellation;
+use base::diagnostic::{Diagnostic, printable};
+use study::identify::{SearchEvent, SearchHost};
+use study::post::Evaluations;
+use study::script::{
     Arguments, Console, Fault, LONGEST_SCRIPT, Limits, Message, OutputCollector, STACK, ScriptOutput, Session,
     stop_after, to_json,
 };
-use crate::simulate::Cancellation;
-use crate::store;
+use study::store;
 
 #[derive(Debug, Args)]
 pub(super) struct ReplArgs {
@@ -94,9 +94,7 @@ impl<'a> Repl<'a> {
         let collector = OutputCollector::new(Vec::new()).with_listener(move |message| tell(&message.to_string()));
         let host = SearchHost::new(None, move |event| match event {
             SearchEvent::Progress(progress) => tell(&progress.to_string()),
-            SearchEvent::Warning(warning) => {
-                tell(&Message::Finding(&crate::finding::Finding::new(warning)).to_string())
-            }
+            SearchEvent::Warning(warning) => tell(&Message::Finding(&base::finding::Finding::new(warning)).to_string()),
             _ => {}
         });
         let engine = script::engine(args.given.changes.assignments()?, evaluations, &host, &collector);

@@ -4,12 +4,12 @@ use rhai::{Array, Dynamic, Engine, FnPtr, Map};
 use serde_json::Value;
 
 use super::super::table;
-use crate::experiment::coupon::Curve;
-use crate::plot::{self, Plot, braille};
-use crate::post::{Run, Study};
-use crate::report::{Figure, cell};
-use crate::script::{Row, to_json};
-use crate::signal::Series;
+use lab::experiment::coupon::Curve;
+use lab::signal::Series;
+use plot::{self, Plot, braille};
+use report::{Figure, cell};
+use study::post::{Run, Study};
+use study::script::{Row, to_json};
 
 /// Characters of a picture across and down.
 const PICTURE: [usize; 2] = [64, 12];
@@ -156,8 +156,8 @@ pub(super) fn brief(engine: &Engine, value: &Dynamic) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::functions;
-    use crate::script::Limits;
+    use study::functions;
+    use study::script::Limits;
 
     #[test]
     fn values_are_shown_as_what_they_are() {

@@ -3,8 +3,8 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{DiagnosticFormat, Failure};
-use crate::diagnostic::Diagnostic;
-use crate::simulate::Cancellation;
+use base::cancellation::Cancellation;
+use base::diagnostic::Diagnostic;
 
 /// What signals stop.
 #[derive(Clone, Default)]

@@ -5,9 +5,9 @@ use std::path::Path;
 use clap::CommandFactory;
 
 use super::super::{Droptower, Failure, Shared, print, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::file;
-use crate::script::{About, Declared, LONGEST_SCRIPT};
+use base::diagnostic::{Diagnostic, shown_path};
+use base::file;
+use study::script::{About, Declared, LONGEST_SCRIPT};
 
 /// Shows what the script does and its arguments; without one, what the command does.
 pub(super) fn show(script: Option<&Path>, shared: &Shared) -> Result<(), Failure> {

@@ -18,20 +18,20 @@ use super::faults::{reading, script, storing};
 use super::given::Given;
 use super::scenarios::both;
 use super::{Failure, Shared, digest, folder, print_figures, table};
-use crate::diagnostic::{Diagnostic, printable, shown_path};
-use crate::finding::Finding;
-use crate::functions;
-use crate::identify::{self, Identity, SearchEvent, SearchHost};
-use crate::post::{self, EvaluationError, Evaluations};
-use crate::report::StudyPage;
-use crate::scenario::Assignment;
-use crate::script::{
+use base::diagnostic::{Diagnostic, printable, shown_path};
+use base::finding::Finding;
+use base::units::with_decimal_point;
+use report::StudyPage;
+use scene::scenario::Assignment;
+use study::functions;
+use study::identify::{self, Identity, SearchEvent, SearchHost};
+use study::post::{self, EvaluationError, Evaluations};
+use study::script::{
     About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
-use crate::store::evaluations::Share;
-use crate::store::{self, Draft, Origin, StoreError, run_files};
-use crate::sweep;
-use crate::units::with_decimal_point;
+use study::store::evaluations::Share;
+use study::store::{self, Draft, Origin, StoreError, run_files};
+use study::sweep;
 
 #[derive(Debug, Args)]
 #[command(disable_help_flag = true)]
@@ -378,7 +378,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::script::{self, argument_value};
+    use study::script::{self, argument_value};
 
     /// One comma between digits is a list where the script reads a list, a text where it reads a text, and otherwise one
     /// number or two.

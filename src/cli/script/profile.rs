@@ -6,8 +6,8 @@ use std::io::{self, Write};
 use rhai::Engine;
 
 use super::ScriptArgs;
-use crate::diagnostic::printable;
-use crate::script::{Line, LineUse, Profile, Script, SourceText};
+use base::diagnostic::printable;
+use study::script::{Line, LineUse, Profile, Script, SourceText};
 
 /// Watches the lines of the script; with `--trace` each is printed.
 pub(super) fn watch(engine: &mut Engine, args: &ScriptArgs) -> Profile {

@@ -3,12 +3,12 @@
 use clap::Args;
 
 use super::input::{self, Chosen, Input};
-use crate::cli::argument::milliseconds;
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::number::significant;
-use crate::signal::filter::{self, Standard};
-use crate::signal::{Annotations, Series};
-use crate::units::Acceleration;
+use crate::argument::milliseconds;
+use base::diagnostic::{Diagnostic, shown_path};
+use base::number::significant;
+use base::units::Acceleration;
+use lab::signal::filter::{self, Standard};
+use lab::signal::{Annotations, Series};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct AccelerationArgs {

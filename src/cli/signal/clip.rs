@@ -5,13 +5,13 @@ use serde::Serialize;
 
 use super::acceleration::AccelerationArgs;
 use super::remarks::Remarks;
-use crate::cli::argument::milliseconds;
-use crate::cli::{Failure, Shared, print_figures};
-use crate::diagnostic::Diagnostic;
-use crate::number::clean_time;
-use crate::signal::Warning;
-use crate::signal::clip::{Counting, clip};
-use crate::units::STANDARD_GRAVITY;
+use crate::argument::milliseconds;
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::Diagnostic;
+use base::number::clean_time;
+use base::units::STANDARD_GRAVITY;
+use lab::signal::Warning;
+use lab::signal::clip::{Counting, clip};
 
 #[derive(Debug, Args)]
 pub(crate) struct ClipArgs {

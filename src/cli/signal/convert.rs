@@ -9,13 +9,13 @@ use serde::Serialize;
 use super::input::FileArgs;
 use super::output;
 use super::remarks::Remarks;
-use crate::cli::output::{check, ends_in, write};
-use crate::cli::{Failure, Shared, faults, print_figures};
-use crate::diagnostic::{Diagnostic, folder_of, shown_path};
-use crate::signal::file::ChannelSelection;
-use crate::signal::isomme::{self, Headers, WriteError};
-use crate::signal::{Annotations, MeasuredChannel, Measurement, Recording};
-use crate::table;
+use crate::output::{check, ends_in, write};
+use crate::{Failure, Shared, faults, print_figures};
+use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use base::table;
+use lab::signal::file::ChannelSelection;
+use lab::signal::isomme::{self, Headers, WriteError};
+use lab::signal::{Annotations, MeasuredChannel, Measurement, Recording};
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {

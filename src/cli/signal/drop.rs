@@ -7,23 +7,23 @@ use serde::Serialize;
 
 use super::input::{self, TableArgs};
 use super::{output, remarks};
-use crate::cli::argument::quantity;
-use crate::cli::{Failure, Shared, faults, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::engine::GuideFriction;
-use crate::experiment::Warning;
-use crate::experiment::absorption::Body;
-use crate::experiment::contact::{ContactError, SpeedSource};
-use crate::experiment::drop::{
+use crate::argument::quantity;
+use crate::{Failure, Shared, faults, print_figures};
+use base::diagnostic::{Diagnostic, shown_path};
+use base::finding::Finding;
+use base::number::significant;
+use base::units::{Acceleration, Length, Mass, STANDARD_GRAVITY, Time, Velocity};
+use lab::experiment::Warning;
+use lab::experiment::absorption::Body;
+use lab::experiment::contact::{ContactError, SpeedSource};
+use lab::experiment::drop::{
     self, ChannelNames, Correction, Drop, DropChannels, DropChannelsError, DropError, Figures, Height, KnownContact,
     Reduction, Tower,
 };
-use crate::experiment::release::ReleaseError;
-use crate::finding::Finding;
-use crate::number::significant;
-use crate::signal::file::{self, ChannelSelection, ReadOptions};
-use crate::signal::{self, Annotations, QuantityError};
-use crate::units::{Acceleration, Length, Mass, STANDARD_GRAVITY, Time, Velocity};
+use lab::experiment::release::ReleaseError;
+use lab::signal::file::{self, ChannelSelection, ReadOptions};
+use lab::signal::{self, Annotations, QuantityError};
+use membrane::engine::GuideFriction;
 
 #[derive(Debug, Args)]
 pub(crate) struct DropArgs {

@@ -8,11 +8,11 @@ use serde::Serialize;
 use super::input::{self, Chosen, Input};
 use super::output;
 use super::remarks::Remarks;
-use crate::cli::{Failure, Shared, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::filter::{self, FilterError, Standard};
-use crate::signal::{Channel, MeasuredChannel, Recording, Series, Warning, resample};
-use crate::units::{Dimension, Frequency};
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::{Diagnostic, shown_path};
+use base::units::{Dimension, Frequency};
+use lab::signal::filter::{self, FilterError, Standard};
+use lab::signal::{Channel, MeasuredChannel, Recording, Series, Warning, resample};
 
 #[derive(Debug, Args)]
 pub(crate) struct FilterArgs {

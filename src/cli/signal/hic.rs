@@ -5,12 +5,12 @@ use serde::Serialize;
 
 use super::acceleration::AccelerationArgs;
 use super::remarks::Remarks;
-use crate::cli::argument::milliseconds;
-use crate::cli::{Failure, Shared, print_figures};
-use crate::diagnostic::Diagnostic;
-use crate::number::clean_time;
-use crate::signal::hic::{LONG_WINDOW, dummy_equivalent, head_injury_criterion};
-use crate::units::STANDARD_GRAVITY;
+use crate::argument::milliseconds;
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::Diagnostic;
+use base::number::clean_time;
+use base::units::STANDARD_GRAVITY;
+use lab::signal::hic::{LONG_WINDOW, dummy_equivalent, head_injury_criterion};
 
 #[derive(Debug, Args)]
 pub(crate) struct HicArgs {

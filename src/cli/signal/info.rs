@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use super::input::FileArgs;
 use super::remarks::Remarks;
-use crate::cli::{Failure, Shared, faults, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::number::{clean_time, significant};
-use crate::signal::file::{self, ChannelSelection, ReadOptions};
-use crate::signal::gap::{self, Gap};
-use crate::signal::{MeasuredChannel, Warning, csv, resample};
+use crate::{Failure, Shared, faults, print_figures};
+use base::diagnostic::{Diagnostic, shown_path};
+use base::number::{clean_time, significant};
+use lab::signal::file::{self, ChannelSelection, ReadOptions};
+use lab::signal::gap::{self, Gap};
+use lab::signal::{MeasuredChannel, Warning, csv, resample};
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::faults;
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::file::{self, ChannelSelection, ReadOptions};
-use crate::signal::filter::CLASSES;
-use crate::signal::{Annotations, MeasuredChannel, Measurement, Warning};
-use crate::units::{Dimension, Unit};
+use crate::faults;
+use base::diagnostic::{Diagnostic, shown_path};
+use base::units::{Dimension, Unit};
+use lab::signal::file::{self, ChannelSelection, ReadOptions};
+use lab::signal::filter::CLASSES;
+use lab::signal::{Annotations, MeasuredChannel, Measurement, Warning};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Input {

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use crate::cli::output;
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::{Recording, csv, isomme};
+use crate::output;
+use base::diagnostic::{Diagnostic, shown_path};
+use lab::signal::{Recording, csv, isomme};
 
-use crate::cli::Failure;
-pub(super) use crate::cli::output::failed;
+use crate::Failure;
+pub(super) use crate::output::failed;
 
 /// Refuses a table whose name does not end in .csv, that would replace the input or, without `force`, anything that is
 /// there.

@@ -7,11 +7,11 @@ use serde::Serialize;
 
 use super::input::{Chosen, Input, TableArgs};
 use super::remarks;
-use crate::cli::{Failure, Shared, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::finding::Finding;
-use crate::signal::rating::{self, Curve, Rating};
-use crate::signal::{Annotations, MeasuredChannel, Warning};
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::{Diagnostic, shown_path};
+use base::finding::Finding;
+use lab::signal::rating::{self, Curve, Rating};
+use lab::signal::{Annotations, MeasuredChannel, Warning};
 
 #[derive(Debug, Args)]
 pub(crate) struct RateArgs {

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::cli::findings;
-use crate::finding::Finding;
-use crate::signal::Annotations;
+use crate::findings;
+use base::finding::Finding;
+use lab::signal::Annotations;
 
 /// Comments and findings of a file.
 #[derive(Serialize)]

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use super::progress::Progress;
 use super::{On, SweepArgs, Task, failed};
-use crate::cli::{Failure, Shared};
-use crate::cluster::{Batch, Job, JobError, Resources, Scheduler, SchedulerError, Submission, TASK};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::scenario::Document;
-use crate::store::evaluations::{Key, STALE};
+use crate::{Failure, Shared};
+use base::diagnostic::{Diagnostic, shown_path};
+use scene::scenario::Document;
+use study::cluster::{Batch, Job, JobError, Resources, Scheduler, SchedulerError, Submission, TASK};
+use study::store::evaluations::{Key, STALE};
 
 /// Time between two looks at the records.
 const LOOK: Duration = Duration::from_secs(1);

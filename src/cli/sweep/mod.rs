@@ -15,15 +15,15 @@ use super::farm::{self, FarmArgs};
 use super::faults::{preparing, storing};
 use super::scenarios::both;
 use super::{Failure, Shared, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::post::{EvaluationError, Evaluations};
-use crate::scenario::Document;
-use crate::store::evaluations::Share;
-use crate::store::{self, Origin};
-use crate::sweep::{Done, Stop, Sweep, SweepError, SweepResults, Work};
+use base::diagnostic::{Diagnostic, shown_path};
 use cluster::Centre;
 use progress::Progress;
 use results::Keep;
+use scene::scenario::Document;
+use study::post::{EvaluationError, Evaluations};
+use study::store::evaluations::Share;
+use study::store::{self, Origin};
+use study::sweep::{Done, Stop, Sweep, SweepError, SweepResults, Work};
 
 #[derive(Debug, Args)]
 pub(super) struct SweepArgs {

@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
-use crate::cli::Shared;
-use crate::cluster::Tasks;
-use crate::diagnostic::printable;
-use crate::number::{figure, wall_time};
-use crate::sweep::{Event, Outlook};
+use crate::Shared;
+use base::diagnostic::printable;
+use base::number::{figure, wall_time};
+use study::cluster::Tasks;
+use study::sweep::{Event, Outlook};
 
 /// Time between two events.
 const EVERY: Duration = Duration::from_millis(500);

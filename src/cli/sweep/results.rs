@@ -4,15 +4,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::{SweepArgs, Task};
-use crate::cli::faults::storing;
-use crate::cli::{Failure, Shared, digest, findings, folder, print_figures, run, scenarios};
-use crate::diagnostic::Diagnostic;
-use crate::model::Loading;
-use crate::number::{figure, time_taken};
-use crate::report::SweepPage;
-use crate::shell::quoted;
-use crate::store::{Draft, Origin, StoreError};
-use crate::sweep::{Sweep, SweepResults};
+use crate::faults::storing;
+use crate::{Failure, Shared, digest, findings, folder, print_figures, run, scenarios};
+use base::diagnostic::Diagnostic;
+use base::number::{figure, time_taken};
+use base::shell::quoted;
+use report::SweepPage;
+use scene::model::Loading;
+use study::store::{Draft, Origin, StoreError};
+use study::sweep::{Sweep, SweepResults};
 
 /// Significant digits of figures on the terminal.
 const DIGITS: usize = 4;

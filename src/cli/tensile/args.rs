@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::argument::{number, quantity};
-use crate::cli::signal::input::FileArgs;
-use crate::experiment::coupon::{BREAK_SHARE, Coupon, CouponTest, Direction, Reduction, ShearMethod, WINDOW};
-use crate::units::{Density, Length, Velocity};
+use crate::argument::{number, quantity};
+use crate::signal::input::FileArgs;
+use base::units::{Density, Length, Velocity};
+use lab::experiment::coupon::{BREAK_SHARE, Coupon, CouponTest, Direction, Reduction, ShearMethod, WINDOW};
 
 #[derive(Debug, Args)]
 pub(crate) struct ReduceArgs {

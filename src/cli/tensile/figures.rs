@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::args::Reduced;
-use crate::cli::findings;
-use crate::diagnostic::shown_path;
-use crate::experiment::Warning;
-use crate::experiment::coupon::average::SampleStatistics;
-use crate::experiment::coupon::{CurveEnd, DirectionMeans, SpeedMeans};
-use crate::finding::Finding;
+use crate::findings;
+use base::diagnostic::shown_path;
+use base::finding::Finding;
+use lab::experiment::Warning;
+use lab::experiment::coupon::average::SampleStatistics;
+use lab::experiment::coupon::{CurveEnd, DirectionMeans, SpeedMeans};
 
 /// All figures; SI.
 #[derive(Serialize)]

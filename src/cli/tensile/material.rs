@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use super::args::{ReduceArgs, Reduced};
 use super::output;
-use crate::cli::Failure;
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::experiment::coupon::Direction;
-use crate::file::{self, FileError};
-use crate::model;
-use crate::scenario::Document;
-use crate::scenario::coupon_material::{CouponMaterial, CouponMaterialError, GivenShear};
+use crate::Failure;
+use base::diagnostic::{Diagnostic, shown_path};
+use base::file::{self, FileError};
+use lab::experiment::coupon::Direction;
+use lab::experiment::material_file::coupon::{CouponMaterial, CouponMaterialError, GivenShear};
+use scene::model;
+use scene::scenario::Document;
 
 /// Largest shear curve that is read, bytes.
 const MOST_BYTES: u64 = 1 << 20;

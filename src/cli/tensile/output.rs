@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Failure, output};
-use crate::diagnostic::{Diagnostic, shown_path};
+use crate::{Failure, output};
+use base::diagnostic::{Diagnostic, shown_path};
 
 /// The paths of the material and its shear curve: `film.toml` and `film-shear.csv`.
 pub(super) fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {

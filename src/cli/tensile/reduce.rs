@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use super::args::{ReduceArgs, Reduced};
 use super::figures::Figures;
 use super::{material, output};
-use crate::cli::faults;
-use crate::cli::scenarios::expanded;
-use crate::cli::{Failure, Shared, print_figures};
-use crate::diagnostic::Diagnostic;
-use crate::experiment::coupon::{Coupon, CouponReader, Label, RecordingError, Reduction, Rules};
-use crate::signal::file::ChannelSelection;
+use crate::faults;
+use crate::scenarios::expanded;
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::Diagnostic;
+use lab::experiment::coupon::{Coupon, CouponReader, Label, RecordingError, Reduction, Rules};
+use lab::signal::file::ChannelSelection;
 
 pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
     let reduced = reduced(args)?;

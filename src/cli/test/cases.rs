@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::cli::expectations;
-use crate::cli::scenarios;
-pub(super) use crate::cli::scenarios::Checked;
-use crate::cli::search;
-use crate::diagnostic::{Diagnostic, folder_of, shown_path};
-use crate::expectation::{Expectations, Recorded};
-use crate::file::{self, FileError};
-use crate::signal::csv;
+use crate::expectations;
+use crate::scenarios;
+pub(super) use crate::scenarios::Checked;
+use crate::search;
+use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use base::file::{self, FileError};
+use lab::signal::csv;
+use scene::expectation::{Expectations, Recorded};
 
 /// Files of a case in a folder of its own.
 const SCENARIO: &str = "scenario.toml";

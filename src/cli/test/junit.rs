@@ -6,9 +6,9 @@ use std::path::Path;
 use quick_xml::Writer;
 use quick_xml::events::BytesText;
 
-use crate::cli::{Failure, output};
-use crate::expectation::{Difference, Verdict};
-use crate::file;
+use crate::{Failure, output};
+use base::file;
+use scene::expectation::{Difference, Verdict};
 
 /// How a file begins that [`write`] wrote.
 const START: &str = "<testsuite name=\"droptower\"";
@@ -60,7 +60,7 @@ fn case(xml: &mut Xml<'_>, verdict: &Verdict) -> Result<(), quick_xml::Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expectation::{Expectations, Recorded};
+    use scene::expectation::{Expectations, Recorded};
 
     #[test]
     fn verdicts_are_cases_whose_text_is_escaped() {

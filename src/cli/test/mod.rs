@@ -13,13 +13,13 @@ use serde_json::{Map, Value, json};
 
 use super::faults::{evaluating, storing};
 use super::{Failure, Shared, folder, output, print_figures};
-use crate::diagnostic::{Diagnostic, printable, shown_path};
-use crate::expectation::{Difference, Given, Verdict};
-use crate::number::time_taken;
-use crate::post::{Results, failure_message};
-use crate::simulate::{self, Cancellation, RunError, RunOptions};
-use crate::store::{self, Draft, Origin};
+use base::diagnostic::{Diagnostic, printable, shown_path};
+use base::number::time_taken;
 use cases::Case;
+use scene::expectation::{Difference, Given, Verdict};
+use scene::simulate::{self, Cancellation, RunError, RunOptions};
+use study::post::{Results, failure_message};
+use study::store::{self, Draft, Origin};
 
 #[derive(Debug, Args)]
 pub(super) struct TestArgs {

@@ -20,10 +20,10 @@ use super::live::{self, Viewer};
 use super::run::{self, Done};
 use super::scenarios::{self, both};
 use super::{DiagnosticFormat, Failure, Shared, complete, print, print_diagnostics, print_line, print_records};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::scenario::{Assignment, Document};
-use crate::simulate::Cancellation;
-use crate::store::{self, Origin};
+use base::cancellation::Cancellation;
+use base::diagnostic::{Diagnostic, shown_path};
+use scene::scenario::{Assignment, Document};
+use study::store::{self, Origin};
 
 #[derive(Debug, Args)]
 pub(super) struct WatchArgs {

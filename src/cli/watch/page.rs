@@ -9,8 +9,8 @@ use serde::Serialize;
 use tiny_http::{Header, Request, Response, Server};
 
 use super::super::Failure;
-use crate::diagnostic::{self, Diagnostic};
-use crate::store::run_files;
+use base::diagnostic::{self, Diagnostic};
+use study::store::run_files;
 
 /// The frame around the page of the run.
 const FRAME: &str = include_str!("frame.html");

@@ -128,7 +128,7 @@ pub(super) fn bounds(points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::film::tests::sheet;
+    use crate::film::tests::sheet;
 
     #[test]
     fn a_fine_mesh_is_coarsened_within_its_bounds() {

@@ -11,14 +11,14 @@ use serde_json::{Value, json};
 
 use self::coarse::{CoarseSurface, bounds};
 use super::body::Body;
+use super::drawn::DIGITS;
 use super::html::{data, escape};
-use super::plot::DIGITS;
-use super::scene::{Moment, RunScene};
-use crate::model::{Loading, Model};
-use crate::number::rounded;
-use crate::post::lowest_point;
-use crate::signal::{Recording, column};
-use crate::simulate::{Film, FilmState, Outcome, Snapshot};
+use super::run_scene::{Moment, RunScene};
+use base::number::rounded;
+use lab::signal::{Recording, column};
+use scene::model::{Loading, Model};
+use scene::simulate::{Film, FilmState, Outcome, Snapshot};
+use study::post::lowest_point;
 
 pub use self::stored::FilmError;
 pub(super) use self::stored::scene;
@@ -273,7 +273,7 @@ fn body(body: &Body) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Mesh, Quality};
+    use scene::mesh::{Mesh, Quality};
 
     /// A square sheet of `n` × `n` quadrilaterals.
     pub fn sheet(n: u32) -> (Vec<[f32; 3]>, Film) {

@@ -7,8 +7,8 @@ use serde_json::Value;
 use thiserror::Error;
 
 use super::FAILED;
-use crate::report::scene::{Moment, RunScene, SceneBody, SceneFace};
-use crate::simulate::{FilmState, Snapshot};
+use crate::{Moment, RunScene, SceneBody, SceneFace};
+use scene::simulate::{FilmState, Snapshot};
 
 /// Why the film of a page cannot be read; the page was changed, or written by another version.
 #[derive(Debug, Error)]
@@ -66,7 +66,7 @@ struct BodyData {
 ///
 /// # Errors
 /// The data are not those that a page has.
-pub(in crate::report) fn scene(data: &Value) -> Result<RunScene, FilmError> {
+pub(crate) fn scene(data: &Value) -> Result<RunScene, FilmError> {
     let data = Data::deserialize(data)?;
     let faces = data.faces.iter().map(face).collect::<Result<Vec<_>, _>>()?;
     let bodies = data.bodies.iter().map(body).collect::<Result<Vec<_>, _>>()?;

@@ -1,11 +1,11 @@
 //! The impactors of a recording.
 
-use droptower_viz::{BodyTrack, Pose};
+use viz::{BodyTrack, Pose};
 
-use crate::engine::Surface;
-use crate::model::Model;
-use crate::report::body::Body;
-use crate::simulate::Snapshot;
+use crate::body::Body;
+use membrane::engine::Surface;
+use scene::model::Model;
+use scene::simulate::Snapshot;
 
 /// Sides of a round impactor.
 const SIDES: u32 = 64;

@@ -2,22 +2,22 @@
 
 use std::path::Path;
 
-use droptower_viz::{Chart, Places, Scene, SignalTrack, Stroke};
+use viz::{Chart, Places, Scene, SignalTrack, Stroke};
 
 use serde_json::Value;
 
 use super::{RecordingError, Text, diagram, text};
-use crate::plot::Plot;
-use crate::post::RunComparison;
-use crate::report::compare_page;
-use crate::script::Row;
+use crate::compare_page;
+use plot::Plot;
+use study::post::RunComparison;
+use study::script::Row;
 
 /// Writes the recording of a comparison to `path`: plots over time as signals, others as diagrams.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write_comparison(path: &Path, comparison: &RunComparison) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, scene(comparison))?)
+    Ok(viz::write(path, scene(comparison))?)
 }
 
 fn scene(comparison: &RunComparison) -> Scene {
@@ -77,8 +77,8 @@ fn tracks<'a>((number, plot): (usize, &'a Plot)) -> impl Iterator<Item = SignalT
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signal::{Channel, Recording};
-    use crate::store::StoredRun;
+    use lab::signal::{Channel, Recording};
+    use study::store::StoredRun;
 
     #[test]
     fn every_run_has_a_curve_in_every_chart() {

@@ -1,8 +1,8 @@
 //! Plots as diagrams of a recording.
 
-use droptower_viz::{self as viz, Diagram};
+use viz::{self, Diagram};
 
-use crate::plot::{Axis, Curve, Look, Plot, Scale};
+use plot::{Axis, Curve, Look, Plot, Scale};
 
 /// A diagram for each plot, at an entity below `folder`.
 pub(super) fn diagrams<'a>(

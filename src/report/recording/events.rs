@@ -1,12 +1,12 @@
 //! The log of a recording: events of the run, findings, and the log of the post script.
 
-use droptower_viz::{Event, Moment, Severity};
+use viz::{Event, Moment, Severity};
 
-use crate::number::duration;
-use crate::post::lowest_point;
-use crate::report::RunPage;
-use crate::signal::Recording;
-use crate::signal::column::{self, Column};
+use crate::RunPage;
+use base::number::duration;
+use lab::signal::Recording;
+use lab::signal::column::{self, Column};
+use study::post::lowest_point;
 
 /// First contact, extremes, release, rupture and findings in the order of time, and the log of the post script.
 pub(super) fn of(run: &RunPage) -> Vec<Event> {
@@ -69,7 +69,7 @@ fn largest(signals: &Recording, channel: &str) -> Option<(usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signal::Channel;
+    use lab::signal::Channel;
 
     #[test]
     fn contact_lowest_point_and_release_are_logged() {

@@ -1,9 +1,9 @@
 //! Faces of film in a recording: triangles, coloured by strain or thickness.
 
-use droptower_viz::{Extent, FilmSnapshot, FilmTrack, Quantity};
+use viz::{Extent, FilmSnapshot, FilmTrack, Quantity};
 
-use crate::report::field::Field;
-use crate::simulate::{Film, Image, Snapshot};
+use crate::field::Field;
+use scene::simulate::{Film, Image, Snapshot};
 
 /// The quantities, with a range from zero to the largest of an intact element in any of `snapshots`.
 pub(super) fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
@@ -73,7 +73,7 @@ fn per_triangle(film: &Film, value: impl Fn(usize) -> bool) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Mesh, Quality};
+    use scene::mesh::{Mesh, Quality};
 
     #[test]
     fn a_quadrilateral_is_two_triangles() {

@@ -6,16 +6,16 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::Duration;
 
-use droptower_viz::{Address, FilmSnapshot, Moment, Places, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 use thiserror::Error;
+use viz::{Address, FilmSnapshot, Moment, Places, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 
 use super::{RecordingError, body, diagram, documents, events, film, signals, text};
-use crate::model::Model;
-use crate::post::ReferenceComparison;
-use crate::report::film::is_finite;
-use crate::report::{RunPage, subject};
-use crate::signal::{Channel, Recording};
-use crate::simulate::SnapshotEvent;
+use crate::film::is_finite;
+use crate::{RunPage, subject};
+use lab::signal::{Channel, Recording};
+use scene::model::Model;
+use scene::simulate::SnapshotEvent;
+use study::post::ReferenceComparison;
 
 /// Longest wait for a viewer to answer.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
@@ -297,13 +297,13 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::mesh::{Mesh, Quality};
-    use crate::scenario::Document;
-    use crate::simulate::{Film, FilmState, Snapshot};
+    use scene::mesh::{Mesh, Quality};
+    use scene::scenario::Document;
+    use scene::simulate::{Film, FilmState, Snapshot};
 
     fn model() -> Model {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
-        Document::read(&path).and_then(|document| crate::model::check(&document)).expect("a model")
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
+        Document::read(&path).and_then(|document| scene::model::check(&document)).expect("a model")
     }
 
     fn film() -> Film {

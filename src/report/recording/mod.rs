@@ -8,24 +8,24 @@ mod film;
 mod live;
 mod script_output;
 mod signals;
-mod study;
+mod searches;
 mod text;
 
 use std::path::Path;
 
 use std::time::Duration;
 
-use droptower_viz::{Document, Scene, Stage, VizError};
 use thiserror::Error;
+use viz::{Document, Scene, Stage, VizError};
 
 use super::film::is_finite;
 use super::{RunPage, StudyPage, figure, subject};
-use crate::simulate::Snapshot;
 pub use comparison::write_comparison;
-pub use droptower_viz::Address;
 pub use live::{Live, LiveError};
-use study::{Approach, Iteration, StudyRecording};
+use scene::simulate::Snapshot;
+use searches::{Approach, Iteration, StudyRecording};
 use text::Text;
+pub use viz::Address;
 
 /// Why a recording was not written.
 #[derive(Debug, Error)]
@@ -60,7 +60,7 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
 /// # Errors
 /// The file cannot be written.
 pub fn write_study(path: &Path, study: &StudyPage) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, study::scene(&StudyRecording::of(study)))?)
+    Ok(viz::write(path, searches::scene(&StudyRecording::of(study)))?)
 }
 
 /// The scene without the snapshots of the films, which are logged one by one.
@@ -122,7 +122,7 @@ fn documents(run: &RunPage) -> Vec<Document> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::FilmState;
+    use scene::simulate::FilmState;
 
     #[test]
     fn snapshots_with_infinite_positions_are_not_drawn() {

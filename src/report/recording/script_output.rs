@@ -4,10 +4,10 @@ use serde_json::{Map, Value, json};
 
 use super::text::{self, Text};
 use super::{Approach, Iteration, StudyRecording};
-use crate::plot::{Correlation, Curve, Plot, TIME};
-use crate::report::convergence::{objective, simulated, target};
-use crate::report::{StudyPage, markdown};
-use crate::script::{ConvergenceHistory, FitHistory, Iterate, Row, ScriptOutput};
+use crate::convergence::{objective, simulated, target};
+use crate::{StudyPage, markdown};
+use plot::{Correlation, Curve, Plot, TIME};
+use study::script::{ConvergenceHistory, FitHistory, Iterate, Row, ScriptOutput};
 
 impl StudyRecording {
     /// The same study as its page shows.

@@ -1,10 +1,10 @@
 //! Signals over time in a recording: in the units of its charts, simulated over measured.
 
-use droptower_viz::{Chart, Places, SignalTrack, Stroke};
+use viz::{Chart, Places, SignalTrack, Stroke};
 
-use crate::post::ReferenceComparison;
-use crate::signal::column::{self, Column};
-use crate::signal::{Recording, Series};
+use lab::signal::column::{self, Column};
+use lab::signal::{Recording, Series};
+use study::post::ReferenceComparison;
 
 /// The channels of one chart.
 struct Pane {
@@ -260,7 +260,7 @@ fn chart(title: &str, tracks: Vec<SignalTrack>, all: &mut Vec<SignalTrack>) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signal::{Annotations, Channel};
+    use lab::signal::{Annotations, Channel};
 
     fn recording(names: &[&str]) -> Recording {
         let channel = |name: &&str| Channel { name: (*name).to_owned(), values: vec![0.0, 0.5] };

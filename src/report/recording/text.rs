@@ -1,11 +1,11 @@
 //! Texts of a recording, in Markdown.
 
-use droptower_viz::Document;
+use viz::Document;
 
-use crate::report::{cell, columns};
+use crate::{cell, columns};
 
-pub(super) use crate::report::figure::escaped;
-use crate::script::{File, Row, ScriptOutput};
+pub(super) use crate::figure::escaped;
+use study::script::{File, Row, ScriptOutput};
 
 /// Most files that are shown, lines of each, and characters of each line.
 const MOST_FILES: usize = 20;

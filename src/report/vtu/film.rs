@@ -3,8 +3,8 @@
 use vtkio::model::Attribute;
 
 use super::{Grid, VtuError, numbers, scalars, vectors};
-use crate::model::{Face, Model};
-use crate::simulate::{Detail, Film, FilmState, Image, Outcome, Snapshot};
+use scene::model::{Face, Model};
+use scene::simulate::{Detail, Film, FilmState, Image, Outcome, Snapshot};
 
 /// One face in a snapshot, or a mirror image of it.
 struct Sheet<'a> {

@@ -29,9 +29,9 @@ use vtkio::model::{
 };
 use vtkio::xml::Compressor;
 
-use crate::model::Model;
-use crate::simulate::{Outcome, Snapshot};
-use crate::store::run_files::SNAPSHOTS;
+use scene::model::Model;
+use scene::simulate::{Outcome, Snapshot};
+use study::store::run_files::SNAPSHOTS;
 
 /// Sides of a round impactor.
 const SIDES: u32 = 64;
@@ -117,7 +117,7 @@ pub(super) fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>>
 /// All files of a run, in their order, made by as many threads as there are.
 ///
 /// # Errors
-/// Of each file: snapshots without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
+/// Of each file: snapshots without their [`Detail`](scene::simulate::Detail), and what the formats refuse.
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     parts(model, outcome).into_par_iter().flat_map(|part| series(part, &outcome.snapshots))
 }

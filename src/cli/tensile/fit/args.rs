@@ -5,14 +5,14 @@ use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
 
-use crate::cli::argument::{number, quantity};
-use crate::cli::signal::input::FileArgs;
-use crate::experiment::coupon::WINDOW;
-use crate::experiment::law_fit::plastic::{HardeningForm, PlasticDirection};
-use crate::experiment::law_fit::{LawChoice, TestKind, Weighting};
-use crate::experiment::relaxation::ZERO_CELSIUS;
-use crate::scenario::fitted_material::FilmKeys;
-use crate::units::{Density, Length};
+use crate::argument::{number, quantity};
+use crate::signal::input::FileArgs;
+use base::units::{Density, Length};
+use lab::experiment::coupon::WINDOW;
+use lab::experiment::law_fit::plastic::{HardeningForm, PlasticDirection};
+use lab::experiment::law_fit::{LawChoice, TestKind, Weighting};
+use lab::experiment::material_file::fitted::FilmKeys;
+use lab::experiment::relaxation::ZERO_CELSIUS;
 
 /// Number of terms of a Prony series where none is given.
 const TERMS: usize = 12;

@@ -1,7 +1,7 @@
 //! A fitted relaxation.
 
 use super::args::ShiftWord;
-use crate::experiment::relaxation::{Master, PronyFit, ShiftFits, ShiftLawFit};
+use lab::experiment::relaxation::{Master, PronyFit, ShiftFits, ShiftLawFit};
 
 /// A fitted relaxation, with its master curve where it comes from several temperatures.
 pub(super) struct Fitted {

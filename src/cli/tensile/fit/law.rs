@@ -6,17 +6,17 @@ use super::FitArgs;
 use super::law_figures::LawFigures;
 use super::law_page::page;
 use super::written::Places;
-use crate::cli::faults;
-use crate::cli::tensile::reduce::{all, paths};
-use crate::cli::{Failure, Shared, print_figures};
-use crate::diagnostic::Diagnostic;
-use crate::experiment::Warning;
-use crate::experiment::law_fit::{
+use crate::faults;
+use crate::tensile::reduce::{all, paths};
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::Diagnostic;
+use base::finding::Finding;
+use lab::experiment::Warning;
+use lab::experiment::law_fit::{
     DataSet, FitError, FitOptions, LawChoice, StressReader, StressReadingError, TestKind, fit_law,
 };
-use crate::finding::Finding;
-use crate::scenario::fitted_material::law_text;
-use crate::signal::file::ChannelSelection;
+use lab::experiment::material_file::fitted::law_text;
+use lab::signal::file::ChannelSelection;
 
 pub(super) fn run(law: LawChoice, args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     let places = Places::of(args)?;

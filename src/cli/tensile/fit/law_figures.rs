@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use crate::cli::{findings, table};
-use crate::experiment::law_fit::{Coefficient, LawFit, TestFit};
-use crate::finding::Finding;
-use crate::number::{figure, significant};
+use crate::{findings, table};
+use base::finding::Finding;
+use base::number::{figure, significant};
+use lab::experiment::law_fit::{Coefficient, LawFit, TestFit};
 
 /// All figures; SI.
 #[derive(Serialize)]

@@ -1,10 +1,10 @@
 //! The page of a fitted law.
 
-use crate::experiment::law_fit::{LawFit, Measured, TestFit};
-use crate::finding::Finding;
-use crate::number::{figure, significant};
-use crate::plot::{Correlation, Curve, Look, Plot};
-use crate::report::{FitPage, FitTable, fit_page};
+use base::finding::Finding;
+use base::number::{figure, significant};
+use lab::experiment::law_fit::{LawFit, Measured, TestFit};
+use plot::{Correlation, Curve, Look, Plot};
+use report::{FitPage, FitTable, fit_page};
 
 /// The page with measured and fitted curves, residuals and figures.
 pub(super) fn page(fit: &LawFit, findings: &[Finding], material: Option<&str>) -> String {

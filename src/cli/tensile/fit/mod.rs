@@ -15,8 +15,8 @@ pub(super) use args::FitArgs;
 
 use args::FittedLaw;
 
-use crate::cli::{Failure, Shared};
-use crate::diagnostic::Diagnostic;
+use crate::{Failure, Shared};
+use base::diagnostic::Diagnostic;
 
 pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     match args.law {

@@ -6,17 +6,17 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::args::{FitArgs, PlasticArgs};
-use crate::cli::scenarios::expanded;
-use crate::cli::{Failure, Shared, faults, findings, output, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
-use crate::experiment::coupon::ModulusError;
-use crate::experiment::law_fit::plastic::{
+use crate::scenarios::expanded;
+use crate::{Failure, Shared, faults, findings, output, print_figures};
+use base::diagnostic::{Diagnostic, shown_path};
+use base::finding::Finding;
+use base::number::significant;
+use lab::experiment::coupon::ModulusError;
+use lab::experiment::law_fit::plastic::{
     CouponError, HardeningForm, PlasticCoupon, PlasticFit, PlasticFitError, PlasticRules,
 };
-use crate::finding::Finding;
-use crate::material::Hardening;
-use crate::number::significant;
-use crate::signal::file::ChannelSelection;
+use lab::signal::file::ChannelSelection;
+use membrane::material::Hardening;
 
 /// Digits of figures in a material file.
 const DIGITS: usize = 6;

@@ -7,17 +7,17 @@ use super::fitted::Fitted;
 use super::relaxation_figures::RelaxationFigures;
 use super::relaxation_page::page;
 use super::written::{Places, name};
-use crate::cli::faults;
-use crate::cli::tensile::reduce::paths;
-use crate::cli::{Failure, Shared, print_figures};
-use crate::diagnostic::{Diagnostic, listed};
-use crate::experiment::Warning;
-use crate::experiment::relaxation::{
+use crate::faults;
+use crate::tensile::reduce::paths;
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::{Diagnostic, listed};
+use base::finding::Finding;
+use lab::experiment::Warning;
+use lab::experiment::material_file::fitted::{ASSUMED_POISSON, RelaxationMaterial, relaxation_text};
+use lab::experiment::relaxation::{
     Master, RelaxationData, RelaxationReadingError, fit_prony, fit_shift, read_relaxation, read_shift_factors,
 };
-use crate::finding::Finding;
-use crate::scenario::fitted_material::{ASSUMED_POISSON, RelaxationMaterial, relaxation_text};
-use crate::signal::file::ChannelSelection;
+use lab::signal::file::ChannelSelection;
 
 pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     let places = Places::of(args)?;

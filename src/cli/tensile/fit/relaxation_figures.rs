@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::fitted::Fitted;
-use crate::cli::{findings, table};
-use crate::experiment::relaxation::{ShiftLaw, ShiftLawFit, ZERO_CELSIUS};
-use crate::finding::Finding;
-use crate::number::{figure, plain, rounded, significant};
+use crate::{findings, table};
+use base::finding::Finding;
+use base::number::{figure, plain, rounded, significant};
+use lab::experiment::relaxation::{ShiftLaw, ShiftLawFit, ZERO_CELSIUS};
 
 /// All figures; SI.
 #[derive(Serialize)]

@@ -1,11 +1,11 @@
 //! The page of a fitted relaxation.
 
 use super::fitted::Fitted;
-use crate::experiment::relaxation::{ShiftLawFit, ZERO_CELSIUS};
-use crate::finding::Finding;
-use crate::number::{figure, plain, rounded, significant};
-use crate::plot::{Axis, Curve, Look, Plot, Scale};
-use crate::report::{FitPage, FitTable, fit_page};
+use base::finding::Finding;
+use base::number::{figure, plain, rounded, significant};
+use lab::experiment::relaxation::{ShiftLawFit, ZERO_CELSIUS};
+use plot::{Axis, Curve, Look, Plot, Scale};
+use report::{FitPage, FitTable, fit_page};
 
 /// The page with measured and fitted modulus, errors, terms and shift factors.
 pub(super) fn page(fitted: &Fitted, findings: &[Finding], material: Option<&str>) -> String {

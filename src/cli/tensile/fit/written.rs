@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::FitArgs;
-use crate::cli::{Failure, output};
-use crate::diagnostic::{Diagnostic, shown_path};
+use crate::{Failure, output};
+use base::diagnostic::{Diagnostic, shown_path};
 
 /// Where the files of a fit go.
 pub(super) struct Places {

@@ -1,0 +1,408 @@
+//! Mistakes in what a user wrote: where, what, and what to write instead; several at once.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use serde::Serialize;
+
+/// A text of the user: a file, a script, an argument of the command line.
+#[derive(Debug)]
+pub struct Source {
+    /// As a diagnostic shows it: a path relative to the working directory, or e.g. "command line".
+    pub name: String,
+    /// The text itself.
+    pub text: String,
+    /// What relative paths in the text are relative to.
+    pub folder: PathBuf,
+    /// The line of the file that the text starts with, counted from one.
+    pub first_line: usize,
+}
+
+impl Source {
+    /// The text of the file at `path`.
+    pub fn file(path: &Path, text: String) -> Arc<Source> {
+        Source::excerpt(path, 1, text)
+    }
+
+    /// A part of the file at `path`, too long to be held: the `text` from the line `first_line` on.
+    pub fn excerpt(path: &Path, first_line: usize, text: String) -> Arc<Source> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Arc::new(Source { name: shown_path(path), text, folder, first_line })
+    }
+
+    /// A text that is not a file; its relative paths start from the working directory.
+    pub fn unfiled(name: &str, text: String) -> Arc<Source> {
+        Arc::new(Source { name: name.to_owned(), text, folder: PathBuf::new(), first_line: 1 })
+    }
+}
+
+/// A range of a source.
+#[derive(Clone)]
+pub struct Span {
+    /// The text.
+    pub source: Arc<Source>,
+    /// Bytes of the source's text.
+    pub range: Range<usize>,
+}
+
+impl Span {
+    /// Whether it is the same range of the same text.
+    pub fn is(&self, other: &Span) -> bool {
+        Arc::ptr_eq(&self.source, &other.source) && self.range == other.range
+    }
+
+    /// The bytes `range` of `source`, moved to whole characters within the text.
+    pub fn new(source: &Arc<Source>, range: Range<usize>) -> Span {
+        let text = &source.text;
+        let start = floor_boundary(text, range.start);
+        let end = floor_boundary(text, range.end).max(start);
+        Span { source: source.clone(), range: start..end }
+    }
+
+    /// The line `number` of the text (counted from one) without its end.
+    pub fn line(source: &Arc<Source>, number: usize) -> Span {
+        let start: usize = source.text.split_inclusive('\n').take(number.saturating_sub(1)).map(str::len).sum();
+        let length = source.text[start..].lines().next().map_or(0, str::len);
+        Span::new(source, start..start + length)
+    }
+
+    /// The place `line` of the text, `column` (in characters), both counted from one.
+    pub fn position(source: &Arc<Source>, line: usize, column: usize) -> Span {
+        let whole = Span::line(source, line);
+        let offset: usize =
+            source.text[whole.range.clone()].chars().take(column.saturating_sub(1)).map(char::len_utf8).sum();
+        let start = whole.range.start + offset;
+        let next = source.text[start..].chars().next();
+        let width = next.filter(|c| *c != '\n').map_or(0, char::len_utf8);
+        Span::new(source, start..start + width)
+    }
+
+    /// Line of the file and column (in characters) of its start, both counted from one.
+    pub fn start(&self) -> (usize, usize) {
+        let before = &self.source.text[..self.range.start];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        let line = self.source.first_line + before.matches('\n').count();
+        (line, before[line_start..].chars().count() + 1)
+    }
+}
+
+impl fmt::Debug for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (line, column) = self.start();
+        write!(f, "{}:{line}:{column}", self.source.name)
+    }
+}
+
+fn floor_boundary(text: &str, at: usize) -> usize {
+    let at = at.min(text.len());
+    (0..=at).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0)
+}
+
+/// One mistake in the user's input.
+#[derive(Clone, Debug)]
+pub struct Diagnostic {
+    /// Lower case, no full stop.
+    pub message: String,
+    /// Where it is, if it is at a place in a text.
+    pub span: Option<Span>,
+    /// What to write instead, or why it is a mistake.
+    pub hint: Option<String>,
+    /// Other places that have to do with it, such as the key that this one is in conflict with.
+    pub labels: Vec<Label>,
+}
+
+/// A place beside that of a mistake, and what is there.
+#[derive(Clone, Debug)]
+pub struct Label {
+    /// The place.
+    pub span: Span,
+    /// Lower case, no full stop.
+    pub text: String,
+}
+
+impl Diagnostic {
+    /// A mistake that is not at a place in a text.
+    pub fn new(message: impl Into<String>) -> Diagnostic {
+        Diagnostic { message: message.into(), span: None, hint: None, labels: vec![] }
+    }
+
+    /// The same mistake, shown at `span`.
+    pub fn at(self, span: &Span) -> Diagnostic {
+        Diagnostic { span: Some(span.clone()), ..self }
+    }
+
+    /// The same mistake with a hint.
+    pub fn hint(self, hint: impl Into<String>) -> Diagnostic {
+        Diagnostic { hint: Some(hint.into()), ..self }
+    }
+
+    /// The same mistake, which also points at `span`.
+    pub fn label(mut self, span: &Span, text: impl Into<String>) -> Diagnostic {
+        self.labels.push(Label { span: span.clone(), text: text.into() });
+        self
+    }
+
+    /// The mistake as a report with the lines that it is on; `styled` adds colours for a terminal.
+    pub fn render(&self, styled: bool) -> String {
+        let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
+        let message = printable(&self.message);
+        let hint = self.hint.as_deref().map(printable);
+        let title = Level::ERROR.primary_title(message.as_ref());
+        let Some(span) = &self.span else {
+            let help = hint.iter().map(|hint| Level::HELP.message(hint.as_ref()));
+            return renderer.render(&[title.elements(help)]);
+        };
+        let labels: Vec<(&Span, Cow<'_, str>)> =
+            self.labels.iter().map(|label| (&label.span, printable(&label.text))).collect();
+        let context = |place: usize| {
+            let (span, text) = &labels[place];
+            AnnotationKind::Context.span(span.range.clone()).label(text.as_ref())
+        };
+        let is_beside = |place: &usize| Arc::ptr_eq(&labels[*place].0.source, &span.source);
+        let mark = AnnotationKind::Primary.span(span.range.clone()).label(hint.as_deref());
+        let own = snippet(&span.source).annotation(mark);
+        let own = own.annotations((0..labels.len()).filter(is_beside).map(context));
+        let others = (0..labels.len()).filter(|place| !is_beside(place));
+        let others = others.map(|place| snippet(&labels[place].0.source).annotation(context(place)));
+        renderer.render(&[title.element(own).elements(others)])
+    }
+}
+
+/// A mistake for a program that reads it.
+#[derive(Debug, Serialize)]
+pub struct Record<'a> {
+    message: &'a str,
+    hint: Option<&'a str>,
+    #[serde(flatten)]
+    place: Option<Place<'a>>,
+    labels: Vec<RecordLabel<'a>>,
+}
+
+/// Another place of a mistake for a program that reads it.
+#[derive(Debug, Serialize)]
+struct RecordLabel<'a> {
+    message: &'a str,
+    #[serde(flatten)]
+    place: Place<'a>,
+}
+
+/// Where a mistake is: file or argument, line and column, both from one.
+#[derive(Debug, Serialize)]
+struct Place<'a> {
+    source: &'a str,
+    line: usize,
+    column: usize,
+}
+
+impl Span {
+    fn place(&self) -> Place<'_> {
+        let (line, column) = self.start();
+        Place { source: &self.source.name, line, column }
+    }
+}
+
+impl Label {
+    fn record(&self) -> RecordLabel<'_> {
+        RecordLabel { message: &self.text, place: self.span.place() }
+    }
+}
+
+impl Diagnostic {
+    /// The mistake for a program that reads it.
+    pub fn record(&self) -> Record<'_> {
+        Record {
+            message: &self.message,
+            hint: self.hint.as_deref(),
+            place: self.span.as_ref().map(Span::place),
+            labels: self.labels.iter().map(Label::record).collect(),
+        }
+    }
+}
+
+/// The text of `source` under its name.
+fn snippet<'a>(source: &'a Source) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
+    Snippet::source(&source.text).line_start(source.first_line).path(printable(&source.name))
+}
+
+/// The text without control characters: names and notes of files are not trusted.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let steers = |letter: char| letter.is_control() && letter != '\n' && letter != '\t';
+    if text.contains(steers) { text.replace(steers, "\u{fffd}").into() } else { text.into() }
+}
+
+/// All mistakes, one report after the other.
+pub fn render(mistakes: &[Diagnostic], styled: bool) -> String {
+    let reports: Vec<String> = mistakes.iter().map(|m| m.render(styled)).collect();
+    reports.join("\n\n")
+}
+
+/// The name among `known` that `written` was probably meant to be: a few edits from it, or one that shares a word with
+/// it. None where two are equally near.
+pub fn closest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let (mut best, mut name) = (0.0, None);
+    for candidate in known {
+        let likeness = likeness(&written.to_lowercase(), &candidate.to_lowercase());
+        if likeness > best {
+            (best, name) = (likeness, Some(candidate));
+        } else if likeness == best && name != Some(candidate) {
+            name = None;
+        }
+    }
+    name
+}
+
+/// How like `name` the misspelt `written` is, up to 1; zero where it hardly stands for it.
+fn likeness(written: &str, name: &str) -> f64 {
+    // `impactor2` is a second impactor.
+    let is_numbered = |rest: &str| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit());
+    if !name.ends_with(|c: char| c.is_ascii_digit()) && written.strip_prefix(name).is_some_and(is_numbered) {
+        return 0.0;
+    }
+    let length = written.chars().count().max(name.chars().count());
+    let edits = strsim::osa_distance(written, name);
+    if edits <= (length / 4).max(1) && edits < length {
+        return 1.0 - edits as f64 / length as f64;
+    }
+    let words = |text: &str| text.split(|c: char| !c.is_alphanumeric()).map(str::to_owned).collect::<Vec<String>>();
+    let begins = words(name).iter().any(|word| word.starts_with(written));
+    let ends = words(written).iter().any(|word| word == name);
+    let starts = name.starts_with(written);
+    let is_part = (starts && written.len() > 2) || (begins && written.len() > 3) || (ends && name.len() > 3);
+    if is_part { 0.7 } else { 0.0 }
+}
+
+/// Names in a sentence: "`a`, `b`".
+pub fn listed(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// The folder that the file at `path` is in; `.` where the path does not name one.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// `path` without `..` detours, relative to the working directory where it lies below it.
+pub fn shown_path(path: &Path) -> String {
+    let tidy = tidy_path(path);
+    let relative = std::env::current_dir().ok().and_then(|here| tidy.strip_prefix(here).ok().map(Path::to_owned));
+    let shown = relative.unwrap_or(tidy).display().to_string();
+    if shown.is_empty() { ".".to_owned() } else { shown }
+}
+
+/// `path` without `.` and, where a folder stands before it, without `..`.
+pub fn tidy_path(path: &Path) -> PathBuf {
+    let mut tidy = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if ends_in_folder(&tidy) => {
+                tidy.pop();
+            }
+            part => tidy.push(part),
+        }
+    }
+    tidy
+}
+
+fn ends_in_folder(path: &Path) -> bool {
+    matches!(path.components().next_back(), Some(Component::Normal(_)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn looks_like_the_tour() {
+        let text = "density = 915\n[x]\nthicknes = \"12 um\"\n".to_owned();
+        let source = Source::unfiled("scenarios/materials/lldpe.toml", text);
+        let mistake =
+            Diagnostic::new("unknown key `thicknes`").at(&Span::new(&source, 18..26)).hint("did you mean `thickness`?");
+        let expected = "\
+error: unknown key `thicknes`
+ --> scenarios/materials/lldpe.toml:3:1
+  |
+3 | thicknes = \"12 um\"
+  | ^^^^^^^^ did you mean `thickness`?";
+        assert_eq!(mistake.render(false), expected);
+    }
+
+    #[test]
+    fn points_at_other_places_too() {
+        let source = Source::unfiled("a.toml", "velocity = 1\ngravity = 0\ndrop_height = 2\n".to_owned());
+        let other = Source::unfiled("b.toml", "count = 8\n".to_owned());
+        let mistake = Diagnostic::new("`velocity` and `drop_height` exclude each other")
+            .at(&Span::new(&source, 25..36))
+            .hint("keep one")
+            .label(&Span::new(&source, 0..8), "`velocity` is given here")
+            .label(&Span::new(&other, 0..5), "there `count` is 8");
+        let expected = "\
+error: `velocity` and `drop_height` exclude each other
+ --> a.toml:3:1
+  |
+1 | velocity = 1
+  | -------- `velocity` is given here
+2 | gravity = 0
+3 | drop_height = 2
+  | ^^^^^^^^^^^ keep one
+  |
+ ::: b.toml:1:1
+  |
+1 | count = 8
+  | ----- there `count` is 8";
+        assert_eq!(mistake.render(false), expected);
+    }
+
+    #[test]
+    fn nothing_steers_the_terminal() {
+        assert_eq!(printable("a\tb\nc \u{b0}"), "a\tb\nc \u{b0}");
+        assert_eq!(printable("\u{1b}[31mred\r\u{9b}2J"), "\u{fffd}[31mred\u{fffd}\u{fffd}2J");
+        let source = Source::unfiled("\u{1b}[2J", "\u{1b}[31m,x\n".to_owned());
+        let mistake = Diagnostic::new("no `\u{1b}[1m`").hint("\u{7}");
+        for shown in [mistake.clone().at(&Span::position(&source, 1, 7)), mistake] {
+            assert!(!shown.render(false).contains(|c: char| c.is_control() && c != '\n'), "{shown:?}");
+        }
+    }
+
+    #[test]
+    fn names_are_proposed_where_they_are_meant() {
+        let known =
+            ["velocity", "drop_height", "gravity", "duration", "half-x", "half-y", "impactor", "quad4", "k1", "ke"];
+        for (written, expected) in [
+            ("direction", None),
+            ("impactor2", None),
+            ("half", None),
+            ("k2", None),
+            ("x", None),
+            ("colour", None),
+            ("quad8", Some("quad4")),
+            ("Velocty", Some("velocity")),
+            ("height", Some("drop_height")),
+            ("vel", Some("velocity")),
+            ("impact_velocity", Some("velocity")),
+            ("durration", Some("duration")),
+            ("duratoin", Some("duration")),
+        ] {
+            assert_eq!(closest(written, known), expected, "{written}");
+        }
+    }
+
+    #[test]
+    fn positions_are_in_characters() {
+        let source = Source::unfiled("x", "a\nβγδ\n".to_owned());
+        let span = Span::position(&source, 2, 3);
+        assert_eq!(span.start(), (2, 3));
+        assert_eq!(&source.text[span.range.clone()], "δ");
+    }
+
+    #[test]
+    fn paths_lose_their_detours() {
+        let tidy = |text: &str| tidy_path(Path::new(text)).display().to_string();
+        assert_eq!(tidy("a/b/../c/./d"), "a/c/d");
+        assert_eq!(tidy("../a/../../b"), "../../b");
+    }
+}

@@ -1,0 +1,11 @@
+//! What every part of droptower speaks of: numbers and units, diagnostics and findings, files and tables.
+#![warn(missing_docs)]
+
+pub mod number;
+pub mod units;
+pub mod diagnostic;
+pub mod file;
+pub mod finding;
+pub mod shell;
+pub mod cancellation;
+pub mod table;

@@ -1,0 +1,231 @@
+//! The command line: one file a command, one failure with its exit status, and the one place that prints.
+#![warn(missing_docs)]
+
+mod argument;
+mod changes;
+mod check;
+mod checkpoint;
+mod codes;
+mod columns;
+mod compare;
+mod complete;
+mod digest;
+mod digitize;
+mod expectations;
+mod explain;
+mod failure;
+mod farm;
+mod faults;
+mod figures;
+mod findings;
+mod folder;
+mod given;
+mod forecast;
+mod formats;
+mod functions;
+mod list;
+mod man;
+#[cfg_attr(not(feature = "rerun"), path = "live_off.rs")]
+mod live;
+mod new;
+mod output;
+mod picture;
+mod progress;
+mod repl;
+mod run;
+mod scenarios;
+mod schema;
+mod script;
+mod search;
+mod signal;
+mod store;
+mod sweep;
+mod table;
+mod tensile;
+mod test;
+mod view;
+mod watch;
+
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use serde::Serialize;
+
+pub(crate) use self::failure::Failure;
+use base::diagnostic::{self, Diagnostic};
+
+/// A scripted virtual drop tower for thin films and membranes.
+#[derive(Debug, Parser)]
+#[command(name = "droptower", version, max_term_width = 100)]
+struct Droptower {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    shared: Shared,
+}
+
+/// The options of every command.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Shared {
+    /// Print figures as JSON on standard output
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Number of threads [default: all cores]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print errors only
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// How mistakes are printed on standard error
+    #[arg(long, global = true, value_enum, default_value_t, value_name = "FORMAT")]
+    pub diagnostics: DiagnosticFormat,
+}
+
+/// How mistakes are printed.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(crate) enum DiagnosticFormat {
+    /// With the lines that they are on
+    #[default]
+    Text,
+    /// As one JSON object a line: message, hint, source, line, column, labels
+    Json,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run scenarios and write signals, figures, a page and a recording
+    Run(run::RunArgs),
+    /// Run a scenario many times, with the values of its table [variation]
+    Sweep(sweep::SweepArgs),
+    /// List or remove the evaluations that are never computed twice
+    #[command(subcommand)]
+    Store(store::StoreCommand),
+    /// Check scenarios and materials without running them
+    Check(check::CheckArgs),
+    /// Print the JSON Schema of scenarios, or of another kind of file, for editors
+    Schema(schema::SchemaArgs),
+    /// Explain a key (unit, range, default), a script function or the code of a finding
+    Explain(explain::ExplainArgs),
+    /// Write a commented scenario, test, material or figure to start from
+    New(new::NewArgs),
+    /// Compare runs with the first of them: scenarios, figures and signals
+    Compare(compare::CompareArgs),
+    /// Compare runs with what they must give: folders with scenario.toml and expect.toml
+    Test(test::TestArgs),
+    /// List the scenarios of a folder
+    List(list::ListArgs),
+    /// Open the recordings of runs in the Rerun viewer
+    View(view::ViewArgs),
+    /// Draw the scene of a stored run, or a plot of its page, as PNG, SVG or, in 3-D, glTF
+    Picture(picture::PictureArgs),
+    /// Print what lets a shell complete commands, options, keys and scenarios
+    Completions(complete::CompletionsArgs),
+    /// Print the manual page, or write those of all commands
+    Man(man::ManArgs),
+    /// Run a scenario again whenever it, or a file that it names, is saved
+    Watch(watch::WatchArgs),
+    /// Run a Rhai script over scenarios
+    Script(script::ScriptArgs),
+    /// Type a script line by line, each answered at once
+    Repl(repl::ReplArgs),
+    /// Read a curve out of a picture of a published figure
+    Digitize(digitize::DigitizeArgs),
+    /// Read, filter, convert, rate and reduce recordings
+    #[command(subcommand)]
+    Signal(signal::SignalCommand),
+    /// Reduce coupon tests to a material, and fit laws to measured data
+    #[command(subcommand)]
+    Tensile(tensile::TensileCommand),
+}
+
+/// Runs the command that the arguments name; usage errors exit with status 2.
+pub fn main() -> ExitCode {
+    complete::answer(Droptower::command);
+    let Droptower { command, shared } = Droptower::parse();
+    match run(&command, &shared) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(shared.diagnostics),
+    }
+}
+
+fn run(command: &Command, shared: &Shared) -> Result<(), Failure> {
+    if let Some(threads) = shared.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        let started = pool.build_global();
+        started.map_err(|error| Diagnostic::new(format!("cannot start {threads} threads: {error}")))?;
+    }
+    match command {
+        Command::Run(args) => run::run(args, shared),
+        Command::Sweep(args) => sweep::run(args, shared),
+        Command::Store(command) => store::run(command, shared),
+        Command::Check(args) => check::run(args, shared),
+        Command::Schema(args) => schema::run(args),
+        Command::Explain(args) => explain::run(args, shared),
+        Command::New(args) => new::run(args, shared),
+        Command::Compare(args) => compare::run(args, shared),
+        Command::Test(args) => test::run(args, shared),
+        Command::List(args) => list::run(args, shared),
+        Command::View(args) => view::run(args, shared),
+        Command::Picture(args) => picture::run(args, shared),
+        Command::Completions(args) => complete::run(args),
+        Command::Man(args) => man::run(args),
+        Command::Watch(args) => watch::run(args, shared),
+        Command::Script(args) => script::run(args, shared),
+        Command::Repl(args) => repl::run(args, shared),
+        Command::Digitize(args) => digitize::run(args, shared),
+        Command::Signal(command) => signal::run(command, shared),
+        Command::Tensile(command) => tensile::run(command, shared),
+    }
+}
+
+/// Prints diagnostics on standard error, with colours on a terminal.
+pub(crate) fn print_diagnostics(diagnostics: &[Diagnostic]) {
+    let styled = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    // With standard error closed, the exit status is left.
+    let _ = writeln!(io::stderr(), "{}", diagnostic::render(diagnostics, styled));
+}
+
+/// Prints diagnostics on standard error for a program that reads them.
+pub(crate) fn print_records(diagnostics: &[Diagnostic]) {
+    for diagnostic in diagnostics {
+        let record = serde_json::to_string(&diagnostic.record()).unwrap_or_default();
+        // With standard error closed, the exit status is left.
+        let _ = writeln!(io::stderr(), "{record}");
+    }
+}
+
+/// Prints text on standard output without control characters; a reader that closes the pipe (`| head`) is no failure.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    match writeln!(io::stdout(), "{}", diagnostic::printable(text)) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::output(Diagnostic::new(format!("cannot print: {error}"))))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints figures as JSON on standard output.
+pub(crate) fn print_json(figures: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(figures);
+    print(&text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?)
+}
+
+/// Prints an event as one line of JSON on standard output.
+pub(crate) fn print_line(event: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string(event);
+    print(&text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?)
+}
+
+/// Prints the figures of a command as JSON, as text, or not at all, as `--json` and `--quiet` ask for.
+pub(crate) fn print_figures(
+    shared: &Shared,
+    figures: &impl Serialize,
+    text: impl FnOnce() -> String,
+) -> Result<(), Failure> {
+    match (shared.json, shared.quiet) {
+        (true, _) => print_json(figures),
+        (false, true) => Ok(()),
+        (false, false) => print(text().trim_end()),
+    }
+}

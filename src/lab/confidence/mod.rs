@@ -1,0 +1,21 @@
+//! How well estimated parameters are known: covariance and intervals of a linear model, and identifiability.
+//!
+//! Searches and fits of laws linearize their residuals; what follows from that is here.
+
+mod covariance;
+mod estimate;
+mod identifiability;
+mod interval;
+mod linearization;
+mod noise;
+mod options;
+mod warning;
+
+pub use covariance::CovarianceError;
+pub use estimate::{Confidence, ConfidenceError};
+pub use identifiability::Direction;
+pub use interval::Interval;
+pub use linearization::{Linearization, PartsError};
+pub use noise::{Colour, Misfit, Noise};
+pub use options::ConfidenceOptions;
+pub use warning::{CODES, Warning};

@@ -1,0 +1,194 @@
+//! Direction and speed of a coupon test, from the name and the header of its file.
+
+use thiserror::Error;
+
+use super::direction::{Direction, DirectionError};
+use base::number::significant;
+use base::units::{UnitError, Velocity};
+
+/// Largest speed of jaws in the name of a file, m/s: tensile machines reach some 20 m/s, larger numbers are years.
+pub const FASTEST: f64 = 100.0;
+
+/// Direction and speed of a test, as far as they are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Label {
+    /// Direction of the coupon.
+    pub direction: Option<Direction>,
+    /// Speed of the jaws apart, m/s.
+    pub velocity: Option<f64>,
+}
+
+/// Why direction or speed of a test is not known.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LabelError {
+    /// Neither name nor header states a direction, and none is given.
+    #[error("the direction of the coupon is not known")]
+    NoDirection,
+    /// Neither name nor header states a speed, and none is given.
+    #[error("the speed of the jaws is not known")]
+    NoVelocity,
+    /// Name and header state different directions.
+    #[error("its name states {name}, its header {header}")]
+    Directions {
+        /// Direction of the coupon that the name of the file states.
+        name: Direction,
+        /// Direction of the coupon that the header states.
+        header: Direction,
+    },
+    /// Name and header state different speeds.
+    #[error("its name states {} m/s, its header {} m/s", significant(*name, 6), significant(*header, 6))]
+    Velocities {
+        /// Speed of the jaws that the name of the file states, m/s.
+        name: f64,
+        /// Speed of the jaws that the header states, m/s.
+        header: f64,
+    },
+    /// The header states a direction that is none.
+    #[error("its header: {0}")]
+    Direction(#[from] DirectionError),
+    /// The header states a speed that is none.
+    #[error("its header: {0}")]
+    Velocity(#[from] UnitError),
+}
+
+impl LabelError {
+    /// The remedy.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            LabelError::NoDirection => {
+                "write `# direction: MD` into its header, name it like md-0.02-1.csv, or give --direction"
+            }
+            LabelError::NoVelocity => {
+                "write `# velocity: 0.02 m/s` into its header, name it like md-0.02-1.csv, or give --velocity"
+            }
+            LabelError::Directions { .. } | LabelError::Velocities { .. } => {
+                "correct one of them, or give it on the command line"
+            }
+            LabelError::Direction(_) => "write `# direction: MD`",
+            LabelError::Velocity(_) => "write `# velocity: 0.02 m/s`",
+        }
+    }
+}
+
+/// Direction and speed (m/s) of a test: what is `given` counts before what the file states, in the lines of its header
+/// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending, which must agree. A name counts where it
+/// is direction, speed in m/s up to [`FASTEST`] and, perhaps, a number: `md-0.02-3`.
+pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, f64), LabelError> {
+    let (named, headed) = (named(name), headed(header, given)?);
+    let direction = match (given.direction, named.direction, headed.direction) {
+        (Some(given), _, _) => given,
+        (None, Some(name), Some(header)) if name != header => return Err(LabelError::Directions { name, header }),
+        (None, name, header) => header.or(name).ok_or(LabelError::NoDirection)?,
+    };
+    let velocity = match (given.velocity, named.velocity, headed.velocity) {
+        (Some(given), _, _) => given,
+        (None, Some(name), Some(header)) if !is_same_speed(name, header) => {
+            return Err(LabelError::Velocities { name, header });
+        }
+        (None, name, header) => header.or(name).ok_or(LabelError::NoVelocity)?,
+    };
+    Ok((direction, velocity))
+}
+
+/// Whether two speeds differ by no more than the digits of their units.
+pub fn is_same_speed(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
+
+/// Direction and speed of a name of the form `<direction>-<speed>` or `<direction>-<speed>-<number>`; a date is no
+/// speed.
+fn named(name: &str) -> Label {
+    let parts: Vec<&str> = name.split('-').collect();
+    let (direction, velocity) = match parts[..] {
+        [direction, velocity] => (direction, velocity),
+        [direction, velocity, number] if is_digits(number) => (direction, velocity),
+        _ => return Label::default(),
+    };
+    match (direction.parse(), speed(velocity)) {
+        (Ok(direction), Some(velocity)) => Label { direction: Some(direction), velocity: Some(velocity) },
+        _ => Label::default(),
+    }
+}
+
+/// A speed in m/s of digits and a point, up to [`FASTEST`].
+fn speed(text: &str) -> Option<f64> {
+    let (whole, part) = text.split_once('.').unwrap_or((text, "0"));
+    let velocity = if is_digits(whole) && is_digits(part) { text.parse().ok() } else { None };
+    velocity.filter(|velocity| (f64::MIN_POSITIVE..=FASTEST).contains(velocity))
+}
+
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// A line whose value is given otherwise is not read.
+fn headed(header: &[String], given: Label) -> Result<Label, LabelError> {
+    let stated = |key: &str| {
+        let pairs = header.iter().filter_map(|line| line.trim_start_matches(['#', ' ']).split_once(':'));
+        pairs.filter(|(name, _)| name.trim().eq_ignore_ascii_case(key)).map(|(_, value)| value.trim()).next()
+    };
+    let direction = stated("direction").filter(|_| given.direction.is_none()).map(str::parse).transpose()?;
+    let velocity = stated("velocity").filter(|_| given.velocity.is_none());
+    let velocity = velocity.map(|text| Velocity::DIMENSION.parse(text)).transpose()?;
+    Ok(Label { direction, velocity })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labelled(name: &str, header: &[&str]) -> Result<(Direction, f64), LabelError> {
+        let header: Vec<String> = header.iter().map(|line| (*line).to_owned()).collect();
+        label(name, &header, Label::default())
+    }
+
+    #[test]
+    fn name_and_header_give_direction_and_speed() {
+        for (name, header) in [
+            ("md-0.0002-3", &[][..]),
+            ("sample 7", &["VIRTUAL recording", "direction: md", "velocity: 0.2 mm/s"]),
+            ("MD-x", &["# direction: MD", "# Velocity: 0.0002 m/s"]),
+        ] {
+            let (direction, velocity) = labelled(name, header).unwrap();
+            assert_eq!(direction, Direction::Md);
+            assert!(is_same_speed(velocity, 2e-4));
+        }
+    }
+
+    #[test]
+    fn missing_and_contradictory_labels_are_refused() {
+        for (name, header, expected) in [
+            ("sample", &[][..], "the direction of the coupon is not known"),
+            ("md", &[], "the direction of the coupon is not known"),
+            ("md", &["direction: MD"], "the speed of the jaws is not known"),
+            ("md-0.02-1", &["direction: TD"], "its name states MD, its header TD"),
+            ("md-0.02-1", &["velocity: 0.2 m/s"], "its name states 0.02 m/s, its header 0.2 m/s"),
+            (
+                "x",
+                &["direction: north"],
+                "its header: `north` is not a direction of the film: expected MD, TD, D3 or D4",
+            ),
+            ("md", &["velocity: 3 kg"], "its header: expected a velocity, found \"3 kg\""),
+        ] {
+            assert_eq!(labelled(name, header).unwrap_err().to_string(), expected);
+        }
+    }
+
+    #[test]
+    fn dates_and_other_names_are_no_speeds() {
+        for name in
+            ["md-2024-05-01", "md-2024-05", "md-20240501", "md-0.02-1-2", "md-0.02-a", "md-1e1-1", "md-0-1", "md-inf"]
+        {
+            assert_eq!(labelled(name, &[]), Err(LabelError::NoDirection), "{name}");
+        }
+        let header = ["direction: TD", "velocity: 0.2 m/s"];
+        assert_eq!(labelled("md-2024-05-01", &header), Ok((Direction::Td, 0.2)));
+    }
+
+    #[test]
+    fn given_values_take_precedence() {
+        let given = Label { direction: Some(Direction::D3), velocity: Some(1.0) };
+        let header = ["direction: north".to_owned(), "velocity: 3 kg".to_owned()];
+        assert_eq!(label("md-0.02", &header, given), Ok((Direction::D3, 1.0)));
+    }
+}

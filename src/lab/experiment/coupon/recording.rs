@@ -1,0 +1,199 @@
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::label::{self, Label, LabelError};
+use super::{Coupon, CouponError, Rules, Sample, SampleError};
+use crate::signal::file::{self, ChannelSelection, ReadOptions};
+use crate::signal::{ChannelError, Measurement, QuantityError};
+use base::units::{Force, Length};
+
+/// How recordings of coupons are read.
+#[derive(Clone, Debug)]
+pub struct CouponReader {
+    /// Dimensions of the coupon.
+    pub coupon: Coupon,
+    /// Window of the modulus, criterion of the break, origin of strain.
+    pub rules: Rules,
+    /// Direction and speed that replace those of the files.
+    pub given: Label,
+    /// Name of the channel of force.
+    pub force: String,
+    /// Name of the channel of displacement.
+    pub displacement: String,
+    /// How the tables are read; columns other than these are not.
+    pub table: ReadOptions,
+}
+
+/// A coupon's recording, read and reduced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CouponTest {
+    /// Its file.
+    pub path: PathBuf,
+    /// Modulus, break and curve.
+    pub sample: Sample,
+    /// Samples that were merged because the displacement did not increase.
+    pub merged: usize,
+}
+
+/// Why a file is no recording of a coupon.
+#[derive(Debug, Error)]
+pub enum RecordingError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] file::ReadError),
+    /// The file is read, but holds no coupon test.
+    #[error("{}: {fault}", path.display())]
+    Content {
+        /// File of the recording.
+        path: PathBuf,
+        /// What is wrong with its channels, its label or its curve.
+        fault: Box<RecordingFault>,
+    },
+}
+
+/// What is wrong with a recording that could be read.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RecordingFault {
+    /// The channel of force or displacement is missing.
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
+    /// Force or displacement has another dimension, or no unit.
+    #[error(transparent)]
+    Quantity(#[from] QuantityError),
+    /// Direction or speed is not known.
+    #[error(transparent)]
+    Label(#[from] LabelError),
+    /// The recording has no stress–strain curve.
+    #[error(transparent)]
+    Coupon(#[from] CouponError),
+    /// The curve has no modulus or no break.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+}
+
+impl RecordingError {
+    /// The remedy, where there is one.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            RecordingError::Read(error) => error.hint(),
+            RecordingError::Content { fault, .. } => fault.hint(),
+        }
+    }
+}
+
+impl RecordingFault {
+    fn hint(&self) -> Option<String> {
+        match self {
+            RecordingFault::Channel(error) => error.hint(),
+            RecordingFault::Quantity(QuantityError::NoUnit { name, expected }) => {
+                Some(format!("write its unit into the header, e.g. `{name} [{}]`", expected.unit))
+            }
+            RecordingFault::Label(error) => Some(error.hint().into()),
+            _ => None,
+        }
+    }
+}
+
+impl CouponReader {
+    /// With the channels `force` and `displacement`, and defaults for the rest.
+    pub fn new(coupon: Coupon, rules: Rules) -> CouponReader {
+        let (force, displacement) = ("force".into(), "displacement".into());
+        CouponReader { coupon, rules, given: Label::default(), force, displacement, table: ReadOptions::default() }
+    }
+
+    /// Reads the recording at `path` and reduces it; see [`label::label`] for how its direction and speed are found.
+    pub fn read(&self, path: &Path) -> Result<CouponTest, RecordingError> {
+        let channels = ChannelSelection::Named(vec![self.force.clone(), self.displacement.clone()]);
+        let options = ReadOptions { channels, ..self.table.clone() };
+        // Force over displacement needs no time: the speed is known from elsewhere.
+        let measurement = match file::read(path, &options) {
+            Err(error) if error.lacks_time() => file::columns(path, &options)?.over_samples(),
+            read => read?,
+        };
+        let content = self.reduce(path, &measurement);
+        content.map_err(|fault| RecordingError::Content { path: path.into(), fault: Box::new(fault) })
+    }
+
+    fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<CouponTest, RecordingFault> {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let (direction, velocity) = label::label(&name, measurement.annotations.comments(), self.given)?;
+        let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION)?;
+        let displacement = measurement.channel(&self.displacement)?.quantity(Length::DIMENSION)?;
+        let curve = self.coupon.curve(force, displacement)?;
+        let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
+        let sample = Sample { is_virtual: measurement.annotations.is_virtual(), ..sample };
+        Ok(CouponTest { path: path.into(), sample, merged: curve.merged() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::coupon::Direction;
+
+    fn read(name: &str, text: &str) -> Result<CouponTest, RecordingError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
+        CouponReader::new(coupon, Rules { window: [0.0, 0.2], ..Rules::default() }).read(&path)
+    }
+
+    const ROWS: &str = "0,0,0\n1,0.4,0.5\n2,0.8,1\n3,4,2\n4,4.1,0\n";
+
+    #[test]
+    fn a_table_needs_no_time() {
+        let with_time = read("td-0.02-1.csv", &format!("time [s],displacement [mm],force [N]\n{ROWS}")).unwrap();
+        let rows: String = ROWS.lines().map(|row| format!("{}\n", &row[2..])).collect();
+        let without = read("td-0.02-1.csv", &format!("displacement [mm],force [N]\n{rows}")).unwrap();
+        assert_eq!(without.sample, with_time.sample);
+    }
+
+    #[test]
+    fn units_are_those_of_the_header() {
+        let text = format!("# virtual\ntime [s],displacement [mm],force [N]\n{ROWS}");
+        let recorded = read("td-0.02-1.csv", &text).unwrap();
+        assert_eq!((recorded.sample.direction, recorded.sample.velocity), (Direction::Td, 0.02));
+        assert!((recorded.sample.rupture.strain - 0.8).abs() < 1e-12 && recorded.sample.is_virtual);
+        assert!((recorded.sample.modulus.slope / (1.0 / 1.2e-7 / 0.16) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn columns_beside_force_and_displacement_do_not_matter() {
+        let rows: String = ROWS.lines().map(|row| format!("{row},ok\n")).collect();
+        let recorded = read("td-0.02-1.csv", &format!("time_s,displacement_mm,force_N,status\n{rows}")).unwrap();
+        assert!((recorded.sample.rupture.strain - 0.8).abs() < 1e-12 && !recorded.sample.is_virtual);
+    }
+
+    #[test]
+    fn mistakes_name_the_file() {
+        for (name, text, expected) in [
+            (
+                "x.csv",
+                format!("time_s,displacement_m,force_N\n{ROWS}"),
+                "x.csv: the direction of the coupon is not known",
+            ),
+            ("md-0.02.csv", format!("time_s,displacement_m,load_N\n{ROWS}"), "md-0.02.csv:1:1: no channel `force`"),
+            ("md-0.02.csv", format!("time_s,displacement_m,force_mm\n{ROWS}"), "md-0.02.csv: `force` is in mm"),
+            (
+                "md-0.02.csv",
+                format!("time_s,displacement_m,force\n{ROWS}"),
+                "md-0.02.csv: the unit of `force` is not known",
+            ),
+            (
+                "md-0.02.csv",
+                "time_s,displacement_m,force_N\n0,0,0\n1,1,\n".into(),
+                "md-0.02.csv: the force was not measured at 1 s",
+            ),
+            (
+                "md-0.02.csv",
+                "time_s,displacement_m,force_N\n0,0,0\n1,1,1\n".into(),
+                "md-0.02.csv: 1 samples between the strains",
+            ),
+        ] {
+            let error = read(name, &text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text:?} gave: {error}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Gaps of a reading, bridged by straight lines.
+
+use crate::experiment::Warning;
+use crate::signal::{Series, gap};
+use base::number::clean_time;
+
+/// A gap between two measured samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Gap {
+    /// Time of the last measured sample before it, s.
+    after: f64,
+    /// Time to the next measured sample, s.
+    duration: f64,
+}
+
+/// A reading without the gaps that were to be bridged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bridged {
+    /// On the times of the reading and, where rows were missing, on times at its usual step between them.
+    pub series: Series,
+    /// What was bridged.
+    pub warning: Option<Warning>,
+}
+
+/// Bridges gaps of `reading` that last `longest` s or less, and the samples within `masks` ([from, to], s) whatever
+/// their duration: of a gap beside a mask only the part outside the masks counts. Samples without value before the
+/// first measured one and after the last are left out.
+pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
+    let is_masked = |t: f64| masks.iter().any(|[from, to]| (*from..=*to).contains(&t));
+    let measured: Vec<[f64; 2]> = reading.samples().filter(|[t, value]| value.is_finite() && !is_masked(*t)).collect();
+    let step = gap::usual_step(reading.time());
+    let (mut time, mut values, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
+    for pair in measured.windows(2) {
+        let [[from, first], [to, last]] = [pair[0], pair[1]];
+        time.push(from);
+        values.push(first);
+        let between = between(reading.time(), [from, to], step);
+        let gap = Gap { after: from, duration: clean_time(to - from) };
+        if between.is_empty() {
+            continue;
+        }
+        let is_bridged = outside(&between, [from, to], masks) <= longest * (1.0 + 1e-9);
+        gaps.extend(is_bridged.then_some(gap));
+        let value = |t: f64| if is_bridged { first + (last - first) * (t - from) / (to - from) } else { f64::NAN };
+        values.extend(between.iter().map(|t| value(*t)));
+        time.extend(between);
+    }
+    time.extend(measured.last().map(|[t, _]| *t));
+    values.extend(measured.last().map(|[_, value]| *value));
+    let longest = gaps.iter().copied().max_by(|a, b| a.duration.total_cmp(&b.duration));
+    let warning = longest.map(|Gap { after, duration }| Warning::GapBridged { count: gaps.len(), after, duration });
+    Bridged { series: Series::new(time, values), warning }
+}
+
+/// Duration of what is missing outside `masks` between two neighbouring measured samples, s; `missing` are the times
+/// without value between them.
+fn outside(missing: &[f64], [from, to]: [f64; 2], masks: &[[f64; 2]]) -> f64 {
+    let mut masks: Vec<[f64; 2]> = masks.iter().copied().filter(|mask| mask[1] > from && mask[0] < to).collect();
+    masks.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    masks.push([to, to]);
+    let mut free = from;
+    let stretches = masks.into_iter().map(|[start, end]| {
+        let stretch = [free, start];
+        free = free.max(end);
+        stretch
+    });
+    let is_missing = |[start, end]: &[f64; 2]| missing.iter().any(|t| start < t && t < end);
+    stretches.filter(is_missing).map(|[start, end]| end - start).sum()
+}
+
+/// Duration of the longest gap of `reading`, s; none without a gap between measured samples.
+pub fn longest_gap(reading: &Series) -> Option<f64> {
+    let measured: Vec<f64> = reading.samples().filter(|[_, value]| value.is_finite()).map(|[t, _]| t).collect();
+    let step = gap::usual_step(reading.time());
+    let gaps = measured.windows(2).filter(|pair| !between(reading.time(), [pair[0], pair[1]], step).is_empty());
+    gaps.map(|pair| clean_time(pair[1] - pair[0])).max_by(f64::total_cmp)
+}
+
+/// Times between two neighbouring measured samples at which a value is missing: those of `time`, or in steps where rows
+/// are missing.
+fn between(time: &[f64], [from, to]: [f64; 2], step: f64) -> Vec<f64> {
+    let empty = &time[time.partition_point(|t| *t <= from)..time.partition_point(|t| *t < to)];
+    let ends = [&[from], empty, &[to]].concat();
+    let mut times = Vec::new();
+    for pair in ends.windows(2) {
+        let count = if gap::is_hole(pair[1] - pair[0], step) { ((pair[1] - pair[0]) / step).round() } else { 1.0 };
+        let inner = (1..count as usize).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / count);
+        times.extend(inner);
+        times.push(pair[1]);
+    }
+    times.pop();
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(time: &[f64]) -> Series {
+        Series::new(time, time.iter().map(|t| 2.0 * t).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn empty_samples_and_missing_rows_are_bridged_by_a_line() {
+        let whole = line(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let missing = line(&[0.0, 1.0, 2.0, 6.0]);
+        let steps = line(&[0.0, 1.0, 2.0, 3.0]);
+        let rows = line(&[0.0, 1.0, 2.0, 3.0, 4.0, 8.0, 9.0]);
+        let empty = whole.with_values(whole.samples().map(|[t, v]| if t == 2.0 { f64::NAN } else { v }).collect());
+        let spike = whole.with_values(whole.samples().map(|[t, v]| if t == 3.0 { 99.0 } else { v }).collect());
+        assert_eq!(bridged(&empty, 2.0, &[]).series, whole);
+        assert_eq!(
+            bridged(&empty, 2.0, &[]).warning,
+            Some(Warning::GapBridged { count: 1, after: 1.0, duration: 2.0 })
+        );
+        assert_eq!(bridged(&rows, 4.0, &[]).series, line(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]));
+        assert_eq!(bridged(&missing, 4.0, &[]).series, whole);
+        assert_eq!(bridged(&spike, 0.0, &[[2.5, 3.5]]).series, whole);
+        assert_eq!(bridged(&steps, 9.0, &[]), Bridged { series: steps, warning: None });
+    }
+
+    #[test]
+    fn a_mask_bridges_nothing_outside_itself() {
+        let none = f64::NAN;
+        let time: Vec<f64> = (0..12).map(f64::from).collect();
+        let beside = Series::new(time.clone(), vec![0., 1., 2., 99., none, none, none, none, none, 9., 10., 11.]);
+        let whole = line(&time).with_values(time.clone());
+        let is_bridged = |longest, masks: &[[f64; 2]]| bridged(&beside, longest, masks).series == whole;
+        assert!(!is_bridged(0.0, &[[2.5, 3.5]]) && !is_bridged(5.4, &[[2.5, 3.5]]));
+        assert!(is_bridged(5.5, &[[2.5, 3.5]]));
+        assert!(is_bridged(0.0, &[[2.5, 8.5]]) && is_bridged(0.0, &[[2.5, 5.0], [5.0, 8.5]]));
+        assert!(is_bridged(0.0, &[[5.5, 8.5], [2.5, 6.5]]) && is_bridged(2.0, &[[2.5, 4.5], [6.5, 8.5]]));
+        assert!(!is_bridged(1.9, &[[2.5, 4.5], [6.5, 8.5]]));
+        let rows = Series::new(vec![0.0, 1.0, 2.0, 3.0, 9.0, 10.0, 11.0], vec![0.0, 1.0, 2.0, 99.0, 9.0, 10.0, 11.0]);
+        assert!(gap::first(&bridged(&rows, 5.0, &[[2.5, 3.5]]).series).is_some());
+        assert_eq!(bridged(&rows, 5.5, &[[2.5, 3.5]]).series, whole);
+    }
+
+    #[test]
+    fn longer_gaps_stay() {
+        let empty = Series::new(vec![0.0, 1.0, 2.0, 3.0, 4.0], vec![0.0, 1.0, f64::NAN, f64::NAN, 4.0]);
+        assert_eq!(longest_gap(&empty), Some(3.0));
+        let Bridged { series, warning } = bridged(&empty, 2.9, &[]);
+        assert!(warning.is_none() && gap::first(&series).is_some());
+        assert_eq!(longest_gap(&line(&[0.0, 1.0, 2.0])), None);
+    }
+}

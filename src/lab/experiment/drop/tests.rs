@@ -1,0 +1,383 @@
+//! Drops whose figures are known, and recordings that are not of a drop.
+
+use super::*;
+use crate::experiment::Warning;
+use crate::experiment::absorption::{AbsorptionError, Body, energy_absorption};
+use crate::experiment::contact::SpeedSource;
+use crate::experiment::fall::Fall;
+use crate::experiment::sensor::{Accelerometer, Laser, Sensors, virtual_drop};
+use crate::signal::{Recording, Series, integrate};
+use base::finding::Report;
+
+const GRAVITY: f64 = 9.81;
+const BODY: Body = Body { mass: 10.72, gravity: GRAVITY };
+const TOWER: Tower = Tower { body: BODY, height: Height::Known(1.5) };
+const SPEED: f64 = 4.94;
+const SEEDS: u64 = 8;
+
+/// A film that hardens under load, F/M = 300 d + 9000 d² (SI), and unloads ten times as fast.
+fn impact() -> [Series; 2] {
+    let (substeps, step) = (100, 1e-6);
+    let loaded = |depth: f64| 300.0 * depth + 9000.0 * depth * depth;
+    let (mut place, mut velocity, mut deepest) = (0.0_f64, -SPEED, 0.0_f64);
+    let (mut time, mut accelerations, mut places) = (vec![], vec![], vec![]);
+    for i in 0..=1200 * substeps {
+        deepest = deepest.max(-place);
+        let force = (loaded(deepest) * (1.0 - 10.0 * (1.0 + place / deepest.max(1e-9)))).max(0.0);
+        let acceleration = force - GRAVITY;
+        if i % substeps == 0 {
+            time.push(f64::from(i) * step);
+            accelerations.push(acceleration);
+            places.push(place);
+        }
+        velocity += acceleration * step;
+        place += velocity * step;
+    }
+    [Series::new(time.as_slice(), accelerations), Series::new(time.as_slice(), places)]
+}
+
+/// The sensors' recording of that impact, contact time, and D of the true motion.
+fn recorded(sensors: &Sensors, seed: u64) -> (Recording, f64, f64) {
+    recorded_after(0.0, sensors, seed)
+}
+
+/// The same after a fall in which this share of the guide's friction at contact is proportional to the speed.
+fn recorded_after(speed_share: f64, sensors: &Sensors, seed: u64) -> (Recording, f64, f64) {
+    let [acceleration, displacement] = impact();
+    let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, release_duration: 0.032, speed_share };
+    let drop = virtual_drop(&acceleration, &displacement, &fall, sensors, seed).unwrap();
+    let velocity = integrate::once(&acceleration, -SPEED);
+    let absorption = energy_absorption(BODY, velocity.values(), displacement.values()).unwrap();
+    (drop.recording, drop.contact_time, absorption)
+}
+
+fn reading(recording: &Recording) -> Series {
+    recording.series("accelerometer_m_s2").unwrap()
+}
+
+fn reduced(recording: &Recording, reduction: &Reduction) -> Result<Drop, DropError> {
+    reduce(&reading(recording), recording.series("laser_m").as_ref(), &TOWER, reduction)
+}
+
+#[test]
+fn figures_are_found_with_and_without_laser() {
+    let deepest = impact()[1].smallest().unwrap()[1];
+    for laser in [Sensors::default().laser, None] {
+        for seed in 0..SEEDS {
+            let (recording, contact_time, absorption) = recorded(&Sensors { laser, ..Sensors::default() }, seed);
+            let drop = reduced(&recording, &Reduction::default()).unwrap();
+            let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
+            assert!((drop.contact.time - contact_time).abs() < 2e-4, "seed {seed}: {:?}", drop.contact);
+            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "seed {seed}: {:?}", drop.contact);
+            assert!((travel / deepest - 1.0).abs() < 0.01, "seed {seed}: {travel} for {deepest}");
+            let found = drop.energy_absorption.unwrap();
+            assert!((found - absorption).abs() < 0.01, "seed {seed}: {found} for {absorption}");
+        }
+    }
+}
+
+/// The guide's friction continues after contact, so that no step marks it, as with a soft film.
+#[test]
+fn without_a_step_at_contact_the_fall_still_gives_the_speed() {
+    let rubbing = GRAVITY - SPEED * SPEED / 3.0;
+    let [acceleration, _] = impact();
+    let acceleration = acceleration.with_values(acceleration.values().iter().map(|a| a + rubbing).collect());
+    let displacement = integrate::twice(&acceleration, -SPEED, 0.0);
+    let [_, deepest] = displacement.smallest().unwrap();
+    let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, release_duration: 0.032, speed_share: 0.0 };
+    let sensors = Sensors { laser: None, ..Sensors::default() };
+    for seed in 0..SEEDS {
+        let made = virtual_drop(&acceleration, &displacement, &fall, &sensors, seed).unwrap();
+        let drop = reduced(&made.recording, &Reduction::default()).unwrap();
+        let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
+        assert!((drop.contact.time - made.contact_time).abs() < 6e-4, "seed {seed}: {:?}", drop.contact);
+        assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "seed {seed}: {:?}", drop.contact);
+        assert!((travel / deepest - 1.0).abs() < 0.03, "seed {seed}: {travel} for {deepest}");
+    }
+}
+
+/// Sensors without noise and with fine steps.
+fn quiet() -> Sensors {
+    let accelerometer = Accelerometer { noise: 0.0, bits: 32, ..Accelerometer::default() };
+    Sensors { accelerometer, laser: Some(Laser { noise: 0.0, bits: 32, ..Laser::default() }), ..Sensors::default() }
+}
+
+/// As the guide's friction grows with the speed, the fall alone gives a time constant that is too short, without a sign
+/// of it at the laser; laser and height give the true one.
+#[test]
+fn friction_that_grows_with_the_speed_moves_the_time_constant_of_the_fall_alone() {
+    for (share, expected) in [(0.0, 0.150), (0.1 / 1.1, 0.147), (0.5, 0.132), (1.0, 0.112)] {
+        let (recording, contact_time, absorption) = recorded_after(share, &quiet(), 1);
+        let drop = reduced(&recording, &Reduction::default()).unwrap();
+        let constant = drop.warnings.iter().find_map(|warning| match warning {
+            Warning::GuideFrictionChanges { constant, .. } => Some(*constant),
+            _ => None,
+        });
+        let constant = constant.unwrap_or(0.15);
+        let fall =
+            Reduction { correction: Correction::Coupling { time_constant: Some(constant) }, ..Reduction::default() };
+        let of_fall = reduced(&recording, &fall).unwrap();
+        let missing = absorption - of_fall.energy_absorption.unwrap();
+        assert!((-1e-3..0.12).contains(&missing) && missing > 0.06 * share, "{share}: {missing}");
+        assert!((constant - expected).abs() < 1e-3, "{share}: {constant} for {expected}");
+        assert!((drop.time_constant.unwrap() / 0.15 - 1.0).abs() < 2e-3, "{share}: {:?}", drop.time_constant);
+        assert!((drop.contact.time - contact_time).abs() < 1e-4 && of_fall.contact.laser_residual.unwrap() < 2e-5);
+        assert!((drop.energy_absorption.unwrap() - absorption).abs() < 2e-3, "{share}: {:?}", drop.energy_absorption);
+    }
+}
+
+/// With noise, and with friction that is constant, half proportional to the speed, and all of it.
+#[test]
+fn the_interval_of_the_time_constant_holds_the_true_one() {
+    let mut held = 0;
+    for seed in 0..4 * SEEDS {
+        let share = [0.0, 0.5, 1.0][seed as usize % 3];
+        let (recording, _, absorption) = recorded_after(share, &Sensors::default(), seed);
+        let drop = reduced(&recording, &Reduction::default()).unwrap();
+        let Intervals { time_constant: [low, high], .. } = drop.intervals.unwrap();
+        assert!(high / low < 1.03, "seed {seed}: {low} to {high}");
+        held += usize::from(low < 0.15 && 0.15 < high);
+        let found = drop.energy_absorption.unwrap();
+        assert!((found - absorption).abs() < 0.01, "seed {seed}: {found} for {absorption}");
+        let figures = drop.figures();
+        let [low, high] = figures.energy_absorption_interval.unwrap();
+        assert!(low <= found && found <= high && high - low < 0.02, "seed {seed}: {low} to {high}");
+        assert!(figures.impact_velocity_interval_m_s.is_some() && figures.peak_displacement_interval_m.is_some());
+    }
+    assert!(held >= 28, "{held} of 32");
+}
+
+#[test]
+fn laser_height_and_fall_that_disagree_are_named() {
+    let (recording, ..) = recorded(&Sensors::default(), 3);
+    let (reading, laser) = (reading(&recording), recording.series("laser_m").unwrap());
+    let stretched = laser.with_values(laser.values().iter().map(|place| 1.05 * place).collect());
+    let low = Tower { height: Height::Known(1.4), ..TOWER };
+    for (laser, tower, expected) in [
+        (&laser, TOWER, None),
+        (&stretched, TOWER, Some("laser-speed-differs")),
+        (&laser, low, Some("drop-height-differs")),
+    ] {
+        let drop = reduce(&reading, Some(laser), &tower, &Reduction::default()).unwrap();
+        let found = drop.warnings.iter().map(|warning| warning.code().name).next();
+        assert_eq!(found, expected, "{:?}", drop.warnings);
+        assert!((drop.time_constant.unwrap() / 0.15 - 1.0).abs() < 0.02, "{:?}", drop.time_constant);
+    }
+}
+
+/// The friction of the fall, and the share of it that depends on the speed.
+#[test]
+fn the_friction_of_the_guide_is_that_of_the_fall() {
+    for share in [0.0, 0.5, 1.0] {
+        let (recording, ..) = recorded_after(share, &quiet(), 2);
+        let drop = reduced(&recording, &Reduction::default()).unwrap();
+        let friction = drop.guide_friction.unwrap();
+        let [release, contact] = [0.0, SPEED].map(|speed| friction.at(speed));
+        assert!((release / contact - (1.0 - share)).abs() < 0.03, "{share}: {friction:?}");
+        let mean = BODY.mass * (GRAVITY - 0.5 * SPEED * SPEED / 1.5);
+        assert!((friction.at(SPEED / 1.5) / mean - 1.0).abs() < 0.05, "{share}: {friction:?} for {mean}");
+        let [all, film] = [drop.energy_absorption, drop.film_absorption].map(|of| of.unwrap());
+        assert!(film < all && all - film < 0.05, "{film} {all}");
+    }
+}
+
+#[test]
+fn without_laser_and_height_a_known_speed_gives_the_contact() {
+    let tower = Tower { height: Height::OfSpeed(0.5 * SPEED * SPEED / GRAVITY), ..TOWER };
+    for seed in 0..SEEDS {
+        let (recording, contact_time, absorption) = recorded(&Sensors { laser: None, ..Sensors::default() }, seed);
+        let drop = reduce(&reading(&recording), None, &tower, &Reduction::default()).unwrap();
+        assert!((drop.contact.time - contact_time).abs() < 2e-4, "seed {seed}: {:?}", drop.contact);
+        assert!((drop.contact.velocity + SPEED).abs() < 1e-12 && drop.contact.speed_from == SpeedSource::Given);
+        assert!((drop.energy_absorption.unwrap() - absorption).abs() < 0.01, "seed {seed}");
+    }
+}
+
+/// What a laser holds, or writes, out of its range.
+#[test]
+fn constant_samples_of_a_laser_count_as_not_measured() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 5);
+    let laser = recording.series("laser_m").unwrap();
+    let mut last = 0.015;
+    let held = laser.with_values(
+        laser
+            .values()
+            .iter()
+            .map(|v| {
+                if v.is_finite() {
+                    last = *v;
+                }
+                last
+            })
+            .collect(),
+    );
+    let zero = laser.with_values(laser.values().iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect());
+    for laser in [held, zero] {
+        let drop = reduce(&reading(&recording), Some(&laser), &TOWER, &Reduction::default()).unwrap();
+        assert!((drop.contact.time - contact_time).abs() < 2e-4, "{:?}", drop.contact);
+        let held = |warning: &Warning| matches!(warning, Warning::LaserOutOfRange { .. });
+        assert!(drop.warnings.iter().any(held), "{:?}", drop.warnings);
+    }
+}
+
+#[test]
+fn doubtful_figures_have_warnings() {
+    let (recording, ..) = recorded(&Sensors::default(), 6);
+    let (reading, laser) = (reading(&recording), recording.series("laser_m").unwrap());
+    let noted = |reading: &Series, laser: &Series, reduction: Reduction| {
+        reduce(reading, Some(laser), &TOWER, &reduction).unwrap().figures().notes.join("; ")
+    };
+    assert_eq!(noted(&reading, &laser, Reduction::default()), "");
+    let changed = |f: &dyn Fn([f64; 2]) -> f64| reading.with_values(reading.samples().map(f).collect());
+    let short = Correction::Coupling { time_constant: Some(0.03) };
+    for (reading, reduction, expected) in [
+        (reading.clone(), Reduction { correction: short, ..Reduction::default() }, "is impossible"),
+        (changed(&|[_, v]| v.min(80.0)), Reduction::default(), "which may be the end of its range"),
+        (changed(&|[t, v]| v + 3.0 * t), Reduction::default(), "the reading at rest drifts by 3.0"),
+    ] {
+        let notes = noted(&reading, &laser, reduction);
+        assert!(notes.contains(expected), "{expected}: {notes}");
+    }
+    let mut hit = reduce(&reading, Some(&laser), &TOWER, &Reduction::default()).unwrap();
+    let filtered =
+        hit.signals.channels.iter_mut().find(|channel| channel.name == "acceleration_filtered_m_s2").unwrap();
+    *filtered.values.last_mut().unwrap() = 1e3;
+    let warnings = plausibility::warnings(&hit, &reading, 0.1);
+    assert!(matches!(warnings[0], Warning::LatePeak { .. }), "{warnings:?}");
+    let wavy = laser.with_values(laser.samples().map(|[t, v]| v + 0.0025 * (3000.0 * t).sin()).collect());
+    assert!(noted(&reading, &wavy, Reduction::default()).ends_with("mm apart"));
+    let turned = changed(&|[_, v]| -v);
+    let refused = reduce(&turned, Some(&laser), &TOWER, &Reduction::default()).unwrap_err().to_string();
+    assert!(refused.contains("the sign looks reversed"), "{refused}");
+}
+
+#[test]
+fn a_time_constant_that_is_known_is_used() {
+    let (recording, ..) = recorded(&Sensors::default(), 1);
+    let given = Correction::Coupling { time_constant: Some(0.15) };
+    let drop = reduced(&recording, &Reduction { correction: given, class: None, contact: None }).unwrap();
+    assert_eq!(drop.time_constant, Some(0.15));
+    let raw = drop.signals.channel("acceleration_m_s2");
+    assert_eq!(raw, drop.signals.channel("acceleration_filtered_m_s2"));
+}
+
+/// The ramp gives contact and travel, but not the shift of the sensor's zero in the impact, which is smaller with a
+/// longer time constant.
+#[test]
+fn the_ramp_gives_travel_but_errs_in_absorption_by_the_time_constant() {
+    let deepest = impact()[1].smallest().unwrap()[1];
+    let error = |time_constant| {
+        let accelerometer = Accelerometer { time_constant, ..Accelerometer::default() };
+        let (recording, contact_time, absorption) = recorded(&Sensors { accelerometer, ..Sensors::default() }, 3);
+        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0), contact: None };
+        let drop = reduced(&recording, &ramp).unwrap();
+        assert!((drop.contact.time - contact_time).abs() < 2e-4, "{:?}", drop.contact);
+        assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "{:?}", drop.contact);
+        let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
+        assert!((travel / deepest - 1.0).abs() < 0.02, "{travel} for {deepest}");
+        (drop.energy_absorption.unwrap() - absorption).abs()
+    };
+    let errors = [0.15, 0.3, 0.6].map(error);
+    assert!(errors[0] > errors[1] && errors[1] > errors[2], "{errors:?}");
+    assert!(errors[0] > 0.03, "{errors:?}");
+}
+
+/// The magnet's force falls to zero over 32 ms as a parabola; AC-coupled, the reading has its minimum at τ ln(1 + T/τ)
+/// already, and the ramp is fitted to the reading.
+#[test]
+fn the_ramp_lasts_as_long_as_the_reading_falls() {
+    let quiet = Accelerometer { noise: 0.0, bits: 32, ..Accelerometer::default() };
+    for time_constant in [0.15, 0.3, 1.0, 20.0] {
+        let accelerometer = Accelerometer { time_constant, ..quiet };
+        let (recording, ..) = recorded(&Sensors { accelerometer, ..Sensors::default() }, 3);
+        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0), contact: None };
+        let found = reduced(&recording, &ramp).unwrap().ramp.unwrap().duration;
+        let falls = time_constant * (0.032 / time_constant).ln_1p();
+        assert!((found - falls).abs() < 1e-3, "{found} for {falls} with {time_constant}");
+    }
+}
+
+/// The work of the motion's own acceleration is exact, so that all of the drift is due to the filter.
+#[test]
+fn the_total_energy_drifts_by_the_work_that_the_filter_removes() {
+    let (recording, ..) = recorded(&Sensors::default(), 6);
+    let drift = |class| {
+        let correction = Correction::Coupling { time_constant: None };
+        reduced(&recording, &Reduction { correction, class, contact: None }).unwrap().total_energy_drift
+    };
+    let [none, cfc_1000, cfc_60] = [None, Some(1000.0), Some(60.0)].map(drift);
+    assert!(none < 1e-10 && none < cfc_1000 && 10.0 * cfc_1000 < cfc_60, "{none} {cfc_1000} {cfc_60}");
+}
+
+#[test]
+fn a_nearly_repeated_time_changes_little() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
+    let reading = reading(&recording);
+    let mut samples: Vec<[f64; 2]> = reading.samples().collect();
+    let [time, value] = samples[1000];
+    samples.insert(1001, [time + 1e-13, value]);
+    let twice = Series::new(
+        samples.iter().map(|[t, _]| *t).collect::<Vec<_>>(),
+        samples.iter().map(|[_, v]| *v).collect::<Vec<_>>(),
+    );
+    let drop = reduce(&twice, recording.series("laser_m").as_ref(), &TOWER, &Reduction::default()).unwrap();
+    assert!((drop.contact.time - contact_time).abs() < 2e-4);
+}
+
+#[test]
+fn uneven_samples_are_brought_to_even_ones() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
+    let reading = reading(&recording);
+    let kept = |index: &usize| index % 7 != 3 || *index < 2000;
+    let at: Vec<usize> = (0..reading.len()).filter(kept).collect();
+    let uneven = Series::new(
+        at.iter().map(|i| reading.time()[*i]).collect::<Vec<_>>(),
+        at.iter().map(|i| reading.values()[*i]).collect::<Vec<_>>(),
+    );
+    let laser = recording.series("laser_m").unwrap();
+    let drop = reduce(&uneven, Some(&laser), &TOWER, &Reduction::default()).unwrap();
+    assert!((drop.contact.time - contact_time).abs() < 2e-4);
+}
+
+#[test]
+fn a_recording_that_ends_before_the_rebound_has_a_warning_and_no_absorption() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 4);
+    let short = |name: &str| recording.series(name).unwrap().window([0.0, contact_time + 0.04]);
+    let drop = reduce(&short("accelerometer_m_s2"), Some(&short("laser_m")), &TOWER, &Reduction::default()).unwrap();
+    assert_eq!(drop.energy_absorption, None);
+    let reason = AbsorptionError::NoUnloading;
+    assert_eq!(drop.warnings, [Warning::NoEnergyAbsorption { reason }]);
+}
+
+#[test]
+fn what_cannot_be_reduced_is_refused_by_channel() {
+    let (recording, contact_time, _) = recorded(&Sensors { laser: None, ..Sensors::default() }, 5);
+    let reading = reading(&recording);
+    let default = Reduction::default();
+    let refusal = |series: &Series, tower: &Tower, reduction: &Reduction| {
+        reduce(series, None, tower, reduction).unwrap_err().to_string()
+    };
+    let ramp = Reduction { correction: Correction::Ramp, ..default };
+    let too_fast = Tower { height: Height::OfSpeed(1.3), ..TOWER };
+    let weightless = Tower { body: Body { mass: 0.0, ..BODY }, ..TOWER };
+    let gap = reading.with_values(reading.samples().map(|[t, v]| if t == 0.3 { f64::NAN } else { v }).collect());
+    let slow = Series::new(
+        reading.time().iter().step_by(10).copied().collect::<Vec<_>>(),
+        reading.values().iter().step_by(10).copied().collect::<Vec<_>>(),
+    );
+    for (found, expected) in [
+        (refusal(&reading, &weightless, &default), "the mass is 0, but must be positive"),
+        (refusal(&gap, &TOWER, &default), "acceleration: nothing was measured at 0.3 s"),
+        (refusal(&reading, &TOWER, &ramp), "the gravity ramp needs a laser"),
+        (refusal(&reading, &too_fast, &default), "acceleration: integrated from rest it does not reach 5.05"),
+        (
+            refusal(&slow, &TOWER, &default),
+            "acceleration: CFC 1000 needs at least 10000 samples a second, found 1000.0",
+        ),
+        (refusal(&reading.window([0.0, contact_time]), &TOWER, &default), "acceleration: there is no contact"),
+        (refusal(&reading.window([0.0, 0.0]), &TOWER, &default), "acceleration: a series of 1 samples"),
+        (refusal(&reading.window([0.3, 1.0]), &TOWER, &default), "acceleration: there is no release"),
+    ] {
+        assert!(found.starts_with(expected), "{found}");
+    }
+}

@@ -1,0 +1,192 @@
+//! Measured nominal stresses over stretches.
+
+use thiserror::Error;
+
+use super::test_kind::TestKind;
+use membrane::material::Tension;
+
+/// The measured stresses of one test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DataSet {
+    /// What figures and legends call it: the name of its file.
+    pub name: String,
+    /// Stretches and stresses.
+    pub measured: Measured,
+    /// Its weight in a fit: the factor of its squared residuals.
+    pub weight: f64,
+    /// Whether its file marks it as virtual.
+    pub is_virtual: bool,
+}
+
+/// Stretches and nominal stresses (Pa).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measured {
+    /// Stretch and stress along the tension.
+    Tension(Tension, Vec<[f64; 2]>),
+    /// Both principal stretches and both stresses.
+    Biaxial(Vec<BiaxialPoint>),
+}
+
+/// Principal stretches in the plane and nominal stresses (Pa) along them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BiaxialPoint {
+    /// λ₁ and λ₂.
+    pub stretches: [f64; 2],
+    /// P₁ and P₂, Pa.
+    pub stresses: [f64; 2],
+}
+
+/// Why measured numbers are no test.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DataError {
+    /// There are too few rows.
+    #[error("{found} measured points: a test has two at least")]
+    TooFew {
+        /// Number of rows.
+        found: usize,
+    },
+    /// A number is not finite.
+    #[error("row {row} has no number for stretch or stress")]
+    NotFinite {
+        /// Row, counted from one.
+        row: usize,
+    },
+    /// A stretch is not positive.
+    #[error("the stretch {stretch} of row {row} is not above zero")]
+    Stretch {
+        /// As measured.
+        stretch: f64,
+        /// Row, counted from one.
+        row: usize,
+    },
+    /// All stretches are one.
+    #[error("no stretch differs from 1")]
+    AtRest,
+    /// All stresses are zero.
+    #[error("no stress differs from 0")]
+    NoStress,
+    /// All stresses are equal: they have no scatter that a law could explain (R²).
+    #[error("all stresses are {stress} Pa: a test shows how stress changes with stretch")]
+    EqualStresses {
+        /// Pa.
+        stress: f64,
+    },
+    /// The weight is negative.
+    #[error("expected a weight that is zero or above, found {0}")]
+    Weight(f64),
+}
+
+impl DataSet {
+    /// The test `name` with the weight 1.
+    ///
+    /// # Errors
+    /// Fewer than two points, numbers that are not finite, a stretch that is not positive, nothing but rest, or stresses
+    /// that are all equal.
+    pub fn new(name: impl Into<String>, measured: Measured) -> Result<DataSet, DataError> {
+        measured.check()?;
+        Ok(DataSet { name: name.into(), measured, weight: 1.0, is_virtual: false })
+    }
+
+    /// The same with another weight.
+    ///
+    /// # Errors
+    /// A weight below zero or not finite.
+    pub fn with_weight(self, weight: f64) -> Result<DataSet, DataError> {
+        if weight.is_finite() && weight >= 0.0 {
+            Ok(DataSet { weight, ..self })
+        } else {
+            Err(DataError::Weight(weight))
+        }
+    }
+
+    /// The kind of its test.
+    pub fn kind(&self) -> TestKind {
+        match self.measured {
+            Measured::Tension(tension, _) => TestKind::Tension(tension),
+            Measured::Biaxial(_) => TestKind::Biaxial,
+        }
+    }
+}
+
+impl Measured {
+    /// All stresses, Pa: one a point, of biaxial tension P₁ and P₂ of each.
+    pub fn stresses(&self) -> Vec<f64> {
+        match self {
+            Measured::Tension(_, points) => points.iter().map(|point| point[1]).collect(),
+            Measured::Biaxial(points) => points.iter().flat_map(|point| point.stresses).collect(),
+        }
+    }
+
+    /// The stretch that belongs to each of the [stresses](Measured::stresses).
+    pub fn stretches(&self) -> Vec<f64> {
+        match self {
+            Measured::Tension(_, points) => points.iter().map(|point| point[0]).collect(),
+            Measured::Biaxial(points) => points.iter().flat_map(|point| point.stretches).collect(),
+        }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        match self {
+            Measured::Tension(_, points) => points.len(),
+            Measured::Biaxial(points) => points.len(),
+        }
+    }
+
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn check(&self) -> Result<(), DataError> {
+        if self.len() < 2 {
+            return Err(DataError::TooFew { found: self.len() });
+        }
+        let (stretches, stresses) = (self.stretches(), self.stresses());
+        let a_point = stresses.len() / self.len();
+        for (place, (stretch, stress)) in stretches.iter().zip(&stresses).enumerate() {
+            let row = place / a_point + 1;
+            if !(stretch.is_finite() && stress.is_finite()) {
+                return Err(DataError::NotFinite { row });
+            }
+            if *stretch <= 0.0 {
+                return Err(DataError::Stretch { stretch: *stretch, row });
+            }
+        }
+        if stretches.iter().all(|stretch| *stretch == 1.0) {
+            return Err(DataError::AtRest);
+        }
+        if stresses.iter().any(|stress| *stress != stresses[0]) {
+            return Ok(());
+        }
+        Err(if stresses[0] == 0.0 { DataError::NoStress } else { DataError::EqualStresses { stress: stresses[0] } })
+    }
+}
+
+/// Smallest and largest stretch of all `sets`.
+pub fn range(sets: &[DataSet]) -> [f64; 2] {
+    let all = sets.iter().flat_map(|set| set.measured.stretches());
+    all.fold([f64::INFINITY, 0.0], |[low, high], stretch| [low.min(stretch), high.max(stretch)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tests_that_show_nothing_are_refused() {
+        let uniaxial = |points: &[[f64; 2]]| Measured::Tension(Tension::Uniaxial, points.to_vec());
+        let biaxial = |stresses: [f64; 2]| BiaxialPoint { stretches: [1.2, 1.3], stresses };
+        for (measured, expected) in [
+            (uniaxial(&[[1.1, 2e5]]), "1 measured points"),
+            (uniaxial(&[[1.0, 1e5], [1.0, 2e5]]), "no stretch differs from 1"),
+            (uniaxial(&[[1.1, 0.0], [1.2, 0.0]]), "no stress differs from 0"),
+            (uniaxial(&[[1.1, 2e5], [1.2, 2e5]]), "all stresses are 200000 Pa"),
+            (Measured::Biaxial(vec![biaxial([3e5; 2]); 2]), "all stresses are 300000 Pa"),
+        ] {
+            let error = DataSet::new("test", measured).expect_err(expected).to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+        assert!(DataSet::new("test", Measured::Biaxial(vec![biaxial([3e5, 2e5]); 2])).is_ok());
+    }
+}

@@ -1,0 +1,91 @@
+//! Which energy is fitted.
+
+use std::fmt;
+
+use membrane::material::Ogden;
+
+/// An energy of rubber-like film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Energy {
+    /// `mu`.
+    NeoHookean,
+    /// `young`, `poisson`.
+    CompressibleNeoHookean,
+    /// `c10`, `c01`.
+    MooneyRivlin,
+    /// `c10`, `c20`, `c30`.
+    Yeoh,
+    /// `mu`, `jm`.
+    Gent,
+    /// `mu` and `alpha` of as many terms.
+    Ogden {
+        /// Number of terms, 1 to [`Ogden::TERMS`].
+        terms: usize,
+    },
+}
+
+impl Energy {
+    /// The words of all energies.
+    pub const WORDS: &'static str =
+        "neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent or ogden:N with 1 to 6 terms";
+
+    /// The energy of a word; `ogden` alone has three terms.
+    pub fn named(word: &str) -> Option<Energy> {
+        Some(match word {
+            "neo-hookean" => Energy::NeoHookean,
+            "compressible-neo-hookean" => Energy::CompressibleNeoHookean,
+            "mooney-rivlin" => Energy::MooneyRivlin,
+            "yeoh" => Energy::Yeoh,
+            "gent" => Energy::Gent,
+            "ogden" => Energy::Ogden { terms: 3 },
+            other => {
+                let terms = other.strip_prefix("ogden:")?.parse().ok()?;
+                (1..=Ogden::TERMS).contains(&terms).then_some(Energy::Ogden { terms })?
+            }
+        })
+    }
+
+    /// Its name in a material file.
+    pub fn law(self) -> &'static str {
+        match self {
+            Energy::NeoHookean => "neo-hookean",
+            Energy::CompressibleNeoHookean => "compressible-neo-hookean",
+            Energy::MooneyRivlin => "mooney-rivlin",
+            Energy::Yeoh => "yeoh",
+            Energy::Gent => "gent",
+            Energy::Ogden { .. } => "ogden",
+        }
+    }
+}
+
+impl Energy {
+    /// Names of the coefficients; those of Ogden's law up to `most`, a modulus and an exponent a term.
+    pub fn names(self, most: usize) -> Vec<String> {
+        let fixed: &[&str] = match self {
+            Energy::NeoHookean => &["mu"],
+            Energy::CompressibleNeoHookean => &["young", "poisson"],
+            Energy::MooneyRivlin => &["c10", "c01"],
+            Energy::Yeoh => &["c10", "c20", "c30"],
+            Energy::Gent => &["mu", "jm"],
+            Energy::Ogden { terms } => {
+                let names = (1..=terms).flat_map(|term| [format!("mu_{term}"), format!("alpha_{term}")]);
+                return names.take(most).collect();
+            }
+        };
+        fixed.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    /// Whether the coefficient of this name is in Pa.
+    pub(in crate::experiment::law_fit) fn is_modulus(name: &str) -> bool {
+        !(name == "jm" || name == "poisson" || name.starts_with("alpha"))
+    }
+}
+
+impl fmt::Display for Energy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Energy::Ogden { terms } => write!(f, "ogden:{terms}"),
+            other => f.write_str(other.law()),
+        }
+    }
+}

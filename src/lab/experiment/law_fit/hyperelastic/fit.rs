@@ -1,0 +1,160 @@
+//! The fit of an energy: the best minimum that is stable.
+
+use super::Energy;
+use super::separable::{Separable, Sign};
+use super::stresses::{curve, stresses};
+use crate::experiment::descent::descend;
+use crate::experiment::law_fit::intervals::intervals;
+use crate::experiment::law_fit::{
+    Coefficient, DataSet, FitError, FitOptions, LawChoice, LawFit, Measured, Quality, TestFit, TestKind, Warning, range,
+};
+use membrane::material::{HyperelasticLaw, Law, Tension};
+
+/// Starts that are searched of those with the least residuals.
+const SEARCHED: usize = 8;
+
+/// Share by which residuals must be smaller to be called so.
+const SMALLER: f64 = 1e-3;
+
+/// How stable a law is, the best first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stability {
+    /// In all kinds of tension up to the stretch that is asked for, and in all states that were measured.
+    InRange,
+    /// In all states that were measured.
+    WhereMeasured,
+    /// Not even there, but there is a stiffness at rest.
+    AtRest,
+    /// Not even at rest.
+    Nowhere,
+}
+
+/// A minimum of the residuals.
+struct Minimum {
+    coefficients: Vec<f64>,
+    law: HyperelasticLaw,
+    /// |r|²
+    squares: f64,
+    stability: Stability,
+}
+
+/// Fits `energy` to the `sets`.
+pub(in crate::experiment::law_fit) fn fit(
+    energy: Energy,
+    sets: &[DataSet],
+    predicted: &[DataSet],
+    options: &FitOptions,
+) -> Result<LawFit, FitError> {
+    let factors = options.weighting.factors(sets);
+    let (samples, unknowns) = (factors.iter().filter(|factor| **factor > 0.0).count(), energy.names(usize::MAX).len());
+    if samples <= unknowns {
+        return Err(FitError::TooFew { samples, unknowns });
+    }
+    let problem = Separable::new(energy, sets, factors);
+    let stable_to = options.stable_to.unwrap_or_else(|| range(sets)[1].max(1.0));
+    let minima = minima(&problem, sets, stable_to);
+    let lowest = minima.iter().map(|minimum| minimum.squares).fold(f64::INFINITY, f64::min);
+    let best =
+        minima.iter().min_by(|a, b| (a.stability, a.squares).partial_cmp(&(b.stability, b.squares)).expect("finite"));
+    let best = best.ok_or(FitError::NoValue)?;
+    if best.stability == Stability::Nowhere {
+        return Err(FitError::NoStiffness);
+    }
+    let mut warnings = stability_warnings(best, lowest, stable_to);
+    let kinds: Vec<TestKind> = sets.iter().filter(|set| set.weight > 0.0).map(DataSet::kind).collect();
+    if kinds.iter().all(|kind| *kind == TestKind::Tension(Tension::Uniaxial)) {
+        warnings.push(Warning::UniaxialOnly);
+    }
+    let names = energy.names(best.coefficients.len());
+    if names.len() < unknowns {
+        warnings.push(Warning::TermsLeftOut { asked: unknowns / 2, left: names.len() / 2 });
+    }
+    let on_bound = names.iter().zip(&best.coefficients).filter(|(name, value)| problem.is_on_bound(name, **value));
+    warnings.extend(on_bound.map(|(name, value)| Warning::OnBound { coefficient: name.clone(), value: *value }));
+    let residuals = |x: &[f64]| problem.residuals(&energy.of_coefficients(x)).as_slice().to_vec();
+    let confidence = intervals(&names, &best.coefficients, sets, &residuals);
+    let confidence = confidence.map_err(|error| warnings.push(Warning::NoIntervals { why: error.to_string() })).ok();
+    let test = |set: &DataSet| {
+        let found = stresses(&best.law, &set.measured);
+        let curve = match set.measured {
+            Measured::Tension(tension, _) => curve(&best.law, tension, range(std::slice::from_ref(set))),
+            Measured::Biaxial(_) => vec![],
+        };
+        TestFit { set: set.clone(), quality: Quality::of(&set.measured, &found), predicted: found, curve }
+    };
+    Ok(LawFit {
+        choice: match energy {
+            Energy::Ogden { .. } => LawChoice::Hyperelastic(Energy::Ogden { terms: names.len() / 2 }),
+            other => LawChoice::Hyperelastic(other),
+        },
+        coefficients: Coefficient::all(names, &best.coefficients, Energy::is_modulus, confidence.as_ref()),
+        law: Law::Hyperelastic(best.law.clone()),
+        tests: sets.iter().map(test).collect(),
+        predictions: predicted.iter().map(test).collect(),
+        weighting: options.weighting,
+        stable_to,
+        unstable_from: best.law.instability(),
+        confidence,
+        warnings,
+    })
+}
+
+/// What is to be said of the stability of the best minimum.
+fn stability_warnings(best: &Minimum, lowest: f64, stable_to: f64) -> Vec<Warning> {
+    let unstable = best.law.instability_up_to(stable_to);
+    match (best.stability, unstable) {
+        (Stability::InRange, _) if best.squares > (1.0 + SMALLER) * lowest => {
+            vec![Warning::UnstableRejected { stable: best.squares.sqrt(), unstable: lowest.sqrt(), stable_to }]
+        }
+        (Stability::InRange, _) => vec![],
+        (_, Some((tension, stretch))) => vec![Warning::UnstableInRange { tension, stretch, stable_to }],
+        (_, None) => vec![Warning::UnstableWhereMeasured],
+    }
+}
+
+/// The minima from the best starts, with moduli of either sign and with none that is negative.
+fn minima(problem: &Separable<'_>, sets: &[DataSet], stable_to: f64) -> Vec<Minimum> {
+    let of_sign = |sign: Sign| {
+        let squares = |u: &[f64]| {
+            let solved = problem.solve(&problem.shape(u), sign)?;
+            Some(solved.residuals.norm_squared()).filter(|squares| squares.is_finite())
+        };
+        let mut starts: Vec<(f64, Vec<f64>)> =
+            problem.starts().into_iter().filter_map(|u| Some((squares(&u)?, u))).collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        starts.truncate(SEARCHED);
+        starts.into_iter().filter_map(move |(_, start)| minimum(problem, start, sign, sets, stable_to))
+    };
+    [Sign::Free, Sign::NotNegative].into_iter().flat_map(of_sign).collect()
+}
+
+fn minimum(problem: &Separable<'_>, start: Vec<f64>, sign: Sign, sets: &[DataSet], stable_to: f64) -> Option<Minimum> {
+    let residuals = |u: &[f64]| match problem.solve(&problem.shape(u), sign) {
+        Some(solved) => solved.residuals.as_slice().to_vec(),
+        None => vec![f64::NAN; sets.iter().map(|set| set.measured.stresses().len()).sum()],
+    };
+    let u = if start.is_empty() { start } else { descend(start, &residuals).unknowns };
+    let shape = problem.shape(&u);
+    let solved = problem.solve(&shape, sign)?;
+    let squares = solved.residuals.norm_squared();
+    let coefficients = problem.energy.coefficients(&solved.moduli, &shape);
+    if coefficients.is_empty() || !squares.is_finite() || problem.is_cancelled(&solved.moduli) {
+        return None;
+    }
+    let law = problem.energy.of_coefficients(&coefficients);
+    let stability = stability(&law, sets, stable_to);
+    Some(Minimum { coefficients, law, squares, stability })
+}
+
+fn stability(law: &HyperelasticLaw, sets: &[DataSet], stable_to: f64) -> Stability {
+    if !law.is_stable_at([1.0, 1.0]) {
+        return Stability::Nowhere;
+    }
+    let where_measured =
+        sets.iter().flat_map(|set| set.measured.states(law)).all(|stretches| law.is_stable_at(stretches));
+    match (where_measured, law.instability_up_to(stable_to)) {
+        (false, _) => Stability::AtRest,
+        (true, Some(_)) => Stability::WhereMeasured,
+        (true, None) => Stability::InRange,
+    }
+}

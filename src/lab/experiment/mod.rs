@@ -1,0 +1,20 @@
+//! The reduction of laboratory recordings: coupons and drops; fits of laws; virtual sensors.
+
+pub mod absorption;
+pub mod contact;
+pub mod coupling;
+pub mod coupon;
+mod descent;
+pub mod drop;
+pub mod fall;
+mod fit;
+pub mod law_fit;
+pub mod material_file;
+mod nonnegative;
+pub mod ramp;
+pub mod relaxation;
+pub mod release;
+pub mod sensor;
+mod warning;
+
+pub use warning::{CODES, Warning};

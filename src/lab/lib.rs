@@ -1,0 +1,6 @@
+//! The laboratory: recordings as signals, their reduction to curves, figures and laws, and how well these are known.
+#![warn(missing_docs)]
+
+pub mod signal;
+pub mod confidence;
+pub mod experiment;

@@ -1,0 +1,109 @@
+//! What a file states beside its numbers, and what its reading reports.
+
+use super::Warning;
+use base::finding::Finding;
+
+/// The comments of a file and the warnings of its reading.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Annotations {
+    comments: Vec<String>,
+    virtual_mark: Option<String>,
+    /// What was assumed while the file was read, and what puts it in doubt.
+    pub warnings: Vec<Warning>,
+}
+
+impl Annotations {
+    /// Of a file with these comments in its header.
+    pub fn new(comments: Vec<String>) -> Annotations {
+        let virtual_mark = virtual_mark(&comments).cloned();
+        Annotations { comments, virtual_mark, warnings: Vec::new() }
+    }
+
+    /// What the file itself states: its comments, and lines before its numbers. They hold as long as the numbers do.
+    pub fn comments(&self) -> &[String] {
+        &self.comments
+    }
+
+    /// The comment that states the channel frequency class with which the channel called `name` was filtered, for
+    /// tables, which have no other place for it.
+    pub fn filter_comment(name: &str, class: f64) -> String {
+        format!("filtered before: {name} with CFC {class}")
+    }
+
+    /// The channel frequency class that such a comment states.
+    pub fn filter_class(&self, name: &str) -> Option<f64> {
+        let stated = |comment: &String| {
+            let (channel, class) = comment.strip_prefix("filtered before: ")?.rsplit_once(" with CFC ")?;
+            class.parse::<f64>().ok().filter(|class| channel == name && class.is_finite() && *class > 0.0)
+        };
+        self.comments.iter().find_map(stated)
+    }
+
+    /// The comment that states the long name of the channel with the code `name`, for tables, whose columns have codes
+    /// alone.
+    pub fn name_comment(name: &str, long: &str) -> String {
+        format!("long name of {name}: {long}")
+    }
+
+    /// The long name that such a comment states.
+    pub fn long_name(&self, name: &str) -> Option<&str> {
+        self.comments.iter().find_map(|comment| {
+            let long = comment.strip_prefix("long name of ")?.strip_prefix(name)?.strip_prefix(": ")?;
+            (!long.is_empty()).then_some(long)
+        })
+    }
+
+    /// The comments without the mark of a virtual recording, which is a finding.
+    pub fn free_comments(&self) -> impl Iterator<Item = &String> {
+        self.comments.iter().filter(|comment| Some(*comment) != self.virtual_mark.as_ref())
+    }
+
+    /// The comment that marks the recording as virtual: computed, not measured.
+    pub fn virtual_mark(&self) -> Option<&str> {
+        self.virtual_mark.as_deref()
+    }
+
+    /// Whether the file marks its recording as virtual.
+    pub fn is_virtual(&self) -> bool {
+        self.virtual_mark.is_some()
+    }
+
+    /// Comments and warnings as texts.
+    pub fn notes(&self) -> Vec<String> {
+        self.comments.iter().cloned().chain(self.warnings.iter().map(Warning::to_string)).collect()
+    }
+
+    /// The warnings as findings, the mark of a virtual recording first.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mark = self.virtual_mark.clone().map(|comment| Warning::VirtualRecording { comment });
+        mark.iter().chain(&self.warnings).map(Finding::new).collect()
+    }
+}
+
+/// The first of a file's header comments that holds the word `virtual`, which marks what it describes as not measured.
+fn virtual_mark(comments: &[String]) -> Option<&String> {
+    let is_mark = |word: &str| word.eq_ignore_ascii_case("virtual");
+    let has_mark = |comment: &&String| comment.split(|letter: char| !letter.is_alphanumeric()).any(is_mark);
+    comments.iter().find(has_mark)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comment_marks_a_virtual_recording() {
+        let marked = Annotations::new(vec!["a".into(), "VIRTUAL recording: nothing was pulled".into()]);
+        assert_eq!(marked.virtual_mark(), Some("VIRTUAL recording: nothing was pulled"));
+        assert!(!Annotations::new(vec!["virtually nothing was pulled".into()]).is_virtual());
+    }
+
+    #[test]
+    fn findings_are_the_mark_and_the_warnings() {
+        let mut annotations = Annotations::new(vec!["virtual".into()]);
+        annotations.warnings.push(Warning::TimeUnitAssumed { channel: "t".into() });
+        assert_eq!(annotations.notes(), ["virtual", "time (`t`) has no unit; seconds are assumed"]);
+        let codes: Vec<String> = annotations.findings().into_iter().map(|finding| finding.code).collect();
+        assert_eq!(codes, ["virtual-recording", "time-unit-assumed"]);
+    }
+}

@@ -1,0 +1,135 @@
+//! The name and the unit of a column, as its header states them.
+
+use base::units::Unit;
+
+/// Name of the time axis in tables that droptower writes.
+pub const TIME: &str = "time_s";
+
+/// The name of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnName {
+    /// Without the unit.
+    pub name: String,
+    /// As it was written.
+    pub label: String,
+    pub unit: Option<Unit>,
+    /// What stands where a unit stands and is none that is known.
+    pub unknown_unit: Option<String>,
+}
+
+impl ColumnName {
+    /// Reads `accel [g]`, `accel (g)`, `accel in g`, `accel / g`, `accel_g` or a name without unit.
+    pub fn read(label: &str) -> ColumnName {
+        let label = label.trim();
+        bracketed(label, ['[', ']'])
+            .or_else(|| bracketed(label, ['(', ')']))
+            .or_else(|| worded(label))
+            .or_else(|| divided(label))
+            .or_else(|| Unit::of_name(label).map(|(name, unit)| known(label, name, unit)))
+            .unwrap_or_else(|| plain(label))
+    }
+}
+
+fn plain(label: &str) -> ColumnName {
+    ColumnName { name: label.into(), label: label.into(), unit: None, unknown_unit: None }
+}
+
+fn known(label: &str, name: &str, unit: Unit) -> ColumnName {
+    ColumnName { name: name.trim().into(), unit: Some(unit), ..plain(label) }
+}
+
+/// `accel [g]`; round brackets may hold anything else, and a number in them counts.
+fn bracketed(label: &str, [open, close]: [char; 2]) -> Option<ColumnName> {
+    let (name, symbol) = label.strip_suffix(close)?.rsplit_once(open)?;
+    let counts = open == '(' && symbol.chars().all(|letter| letter.is_ascii_digit());
+    if name.trim().is_empty() || counts {
+        return None;
+    }
+    Some(match Unit::parse(symbol) {
+        Ok(unit) => known(label, name, unit),
+        Err(_) if open == '(' => return None,
+        Err(_) => ColumnName { name: name.trim().into(), unknown_unit: Some(symbol.into()), ..plain(label) },
+    })
+}
+
+/// `Zeit in ms`, `accel in g`: the same word in English, German, and other languages.
+fn worded(label: &str) -> Option<ColumnName> {
+    let (name, symbol) = label.rsplit_once(" in ")?;
+    Unit::parse(symbol.trim()).ok().filter(|_| !name.trim().is_empty()).map(|unit| known(label, name, unit))
+}
+
+/// `a / m/s2`: the unit is the longest that stands behind a stroke.
+fn divided(label: &str) -> Option<ColumnName> {
+    label.match_indices('/').find_map(|(place, _)| {
+        let name = label[..place].trim();
+        let unit = Unit::parse(&label[place + 1..]).ok()?;
+        (!name.is_empty()).then(|| known(label, name, unit))
+    })
+}
+
+/// The units of a line below the header; none where the line holds something else.
+pub fn units_of_line<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Vec<UnitCell>> {
+    let units: Option<Vec<UnitCell>> = cells.map(unit_cell).collect();
+    units.filter(|units| units.iter().any(|unit| matches!(unit, UnitCell::Known(_))))
+}
+
+/// A cell of a line of units.
+#[derive(Clone, Debug, PartialEq)]
+pub enum UnitCell {
+    Empty,
+    Known(Unit),
+    /// In brackets, and none that is known.
+    Unknown(String),
+}
+
+fn unit_cell(text: &str) -> Option<UnitCell> {
+    let inner = |open, close| text.strip_prefix(open)?.strip_suffix(close);
+    let bracketed = inner('[', ']').or_else(|| inner('(', ')'));
+    match Unit::parse(bracketed.unwrap_or(text)) {
+        _ if text.is_empty() => Some(UnitCell::Empty),
+        Ok(unit) => Some(UnitCell::Known(unit)),
+        Err(_) => bracketed.map(|symbol| UnitCell::Unknown(symbol.into())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_their_units() {
+        for (label, name, unit) in [
+            ("accel [g]", "accel", Some("g")),
+            ("accel (m/s^2)", "accel", Some("m/s^2")),
+            ("Kraft / N", "Kraft", Some("N")),
+            ("a / m/s2", "a", Some("m/s2")),
+            ("F/N", "F", Some("N")),
+            ("Zeit in ms", "Zeit", Some("ms")),
+            ("Beschleunigung in g", "Beschleunigung", Some("g")),
+            ("Kraft in N/mm", "Kraft", Some("N/mm")),
+            ("Kraft [N]", "Kraft", Some("N")),
+            ("load in cell", "load in cell", None),
+            ("velocity_m_s", "velocity", Some("m_s")),
+            ("strain [-]", "strain", Some("-")),
+            ("accel (1)", "accel (1)", None),
+            ("accel (left)", "accel (left)", None),
+            ("left/right", "left/right", None),
+            ("[g]", "[g]", None),
+            ("accel 1", "accel 1", None),
+        ] {
+            let found = ColumnName::read(label);
+            assert_eq!(found.name, name);
+            assert_eq!(found.label, label);
+            let expected = unit.map(|symbol| Unit::parse(&symbol.replace('_', "/")).unwrap());
+            assert_eq!(found.unit, expected, "{label}");
+        }
+        assert_eq!(ColumnName::read("temperature [°C]").unknown_unit.as_deref(), Some("°C"));
+    }
+
+    #[test]
+    fn a_line_of_units_holds_nothing_else() {
+        assert!(units_of_line(["s", "[g]", "", "[°C]"].into_iter()).is_some());
+        assert!(units_of_line(["time", "g"].into_iter()).is_none());
+        assert!(units_of_line(["", ""].into_iter()).is_none());
+    }
+}

@@ -1,0 +1,183 @@
+//! The cells of a line, and the numbers in them.
+
+use std::borrow::Cow;
+
+use super::fault::{Fault, Mistake};
+use crate::signal::channel_fault::ChannelFault;
+use crate::signal::text::Line;
+use base::units::Unit;
+
+/// What stands between the cells of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Separator {
+    Semicolon,
+    Tab,
+    Comma,
+    /// Any number of blanks, also before the first cell.
+    Blanks,
+}
+
+/// One cell of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell<'a> {
+    /// Without the blanks and the quotes around it.
+    pub text: &'a str,
+    /// Bytes of the line before it.
+    pub offset: usize,
+}
+
+impl Separator {
+    /// All of them; what is tried first is the least likely to stand within a cell.
+    pub const ALL: [Separator; 4] = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Blanks];
+
+    /// The cells of `line`.
+    pub fn cells(self, line: &str) -> Cells<'_> {
+        Cells { separator: self, line, at: Some(0) }
+    }
+
+    fn matches(self, letter: char) -> bool {
+        match self {
+            Separator::Semicolon => letter == ';',
+            Separator::Tab => letter == '\t',
+            Separator::Comma => letter == ',',
+            Separator::Blanks => letter == ' ' || letter == '\t',
+        }
+    }
+}
+
+/// The cells of a line from the first to the last.
+#[derive(Clone)]
+pub struct Cells<'a> {
+    separator: Separator,
+    line: &'a str,
+    /// Where the next cell starts; none after the last.
+    at: Option<usize>,
+}
+
+impl<'a> Iterator for Cells<'a> {
+    type Item = Cell<'a>;
+
+    fn next(&mut self) -> Option<Cell<'a>> {
+        let start = self.at?;
+        let rest = &self.line[start..];
+        let trimmed = rest.trim_start_matches(|letter: char| letter.is_whitespace() && !self.is_tab(letter));
+        let offset = start + rest.len() - trimmed.len();
+        if self.separator == Separator::Blanks && trimmed.is_empty() {
+            self.at = None;
+            return None;
+        }
+        let quoted = trimmed.strip_prefix('"').and_then(|inner| inner.find('"')).map_or(0, |close| close + 2);
+        let end = trimmed[quoted..].find(|letter| self.separator.matches(letter)).map(|end| quoted + end);
+        self.at = end.map(|end| offset + end + 1);
+        let text = trimmed[..end.unwrap_or(trimmed.len())].trim();
+        Some(Cell { text: unquoted(text), offset })
+    }
+}
+
+impl Cells<'_> {
+    /// Whether the letter separates cells although it is a blank.
+    fn is_tab(&self, letter: char) -> bool {
+        self.separator == Separator::Tab && letter == '\t'
+    }
+}
+
+fn unquoted(text: &str) -> &str {
+    text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).map_or(text, str::trim)
+}
+
+/// How the numbers of a file are written; decided by the first number that is unambiguous.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    Unknown,
+    Point,
+    Comma,
+}
+
+impl Mark {
+    /// Before any number was read: a comma that separates cells is no decimal mark.
+    pub fn between(separator: Separator) -> Mark {
+        if separator == Separator::Comma { Mark::Point } else { Mark::Unknown }
+    }
+
+    /// The number in `text`, which is not empty; `name` is the column's, for the error.
+    pub fn number(&mut self, text: &str, name: &str) -> Result<f64, Fault> {
+        let name = || name.to_owned();
+        let written = self.with_point(text).ok_or_else(|| Fault::MixedMarks { name: name(), found: shown(text) })?;
+        match written.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(ChannelFault::NotFinite { name: name() }.into()),
+            Err(_) if carries_unit(text) => Err(Fault::UnitInCell { name: name(), found: shown(text) }),
+            Err(_) => Err(ChannelFault::NotANumber { name: name(), found: shown(text) }.into()),
+        }
+    }
+
+    /// The number with a decimal point; none where it has the other mark than the numbers before it.
+    fn with_point<'a>(&mut self, text: &'a str) -> Option<Cow<'a, str>> {
+        let mark = match (text.contains('.'), text.contains(',')) {
+            (false, false) | (true, true) => return Some(Cow::Borrowed(text)),
+            (true, false) => Mark::Point,
+            (false, true) => Mark::Comma,
+        };
+        if *self == Mark::Unknown {
+            *self = mark;
+        }
+        let written = if mark == Mark::Comma { Cow::Owned(text.replacen(',', ".", 1)) } else { Cow::Borrowed(text) };
+        (*self == mark || written.parse::<f64>().is_err()).then_some(written)
+    }
+}
+
+/// Whether the cell is a number with a unit behind it.
+fn carries_unit(text: &str) -> bool {
+    let unit = text.trim_start_matches(|letter: char| letter.is_ascii_digit() || "+-.,".contains(letter));
+    unit.len() < text.len() && Unit::parse(unit).is_ok()
+}
+
+/// As much of a cell as an error shows.
+fn shown(text: &str) -> String {
+    text.chars().take(40).collect()
+}
+
+/// A mistake in the cell at `place` of a line.
+pub(super) fn at_cell(line: &Line, separator: Separator, place: usize, fault: Fault) -> Mistake {
+    let offset = separator.cells(&line.text).nth(place).map_or(0, |cell| cell.offset);
+    Mistake { line: line.number, column: line.text[..offset].chars().count() + 1, fault }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_have_their_offset_in_the_line() {
+        for (separator, line, expected) in [
+            (Separator::Comma, "0, 1 ,,2", &[("0", 0), ("1", 3), ("", 6), ("2", 7)][..]),
+            (Separator::Semicolon, "0,5;\"a;b\";", &[("0,5", 0), ("a;b", 4), ("", 10)]),
+            (Separator::Tab, "0\t\t 1", &[("0", 0), ("", 2), ("1", 4)]),
+            (Separator::Blanks, "   0.5  1\t2 ", &[("0.5", 3), ("1", 8), ("2", 10)]),
+            (Separator::Comma, "\"a", &[("\"a", 0)]),
+            (Separator::Comma, "", &[("", 0)]),
+            (Separator::Blanks, " ", &[]),
+        ] {
+            let found: Vec<(&str, usize)> = separator.cells(line).map(|cell| (cell.text, cell.offset)).collect();
+            assert_eq!(found, expected, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn a_file_has_one_decimal_mark() {
+        let mut mark = Mark::Unknown;
+        assert_eq!(mark.number("7", "a").unwrap(), 7.0);
+        assert_eq!(mark.number("-1,5e3", "a").unwrap(), -1500.0);
+        assert!(matches!(mark.number("1.5", "a"), Err(Fault::MixedMarks { .. })));
+        assert!(matches!(Mark::Point.number("1,5", "a"), Err(Fault::MixedMarks { .. })));
+        assert!(matches!(Mark::Unknown.number("1.234,5", "a"), Err(Fault::Channel(ChannelFault::NotANumber { .. }))));
+    }
+
+    #[test]
+    fn faults_of_numbers_are_distinguished() {
+        assert!(matches!(Mark::Unknown.number("5.2 g", "a"), Err(Fault::UnitInCell { .. })));
+        assert!(matches!(Mark::Unknown.number("3mm", "a"), Err(Fault::UnitInCell { .. })));
+        assert!(matches!(Mark::Unknown.number("x7", "a"), Err(Fault::Channel(ChannelFault::NotANumber { .. }))));
+        assert!(matches!(Mark::Unknown.number("-inf", "a"), Err(Fault::Channel(ChannelFault::NotFinite { .. }))));
+    }
+}

@@ -1,0 +1,289 @@
+//! The layout of a table: separator, names, units and time, detected from the lines before its numbers and the first
+//! row.
+
+use std::collections::{HashSet, VecDeque};
+use std::io::BufRead;
+
+use super::cell::{Cell, Mark, Separator, at_cell};
+use super::fault::{Fault, Mistake};
+use crate::signal::channel_fault::ChannelFault;
+use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
+use crate::signal::text::{Line, Lines};
+use crate::signal::{Annotations, ReadOptions, Warning, measurement};
+use base::units::{Time, Unit};
+
+/// Most lines before the first number.
+const LONGEST_HEAD: usize = 200;
+
+/// Names of the column that holds the time, in lower case; `t` is time only so, since `T` is a temperature.
+const TIMES: [&str; 6] = ["time", "zeit", "temps", "tiempo", "tempo", "tid"];
+
+/// A table whose rows are still to be read.
+pub struct Layout {
+    pub separator: Separator,
+    pub columns: Vec<ColumnName>,
+    /// Where the names stand; none where the file has no header or the caller gave them.
+    pub header: Option<Line<'static>>,
+    /// Rows that were read to detect the layout.
+    pub rows: VecDeque<Line<'static>>,
+    pub annotations: Annotations,
+}
+
+impl Layout {
+    /// Reads `lines` up to the first row of numbers.
+    pub fn read(lines: &mut Lines<impl BufRead>, options: &ReadOptions) -> Result<Layout, Mistake> {
+        let Head { mut lines, first, mut comments } = Head::read(lines)?;
+        let separator = separator(&first.text);
+        let mut rows = VecDeque::from([first]);
+        let has_names = lines.len() > 1 || !options.names.is_empty();
+        if let Some(row) = lines.pop_if(|line| has_names && is_row(line, separator)) {
+            rows.push_front(row);
+        }
+        if !options.names.is_empty() {
+            comments.extend(lines.iter().map(|line| quoted(line, "not used, since names are given")));
+            let columns = options.names.iter().map(|name| ColumnName::read(name)).collect();
+            let annotations = Annotations::new(comments);
+            return Layout { separator, columns, header: None, rows, annotations }.checked(options);
+        }
+        let units = take_units(&mut lines, separator);
+        let header = lines.pop();
+        comments.extend(lines.iter().map(|line| quoted(line, "before the header")));
+        let mut annotations = Annotations::new(comments);
+        let columns = match &header {
+            Some(header) => trimmed(separator.cells(&header.text)).map(|cell| ColumnName::read(cell.text)).collect(),
+            None => numbered(separator, &rows[0], &mut annotations),
+        };
+        let mut layout = Layout { separator, columns, header, rows, annotations };
+        if let Some((line, units)) = units {
+            layout.add_units(&line, units)?;
+        }
+        layout.checked(options)
+    }
+
+    /// The place of the column that holds the time.
+    pub fn time(&self, options: &ReadOptions) -> Result<usize, Mistake> {
+        let names = || self.columns.iter().map(|column| column.label.clone()).collect();
+        if let Some(name) = &options.time {
+            return self.find(name);
+        }
+        if self.header.is_none() && options.names.is_empty() {
+            return Ok(0);
+        }
+        let is_time = |column: &ColumnName| column.name == "t" || TIMES.contains(&column.name.to_lowercase().as_str());
+        let places: Vec<usize> = (0..self.columns.len()).filter(|place| is_time(&self.columns[*place])).collect();
+        match places[..] {
+            [place] => Ok(place),
+            [] => Err(self.at_header(Fault::NoTime { found: names() })),
+            _ => Err(self.at_header(Fault::SeveralTimes { found: names() })),
+        }
+    }
+
+    /// The unit of the time column; seconds where the file states none.
+    pub fn time_unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
+        let column = &self.columns[place];
+        if let Some(symbol) = &column.unknown_unit {
+            return Err(self.wrong_time_unit(place, symbol));
+        }
+        match self.given_unit(place, options, None)? {
+            Some(unit) if unit.measures(Time::DIMENSION) => Ok(Some(unit)),
+            Some(unit) => Err(self.wrong_time_unit(place, unit.symbol())),
+            None => {
+                let channel = column.label.clone();
+                self.annotations.warnings.push(Warning::TimeUnitAssumed { channel });
+                Ok(None)
+            }
+        }
+    }
+
+    fn wrong_time_unit(&self, place: usize, unit: &str) -> Mistake {
+        self.at_column(place, ChannelFault::TimeUnit { name: self.columns[place].name.clone(), unit: unit.to_owned() })
+    }
+
+    /// The unit of a column from the file or the caller; both where they agree. A warning where it is not known.
+    pub fn unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
+        let unit = self.given_unit(place, options, options.unit.as_ref())?;
+        let ColumnName { label, unknown_unit, .. } = &self.columns[place];
+        if let (None, Some(symbol)) = (&unit, unknown_unit) {
+            let warning = Warning::UnknownUnit { channel: label.clone(), unit: symbol.clone() };
+            self.annotations.warnings.push(warning);
+        }
+        Ok(unit)
+    }
+
+    fn given_unit(&self, place: usize, options: &ReadOptions, other: Option<&Unit>) -> Result<Option<Unit>, Mistake> {
+        let column = &self.columns[place];
+        let named = options.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
+        match (&column.unit, named.map(|(_, unit)| unit).or(other)) {
+            (Some(file), Some(given)) if file != given => {
+                let [file, given] = [file, given].map(|unit| unit.symbol().to_owned());
+                Err(self.at_column(place, ChannelFault::GivenUnit { name: column.name.clone(), file, given }))
+            }
+            (file, given) => Ok(file.as_ref().or(given).cloned()),
+        }
+    }
+
+    /// The place of the column called `name`.
+    pub fn find(&self, name: &str) -> Result<usize, Mistake> {
+        let names = self.columns.iter().map(|column| (column.name.as_str(), column.label.as_str()));
+        let found = measurement::find(name, names);
+        found.map_err(|error| self.at_header(ChannelFault::Name(error)))
+    }
+
+    /// A mistake in the header.
+    pub fn at_header(&self, fault: impl Into<Fault>) -> Mistake {
+        Mistake { line: self.header.as_ref().map_or(0, |line| line.number), column: 1, fault: fault.into() }
+    }
+
+    /// A mistake in the header of a column.
+    fn at_column(&self, place: usize, fault: impl Into<Fault>) -> Mistake {
+        match &self.header {
+            Some(line) => at_cell(line, self.separator, place, fault.into()),
+            None => self.at_header(fault),
+        }
+    }
+
+    /// Adds the units of a line below the names.
+    fn add_units(&mut self, line: &Line, units: Vec<UnitCell>) -> Result<(), Mistake> {
+        for (place, unit) in units.into_iter().enumerate() {
+            let column = &mut self.columns[place];
+            match (unit, &column.unit) {
+                (UnitCell::Known(row), Some(header)) if *header != row => {
+                    let [header, row] = [header, &row].map(|unit| unit.symbol().to_owned());
+                    let fault = Fault::MixedUnits { name: column.name.clone(), header, row };
+                    return Err(at_cell(line, self.separator, place, fault));
+                }
+                (UnitCell::Known(row), None) => column.unit = Some(row),
+                (UnitCell::Unknown(symbol), None) => column.unknown_unit = Some(symbol),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The layout, once its names are those of the first row's columns, and the given units those of names.
+    fn checked(self, options: &ReadOptions) -> Result<Layout, Mistake> {
+        let cells = trimmed_to(self.separator.cells(&self.rows[0].text), self.columns.len()).count();
+        if cells != self.columns.len() {
+            let names = self.columns.iter().map(|column| column.label.clone()).collect();
+            let place = self.header.as_ref().unwrap_or(&self.rows[0]);
+            return Err(Mistake {
+                line: place.number,
+                column: 1,
+                fault: Fault::NamesAndColumns { names, columns: cells },
+            });
+        }
+        let mut labels = HashSet::new();
+        for (place, column) in self.columns.iter().enumerate() {
+            if column.label.is_empty() {
+                return Err(self.at_column(place, Fault::Unnamed { column: place + 1 }));
+            }
+            if !labels.insert(column.label.as_str()) {
+                return Err(self.at_column(place, Fault::Duplicate { name: column.label.clone() }));
+            }
+        }
+        options.units.iter().try_for_each(|(name, _)| self.find(name).map(|_| ()))?;
+        Ok(self)
+    }
+}
+
+/// The lines before the first row.
+struct Head {
+    lines: Vec<Line<'static>>,
+    first: Line<'static>,
+    comments: Vec<String>,
+}
+
+impl Head {
+    fn read(source: &mut Lines<impl BufRead>) -> Result<Head, Mistake> {
+        let (mut lines, mut comments) = (Vec::new(), Vec::new());
+        while let Some(line) = source.line()? {
+            if let Some(comment) = line.text.trim_start().strip_prefix('#') {
+                comments.push(comment.trim().to_owned());
+            } else if starts_with_number(&line.text) {
+                return Ok(Head { lines, first: line.into_owned(), comments });
+            } else if !line.text.trim().is_empty() {
+                lines.push(line.into_owned());
+            }
+            if lines.len() + comments.len() > LONGEST_HEAD {
+                return Err(Mistake { line: 1, column: 1, fault: Fault::NoNumbers { lines: LONGEST_HEAD } });
+            }
+        }
+        Err(match lines.last() {
+            Some(last) => Mistake { line: last.number, column: 1, fault: Fault::NoRows },
+            None => Mistake::whole(Fault::Empty),
+        })
+    }
+}
+
+/// Whether the first cell that is not empty starts a row: whatever separates the cells, it is a number.
+fn starts_with_number(line: &str) -> bool {
+    let filler = |letter: char| letter.is_whitespace() || ";,\"".contains(letter);
+    let first = line.trim_start_matches(filler).split(filler).next().unwrap_or_default();
+    first.parse::<f64>().is_ok()
+}
+
+/// The separator with which all cells of a row are numbers, or else the first that stands in it.
+fn separator(row: &str) -> Separator {
+    let reads = |separator: &Separator| {
+        let mut mark = Mark::between(*separator);
+        let mut cells = trimmed(separator.cells(row));
+        cells.all(|cell| cell.text.is_empty() || mark.number(cell.text, "").is_ok())
+    };
+    let splits = |separator: &Separator| trimmed(separator.cells(row)).nth(1).is_some();
+    let mut candidates = Separator::ALL.into_iter().filter(splits);
+    let whole = candidates.clone().find(reads);
+    whole.or_else(|| candidates.next()).unwrap_or(Separator::Comma)
+}
+
+/// Whether the last line before the numbers is a row with a mistake in its first cell.
+fn is_row(line: &Line, separator: Separator) -> bool {
+    let mut mark = Mark::between(separator);
+    let cells: Vec<Cell> = trimmed(separator.cells(&line.text)).collect();
+    let numbers = cells.iter().filter(|cell| !cell.text.is_empty() && mark.number(cell.text, "").is_ok()).count();
+    numbers > 0 && 2 * numbers >= cells.len() && units_of_line(cells.iter().map(|cell| cell.text)).is_none()
+}
+
+/// Takes the last line if it holds the units of the one above it.
+fn take_units(lines: &mut Vec<Line<'static>>, separator: Separator) -> Option<(Line<'static>, Vec<UnitCell>)> {
+    let [.., header, last] = &lines[..] else {
+        return None;
+    };
+    let count = trimmed(separator.cells(&header.text)).count();
+    let units = units_of_line(trimmed_to(separator.cells(&last.text), count).map(|cell| cell.text))?;
+    if units.len() != count {
+        return None;
+    }
+    lines.pop().map(|line| (line, units))
+}
+
+/// Names for the columns of a file that has none.
+fn numbered(separator: Separator, row: &Line, annotations: &mut Annotations) -> Vec<ColumnName> {
+    let columns = trimmed(separator.cells(&row.text)).count();
+    let columns: Vec<String> = (1..=columns).map(|place| format!("column {place}")).collect();
+    let name = |name: &String| ColumnName { label: name.clone(), name: name.clone(), unit: None, unknown_unit: None };
+    let names = columns.iter().map(name).collect();
+    annotations.warnings.push(Warning::NoHeader { columns });
+    names
+}
+
+/// A line that is no header, as a comment.
+fn quoted(line: &Line, what: &str) -> String {
+    format!("line {} ({what}): {}", line.number, line.text.trim())
+}
+
+/// The cells without an empty one at the end: a separator that ends a line separates nothing.
+fn trimmed<'a>(cells: impl Iterator<Item = Cell<'a>> + Clone) -> impl Iterator<Item = Cell<'a>> + Clone {
+    let all = cells.clone().count();
+    let ends_empty = cells.clone().last().is_some_and(|cell| cell.text.is_empty());
+    cells.take(all - usize::from(ends_empty))
+}
+
+/// The cells without an empty one behind the expected `count`.
+pub fn trimmed_to<'a>(
+    cells: impl Iterator<Item = Cell<'a>> + Clone,
+    count: usize,
+) -> impl Iterator<Item = Cell<'a>> + Clone {
+    let all = cells.clone().count();
+    let surplus = all == count + 1 && cells.clone().last().is_some_and(|cell| cell.text.is_empty());
+    cells.take(all - usize::from(surplus))
+}

@@ -1,0 +1,290 @@
+//! The rows of a table, read one by one; only the wanted columns are held.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::sync::Arc;
+
+use super::cell::{Mark, at_cell};
+use super::fault::{Fault, Mistake, ReadError};
+use super::layout::{Layout, trimmed_to};
+use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
+use crate::signal::text::{self, Line, Lines};
+use crate::signal::{
+    Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Recording, Series, Warning,
+};
+use base::units::Unit;
+
+/// A column of a table, which need not have a time axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Without the unit.
+    pub name: String,
+    /// As the file writes it.
+    pub label: String,
+    /// That of the file, or the one that the caller gave.
+    pub unit: Option<Unit>,
+    /// SI where the unit is known, as written where it is not; `NaN` where nothing was measured.
+    pub values: Vec<f64>,
+}
+
+/// Columns of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// In the order of the file, or in the order in which they were asked for.
+    pub columns: Vec<Column>,
+    /// Comments of the file, and what its reading reports.
+    pub annotations: Annotations,
+}
+
+impl Table {
+    /// The columns as channels over the sample number, in place of a time.
+    pub fn over_samples(self) -> Measurement {
+        let rows = self.columns.first().map_or(0, |column| column.values.len());
+        let number: Arc<[f64]> = (0..rows).map(|row| row as f64).collect();
+        let channel = |Column { name, label, unit, values }: Column| {
+            let series = Series::new(Arc::clone(&number), values);
+            MeasuredChannel { name, label, unit, filtered: None, series }
+        };
+        let channels = self.columns.into_iter().map(channel).collect();
+        Measurement { channels, annotations: self.annotations }
+    }
+}
+
+/// Reads the columns of the table at `path` for which no time is needed, e.g. stress over strain.
+///
+/// Holds one line and the wanted columns: 8 bytes a value.
+///
+/// # Errors
+/// Every mistake of [`Fault`] except those of time.
+pub fn columns(path: &Path, options: &ReadOptions) -> Result<Table, ReadError> {
+    with_lines(path, |lines| {
+        let mut layout = Layout::read(lines, options)?;
+        let places = selected(&layout, options, None)?;
+        let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
+        let values = Rows::new(&layout, &places, None).read(&mut layout, lines)?;
+        let columns = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
+            let column = &layout.columns[*place];
+            let values = in_si(values, unit.as_ref());
+            Column { name: column.name.clone(), label: column.label.clone(), unit, values }
+        });
+        Ok(Table { columns: columns.collect(), annotations: layout.annotations })
+    })
+}
+
+/// Reads the channels of the table at `path` over its column of time.
+///
+/// Holds one line, the time and the wanted columns: 8 bytes a value.
+pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError> {
+    with_lines(path, |lines| {
+        let mut layout = Layout::read(lines, options)?;
+        let time = layout.time(options)?;
+        let time_unit = layout.time_unit(time, options)?;
+        let places = selected(&layout, options, Some(time))?;
+        let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
+        let wanted: Vec<usize> = std::iter::once(time).chain(places.iter().copied()).collect();
+        let mut values = Rows::new(&layout, &wanted, Some(time)).read(&mut layout, lines)?.into_iter();
+        let time: Arc<[f64]> = in_si(values.next().unwrap_or_default(), time_unit.as_ref()).into();
+        let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
+            let column = &layout.columns[*place];
+            let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
+            let filtered = layout.annotations.filter_class(&column.name);
+            MeasuredChannel { name: column.name.clone(), label: column.label.clone(), unit, filtered, series }
+        });
+        Ok(Measurement { channels: channels.collect(), annotations: layout.annotations })
+    })
+}
+
+/// Reads the table at `path` as a recording: all its channels, called by the names of the file where they are in the SI
+/// unit, and by their name with the SI unit where they were not.
+pub fn read(path: &Path) -> Result<Recording, ReadError> {
+    measure(path, &ReadOptions::default()).map(|measurement| measurement.recording().unwrap_or_default())
+}
+
+/// Opens the file and adds its path to every mistake.
+fn with_lines<T>(
+    path: &Path,
+    read: impl FnOnce(&mut Lines<BufReader<File>>) -> Result<T, Mistake>,
+) -> Result<T, ReadError> {
+    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|mistake| mistake.of(path))
+}
+
+/// Places of the wanted columns; the time is none of them unless it is asked for by name.
+fn selected(layout: &Layout, options: &ReadOptions, time: Option<usize>) -> Result<Vec<usize>, Mistake> {
+    let all: Vec<usize> = (0..layout.columns.len()).filter(|place| Some(*place) != time).collect();
+    let names = || all.iter().map(|place| layout.columns[*place].label.clone()).collect();
+    match &options.channels {
+        _ if all.is_empty() => Err(layout.at_header(Fault::NoChannel)),
+        ChannelSelection::All => Ok(all),
+        ChannelSelection::Named(names) => names.iter().map(|name| layout.find(name)).collect(),
+        ChannelSelection::Only if all.len() == 1 => Ok(all),
+        ChannelSelection::Only => Err(layout.at_header(ChannelFault::NotOne { found: names() })),
+    }
+}
+
+fn in_si(mut values: Vec<f64>, unit: Option<&Unit>) -> Vec<f64> {
+    if let Some(unit) = unit.filter(|unit| !unit.is_si()) {
+        values.iter_mut().for_each(|value| *value = unit.to_si(*value));
+    }
+    values
+}
+
+/// The columns while they are being read.
+struct Rows {
+    /// For every column of the file the places of its values; none where they are not stored.
+    slots: Vec<Vec<usize>>,
+    values: Vec<Vec<f64>>,
+    /// Place of the time among the columns of the file, where time is needed.
+    time: Option<usize>,
+    latest: f64,
+    mark: Mark,
+}
+
+impl Rows {
+    fn new(layout: &Layout, wanted: &[usize], time: Option<usize>) -> Rows {
+        let mut slots = vec![Vec::new(); layout.columns.len()];
+        wanted.iter().enumerate().for_each(|(slot, place)| slots[*place].push(slot));
+        Rows {
+            slots,
+            values: vec![Vec::new(); wanted.len()],
+            time,
+            latest: f64::NEG_INFINITY,
+            mark: Mark::between(layout.separator),
+        }
+    }
+
+    fn read(mut self, layout: &mut Layout, lines: &mut Lines<impl BufRead>) -> Result<Vec<Vec<f64>>, Mistake> {
+        while let Some(line) = layout.rows.pop_front() {
+            self.push(&line, layout)?;
+        }
+        let [mut comments, mut blanks, mut ending] = [Passed::default(); 3];
+        while let Some(line) = lines.line()? {
+            let text = line.text.trim_start();
+            if text.starts_with('#') {
+                comments.join(Passed { first: line.number, count: 1 });
+            } else if text.is_empty() {
+                ending.join(Passed { first: line.number, count: 1 });
+            } else {
+                blanks.join(std::mem::take(&mut ending));
+                self.push(&line, layout)?;
+            }
+        }
+        let warnings = &mut layout.annotations.warnings;
+        warnings.extend(comments.any().map(|[count, first]| Warning::SkippedComments { count, first }));
+        warnings.extend(blanks.any().map(|[count, first]| Warning::SkippedBlanks { count, first }));
+        Ok(self.values)
+    }
+
+    fn push(&mut self, line: &Line, layout: &Layout) -> Result<(), Mistake> {
+        self.check_end(line, layout)?;
+        let mut found = 0;
+        for (place, cell) in layout.separator.cells(&line.text).enumerate() {
+            found += 1;
+            let Some(slots) = self.slots.get(place).filter(|slots| !slots.is_empty()) else { continue };
+            let at = |fault| at_cell(line, layout.separator, place, fault);
+            let name = &layout.columns[place].name;
+            let value = match cell.text {
+                "" => f64::NAN,
+                text => self.mark.number(text, name).map_err(at)?,
+            };
+            if self.time == Some(place) {
+                self.latest = later(value, self.latest).map_err(at)?;
+            }
+            for slot in slots {
+                self.values[*slot].push(value);
+            }
+        }
+        let expected = self.slots.len();
+        if found != expected && trimmed_to(layout.separator.cells(&line.text), expected).count() != expected {
+            return Err(Mistake { line: line.number, column: 1, fault: Fault::RowLength { expected, found } });
+        }
+        let rows = self.values.first().map_or(0, Vec::len);
+        if rows * self.values.len() > MOST_VALUES {
+            return Err(Mistake { line: line.number, column: 1, fault: Fault::TooLarge });
+        }
+        Ok(())
+    }
+
+    /// A last line without end and with too few cells was cut off, within its last cell or before the next: what is
+    /// wrong with its numbers follows from that.
+    fn check_end(&self, line: &Line, layout: &Layout) -> Result<(), Mistake> {
+        let expected = self.slots.len();
+        if line.ended {
+            return Ok(());
+        }
+        let found = layout.separator.cells(&line.text).count();
+        let fault = || Fault::Truncated { expected, found };
+        if found < expected { Err(Mistake { line: line.number, column: 1, fault: fault() }) } else { Ok(()) }
+    }
+}
+
+/// Comments or blank lines among the rows.
+#[derive(Clone, Copy, Default)]
+struct Passed {
+    first: usize,
+    count: usize,
+}
+
+impl Passed {
+    fn join(&mut self, later: Passed) {
+        if self.count == 0 {
+            self.first = later.first;
+        }
+        self.count += later.count;
+    }
+
+    /// Their number and the first, where there is one.
+    fn any(self) -> Option<[usize; 2]> {
+        (self.count > 0).then_some([self.count, self.first])
+    }
+}
+
+/// `time`, if it comes after `previous`.
+fn later(time: f64, previous: f64) -> Result<f64, Fault> {
+    if time.is_nan() {
+        return Err(Fault::NoTimeValue);
+    }
+    if time > previous { Ok(time) } else { Err(ChannelFault::TimeNotIncreasing { time, previous }.into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_and_blank_lines_among_rows_have_a_warning() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.csv");
+        for (text, expected) in [
+            ("time_s,a\n0,1\n1,2\n\n\n", &[][..]),
+            ("time_s,a\n0,1\n\n\n1,2\n\n3,4\n\n", &["are blank are left out: 3, the first is line 3"]),
+            ("time_s,a\n0,1\n#1,2\n2,3\n# end\n", &["start with `#` are left out: 2, the first is line 3"]),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let notes = measure(&path, &ReadOptions::default()).unwrap().annotations.notes();
+            assert_eq!(notes.len(), expected.len(), "{notes:?}");
+            assert!(notes.iter().zip(expected).all(|(note, expected)| note.ends_with(expected)), "{notes:?}");
+        }
+    }
+
+    /// A cost quadratic in the columns would take minutes.
+    #[test]
+    fn the_cost_of_many_columns_is_linear() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wide.csv");
+        let header: String = (0..60_000).map(|place| format!(",a{place}")).collect();
+        std::fs::write(&path, format!("t{header}\n0{}\n", ",1".repeat(60_000))).unwrap();
+        assert_eq!(measure(&path, &ReadOptions::default()).unwrap().channels.len(), 60_000);
+    }
+
+    /// Memory is bounded: only the wanted columns are stored.
+    #[test]
+    fn only_wanted_columns_are_stored() {
+        let text = "time,a,b,c\n0,1,2,3\n1,2,3,4\n";
+        let mut lines = Lines::new(text.as_bytes());
+        let mut layout = Layout::read(&mut lines, &ReadOptions::default()).unwrap();
+        let rows = Rows::new(&layout, &[0, 2], Some(0));
+        assert_eq!(rows.slots, [vec![0], vec![], vec![1], vec![]]);
+        assert_eq!(rows.read(&mut layout, &mut lines).unwrap(), [[0.0, 1.0], [2.0, 3.0]]);
+    }
+}

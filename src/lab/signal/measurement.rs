@@ -1,0 +1,315 @@
+//! The content of a file: channels with their units, each over its own time axis.
+
+use std::collections::{HashMap, HashSet};
+
+use thiserror::Error;
+
+use super::channel_code::ChannelCode;
+use super::column_name::{ColumnName, TIME};
+use super::{Annotations, Channel, Recording, Series};
+use base::diagnostic::{closest, listed};
+use base::units::{Dimension, Strain, Unit};
+
+/// One channel of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredChannel {
+    /// Its name without the unit (`accel` of `accel [g]`), or its channel code.
+    pub name: String,
+    /// The name as the file writes it (`accel [g]`), or the long name of a channel code; it is found by this too.
+    pub label: String,
+    /// The unit that the file gives or the caller stated; none where neither is known.
+    pub unit: Option<Unit>,
+    /// The channel frequency class that it was filtered with before, as the file states.
+    pub filtered: Option<f64>,
+    /// Values in the SI unit where the unit is known, as written where it is not; `NaN` where nothing was measured.
+    /// Time in s.
+    pub series: Series,
+}
+
+/// Why a channel cannot be taken as the quantity that is asked for.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum QuantityError {
+    /// Its unit measures something else.
+    #[error("`{name}` is in {found}, which is not {}", expected.name)]
+    OtherDimension {
+        /// Name of the channel.
+        name: String,
+        /// Symbol of its unit.
+        found: String,
+        /// Dimension that is asked for.
+        expected: Dimension,
+    },
+    /// Neither the file nor the caller gives a unit.
+    #[error("the unit of `{name}` is not known")]
+    NoUnit {
+        /// Name of the channel.
+        name: String,
+        /// Dimension that is asked for.
+        expected: Dimension,
+    },
+}
+
+impl MeasuredChannel {
+    /// The series in the SI unit of `dimension`.
+    ///
+    /// # Errors
+    /// The channel has another dimension, or no known unit.
+    pub fn quantity(&self, dimension: Dimension) -> Result<&Series, QuantityError> {
+        let name = || self.name.clone();
+        match &self.unit {
+            Some(unit) if unit.measures(dimension) => Ok(&self.series),
+            Some(unit) => {
+                let found = unit.symbol().to_owned();
+                Err(QuantityError::OtherDimension { name: name(), found, expected: dimension })
+            }
+            None => Err(QuantityError::NoUnit { name: name(), expected: dimension }),
+        }
+    }
+
+    /// The unit of the values: SI where the unit is known.
+    pub fn value_unit(&self) -> Option<String> {
+        self.unit.as_ref().map(Unit::si_symbol)
+    }
+
+    /// The name with the SI unit, as droptower names columns: `accel_m_s2`, or else `accel [m/s2]`. A name that the
+    /// file writes with its unit stays as it is where that is the SI unit, or one that is not known.
+    pub fn column_name(&self) -> String {
+        let name = if is_counted(&self.name) { &self.label } else { &self.name };
+        let says_it = self.label == *name || self.label.starts_with(&self.name);
+        let written = ColumnName::read(if says_it { &self.label } else { name });
+        let Some(unit) = &self.unit else {
+            return written.label;
+        };
+        if unit.is_si() && written.unit.as_ref() == Some(unit) {
+            return written.label;
+        }
+        match unit.si_suffix() {
+            Some(suffix) => format!("{name}_{suffix}"),
+            None => format!("{name} [{}]", column_unit(unit)),
+        }
+    }
+
+    /// The name as the file writes it, before the SI unit: keeps channels apart that differ in their written units
+    /// alone.
+    fn labelled_column_name(&self) -> String {
+        match &self.unit {
+            Some(unit) => format!("{} [{}]", self.label, column_unit(unit)),
+            None => self.label.clone(),
+        }
+    }
+}
+
+/// Whether the name is a code that only counts, since the channel had a name and no code when it was written.
+fn is_counted(name: &str) -> bool {
+    ChannelCode::parse(name).is_some_and(|code| code.is_counted())
+}
+
+/// The SI unit in brackets; a number without unit is a dash.
+fn column_unit(unit: &Unit) -> String {
+    if unit.measures(Strain::DIMENSION) { "-".into() } else { unit.si_symbol() }
+}
+
+/// The channels of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measurement {
+    /// In the order of the file.
+    pub channels: Vec<MeasuredChannel>,
+    /// Comments of the file, and what its reading reports.
+    pub annotations: Annotations,
+}
+
+/// Why a file has no such channel.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ChannelError {
+    /// No channel has the name.
+    #[error("no channel `{name}` among {}", listed(known))]
+    Missing {
+        /// Name that is asked for.
+        name: String,
+        /// Names of all channels.
+        known: Vec<String>,
+    },
+    /// Several channels have the name, with different labels.
+    #[error("several channels are called `{name}`: {}", listed(labels))]
+    Ambiguous {
+        /// Name that is asked for.
+        name: String,
+        /// Labels of the channels that have it.
+        labels: Vec<String>,
+    },
+    /// Several channels have the name and the label.
+    #[error("{count} channels are called `{name}`, with equal labels")]
+    Alike {
+        /// Name that is asked for.
+        name: String,
+        /// Number of channels that have it.
+        count: usize,
+    },
+}
+
+impl ChannelError {
+    /// The closest name, or how to choose.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            ChannelError::Missing { name, known } => {
+                closest(name, known.iter().map(String::as_str)).map(|name| format!("did you mean `{name}`?"))
+            }
+            ChannelError::Ambiguous { .. } => Some("ask for one of these".into()),
+            ChannelError::Alike { .. } => Some("read the file of that channel alone, or correct the names".into()),
+        }
+    }
+}
+
+impl Measurement {
+    /// The channel called `name`: as the file writes it, by its name without the unit, or by its long name.
+    pub fn channel(&self, name: &str) -> Result<&MeasuredChannel, ChannelError> {
+        let index = find(name, self.channels.iter().map(|channel| (channel.name.as_str(), channel.label.as_str())))?;
+        Ok(&self.channels[index])
+    }
+
+    /// All channels over the time axis of the first, named with their SI units, each differently; none where they do
+    /// not share one.
+    pub fn recording(&self) -> Option<Recording> {
+        let time = self.channels.first().map_or(&[][..], |channel| channel.series.time());
+        let shared = self.channels.iter().all(|channel| same_axis(channel.series.time(), time));
+        let channels = self.column_names().into_iter().zip(&self.channels);
+        let channels = channels.map(|(name, measured)| Channel { name, values: measured.series.values().to_vec() });
+        shared.then(|| Recording { time: time.to_vec(), channels: channels.collect() })
+    }
+
+    /// Names of columns of which no two are equal, and none is that of the time.
+    fn column_names(&self) -> Vec<String> {
+        let short: Vec<String> = self.channels.iter().map(MeasuredChannel::column_name).collect();
+        let mut uses: HashMap<&str, usize> = HashMap::from([(TIME, 1)]);
+        short.iter().for_each(|name| *uses.entry(name).or_default() += 1);
+        let mut taken: HashSet<String> = HashSet::from([TIME.to_owned()]);
+        let mut distinct = |(measured, short): (&MeasuredChannel, &String)| {
+            let name = if uses[short.as_str()] == 1 { short.clone() } else { measured.labelled_column_name() };
+            let numbered = (2..).map(|number| format!("{number} {name}"));
+            let name = std::iter::once(name.clone()).chain(numbered).find(|name| !taken.contains(name)).unwrap_or(name);
+            taken.insert(name.clone());
+            name
+        };
+        self.channels.iter().zip(&short).map(&mut distinct).collect()
+    }
+}
+
+/// Times that differ by less than this share of a step are the same: one channel has them written out, another by start
+/// and step.
+const SAME_TIME: f64 = 1e-3;
+
+fn same_axis(a: &[f64], b: &[f64]) -> bool {
+    let step = match b {
+        [first, .., last] => (last - first) / (b.len() - 1) as f64,
+        _ => 0.0,
+    };
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_TIME * step)
+}
+
+/// Place of the one pair of name and label that `wanted` asks for: the label itself, or else the name.
+pub(super) fn find<'a>(
+    wanted: &str,
+    known: impl Iterator<Item = (&'a str, &'a str)> + Clone,
+) -> Result<usize, ChannelError> {
+    let places = |hit: &dyn Fn(&str, &str) -> bool| -> Vec<usize> {
+        known.clone().enumerate().filter(|(_, (name, label))| hit(name, label)).map(|(place, _)| place).collect()
+    };
+    let exact = places(&|_, label| label == wanted);
+    let found = if exact.len() == 1 { exact } else { places(&|name, label| name == wanted || label == wanted) };
+    match found[..] {
+        [place] => Ok(place),
+        [] => Err(ChannelError::Missing { name: wanted.into(), known: known.map(|(name, _)| name.into()).collect() }),
+        _ => {
+            let found: Vec<(&str, &str)> =
+                known.enumerate().filter(|(place, _)| found.contains(place)).map(|(_, pair)| pair).collect();
+            let name = wanted.into();
+            if found.iter().all(|pair| *pair == found[0]) {
+                return Err(ChannelError::Alike { name, count: found.len() });
+            }
+            Err(ChannelError::Ambiguous { name, labels: found.iter().map(|(_, label)| (*label).into()).collect() })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(name: &str, label: &str, symbol: Option<&str>) -> MeasuredChannel {
+        let series = Series::new(vec![0.0, 1.0], vec![1.0, 2.0]);
+        let unit = symbol.map(|symbol| Unit::parse(symbol).unwrap());
+        MeasuredChannel { name: name.into(), label: label.into(), unit, filtered: None, series }
+    }
+
+    #[test]
+    fn a_column_is_named_with_its_unit() {
+        for (name, label, unit, expected) in [
+            ("11HEAD0000H3ACXP", "11HEAD0000H3ACXP", Some("m/s2"), "11HEAD0000H3ACXP_m_s2"),
+            ("11HEAD0000H3ACXP", "Head", Some("g"), "11HEAD0000H3ACXP_m_s2"),
+            ("000000000100AC00", "accel", Some("m/s2"), "accel_m_s2"),
+            ("accel", "accel", Some("m/s2"), "accel_m_s2"),
+            ("accel", "accel [g]", Some("g"), "accel_m_s2"),
+            ("accel", "accel_m_s2", Some("m/s2"), "accel_m_s2"),
+            ("accel", "accel [m/s2]", Some("m/s2"), "accel [m/s2]"),
+            ("strain", "strain [%]", Some("%"), "strain [-]"),
+            ("T", "T [°C]", None, "T [°C]"),
+            ("count", "count", None, "count"),
+        ] {
+            let measured = channel(name, label, unit);
+            let column = measured.column_name();
+            assert_eq!(column, expected);
+            let read = ColumnName::read(&column).unit.map(|unit| unit.si_symbol());
+            assert_eq!(read, measured.value_unit(), "{column}");
+        }
+    }
+
+    #[test]
+    fn no_two_columns_have_one_name() {
+        let channels = vec![
+            channel("accel", "accel_g", Some("g")),
+            channel("accel", "accel_m_s2", Some("m/s2")),
+            channel("force", "force [kN]", Some("kN")),
+            channel("A", "a", None),
+            channel("A", "a", None),
+            channel("time", "time [ms]", Some("ms")),
+        ];
+        let recording = Measurement { channels, ..Measurement::default() }.recording().unwrap();
+        let names: Vec<&str> = recording.channels.iter().map(|channel| channel.name.as_str()).collect();
+        let expected = ["accel_g [m/s2]", "accel_m_s2 [m/s2]", "force_N", "a", "2 a", "time [ms] [s]"];
+        assert_eq!(names, expected);
+    }
+
+    #[test]
+    fn channels_of_one_name_are_found_by_their_labels_or_refused() {
+        let twice = [("a", "a [g]"), ("a", "a [m/s2]"), ("b", "b"), ("b", "b")];
+        let found = |wanted: &str| find(wanted, twice.into_iter());
+        assert_eq!(found("a [g]"), Ok(0));
+        assert!(matches!(found("a"), Err(ChannelError::Ambiguous { labels, .. }) if labels == ["a [g]", "a [m/s2]"]));
+        assert_eq!(found("b"), Err(ChannelError::Alike { name: "b".into(), count: 2 }));
+    }
+
+    #[test]
+    fn times_written_out_and_times_by_step_are_one_axis() {
+        let channel = |name: &str, time: Vec<f64>| {
+            let values = vec![1.0; time.len()];
+            MeasuredChannel {
+                name: name.into(),
+                label: name.into(),
+                unit: None,
+                filtered: None,
+                series: Series::new(time, values),
+            }
+        };
+        let by_step: Vec<f64> = (0..20).map(|i| -5e-4 + f64::from(i) * 1e-4).collect();
+        let written: Vec<f64> = by_step.iter().map(|t| format!("{t:.6}").parse().unwrap()).collect();
+        assert_ne!(by_step, written);
+        let late: Vec<f64> = by_step.iter().map(|t| t + 1e-5).collect();
+        let with = |other: Vec<f64>| {
+            let channels = vec![channel("a", by_step.clone()), channel("b", other)];
+            Measurement { channels, ..Measurement::default() }.recording()
+        };
+        assert_eq!(with(written).unwrap().time, by_step);
+        assert_eq!(with(late), None);
+        assert_eq!(with(by_step[1..].to_vec()), None);
+    }
+}

@@ -1,0 +1,111 @@
+//! Values between samples: linear interpolation, and a time axis of equal steps.
+
+use thiserror::Error;
+
+use super::Series;
+use base::number::significant;
+
+/// Most samples a resampled series may have; a smaller step is taken for a mistake.
+pub const MOST_SAMPLES: usize = 20_000_000;
+
+/// Why a series has no equivalent on equal steps.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ResampleError {
+    /// Fewer than two samples.
+    #[error("a series of {count} samples cannot be resampled")]
+    TooShort {
+        /// Number of samples.
+        count: usize,
+    },
+    /// More than `MOST_SAMPLES` samples would result.
+    #[error(
+        "a time step of {} s over {} s gives more than {MOST_SAMPLES} samples",
+        significant(*step, 9), significant(*span, 9)
+    )]
+    StepTooSmall {
+        /// Time step, s.
+        step: f64,
+        /// Time from the first sample to the last, s.
+        span: f64,
+    },
+    /// The step is not positive.
+    #[error("a time step of {} s is not positive", significant(*step, 9))]
+    StepNotPositive {
+        /// Time step, s.
+        step: f64,
+    },
+}
+
+/// The series at other `times`; `NaN` where it has no value.
+pub fn onto(series: &Series, times: &[f64]) -> Vec<f64> {
+    times.iter().map(|t| series.at(*t).unwrap_or(f64::NAN)).collect()
+}
+
+/// The series on equal steps (s) from its first sample to its last.
+pub fn uniform(series: &Series, step: f64) -> Result<Series, ResampleError> {
+    let &[first, .., last] = series.time() else {
+        return Err(ResampleError::TooShort { count: series.len() });
+    };
+    if step.is_nan() || step <= 0.0 {
+        return Err(ResampleError::StepNotPositive { step });
+    }
+    let span = last - first;
+    let steps = (span / step * (1.0 + 1e-12)).floor();
+    if steps >= MOST_SAMPLES as f64 {
+        return Err(ResampleError::StepTooSmall { step, span });
+    }
+    let times: Vec<f64> = (0..=steps as usize).map(|i| (first + i as f64 * step).min(last)).collect();
+    let values = onto(series, &times);
+    Ok(Series::new(times, values))
+}
+
+/// The common step (s) where all samples lie within 1 % of a step from equal spacing.
+pub fn common_step(time: &[f64]) -> Option<f64> {
+    let &[first, .., last] = time else {
+        return None;
+    };
+    let step = (last - first) / (time.len() - 1) as f64;
+    let straight = |(i, t): (usize, &f64)| (t - (first + i as f64 * step)).abs() <= 0.01 * step;
+    time.iter().enumerate().all(straight).then_some(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_straight_line_keeps_its_values_on_other_times() {
+        let line = Series::new(vec![0.0, 0.3, 0.4, 1.0], vec![1.0, 1.6, 1.8, 3.0]);
+        let fine = uniform(&line, 0.01).unwrap();
+        assert_eq!(fine.len(), 101);
+        for [t, v] in fine.samples() {
+            assert!((v - (1.0 + 2.0 * t)).abs() < 1e-12, "{v} at {t}");
+        }
+    }
+
+    #[test]
+    fn there_are_no_values_outside_the_samples_or_beside_gaps() {
+        let gap = Series::new(vec![0.0, 1.0, 2.0, 3.0], vec![0.0, f64::NAN, 2.0, 3.0]);
+        assert_eq!(gap.at(-0.1), None);
+        assert_eq!(gap.at(3.1), None);
+        assert_eq!(gap.at(0.5), None);
+        assert_eq!(gap.at(1.0), None);
+        assert_eq!(gap.at(2.0), Some(2.0));
+        assert_eq!(gap.at(3.0), Some(3.0));
+    }
+
+    #[test]
+    fn equal_steps_are_recognised_and_unequal_ones_not() {
+        let even: Vec<f64> = (0..1000).map(|i| i as f64 * 1e-4).collect();
+        assert!((common_step(&even).unwrap() - 1e-4).abs() < 1e-15);
+        assert_eq!(common_step(&[0.0, 1.0, 3.0]), None);
+        assert_eq!(common_step(&[0.0]), None);
+    }
+
+    #[test]
+    fn invalid_steps_are_refused() {
+        let line = Series::new(vec![0.0, 1.0], vec![0.0, 1.0]);
+        assert!(matches!(uniform(&line, 0.0), Err(ResampleError::StepNotPositive { .. })));
+        assert!(matches!(uniform(&line, 1e-12), Err(ResampleError::StepTooSmall { .. })));
+    }
+}

@@ -1,0 +1,185 @@
+//! Plots of a page: the data that its script draws, and a description for screen readers.
+
+use serde_json::{Value, json};
+
+use super::html::{data, escape};
+use base::number::{rounded, significant};
+use plot::{Axis, Curve, Look, Plot, Scale};
+use study::post::Histogram;
+
+/// Most points of one curve; a longer one is reduced to the extremes of its intervals.
+const MOST_POINTS: usize = 2000;
+
+/// Significant digits of a point: finer than the pixels of a screen.
+pub(super) const DIGITS: usize = 6;
+
+/// The plot as an HTML figure that the page's script draws; empty where no curve has a point.
+pub(super) fn figure(plot: &Plot) -> String {
+    block(plot, false)
+}
+
+/// Plots side by side, where the page is wide enough.
+pub fn figures<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
+    side_by_side(plots.into_iter().map(figure))
+}
+
+/// Figures (HTML) side by side; empty without figures.
+pub(super) fn side_by_side(figures: impl IntoIterator<Item = String>) -> String {
+    let figures: String = figures.into_iter().collect();
+    if figures.is_empty() { figures } else { format!("<div class=\"plots\">\n{figures}</div>\n") }
+}
+
+/// The histogram of strain rates over decades with the measured range marked; empty without strain increments.
+pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
+    let bins = histogram.edges_1_s.windows(2).zip(&histogram.shares);
+    let shown: Vec<_> = bins.filter(|(_, share)| **share > LEAST_SHARE).collect();
+    let (Some((first, _)), Some((last, _))) = (shown.first(), shown.last()) else {
+        return String::new();
+    };
+    let ends = [[first[0], 0.0], [last[1], 0.0]];
+    let outline = shown.iter().flat_map(|(edges, share)| edges.iter().map(|edge| [*edge, **share * 100.0]));
+    let points = [ends[0]].into_iter().chain(outline).chain([ends[1]]);
+    let label = "range in which the curves were measured".into();
+    let plot = Plot {
+        x: Axis { label: "strain rate (1/s)".into(), scale: Scale::Logarithmic },
+        window: histogram.measured_1_s.map(|range| plot::Window { label, range }),
+        ..Plot::new(title, ["", "share (%)"], vec![Curve::line("share of the strain increments", points)])
+    };
+    block(&plot, true)
+}
+
+/// Least share of a bin at the ends of the axis.
+const LEAST_SHARE: f64 = 1e-3;
+
+fn block(plot: &Plot, filled: bool) -> String {
+    let shown = |point: &&[f64; 2]| plot.has_place(point);
+    if !plot.curves.iter().any(|curve| curve.points.iter().any(|point| shown(&point))) {
+        return String::new();
+    }
+    let title = escape(&plot.title);
+    let words = escape(&description(plot));
+    let data = data(&contents(plot, filled));
+    format!(
+        "<figure class=\"plot\">\n<h3>{title}</h3>\n{data}<figcaption class=\"unseen\">{words}</figcaption>\n\
+         </figure>\n"
+    )
+}
+
+/// The description for screen readers.
+fn description(plot: &Plot) -> String {
+    let ends = |curve: &Curve, axis: usize| {
+        let places = curve.points.iter().filter(|point| plot.has_place(point)).map(|point| point[axis]);
+        places.fold(None, |ends: Option<[f64; 2]>, value| {
+            let [low, high] = ends.unwrap_or([value; 2]);
+            Some([low.min(value), high.max(value)])
+        })
+    };
+    let range = |[low, high]: [f64; 2]| format!("{} to {}", significant(low, 4), significant(high, 4));
+    let curve = |curve: &Curve| Some(format!("{}: {}", curve.name, range(ends(curve, 1)?)));
+    let curves: Vec<String> = plot.curves.iter().filter_map(curve).collect();
+    let window = plot.window.as_ref().map(|window| format!("; marked: {}, {}", window.label, range(window.range)));
+    format!("{} over {}; {}{}", plot.y.label, plot.x.label, curves.join("; "), window.unwrap_or_default())
+}
+
+/// The data that the script reads. A curve with the abscissae of an earlier one refers to that curve.
+fn contents(plot: &Plot, filled: bool) -> Value {
+    let mut abscissae: Vec<Vec<Value>> = Vec::new();
+    let mut curve = |curve: &Curve| {
+        let points = curve.thinned(MOST_POINTS).points;
+        let column = |axis: usize| -> Vec<Value> {
+            let number = |point: &[f64; 2]| {
+                if plot.has_place(point) { rounded(point[axis], DIGITS).into() } else { Value::Null }
+            };
+            points.iter().map(number).collect()
+        };
+        // A gap keeps its abscissa, so that curves with other gaps can share the abscissae.
+        let x: Vec<Value> = points.iter().map(|point| rounded(point[0], DIGITS).into()).collect();
+        let same = abscissae.iter().position(|known| *known == x);
+        let written = same.map_or_else(|| json!(x), |earlier| json!(earlier));
+        abscissae.push(x);
+        let look = match curve.look {
+            Look::Line => "line",
+            Look::Dashed => "dashed",
+            Look::Points => "points",
+        };
+        json!({ "name": curve.name, "look": look, "x": written, "y": column(1) })
+    };
+    let axis = |axis: &Axis| json!({ "words": axis.label, "log": axis.scale == Scale::Logarithmic });
+    json!({
+        "x": axis(&plot.x),
+        "y": axis(&plot.y),
+        "window": plot.window.as_ref().map(|window| json!({ "words": window.label, "range": window.range })),
+        "filled": filled,
+        "curves": plot.curves.iter().map(&mut curve).collect::<Vec<_>>(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plot::Window;
+
+    fn plot(points: Vec<[f64; 2]>) -> Plot {
+        Plot::new("A & B", ["time (ms)", "travel (mm)"], vec![Curve::line("</script><film>", points)])
+    }
+
+    /// The data block of a figure, as the page's script reads it.
+    fn block(html: &str) -> Value {
+        let (_, rest) = html.split_once("<script type=\"application/json\">").expect("a block");
+        let (block, _) = rest.split_once("</script>").expect("its end");
+        assert!(!block.contains('<'), "{block}");
+        serde_json::from_str(block).expect("JSON")
+    }
+
+    #[test]
+    fn a_figure_holds_its_points_and_its_escaped_names() {
+        let html = figure(&plot(vec![[0.0, 1.0], [1.0, f64::NAN], [2.0, 1.0 / 3.0]]));
+        let data = block(&html);
+        assert_eq!(data["curves"][0]["name"], "</script><film>");
+        assert_eq!(data["curves"][0]["x"], json!([0.0, 1.0, 2.0]));
+        assert_eq!(data["curves"][0]["y"], json!([1.0, null, 0.333333]));
+        assert!(html.contains("A &amp; B") && html.contains("&lt;film&gt;: 0.3333 to 1"), "{html}");
+    }
+
+    #[test]
+    fn curves_share_their_abscissae() {
+        let mut shared = plot(vec![[0.0, 1.0], [1.0, 2.0]]);
+        shared.curves.push(Curve::line("other", [[0.0, f64::NAN], [1.0, 4.0]]).dashed());
+        let data = block(&figure(&shared));
+        assert_eq!((&data["curves"][1]["x"], &data["curves"][1]["look"]), (&json!(0), &json!("dashed")));
+    }
+
+    #[test]
+    fn a_plot_without_points_is_empty() {
+        assert_eq!(figure(&plot(vec![])), "");
+        assert_eq!(figure(&plot(vec![[f64::NAN, 1.0]])), "");
+        let mut logarithmic = plot(vec![[-1.0, 1.0]]);
+        logarithmic.x.scale = Scale::Logarithmic;
+        assert_eq!(figure(&logarithmic), "");
+        assert_eq!(figures(&[plot(vec![])]), "");
+    }
+
+    #[test]
+    fn rates_show_the_measured_range() {
+        let histogram = Histogram {
+            edges_1_s: vec![0.1, 1.0, 10.0, 100.0],
+            shares: vec![0.2, 0.5, 0.3],
+            measured_1_s: Some([0.04, 40.0]),
+            outside: 0.3,
+        };
+        let data = block(&rates("Strain rates", &histogram));
+        assert_eq!(data["window"]["range"], json!([0.04, 40.0]));
+        assert_eq!(data["curves"][0]["x"], json!([0.1, 0.1, 1.0, 1.0, 10.0, 10.0, 100.0, 100.0]));
+        assert_eq!((&data["x"]["log"], &data["filled"]), (&json!(true), &json!(true)));
+        let nothing = Histogram { shares: vec![0.0; 3], ..histogram };
+        assert_eq!(rates("Strain rates", &nothing), "");
+    }
+
+    #[test]
+    fn a_window_is_marked_and_described() {
+        let window = Some(Window { label: "error window".into(), range: [0.0, 57.3] });
+        let html = figure(&Plot { window, ..plot(vec![[0.0, 0.0], [1.0, 1.0]]) });
+        assert_eq!(block(&html)["window"]["words"], "error window");
+        assert!(html.contains("marked: error window, 0 to 57.3"), "{html}");
+    }
+}

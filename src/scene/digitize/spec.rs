@@ -1,0 +1,208 @@
+//! A figure: its picture, axes and the colour of its curve, checked.
+
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use image::{ImageFormat, ImageReader, Limits, RgbImage};
+use thiserror::Error;
+
+use super::Ink;
+use super::axes::{Axes, Axis};
+use crate::scenario::{self, Amount, Document};
+use base::diagnostic::{Diagnostic, shown_path};
+use base::file::{self, FileError};
+use lab::signal::column;
+
+/// Most pixels across or down.
+const MOST_PIXELS: u32 = 20_000;
+
+/// Most bytes of a picture in memory.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// A figure that can be digitized.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Where the picture is.
+    pub path: PathBuf,
+    picture: RgbImage,
+    /// Its axes.
+    pub axes: Axes,
+    /// Colour of the curve.
+    pub ink: Ink,
+    /// Left, top, right and bottom of what is looked at, pixels.
+    pub area: [usize; 4],
+    /// Parts that are left out.
+    pub without: Vec<[f64; 4]>,
+    /// By how much the pixels of the axes' points may be wrong.
+    pub pixel_error: f64,
+    /// Least deviation of a line's middle in such a picture, pixels.
+    pub least_scatter: f64,
+}
+
+/// Least deviation of a line's middle in a picture without loss, pixels: lines are drawn in steps about as large.
+const LEAST_SCATTER: f64 = 0.1;
+
+/// The same in a JPEG, whose blocks of pixels have errors in common, which no scatter shows.
+const LEAST_SCATTER_JPEG: f64 = 0.3;
+
+/// A picture that cannot be read.
+#[derive(Debug, Error)]
+pub enum PictureError {
+    /// It cannot be opened.
+    #[error("cannot read {}: {source}", shown_path(path))]
+    Read {
+        /// The picture.
+        path: PathBuf,
+        /// Why.
+        source: FileError,
+    },
+    /// It is no PNG or JPEG, or too large.
+    #[error("{}: {source}", shown_path(path))]
+    Decode {
+        /// The picture.
+        path: PathBuf,
+        /// Why.
+        source: image::ImageError,
+    },
+}
+
+impl Figure {
+    /// That of the file.
+    ///
+    /// # Errors
+    /// All mistakes of the file, at once; a picture that cannot be read.
+    pub fn check(document: &Document) -> Result<Figure, Vec<Diagnostic>> {
+        let (written, mistakes) = document.figure();
+        let mut check = Check { document, mistakes };
+        let figure = written.and_then(|written| check.figure(&written));
+        match figure {
+            Some(figure) if check.mistakes.is_empty() => Ok(figure),
+            _ => Err(check.mistakes),
+        }
+    }
+
+    /// Colour of a pixel.
+    pub fn colour(&self, column: usize, row: usize) -> [u8; 3] {
+        self.picture.get_pixel(column as u32, row as u32).0
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> &RgbImage {
+        &self.picture
+    }
+}
+
+/// The picture, and the least deviation of a line in it.
+fn read(path: &Path) -> Result<(RgbImage, f64), PictureError> {
+    let opened = file::open(path).and_then(|file| {
+        // The content tells the format, not the name.
+        Ok(ImageReader::new(BufReader::new(file)).with_guessed_format()?)
+    });
+    let mut reader = opened.map_err(|source| PictureError::Read { path: path.to_owned(), source })?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MOST_PIXELS);
+    limits.max_image_height = Some(MOST_PIXELS);
+    limits.max_alloc = Some(MOST_BYTES);
+    reader.limits(limits);
+    let least_scatter = if reader.format() == Some(ImageFormat::Jpeg) { LEAST_SCATTER_JPEG } else { LEAST_SCATTER };
+    let picture = reader.decode().map_err(|source| PictureError::Decode { path: path.to_owned(), source })?;
+    // Transparent pixels show paper.
+    let mut picture = picture.into_rgba8();
+    for pixel in picture.pixels_mut() {
+        let alpha = u16::from(pixel.0[3]);
+        for part in &mut pixel.0[..3] {
+            *part = ((u16::from(*part) * alpha + 255 * (255 - alpha)) / 255) as u8;
+        }
+    }
+    Ok((image::DynamicImage::ImageRgba8(picture).into_rgb8(), least_scatter))
+}
+
+struct Check<'a> {
+    document: &'a Document,
+    mistakes: Vec<Diagnostic>,
+}
+
+impl Check<'_> {
+    fn report(&mut self, keys: &[&str], message: impl Into<String>, hint: &str) {
+        let mistake = Diagnostic::new(message).at(&self.document.span_of(keys));
+        self.mistakes.push(mistake.hint(hint));
+    }
+
+    fn figure(&mut self, written: &scenario::Figure) -> Option<Figure> {
+        let axes = [self.axis("x", &written.x), self.axis("y", &written.y)];
+        let curve = &written.curve;
+        let [colour, background] = [("colour", &curve.colour), ("background", &curve.background)].map(|(key, text)| {
+            let colour = Ink::parse(text);
+            if colour.is_none() {
+                self.report(
+                    &["curve", key],
+                    format!("expected a colour, found \"{text}\""),
+                    "write it like \"#1f77b4\"",
+                );
+            }
+            colour
+        });
+        let picture = self.document.file_of(&["picture"]).and_then(|path| match read(&path) {
+            Ok((picture, least_scatter)) => Some((path, picture, least_scatter)),
+            Err(error) => {
+                self.report(&["picture"], error.to_string(), "pictures are PNG or JPEG");
+                None
+            }
+        });
+        let ink = Ink::new(colour?, background?, curve.tolerance);
+        if ink.is_none() {
+            self.report(&["curve", "colour"], "the curve and what is behind it have nearly the same colour", "");
+        }
+        let [x, y] = axes;
+        let axes = Axes::new([x?, y?]);
+        if axes.is_none() {
+            let hint = "each axis needs two points apart in picture and value; a logarithmic one values above 0";
+            self.report(&["x", "points"], "the points of the axes do not span a plane", hint);
+        }
+        let (axes, (path, picture, least_scatter)) = (axes?, picture?);
+        let size = [picture.width() as usize, picture.height() as usize];
+        let [left, top, right, bottom] = curve.area.unwrap_or_else(|| axes.area());
+        let within = |value: f64, most: usize| (value.max(0.0) as usize).min(most);
+        let area = [
+            within(left, size[0]),
+            within(top, size[1]),
+            within(right.ceil(), size[0]),
+            within(bottom.ceil(), size[1]),
+        ];
+        if area[0] + 3 > area[2] || area[1] + 3 > area[3] {
+            let message = format!("the area is not in the picture of {} x {} pixels", size[0], size[1]);
+            self.report(&["curve", "area"], message, "give left, top, right and bottom");
+        }
+        let (without, pixel_error) = (curve.without.clone(), curve.pixel_error);
+        Some(Figure { path, picture, axes, ink: ink?, area, without, pixel_error, least_scatter })
+    }
+
+    fn axis(&mut self, key: &str, written: &scenario::FigureAxis) -> Option<Axis> {
+        let [from, to] = &written.points[..] else {
+            return None;
+        };
+        let dimension = column::dimension(&written.column);
+        let values = [from, to].map(|point| match &point.value {
+            Amount::Number(number) => Some(*number),
+            Amount::Text(text) => {
+                let parsed = match dimension {
+                    Some(dimension) => dimension.parse(text).map_err(|error| (error.to_string(), error.hint())),
+                    None => text.trim().parse().map_err(|_| {
+                        let hint = format!("`{}` has no unit", written.column);
+                        (format!("expected a number, found \"{text}\""), hint)
+                    }),
+                };
+                parsed.map_err(|(message, hint)| self.report(&[key, "points"], message, &hint)).ok()
+            }
+        });
+        let name = &written.column;
+        if name.is_empty() || name.contains([',', '"', '#']) || name.chars().any(char::is_control) {
+            self.report(&[key, "column"], "expected the name of a column", "such as \"time_s\"");
+        }
+        let [Some(first), Some(second)] = values else {
+            return None;
+        };
+        let (column, scale) = (written.column.clone(), written.scale);
+        Some(Axis { column, pixels: [from.pixel, to.pixel], values: [first, second], scale })
+    }
+}

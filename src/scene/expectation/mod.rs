@@ -1,0 +1,55 @@
+//! What a run must give: expectations as they are written, checked, and how a run differs from them.
+
+mod check;
+mod difference;
+mod figures;
+mod findings;
+mod signals;
+mod verdict;
+
+use serde_json::{Map, Value};
+
+pub use check::{Expectations, FigureBounds, SignalBounds};
+pub use difference::Difference;
+use lab::signal::Recording;
+pub use verdict::{Entry, Outside, Verdict};
+
+/// What a run gave.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a> {
+    /// Its signals.
+    pub signals: &'a Recording,
+    /// The fields of its summary.
+    pub figures: &'a Map<String, Value>,
+}
+
+/// What was recorded of a run before.
+#[derive(Clone, Debug, Default)]
+pub struct Recorded {
+    /// Its signals, where they were recorded.
+    pub signals: Option<Recording>,
+    /// The figures that are bounded by their recorded values.
+    pub figures: Map<String, Value>,
+}
+
+impl Expectations {
+    /// How a run differs from what is expected, signals first; nothing where it does not.
+    pub fn differences(&self, recorded: &Recorded, given: &Given<'_>) -> Vec<Difference> {
+        let signals = signals::differences(self, recorded.signals.as_ref(), given.signals);
+        let figures = figures::differences(self, &recorded.figures, given.figures);
+        [signals, figures, findings::differences(self, given.figures)].concat()
+    }
+
+    /// What there is to be recorded of a run.
+    pub fn recorded(&self, given: &Given<'_>) -> Recorded {
+        let is_compared = |name: &str| self.signal(name).is_some_and(SignalBounds::needs_recording);
+        let mut signals = given.signals.clone();
+        signals.channels.retain(|channel| is_compared(&channel.name));
+        let is_bound = |name: &str| self.figures.iter().any(|(own, bounds)| own == name && bounds.needs_recording());
+        let figures = given.figures.iter().filter(|(name, _)| is_bound(name));
+        Recorded {
+            signals: (!signals.channels.is_empty()).then_some(signals),
+            figures: figures.map(|(name, value)| (name.clone(), value.clone())).collect(),
+        }
+    }
+}

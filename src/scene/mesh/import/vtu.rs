@@ -1,0 +1,164 @@
+//! VTU: VTK's XML files of unstructured grids, with ASCII or inline base64 arrays.
+
+use std::path::Path;
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use nalgebra::Point3;
+use roxmltree::{Document, Node};
+
+use super::fault::{Fault, VtuFault};
+use crate::mesh::Mesh;
+use base::file;
+
+/// Longest file that is read, bytes.
+const MOST_BYTES: u64 = 1 << 30;
+/// An array that every snapshot of droptower's film has.
+const SNAPSHOT_ARRAY: &str = "reference_thickness_m";
+/// VTK's numbers of the cell types that a film is made of.
+const TRIANGLE: f64 = 5.0;
+const QUAD: f64 = 9.0;
+
+/// The triangles and quadrilaterals of all pieces of the file.
+pub(crate) fn read(path: &Path) -> Result<Mesh, Fault> {
+    let text = file::read_text(path, MOST_BYTES)?;
+    Ok(parse(&text)?)
+}
+
+fn parse(text: &str) -> Result<Mesh, VtuFault> {
+    let document = Document::parse(text)?;
+    let file = document.root_element();
+    if file.has_attribute("compressor") {
+        let is_own = |node: Node| node.attribute("Name") == Some(SNAPSHOT_ARRAY);
+        return Err(if document.descendants().any(is_own) { VtuFault::Snapshot } else { VtuFault::Compressed });
+    }
+    let layout = Layout {
+        big_endian: file.attribute("byte_order") == Some("BigEndian"),
+        header: match file.attribute("header_type") {
+            Some("UInt64") => 8,
+            _ => 4,
+        },
+    };
+    let grid = child(file, "UnstructuredGrid")?;
+    let mut mesh = Mesh::default();
+    for piece in grid.children().filter(|node| node.has_tag_name("Piece")) {
+        append(&mut mesh, piece, layout)?;
+    }
+    Ok(mesh)
+}
+
+fn append(mesh: &mut Mesh, piece: Node, layout: Layout) -> Result<(), VtuFault> {
+    let first = mesh.nodes.len();
+    let points = layout.numbers(child(child(piece, "Points")?, "DataArray")?)?;
+    let point = |p: &[f64]| Point3::new(p[0], p[1], p[2]);
+    mesh.nodes.extend(points.chunks_exact(3).map(point));
+
+    let cells = child(piece, "Cells")?;
+    let connectivity = layout.numbers(array(cells, "connectivity")?)?;
+    let offsets = layout.numbers(array(cells, "offsets")?)?;
+    let kinds = layout.numbers(array(cells, "types")?)?;
+    let nodes = connectivity.into_iter().map(|value| node_number(value, first)).collect::<Result<Vec<u32>, _>>()?;
+    let mut start = 0;
+    for (cell, (end, kind)) in offsets.into_iter().zip(kinds).enumerate() {
+        let end = end as usize;
+        let corners = nodes.get(start..end).ok_or(VtuFault::Corners { cell })?;
+        match (kind, corners) {
+            (TRIANGLE, &[a, b, c]) => mesh.tris.push([a, b, c]),
+            (QUAD, &[a, b, c, d]) => mesh.quads.push([a, b, c, d]),
+            (TRIANGLE | QUAD, _) => return Err(VtuFault::Corners { cell }),
+            _ => return Err(VtuFault::Cell { cell, kind }),
+        }
+        start = end;
+    }
+    Ok(())
+}
+
+/// Number in the whole mesh of a node that its piece calls `value`.
+fn node_number(value: f64, first: usize) -> Result<u32, VtuFault> {
+    let number = value + first as f64;
+    if value >= 0.0 && value.fract() == 0.0 && number < f64::from(u32::MAX) {
+        Ok(number as u32)
+    } else {
+        Err(VtuFault::Node { value })
+    }
+}
+
+fn child<'a, 'b>(parent: Node<'a, 'b>, element: &'static str) -> Result<Node<'a, 'b>, VtuFault> {
+    let mut children = parent.children();
+    let found = children.find(|node| node.has_tag_name(element));
+    found.ok_or(VtuFault::Missing { element })
+}
+
+fn array<'a, 'b>(cells: Node<'a, 'b>, name: &'static str) -> Result<Node<'a, 'b>, VtuFault> {
+    let mut children = cells.children();
+    let found = children.find(|node| node.attribute("Name") == Some(name));
+    found.ok_or(VtuFault::Missing { element: name })
+}
+
+/// How binary arrays of the file are laid out.
+#[derive(Clone, Copy)]
+struct Layout {
+    big_endian: bool,
+    /// Bytes of the length that stands before each array.
+    header: usize,
+}
+
+impl Layout {
+    /// Values of a `DataArray`; whole numbers stay exact up to 2^53.
+    fn numbers(self, array: Node) -> Result<Vec<f64>, VtuFault> {
+        let text = array.text().unwrap_or_default();
+        match array.attribute("format") {
+            Some("ascii") | None => ascii(text),
+            Some("binary") => self.binary(text, array.attribute("type").unwrap_or_default()),
+            Some(format) => Err(VtuFault::Format { format: format.to_owned() }),
+        }
+    }
+
+    fn binary(self, text: &str, kind: &str) -> Result<Vec<f64>, VtuFault> {
+        let decode = decoder(kind).ok_or_else(|| VtuFault::Type { kind: kind.to_owned() })?;
+        let bytes = BASE64_STANDARD.decode(text.trim())?;
+        let values = bytes.get(self.header..).unwrap_or_default();
+        let width = width(kind);
+        if !values.len().is_multiple_of(width) {
+            return Err(VtuFault::Truncated { kind: kind.to_owned() });
+        }
+        let little = |value: &[u8]| {
+            let mut bytes = [0; 8];
+            bytes[..width].copy_from_slice(value);
+            if self.big_endian {
+                bytes[..width].reverse();
+            }
+            decode(bytes)
+        };
+        Ok(values.chunks_exact(width).map(little).collect())
+    }
+}
+
+fn ascii(text: &str) -> Result<Vec<f64>, VtuFault> {
+    let number = |word: &str| word.parse().map_err(|_| VtuFault::Number { text: word.to_owned() });
+    text.split_ascii_whitespace().map(number).collect()
+}
+
+/// Bytes of one number of the VTK type `kind`, from the bits in its name.
+fn width(kind: &str) -> usize {
+    match kind.trim_start_matches(|c: char| !c.is_ascii_digit()) {
+        "8" => 1,
+        "16" => 2,
+        "32" => 4,
+        _ => 8,
+    }
+}
+
+/// Reads a number of the VTK type `kind` from its little-endian bytes, padded with zeros.
+fn decoder(kind: &str) -> Option<fn([u8; 8]) -> f64> {
+    Some(match kind {
+        "Float64" => f64::from_le_bytes,
+        "Float32" => |b| f64::from(f32::from_bits(u64::from_le_bytes(b) as u32)),
+        "UInt8" | "UInt16" | "UInt32" | "UInt64" => |b| u64::from_le_bytes(b) as f64,
+        "Int8" => |b| f64::from(b[0] as i8),
+        "Int16" => |b| f64::from(u64::from_le_bytes(b) as i16),
+        "Int32" => |b| f64::from(u64::from_le_bytes(b) as i32),
+        "Int64" => |b| i64::from_le_bytes(b) as f64,
+        _ => return None,
+    })
+}

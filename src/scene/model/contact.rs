@@ -1,0 +1,42 @@
+//! Contact between faces of film.
+
+use super::{Contact, Face, Mistakes, layers};
+use crate::scenario::{self, Scenario};
+use base::number::significant;
+
+/// Share of a distance that is round-off.
+const ROUND_OFF: f64 = 1e-9;
+
+pub(super) fn check(scenario: &Scenario, faces: Option<&[Face]>, mistakes: &mut Mistakes<'_>) -> Contact {
+    let scenario::Contact { film, film_friction } = scenario.contact;
+    let layers = scenario.layers.as_ref().map_or(1, |layers| layers.faces.len());
+    let under_pressure = matches!(scenario.loading, scenario::Loading::Pressure(_));
+    let has_faces = layers.max(scenario.layer.len()) > 1;
+    let can_meet = has_faces && (!scenario.impactor.is_empty() || under_pressure);
+    if film && !can_meet {
+        mistakes.out_of_place("contact.film", "no two faces can meet");
+    }
+    if film_friction.is_some() && !can_meet {
+        mistakes.out_of_place("contact.film_friction", "no two faces are pressed on each other");
+    }
+    if has_faces && under_pressure {
+        if !film {
+            mistakes
+                .missing("contact.film", "true: the pressure acts on the lowest face, which presses on those above it");
+        }
+        if film_friction.is_none() {
+            mistakes.missing("contact.film_friction", "there is no impactor whose coefficient faces could have");
+        }
+    }
+    for (place, pair) in faces.unwrap_or_default().windows(2).enumerate().filter(|_| film) {
+        let thickness = |face: &Face| face.material.thickness * f64::from(face.layers);
+        let [apart, needed] = [pair[0].height - pair[1].height, 0.5 * (thickness(&pair[0]) + thickness(&pair[1]))];
+        if apart > 0.0 && apart < needed * (1.0 - ROUND_OFF) {
+            let [apart, needed] = [apart, needed].map(|length| significant(1e6 * length, 3));
+            let message = format!("the faces are {apart} um apart, closer than they are thick");
+            let hint = format!("mount their middle surfaces at least {needed} um apart");
+            mistakes.report_with(&layers::height_path(scenario, place + 1), message, hint);
+        }
+    }
+    Contact { film: can_meet && film, film_friction }
+}

@@ -1,0 +1,98 @@
+//! Mistakes found by the checks, each at the place of a key path.
+
+use std::path::PathBuf;
+
+use crate::scenario::{Document, MeshFile};
+use base::diagnostic::{Diagnostic, Span, shown_path};
+
+/// The mistakes found so far, and the document that says where they are.
+pub struct Mistakes<'d> {
+    pub document: &'d Document,
+    pub mistakes: Vec<Diagnostic>,
+}
+
+impl<'d> Mistakes<'d> {
+    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Mistakes<'d> {
+        Mistakes { document, mistakes }
+    }
+
+    /// A mistake in the value at the key path.
+    pub fn report(&mut self, path: &str, message: impl Into<String>) {
+        let span = self.document.span(path);
+        self.mistakes.push(Diagnostic::new(message).at(&span));
+    }
+
+    /// A mistake in the value at the key path, and what to write instead.
+    pub fn report_with(&mut self, path: &str, message: impl Into<String>, hint: impl Into<String>) {
+        let span = self.document.span(path);
+        self.mistakes.push(Diagnostic::new(message).at(&span).hint(hint));
+    }
+
+    /// Lets the last mistake also point at the key path, where it is written.
+    pub fn label(&mut self, path: &str, text: impl Into<String>) {
+        if !self.is_written(path) {
+            return;
+        }
+        let span = self.document.span(path);
+        if let Some(mistake) = self.mistakes.pop() {
+            self.mistakes.push(mistake.label(&span, text));
+        }
+    }
+
+    /// The value at the key path, whose number is hardly meant, in the unit that is, as a hint; none where it is
+    /// likely.
+    pub fn meant(&self, path: &str) -> Option<String> {
+        let found = self.document.implausible().into_iter().find(|value| value.key == path)?;
+        found.meant.map(|meant| format!("did you mean \"{meant}\"?"))
+    }
+
+    /// A key that is missing at the key path.
+    pub fn missing(&mut self, path: &str, hint: impl Into<String>) {
+        self.report_with(path, format!("missing key `{path}`"), hint);
+    }
+
+    /// A key that has no meaning together with another.
+    pub fn out_of_place(&mut self, path: &str, why: impl Into<String>) {
+        let span = self.document.key_span(path);
+        let message = format!("`{path}` has no meaning here");
+        self.mistakes.push(Diagnostic::new(message).at(&span).hint(why));
+    }
+
+    /// Whether the document has the key.
+    pub fn is_written(&self, path: &str) -> bool {
+        self.document.find(path).is_some()
+    }
+
+    /// Whether the value at the key path is written in another text than the file that is checked.
+    pub fn is_inherited(&self, path: &str) -> bool {
+        self.document.span(path).source.name != shown_path(self.document.path())
+    }
+
+    /// The existing file named at the key path.
+    pub fn file(&mut self, path: &str) -> Option<PathBuf> {
+        let file = self.document.file(path)?;
+        if file.is_file() {
+            return Some(file);
+        }
+        let shown = shown_path(&file);
+        self.report(path, format!("cannot read {shown}: there is no such file"));
+        None
+    }
+
+    /// The existing file with a mesh that is written at the key path, and the length of one unit of its coordinates, m.
+    pub fn mesh(&mut self, path: &str, written: &MeshFile) -> Option<(PathBuf, f64)> {
+        match written {
+            MeshFile::Path(_) => Some((self.file(path)?, 1.0)),
+            MeshFile::Table(table) => Some((self.file(&format!("{path}.file"))?, table.unit.metres() * table.scale)),
+        }
+    }
+
+    /// All mistakes in the order of the text, without repetitions.
+    pub fn into_mistakes(self) -> Vec<Diagnostic> {
+        let mut mistakes = self.mistakes;
+        let place = |span: &Span| (span.source.name.clone(), span.range.start);
+        mistakes.sort_by_cached_key(|mistake| mistake.span.as_ref().map(place));
+        mistakes.dedup_by(|a, b| a.message == b.message && a.span.as_ref().map(place) == b.span.as_ref().map(place));
+        mistakes
+    }
+}

@@ -1,0 +1,579 @@
+//! The checked scenario: SI values, complete, immutable.
+
+mod air;
+mod contact;
+mod mistakes;
+mod frame;
+mod grading;
+mod hyperelastic;
+mod identity;
+mod impactor;
+mod indent;
+mod layers;
+mod loading;
+mod material;
+mod output;
+mod plastic;
+mod post;
+mod reference;
+mod rupture;
+mod size;
+mod solver;
+mod specimen;
+mod variation;
+mod viscous;
+mod warning;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::mesh::{Meshing, Outline, Side};
+use crate::scenario::{Document, Scenario};
+use base::diagnostic::Diagnostic;
+pub use identity::Identity;
+use membrane::engine::GuideFriction;
+use membrane::material::Material;
+use mistakes::Mistakes;
+pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
+pub use variation::{Factor, Input, Level, Point, PointsError, Values, Variation, variation};
+pub use warning::ABSORPTION_NOT_GIVEN;
+pub use warning::{CODES, Warning, warnings};
+
+/// Checks a scenario and converts it to SI values.
+///
+/// # Errors
+/// All mistakes of the scenario, at once.
+pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
+    let (scenario, mistakes) = document.scenario();
+    let mut mistakes = Mistakes::new(document, mistakes);
+    let model = scenario.and_then(|scenario| model(&scenario, &mut mistakes));
+    match model {
+        Some(model) if mistakes.mistakes.is_empty() => Ok(model),
+        _ => Err(mistakes.into_mistakes()),
+    }
+}
+
+/// Checks a material file alone.
+///
+/// # Errors
+/// All mistakes of the file, at once.
+pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> {
+    let (written, mistakes) = document.material();
+    let mut mistakes = Mistakes::new(document, mistakes);
+    let material = written.and_then(|written| material::check(&written, "", &mut mistakes));
+    match material {
+        Some(material) if mistakes.mistakes.is_empty() => Ok(material),
+        _ => Err(mistakes.into_mistakes()),
+    }
+}
+
+/// Every part is checked before the first missing one ends it.
+fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
+    let name = mistakes.document.name();
+    let specimen = specimen::check(&scenario.specimen, mistakes);
+    let loading = loading::check(scenario, mistakes);
+    let mut faces = layers::check(scenario, &loading, mistakes);
+    let frame = frame::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
+    let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
+    let holds_gas = loading.is_by_gas() || air.is_some_and(|air| air.cushion.is_some());
+    if holds_gas && !scenario.specimen.cuts.is_empty() {
+        let hint = "leave `cuts` out, or the gas";
+        mistakes.report_with("specimen.cuts", "film with cuts does not hold gas", hint);
+    }
+    let impactors = impactor::check(scenario, &loading, mistakes);
+    let first = impactors.as_deref().unwrap_or_default().first();
+    let shape = specimen.as_ref().map(|specimen| &specimen.shape);
+    let (all, graded) = (impactors.as_deref().unwrap_or_default(), faces.as_deref_mut().unwrap_or_default());
+    grading::check(scenario, &loading, graded, all, shape, mistakes);
+    let loading = loading.with_impactor(first);
+    let solver = solver::check(scenario);
+    let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
+    let reference = reference::check(scenario, mistakes);
+    let post = post::check(scenario, mistakes);
+    let contact = contact::check(scenario, faces.as_deref(), mistakes);
+    if let Some(written) = &scenario.variation {
+        variation::check(written, mistakes);
+    }
+    let model = Model {
+        title: scenario.title.clone().unwrap_or_else(|| name.clone()),
+        name,
+        specimen: specimen?,
+        faces: faces?,
+        frame,
+        impactors: impactors?,
+        loading,
+        contact,
+        air,
+        solver,
+        output,
+        reference,
+        post,
+    };
+    size::check(&model, mistakes);
+    indent::check(&model, mistakes);
+    Some(model)
+}
+
+/// Everything one simulation needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Model {
+    /// Path under `scenarios/` without extension, e.g. `drop/1008`.
+    pub name: String,
+    /// What pages and plots call the run.
+    pub title: String,
+    /// Outline, symmetry and damping of the film.
+    pub specimen: Specimen,
+    /// The faces of film, from the first that comes into contact to the last; at least one.
+    pub faces: Vec<Face>,
+    /// The mounting frame.
+    pub frame: Frame,
+    /// The impactors; at least one exactly where the loading needs them. Of several, each has a name.
+    pub impactors: Vec<Impactor>,
+    /// The loading.
+    pub loading: Loading,
+    /// Contact between faces.
+    pub contact: Contact,
+    /// The air around the film, where it is computed.
+    pub air: Option<Air>,
+    /// Time stepping.
+    pub solver: Solver,
+    /// Sampling and channel filter.
+    pub output: Output,
+    /// The recording that the run is compared with.
+    pub reference: Option<Reference>,
+    /// The Rhai script that adds to the summary.
+    pub post: Option<PathBuf>,
+}
+
+impl Model {
+    /// The meshes of the specimen and of the impactors.
+    pub fn meshes(&self) -> Vec<MeshInput<'_>> {
+        let specimen = match &self.specimen.shape {
+            Outline::Mesh { path, scale } => Some(MeshInput { key: "specimen.shape.mesh".into(), path, scale: *scale }),
+            _ => None,
+        };
+        let mut meshes: Vec<MeshInput<'_>> = specimen.into_iter().collect();
+        for (place, impactor) in self.impactors.iter().enumerate() {
+            let key =
+                if self.impactors.len() > 1 { format!("impactor.{place}.shape") } else { "impactor.shape".into() };
+            impactor.shape.meshes(&key, &mut meshes);
+        }
+        meshes
+    }
+
+    /// Whether a tear of its film takes a fracture energy, so that the film holds beside it.
+    pub fn can_tear(&self) -> bool {
+        let energy = |face: &Face| face.material.rupture.as_ref().map_or(0.0, |rupture| rupture.fracture_energy);
+        self.faces.iter().any(|face| energy(face) > 0.0)
+    }
+
+    /// The first impactor.
+    pub fn impactor(&self) -> Option<&Impactor> {
+        self.impactors.first()
+    }
+
+    /// What the names of signals and figures of each impactor begin with: of one nothing, of several their names and an
+    /// underscore.
+    pub fn prefixes(&self) -> Vec<String> {
+        match self.impactors.as_slice() {
+            [_] => vec![String::new()],
+            several => several.iter().map(|impactor| format!("{}_", impactor.words())).collect(),
+        }
+    }
+
+    /// The name of each impactor, where there are several.
+    pub fn names(&self) -> Vec<Option<&str>> {
+        let several = self.impactors.len() > 1;
+        self.impactors.iter().map(|impactor| impactor.name.as_deref().filter(|_| several)).collect()
+    }
+
+    /// Name of the film in reports: that of all faces where they have one in common, else "film".
+    pub fn film(&self) -> &str {
+        let mut names = self.faces.iter().map(|face| face.film.as_deref());
+        let first = names.next().flatten();
+        first.filter(|_| names.all(|name| name == first)).unwrap_or("film")
+    }
+}
+
+/// A mesh that a run reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshInput<'m> {
+    /// Path of the key that names its file.
+    pub key: String,
+    /// The file.
+    pub path: &'m Path,
+    /// Length of one unit of its coordinates, m.
+    pub scale: f64,
+}
+
+/// Outline of the film and the part of it that is computed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Specimen {
+    /// Outline of the film.
+    pub shape: Outline,
+    /// Mirror planes.
+    pub symmetry: Symmetry,
+    /// Mass-proportional damping of the film, 1/s.
+    pub damping: f64,
+    /// Points of each cut through all faces, m.
+    pub cuts: Vec<Vec<[f64; 2]>>,
+}
+
+/// Mirror planes through the origin; the computed part lies at x >= 0 and/or y >= 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Symmetry {
+    /// The whole film is computed.
+    None,
+    /// Only x >= 0 is computed.
+    HalfX,
+    /// Only y >= 0 is computed.
+    HalfY,
+    /// Only x >= 0 and y >= 0 is computed.
+    Quarter,
+}
+
+/// One face of film: `layers` layers that act as one membrane.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Face {
+    /// z of the undeformed face, m.
+    pub height: f64,
+    /// Number of layers.
+    pub layers: u32,
+    /// Name of the film in reports, e.g. "LLDPE".
+    pub film: Option<String>,
+    /// Material of one layer.
+    pub material: Material,
+    /// Angle from the x axis to MD, rad; under a stretch it puts the direction of loading along x.
+    pub md_angle: f64,
+    /// Engineering pre-strain along MD and TD: the film's own length is the span / (1 + pre-strain).
+    pub prestrain: [f64; 2],
+    /// Kind and size of its elements.
+    pub meshing: Meshing,
+    /// Whether it is brought to equilibrium with its pre-strain and its weight before the test.
+    pub settle: bool,
+}
+
+/// The mounting frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Edges that it clamps.
+    pub hold: Hold,
+    /// Bars along these edges.
+    pub bars: Option<Bars>,
+    /// The clamp, where film may slip in it.
+    pub clamp: Option<Clamp>,
+}
+
+/// Bars along the held edges of film: below a single face; between two faces as high as these are apart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bars {
+    /// Radius over which film bends, m.
+    pub radius: f64,
+    /// Coulomb coefficient between bars and film.
+    pub friction: f64,
+}
+
+/// A clamp in which film slips.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clamp {
+    /// Force on each face of film along all of its held edges, N.
+    pub force: f64,
+    /// Coulomb coefficient between the clamp and each side of the film.
+    pub friction: f64,
+    /// Length of film within the clamp, m; `None` where it never slips out.
+    pub width: Option<f64>,
+}
+
+/// Clamped edges.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Hold {
+    /// All edges.
+    All,
+    /// Sides of a rectangle.
+    Sides(Vec<Side>),
+    /// No edge.
+    None,
+}
+
+/// The rigid body that comes into contact with the film.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Impactor {
+    /// Its name; every one of several has one.
+    pub name: Option<String>,
+    /// Its surface.
+    pub shape: ImpactorShape,
+    /// kg; infinite where its motion is prescribed.
+    pub mass: f64,
+    /// Its degrees of freedom.
+    pub guide: Guide,
+    /// Friction of its guide; none for a free one.
+    pub guide_friction: GuideFriction,
+    /// Coulomb coefficient between impactor and film.
+    pub friction: f64,
+    /// Coefficient of restitution against other impactors, of which a pair has the smaller.
+    pub restitution: f64,
+    /// When it is released, s; until then it is held and touches nothing.
+    pub release: f64,
+    /// Moments of inertia about its own x, y and z, kg m²; those of a homogeneous body where there are none.
+    pub inertia: Option<[f64; 3]>,
+    /// Position of its centre of mass at the start: x, y in m.
+    pub position: [f64; 2],
+    /// Height of its centre of mass at the start, m; none where it starts in contact.
+    pub height: Option<f64>,
+    /// Rotation at the start from the upright position: an axis times an angle, rad.
+    pub orientation: [f64; 3],
+    /// Velocity of its centre of mass at the start, m/s.
+    pub velocity: [f64; 3],
+    /// Angular velocity at the start, rad/s.
+    pub spin: [f64; 3],
+}
+
+impl Impactor {
+    /// Its name in texts.
+    pub fn words(&self) -> &str {
+        self.name.as_deref().unwrap_or("impactor")
+    }
+
+    /// Whether it does not move along z alone.
+    pub fn is_spatial(&self) -> bool {
+        matches!(self.guide, Guide::Free | Guide::Line(_) | Guide::Hinge { .. })
+    }
+}
+
+/// Shape of the impactor, lengths in m; its axis is z, its tip points down.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ImpactorShape {
+    /// A ball.
+    Sphere {
+        /// Its radius.
+        radius: f64,
+    },
+    /// A cylindrical shaft of this length with a hemispherical tip, and another one above.
+    Hemisphere {
+        /// Radius of tip and shaft.
+        radius: f64,
+        /// Length of the shaft.
+        length: f64,
+    },
+    /// The same under its other name, with a given length.
+    Capsule {
+        /// Radius of shaft and ends.
+        radius: f64,
+        /// Length of the shaft.
+        length: f64,
+    },
+    /// A flat-ended cylinder, axis along z.
+    Cylinder {
+        /// Radius of the flat end.
+        radius: f64,
+        /// Length along z.
+        length: f64,
+        /// Radius of its edges.
+        edge: f64,
+    },
+    /// A cone with its tip down.
+    Cone {
+        /// Radius of the flat end.
+        radius: f64,
+        /// Length along z, with a sharp tip.
+        length: f64,
+        /// Radius of tip and edge.
+        edge: f64,
+    },
+    /// A box.
+    Box {
+        /// Lengths along x, y and z.
+        size: [f64; 3],
+        /// Radius of its edges.
+        edge: f64,
+    },
+    /// A closed surface from STL or OBJ.
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// Length of one unit of its coordinates, m.
+        scale: f64,
+    },
+    /// Parts of one density.
+    Compound(Vec<Part>),
+}
+
+impl ImpactorShape {
+    /// Adds the meshes of the shape, whose table has the key path `key`, to `meshes`.
+    fn meshes<'m>(&'m self, key: &str, meshes: &mut Vec<MeshInput<'m>>) {
+        match self {
+            ImpactorShape::Mesh { path, scale } => {
+                meshes.push(MeshInput { key: format!("{key}.mesh"), path, scale: *scale });
+            }
+            ImpactorShape::Compound(parts) => {
+                for (place, part) in parts.iter().enumerate() {
+                    part.shape.meshes(&format!("{key}.compound.{place}.shape"), meshes);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A part of a compound body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Its shape, no compound.
+    pub shape: ImpactorShape,
+    /// Position of its own origin in the body, m.
+    pub at: [f64; 3],
+    /// Rotation about that point: an axis times an angle, rad.
+    pub orientation: [f64; 3],
+}
+
+/// Degrees of freedom of the impactor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Guide {
+    /// Only translation along z.
+    Z,
+    /// Six degrees of freedom.
+    Free,
+    /// None.
+    Fixed,
+    /// Translation along this unit vector.
+    Line([f64; 3]),
+    /// Rotation about an axis that stays where it is.
+    Hinge {
+        /// Unit vector along the axis.
+        axis: [f64; 3],
+        /// A point of it, m.
+        at: [f64; 3],
+    },
+}
+
+/// The loading of the specimen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Loading {
+    /// The impactor falls onto the film.
+    Impact {
+        /// Vertical velocity of the first impactor at the start, m/s, downward positive.
+        velocity: f64,
+        /// Acceleration of free fall, m/s².
+        gravity: f64,
+        /// Simulated time, s.
+        duration: f64,
+    },
+    /// The edges x- and x+ are jaws that part along x.
+    Stretch {
+        /// Angle from MD to the direction of loading, rad: MD 0, TD π/2.
+        angle: f64,
+        /// Speed at which the jaws part, m/s.
+        velocity: f64,
+        /// Engineering strain at which the test ends.
+        until: f64,
+        /// Factor on the film's mass; `None` chooses it from the number of steps.
+        mass_scaling: Option<f64>,
+    },
+    /// The impactor starts in contact with the film and moves down.
+    Indent {
+        /// Travel of the impactor, m.
+        depth: f64,
+        /// Speed of the impactor, m/s.
+        velocity: f64,
+        /// Factor on the film's mass; `None` chooses it from the periods of the film.
+        mass_scaling: Option<f64>,
+    },
+    /// A pressure on the lower side of the film rises and is then constant for half as long.
+    Pressure {
+        /// Final pressure, Pa.
+        pressure: f64,
+        /// Time in which it rises, s.
+        ramp: f64,
+        /// Factor on the film's mass; `None` chooses it from the periods of the film.
+        mass_scaling: Option<f64>,
+    },
+    /// Gas is let in under the film; its volume is then constant for half as long.
+    Volume {
+        /// Final volume under the whole film, m³.
+        volume: f64,
+        /// Time in which it is let in, s.
+        ramp: f64,
+        /// Factor on the film's mass; `None` chooses it from the periods of the film.
+        mass_scaling: Option<f64>,
+    },
+}
+
+/// Contact between faces of film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Whether faces meet each other, also where the impactor is not.
+    pub film: bool,
+    /// Coulomb coefficient between faces; `None` takes that of the impactor.
+    pub film_friction: Option<f64>,
+}
+
+/// The air around the film.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Air {
+    /// That between the two faces.
+    pub cushion: Option<Cushion>,
+    /// Mass of air per area of film that moves with it, kg/m².
+    pub added_mass: f64,
+    /// kg/m³.
+    pub density: f64,
+    /// Pa.
+    pub pressure: f64,
+}
+
+/// Air between two faces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cushion {
+    /// Exponent of pressure over density.
+    pub exponent: f64,
+    /// Area of the vents times their discharge coefficient, m².
+    pub vent: f64,
+}
+
+/// How time is stepped.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Solver {
+    /// Factor on the stable time step, 0 < factor ≤ 1.
+    pub step_factor: f64,
+    /// Stable time step that elements with a shorter one get by added mass, s; none where no mass is added.
+    pub smallest_step: Option<f64>,
+}
+
+/// What a run records.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Output {
+    /// Samples per second, Hz.
+    pub sample_rate: f64,
+    /// Number of snapshots for the recording.
+    pub frames: usize,
+    /// SAE J211 channel frequency class; `None` leaves the filtered channel equal to the raw one.
+    pub filter: Option<f64>,
+}
+
+/// A measured or virtual recording that the run is compared with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// Index of the impactor that it was recorded of.
+    pub impactor: usize,
+    /// Signals from first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or a raw recording.
+    pub signals: PathBuf,
+    /// Accelerometer of a raw recording; where none is named, its only acceleration.
+    pub acceleration: Option<String>,
+    /// Laser of a raw recording; where none is named, its only length.
+    pub displacement: Option<String>,
+    /// Drop height of a raw recording, m.
+    pub drop_height: Option<f64>,
+    /// Window of the errors.
+    pub window: Window,
+}
+
+/// Window of the errors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Window {
+    /// From first contact to the largest displacement of the reference.
+    Loading,
+    /// The whole recording.
+    All,
+    /// From, to; s.
+    Range([f64; 2]),
+}

@@ -1,0 +1,71 @@
+//! The recording that a run is compared with.
+
+use super::impactor::{self, Written};
+use super::{Mistakes, Reference, Window};
+use crate::scenario::{self, Guide, Loading, Phase, Scenario};
+use base::diagnostic::closest;
+use base::units::Time;
+
+const WINDOW: &str = "reference.window";
+
+/// The recording and the window of the errors.
+pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Reference> {
+    let written = scenario.reference.as_ref()?;
+    let impactors = impactor::written(scenario, mistakes);
+    let place = recorded(written.impactor.as_deref(), &impactors, mistakes);
+    let recorded = impactors.get(place);
+    let why = match recorded.map(|impactor| &impactor.guide) {
+        Some(Guide::Fixed | Guide::Line(_) | Guide::Hinge(_)) => {
+            Some("only a falling impactor is compared with a drop".to_owned())
+        }
+        _ => recorded.filter(|impactor| impactor.position.len() > 2).map(|impactor| {
+            let position = impactor.key("position");
+            format!("a recording counts from first contact: leave out the height of `{position}`")
+        }),
+    };
+    if let Some(why) = why {
+        mistakes.out_of_place("reference", why);
+    }
+    let window = match written.window {
+        scenario::Window::Phase(Phase::Loading) => Window::Loading,
+        scenario::Window::Phase(Phase::All) => Window::All,
+        scenario::Window::Range(range) => Window::Range(self::range(range, scenario, mistakes)),
+    };
+    let signals = mistakes.file("reference.signals")?;
+    let (acceleration, displacement) = (written.acceleration.clone(), written.displacement.clone());
+    let drop_height = written.drop_height.map(|height| height.0);
+    Some(Reference { impactor: place, signals, acceleration, displacement, drop_height, window })
+}
+
+/// Index of the impactor called `name`, the first where none is named.
+fn recorded(name: Option<&str>, impactors: &[Written<'_>], mistakes: &mut Mistakes<'_>) -> usize {
+    const KEY: &str = "reference.impactor";
+    let Some(name) = name else { return 0 };
+    let names = || impactors.iter().filter_map(|impactor| impactor.name.as_deref());
+    let place = impactors.iter().position(|impactor| impactor.name.as_deref() == Some(name));
+    if place.is_none() {
+        let message = format!("there is no impactor \"{name}\"");
+        match closest(name, names()) {
+            Some(meant) => mistakes.report_with(KEY, message, format!("did you mean \"{meant}\"?")),
+            None => mistakes.report(KEY, message),
+        }
+    }
+    place.unwrap_or(0)
+}
+
+fn range([from, to]: [Time; 2], scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> [f64; 2] {
+    if from.0 < 0.0 {
+        mistakes.report(&format!("{WINDOW}.0"), "the window starts before first contact");
+    }
+    if to.0 <= from.0 {
+        mistakes.report(&format!("{WINDOW}.1"), "the window ends before it starts");
+    }
+    if let Loading::Impact(impact) = &scenario.loading
+        && to.0 > impact.duration.0
+    {
+        let message = format!("the window ends after the run, which takes {}", impact.duration);
+        mistakes.report(&format!("{WINDOW}.1"), message);
+        mistakes.label("loading.impact.duration", "the run ends here");
+    }
+    [from.0, to.0]
+}

@@ -1,0 +1,82 @@
+//! `[frame]`: the mounting frame.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use base::units::{Force, Length};
+
+/// The mounting frame.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct Frame {
+    /// Clamped edges: all of them, none, or the sides listed. Under `loading.stretch` the jaws clamp the sides
+    /// x- and x+, and no other edge can be clamped.
+    #[schemars(extend("default" = "all"))]
+    pub hold: Option<Hold>,
+    /// Bars along the held edges, over which film bends: the edge lies on their crest. Between two faces they are as high as
+    /// these are apart. Impactors that reach them meet them. Left out, the frame has no thickness.
+    pub bars: Option<Bars>,
+    /// A clamp in which film slips; left out, it is held.
+    pub clamp: Option<Clamp>,
+}
+
+/// Bars along the held edges of film.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Bars {
+    /// Radius over which film bends.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 0.5]))]
+    pub radius: Length,
+    /// Coulomb coefficient between bars and film; between bars and an impactor the smaller of theirs.
+    #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
+    pub friction: f64,
+}
+
+/// A clamp in which film slips.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Clamp {
+    /// Force with which the clamp presses on each face of film, along all of its held edges together.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-2, 1e6]))]
+    pub force: Force,
+    /// Coulomb coefficient between the clamp and each side of the film.
+    #[schemars(range(max = 10), extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 2.0]))]
+    pub friction: f64,
+    /// Length of film within the clamp, after which it has slipped out of it; left out, it never does.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-4, 1.0]))]
+    pub width: Option<Length>,
+}
+
+/// Clamped edges. The validator has reported mistakes before serde tries the two forms.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Hold {
+    /// All edges or none.
+    Word(EdgeChoice),
+    /// The sides listed.
+    Sides(#[schemars(length(min = 1, max = 4))] Vec<Side>),
+}
+
+/// All edges or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum EdgeChoice {
+    /// Every edge is clamped.
+    All,
+    /// No edge is clamped.
+    None,
+}
+
+/// A straight edge of a rectangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Side {
+    /// The side at the smallest x.
+    #[serde(rename = "x-")]
+    XMinus,
+    /// The side at the largest x.
+    #[serde(rename = "x+")]
+    XPlus,
+    /// The side at the smallest y.
+    #[serde(rename = "y-")]
+    YMinus,
+    /// The side at the largest y.
+    #[serde(rename = "y+")]
+    YPlus,
+}

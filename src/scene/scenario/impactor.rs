@@ -1,0 +1,332 @@
+//! `[impactor]` and `[[impactor]]`: the rigid bodies that load the film.
+
+use std::path::PathBuf;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::schema;
+use base::units::{Angle, AngularVelocity, Force, ForcePerSpeed, Inertia, Length, Mass, Time, Velocity};
+
+/// Most impactors of a scene.
+const MOST: usize = 16;
+
+/// A rigid body that loads the film.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Impactor {
+    /// Name of the body among several, with which the names of its signals and figures begin: a letter, then letters, digits
+    /// and underscores.
+    pub name: Option<String>,
+    /// Shape of the body; its axis is z, its tip points down.
+    #[schemars(schema_with = "shape_schema")]
+    pub shape: ImpactorShape,
+    /// Mass of the body and all that moves with it; required where it falls.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 2e3]))]
+    pub mass: Option<Mass>,
+    /// Moments of inertia about the body's own x, y and z through its centre of mass; those of a homogeneous body, without
+    /// the rounding of edges, where they are left out.
+    #[schemars(transform = schema::positive_items)]
+    pub inertia: Option<[Inertia; 3]>,
+    /// Its degrees of freedom.
+    #[serde(default)]
+    pub guide: Guide,
+    /// Friction of the guide, against the motion along it; none where it is left out. `droptower signal drop` prints
+    /// that of a recorded fall.
+    #[serde(default)]
+    pub guide_friction: Option<GuideFriction>,
+    /// Coulomb coefficient between impactor and film; between two impactors, or an impactor and the frame's bars, the smaller
+    /// of theirs.
+    #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
+    pub friction: f64,
+    /// Coefficient of restitution where impactors meet, of which a pair has the smaller, and where this one meets the
+    /// frame's bars: 0 where they stay together, 1 where no energy is lost.
+    #[serde(default)]
+    #[schemars(range(min = 0, max = 1))]
+    pub restitution: f64,
+    /// When it is released with its velocity; until then it stands still at its position and touches nothing. One that is
+    /// released later than at the start needs a height in `position`.
+    #[serde(default = "start")]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-6, 5.0]))]
+    pub at: Time,
+    /// Position of its centre of mass at the start: x, y, and its height z, from which `layers.faces` count too. Without a
+    /// height it is placed on the film as mounted.
+    #[serde(default = "centre")]
+    #[schemars(length(min = 2, max = 3), extend("x-likely" = [-10.0, 10.0]))]
+    pub position: Vec<Length>,
+    /// Rotation from the upright position, about an axis through its centre of mass.
+    pub orientation: Option<Orientation>,
+    /// Velocity of its centre of mass at the start, in place of the downward speed of `loading.impact`.
+    #[schemars(extend("x-likely" = [-500.0, 500.0]))]
+    pub velocity: Option<[Velocity; 3]>,
+    /// Angular velocity at the start, about the axes of the scene; of a free impactor, and of one on a hinge the part along
+    /// its axis.
+    pub spin: Option<[AngularVelocity; 3]>,
+}
+
+fn start() -> Time {
+    Time(0.0)
+}
+
+/// One table, or a list of them. The validator has reported mistakes before serde tries the two forms.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OneOrSeveral {
+    Several(Vec<Impactor>),
+    One(Box<Impactor>),
+}
+
+/// Reads one impactor or several.
+pub(super) fn one_or_several<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Impactor>, D::Error> {
+    Ok(match OneOrSeveral::deserialize(from)? {
+        OneOrSeveral::Several(several) => several,
+        OneOrSeveral::One(one) => vec![*one],
+    })
+}
+
+/// The schema of one impactor, or of several.
+pub(super) fn one_or_several_schema(generator: &mut SchemaGenerator) -> Schema {
+    let one = generator.subschema_for::<Impactor>();
+    json_schema!({ "anyOf": [one, { "type": "array", "items": one, "minItems": 1, "maxItems": MOST }] })
+}
+
+fn centre() -> Vec<Length> {
+    vec![Length(0.0); 2]
+}
+
+/// A rotation about an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Orientation {
+    /// Direction of the axis, of any length.
+    pub axis: [f64; 3],
+    /// Angle about it, by the right-hand rule.
+    pub angle: Angle,
+}
+
+/// Shape of the impactor: one of the shapes, or several of them. The validator has reported mistakes before serde tries
+/// the two forms.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ImpactorShape {
+    /// Several parts.
+    Compound(Compound),
+    /// One shape.
+    One(BodyShape),
+}
+
+/// A body of several parts.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Compound {
+    /// A body of several shapes of one density.
+    #[schemars(length(min = 1))]
+    pub compound: Vec<Part>,
+}
+
+/// A part of a compound body.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Part {
+    /// Its shape.
+    pub shape: BodyShape,
+    /// Position of the middle of its height on its axis, or of the origin of its file's coordinates, in the body: x, y, z.
+    #[serde(default = "origin")]
+    pub at: [Length; 3],
+    /// Its rotation about that point.
+    pub orientation: Option<Orientation>,
+}
+
+fn origin() -> [Length; 3] {
+    [Length(0.0); 3]
+}
+
+/// The schema of one shape, with that of a compound as one more choice.
+fn shape_schema(generator: &mut SchemaGenerator) -> Schema {
+    let mut shape = BodyShape::json_schema(generator);
+    let compound = Compound::json_schema(generator).to_value();
+    if let Some(choices) = shape.get_mut("oneOf").and_then(|choices| choices.as_array_mut()) {
+        choices.push(compound);
+    }
+    shape
+}
+
+/// A shape.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum BodyShape {
+    /// A ball.
+    Sphere {
+        /// Radius of the ball.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        radius: Length,
+    },
+    /// A dart: a shaft with a hemispherical tip (ASTM D1709).
+    Hemisphere {
+        /// Radius of tip and shaft.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        radius: Length,
+        /// Length of the shaft behind the tip; four radii where it is left out.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        length: Option<Length>,
+    },
+    /// A cylinder with a hemisphere at each end, axis along z.
+    Capsule {
+        /// Radius of cylinder and hemispheres.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        radius: Length,
+        /// Length of the cylinder between the hemispheres.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        length: Length,
+    },
+    /// A flat-ended cylinder, axis along z.
+    Cylinder {
+        /// Radius of the flat end.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        radius: Length,
+        /// Length along z.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        length: Length,
+        /// Radius of its edges; sharp where it is left out.
+        #[serde(default = "sharp")]
+        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+        edge: Length,
+    },
+    /// A cone with its tip down, axis along z.
+    Cone {
+        /// Radius of the flat end.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        radius: Length,
+        /// Length along z, with a sharp tip.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        length: Length,
+        /// Radius of tip and edge, inside the flanks; sharp where it is left out.
+        #[serde(default = "sharp")]
+        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+        edge: Length,
+    },
+    /// A box.
+    Box {
+        /// Its lengths along x, y and z.
+        #[schemars(transform = schema::positive_items)]
+        size: [Length; 3],
+        /// Radius of its edges; sharp where it is left out.
+        #[serde(default = "sharp")]
+        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+        edge: Length,
+    },
+    /// A closed surface from an STL or OBJ file.
+    Mesh(MeshFile),
+}
+
+fn sharp() -> Length {
+    Length(0.0)
+}
+
+/// A file with a mesh: its path, with coordinates in m, or with their unit. The validator has reported mistakes
+/// before serde tries the two forms.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum MeshFile {
+    /// Coordinates in m.
+    Path(#[schemars(extend("x-path" = true))] PathBuf),
+    /// With unit and scale.
+    Table(MeshTable),
+}
+
+/// A file with a mesh and the unit of its coordinates.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MeshTable {
+    /// The file.
+    #[schemars(extend("x-path" = true))]
+    pub file: PathBuf,
+    /// Unit of its coordinates.
+    #[serde(default)]
+    pub unit: MeshUnit,
+    /// Factor on all coordinates besides.
+    #[serde(default = "unscaled")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub scale: f64,
+}
+
+fn unscaled() -> f64 {
+    1.0
+}
+
+/// Unit of the coordinates of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum MeshUnit {
+    /// Metre.
+    #[default]
+    M,
+    /// Centimetre.
+    Cm,
+    /// Millimetre.
+    Mm,
+    /// Inch.
+    In,
+}
+
+impl MeshUnit {
+    /// Its length, m.
+    pub fn metres(self) -> f64 {
+        match self {
+            MeshUnit::M => 1.0,
+            MeshUnit::Cm => 1e-2,
+            MeshUnit::Mm => 1e-3,
+            MeshUnit::In => 0.0254,
+        }
+    }
+}
+
+/// Force of the guide against the motion of the impactor.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct GuideFriction {
+    /// Part that does not depend on the speed; it holds an impactor at rest against a smaller force.
+    #[serde(default = "no_force")]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-3, 1e3]))]
+    pub constant: Force,
+    /// Part that is proportional to the speed.
+    #[serde(default = "no_force_per_speed")]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-4, 1e3]))]
+    pub per_speed: ForcePerSpeed,
+    /// Part that depends on the speed in any other way: speed and force of each point, the speeds ascending; straight
+    /// between the points, constant before the first and beyond the last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curve: Vec<FrictionPoint>,
+}
+
+/// Force of the guide at one speed.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FrictionPoint(#[schemars(range(min = 0))] pub Velocity, #[schemars(range(min = 0))] pub Force);
+
+fn no_force() -> Force {
+    Force(0.0)
+}
+
+fn no_force_per_speed() -> ForcePerSpeed {
+    ForcePerSpeed(0.0)
+}
+
+/// Degrees of freedom of the impactor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Guide {
+    /// Translation along z only.
+    #[default]
+    Z,
+    /// Six degrees of freedom.
+    Free,
+    /// None: it stays where it is.
+    Fixed,
+    /// Translation along a line, e.g. `{ line = [1, 0, -2] }`: its direction, of any length.
+    Line([f64; 3]),
+    /// Rotation about an axis that stays where it is; the impactor starts with `spin`.
+    Hinge(Hinge),
+}
+
+/// An axis about which the impactor rotates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Hinge {
+    /// Direction of the axis, of any length.
+    pub axis: [f64; 3],
+    /// A point of the axis: x, y, z.
+    pub at: [Length; 3],
+}

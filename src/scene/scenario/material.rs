@@ -1,0 +1,229 @@
+//! A material: the table of a material file, or of `specimen.material` itself.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::hyperelastic::Hyperelastic;
+use super::plastic::Plastic;
+use super::point::Point;
+use super::rupture::Rupture;
+use super::schema;
+use super::viscous::{PronyOf, PronyTerm, Shift};
+use base::units::{Density, Length, Pressure, Rate, Temperature};
+
+/// Material of one layer of film.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend(
+    "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }, { "required": ["hyperelastic"] }, { "required": ["plastic"] }]
+))]
+pub struct Material {
+    /// One line that describes it.
+    pub title: Option<String>,
+    /// A word for reports, e.g. "LLDPE".
+    pub name: Option<String>,
+    /// A material file whose keys this one extends and replaces; relative to this file.
+    #[schemars(extend("x-path" = true))]
+    pub extends: Option<PathBuf>,
+    /// Key paths of the file named by `extends` that are left out, e.g. `["fabric.scale"]`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unset: Vec<String>,
+    /// Mass per volume of the stress-free film.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e5, "x-likely" = [20.0, 25e3]))]
+    pub density: Density,
+    /// Thickness of one layer.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 0.1, "x-likely" = [1e-6, 2e-3]))]
+    pub thickness: Length,
+    /// Two fibre sets at 90° and a shear curve; a slack fibre carries no stress.
+    pub fabric: Option<Fabric>,
+    /// St. Venant–Kirchhoff, plane stress.
+    pub elastic: Option<Elastic>,
+    /// Rubber-like film of any stretch, plane stress with the thickness that follows.
+    pub hyperelastic: Option<Hyperelastic>,
+    /// Film that yields and keeps a set, plane stress with the thickness that follows.
+    pub plastic: Option<Plastic>,
+    /// Terms of a Prony series on the law, by which its stress relaxes; not on a fabric with `rates`, nor on plastic film.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(min = 1, max = 64))]
+    pub prony: Vec<PronyTerm>,
+    /// Which film the law as written describes, where it has `prony`.
+    pub prony_of: Option<PronyOf>,
+    /// Temperature of the film, to which `shift` moves the times of `prony`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [150.0, 600.0]))]
+    pub temperature: Option<Temperature>,
+    /// How the times of `prony` change with temperature.
+    pub shift: Option<Shift>,
+    /// When the film tears, and the energy that a tear takes; left out, fibres of a fabric break at the last strain of their
+    /// curves, and other film does not break.
+    pub rupture: Option<Rupture>,
+}
+
+/// Two fibre sets at 90° and a shear curve, per layer.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Fabric {
+    /// Stress over engineering strain along the machine direction.
+    pub md: Fibre,
+    /// Stress over engineering strain along the transverse direction.
+    pub td: Fibre,
+    /// Shear stress over shear angle.
+    pub shear: Shear,
+    /// Multipliers that make a dynamic curve of a quasi-static one (paper, equations 12 and 13), of both fibre sets.
+    #[serde(default)]
+    pub scale: Scale,
+    /// Whether the multipliers also move the break strain, with the second yield point, as they move the rest of the
+    /// curve behind it; otherwise fibres break at the strain as written, up to which the last slope continues.
+    #[serde(default)]
+    pub scale_break: bool,
+    /// Which curve gives the stress of film as it is mounted with a pre-strain: the one with the multipliers, or the
+    /// one without, to which film relaxes on the frame.
+    #[serde(default)]
+    pub mounting: MountingCurve,
+    /// Standard deviation of the break strains of single layers over their mean, that of the curve: layers of an
+    /// element break one after another, each at its quantile of a normal distribution. All at once where it is zero.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 0.2))]
+    pub break_scatter: f64,
+    /// Share of the stored energy that is lost on unloading.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-likely" = [0.0, 1.0]))]
+    pub absorption: f64,
+    /// Stress that both directions carry besides their own curves where their strains are equal, over the mean of both
+    /// curves with their multipliers: biaxial coupling of MD and TD. Isotropic film with Poisson's ratio ν has ν/(1 − ν),
+    /// 0.79 for 0.44; film of two independent fibre sets has none. It pulls at slack fibres too, until film has contracted
+    /// across by as much as it is stretched. Not together with `wrinkling` or `mounting = "quasi-static"`.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 5, "x-likely" = [0.0, 1.0]))]
+    pub biaxial: f64,
+    /// Whether the film wrinkles under any compression, shear included, so that it carries tension only (tension
+    /// field); otherwise a slack fibre alone carries no stress, and slack film in shear keeps a compression. Not together
+    /// with `biaxial`.
+    #[serde(default)]
+    pub wrinkling: bool,
+    /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest
+    /// to the highest of these, of both sets where both have them, where it is left out.
+    #[schemars(transform = schema::positive_items)]
+    pub measured_rates: Option<[Rate; 2]>,
+    /// Growth of the largest strain over which the strain rate of fibres with `rates` is averaged; 0.01 where it is
+    /// left out. It is assumed, as is that film was mounted (pre-strain) at the lowest of the rates, whose influence
+    /// decays over several times this growth: results depend on both.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rate_memory: Option<f64>,
+}
+
+/// The curve at which film is mounted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MountingCurve {
+    /// With the multipliers.
+    #[default]
+    Dynamic,
+    /// Without the multipliers.
+    QuasiStatic,
+}
+
+/// The curve of one fibre set: two yield points and a break point, any curve, or curves by strain rate.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend(
+    "oneOf" = [{ "required": ["yield", "break"] }, { "required": ["curve"] }, { "required": ["rates"] }]
+))]
+pub struct Fibre {
+    /// The two yield points: strain and stress of each.
+    #[serde(rename = "yield")]
+    pub yield_points: Option<[Point; 2]>,
+    /// Strain and stress at which the fibres break.
+    #[serde(rename = "break")]
+    pub break_point: Option<Point>,
+    /// A CSV file with the columns `strain` and `stress` (Pa, or `stress_MPa`), or the points themselves;
+    /// the last one is the break.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::path_or_list::<Point>")]
+    pub curve: Option<Vec<Point>>,
+    /// Strains of the two yield points of `curve`, required with `scale`.
+    #[schemars(transform = schema::positive_items)]
+    pub yield_strains: Option<[f64; 2]>,
+    /// Multipliers of these fibres alone, in place of all three of the fabric; one that is left out is 1.
+    pub scale: Option<Scale>,
+    /// Curves by strain rate, at least two, the slowest first: interpolated in the logarithm of the rate, constant
+    /// below the lowest and above the highest.
+    #[schemars(length(min = 2))]
+    pub rates: Option<Vec<RateCurve>>,
+}
+
+/// The curve of one fibre set at one strain rate.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("oneOf" = [{ "required": ["yield", "break"] }, { "required": ["curve"] }]))]
+pub struct RateCurve {
+    /// Strain rate at which the curve was measured.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rate: Rate,
+    /// The two yield points: strain and stress of each.
+    #[serde(rename = "yield")]
+    pub yield_points: Option<[Point; 2]>,
+    /// Strain and stress at which the fibres break.
+    #[serde(rename = "break")]
+    pub break_point: Option<Point>,
+    /// A CSV file with the columns `strain` and `stress` (Pa, or `stress_MPa`), or the points themselves;
+    /// the last one is the break.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::path_or_list::<Point>")]
+    pub curve: Option<Vec<Point>>,
+    /// Strains of the two yield points of `curve`, required with `scale`.
+    #[schemars(transform = schema::positive_items)]
+    pub yield_strains: Option<[f64; 2]>,
+    /// Multipliers of this curve alone, in place of those of the fibre set or of the fabric.
+    pub scale: Option<Scale>,
+}
+
+/// The shear curve.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Shear {
+    /// A CSV file with the columns `strain` (shear angle, rad) and `stress` (Pa, or `stress_MPa`), or the
+    /// points themselves.
+    #[schemars(schema_with = "schema::path_or_list::<Point>")]
+    pub curve: Vec<Point>,
+}
+
+/// The multipliers of a dynamic curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Scale {
+    /// Stiffness of the first part, up to the first yield point.
+    #[serde(default = "unchanged")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub k1: f64,
+    /// Stiffness up to the second yield point.
+    #[serde(default = "unchanged")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ke: f64,
+    /// Stress up to the second yield point.
+    #[serde(default = "unchanged")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ky: f64,
+}
+
+impl Default for Scale {
+    fn default() -> Scale {
+        Scale { k1: unchanged(), ke: unchanged(), ky: unchanged() }
+    }
+}
+
+fn unchanged() -> f64 {
+    1.0
+}
+
+/// St. Venant–Kirchhoff, plane stress.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Elastic {
+    /// Young's modulus.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e5, 1e12]))]
+    pub young: Pressure,
+    /// Poisson's ratio.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5, "x-likely" = [-1.0, 0.5]))]
+    pub poisson: f64,
+    /// Whether the film wrinkles under compression, so that it carries tension only (tension field).
+    #[serde(default)]
+    pub wrinkling: bool,
+    /// Lowest and highest strain rate at which the modulus was measured.
+    #[schemars(transform = schema::positive_items)]
+    pub measured_rates: Option<[Rate; 2]>,
+}

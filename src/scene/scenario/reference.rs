@@ -1,0 +1,59 @@
+//! `[reference]`: the recording that a run is compared with.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use base::units::{Length, Time};
+
+/// The recording that a run is compared with.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Reference {
+    /// Recording (CSV or ISO-MME): signals from first contact on where it has the columns `acceleration_m_s2` and/or
+    /// `displacement_m` (with `time_s`) and neither `acceleration` nor `displacement` is given; anything else is the
+    /// raw recording of a drop, from the rest before the release on, by an accelerometer and possibly a laser, and is
+    /// reduced first.
+    #[schemars(extend("x-path" = true))]
+    pub signals: PathBuf,
+    /// Name of the impactor that it was recorded of, of several; the first where it is left out.
+    pub impactor: Option<String>,
+    /// Accelerometer of a raw recording; the only channel that is an acceleration where it is left out.
+    pub acceleration: Option<String>,
+    /// Laser of a raw recording, upward from the film's upper face; the only channel that is a length where it is
+    /// left out.
+    pub displacement: Option<String>,
+    /// Drop height of a raw recording. Without it, contact is searched from an ideal fall to the impact velocity of the
+    /// run, which also determines the fall where there is no laser.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub drop_height: Option<Length>,
+    /// Window of the errors: the loading phase, the whole recording, or from–to.
+    #[serde(default)]
+    pub window: Window,
+}
+
+/// Window of the errors. The validator has reported mistakes before serde tries the two forms.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Window {
+    /// A named part.
+    Phase(Phase),
+    /// From, to.
+    Range([Time; 2]),
+}
+
+impl Default for Window {
+    fn default() -> Window {
+        Window::Phase(Phase::Loading)
+    }
+}
+
+/// A named part of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Phase {
+    /// From first contact to the largest displacement of the reference.
+    Loading,
+    /// The whole recording.
+    All,
+}

@@ -1,0 +1,394 @@
+//! Checks a tree against the grammar: all mistakes at once, each at its place.
+
+use std::sync::Arc;
+
+use super::grammar::{Key, Rule, TableRule};
+use super::plausible;
+use super::tree::{Entry, Node, Table, Value};
+use super::variation::{self, VariedKey};
+use base::diagnostic::{Diagnostic, Span, closest};
+use base::units::{Angle, Dimension, with_decimal_point};
+
+/// Largest magnitude of an angle, rad: 360 deg and its round-off.
+const FULL_TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
+
+/// The mistakes in `root` against `rule`.
+pub fn validate(root: &Node, rule: &Rule) -> Vec<Diagnostic> {
+    let mut walk = Walk::default();
+    walk.node(root, rule, &Place::top(root));
+    walk.mistakes
+}
+
+impl VariedKey {
+    /// The mistakes in what the key may have.
+    pub fn validate(&self) -> Vec<Diagnostic> {
+        match self.choices() {
+            Ok(rule) => {
+                let mut walk = Walk::default();
+                walk.node(&self.node, &rule, &Place { path: self.path.clone(), span: self.span.clone() });
+                walk.mistakes
+            }
+            Err(mistake) => vec![mistake],
+        }
+    }
+}
+
+/// A place in the tree.
+struct Place {
+    /// Key path, empty at the top.
+    path: String,
+    /// Where a missing key is reported.
+    span: Span,
+}
+
+impl Place {
+    fn top(root: &Node) -> Place {
+        Place { path: String::new(), span: root.span.clone() }
+    }
+
+    fn under(&self, entry: &Entry) -> Place {
+        Place { path: self.name(&entry.key), span: entry.key_span.clone() }
+    }
+
+    fn at(&self, index: usize, item: &Node) -> Place {
+        Place { path: self.name(&index.to_string()), span: item.span.clone() }
+    }
+
+    fn name(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+}
+
+#[derive(Default)]
+struct Walk {
+    mistakes: Vec<Diagnostic>,
+}
+
+impl Walk {
+    fn report(&mut self, mistake: Diagnostic) {
+        self.mistakes.push(mistake);
+    }
+
+    fn node(&mut self, node: &Node, rule: &Rule, place: &Place) {
+        match (rule, &node.value) {
+            (Rule::Table(rule), Value::Table(table)) => self.table(table, rule, place),
+            (Rule::List { item, shortest, longest }, Value::List(items)) => {
+                self.length(items.len(), *shortest, *longest, &node.span);
+                for (index, child) in items.iter().enumerate() {
+                    self.node(child, item, &place.at(index, child));
+                }
+            }
+            (Rule::Tuple(rules), Value::List(items)) => {
+                self.length(items.len(), rules.len(), rules.len(), &node.span);
+                for (index, (child, rule)) in items.iter().zip(rules).enumerate() {
+                    self.node(child, rule, &place.at(index, child));
+                }
+            }
+            (Rule::Choice(words), Value::Text(text)) => {
+                if !words.iter().any(|(word, _)| word == text) {
+                    self.report(unknown_word(text, rule).at(&node.span));
+                }
+            }
+            (Rule::Quantity(dimension, _), value) => {
+                self.quantity(value, *dimension, rule, node);
+            }
+            (Rule::Number { whole, .. }, Value::Whole(_) | Value::Number(_)) => {
+                self.number(node, *whole, rule);
+            }
+            (Rule::Text { .. }, Value::Text(_)) | (Rule::Flag, Value::Flag(_)) => {}
+            (Rule::Either(rules), _) => self.either(node, rules, place),
+            _ => self.report(wrong_kind(node, rule)),
+        }
+    }
+
+    fn table(&mut self, table: &Table, rule: &TableRule, place: &Place) {
+        for entry in &table.entries {
+            match (rule.key(&entry.key), &rule.others) {
+                (Some(key), _) => self.node(&entry.node, &key.rule, &place.under(entry)),
+                (None, Some(others)) => self.node(&entry.node, others, &place.under(entry)),
+                (None, None) if rule.varied => {}
+                (None, None) => self.report(unknown_key(entry, table, rule, place)),
+            }
+        }
+        if rule.varied {
+            self.varied(table, rule);
+        }
+        for key in rule.keys.iter().filter(|key| key.required) {
+            if table.get(&key.name).is_none() {
+                self.report(missing_key(key, place));
+            }
+        }
+        self.groups(table, rule, place);
+    }
+
+    /// Keys that vary, each with what it may have.
+    fn varied(&mut self, table: &Table, rule: &TableRule) {
+        for key in variation::varied_keys(table, rule) {
+            self.mistakes.extend(key.validate());
+        }
+    }
+
+    /// Keys that exclude one another: at most one group of them, and that one whole.
+    fn groups(&mut self, table: &Table, rule: &TableRule, place: &Place) {
+        let groups = rule.groups.iter();
+        let present: Vec<_> = groups.filter_map(|group| Some((group, first_of(table, group)?))).collect();
+        match present.as_slice() {
+            [] if rule.group_required && !has_future(table, rule) => {
+                self.report(no_group(rule, place));
+            }
+            [] => {}
+            [(group, _)] => self.whole_group(table, group, place),
+            [(_, first), others @ ..] => {
+                for (_, other) in others {
+                    let message = format!("`{}` and `{}` exclude each other", first.key, other.key);
+                    let (later, earlier) = if is_later(other, first, table) { (other, first) } else { (first, other) };
+                    let hint = match list_of_base(later, earlier) {
+                        Some(list) => format!(
+                            "{list}.0 is its first entry; `unset = [\"{list}\"]` or --unset {list} leaves it out"
+                        ),
+                        None => format!("keep one of {}", list_groups(rule)),
+                    };
+                    let label = format!("`{}` is given here", earlier.key);
+                    let mistake = Diagnostic::new(message).at(&later.key_span).hint(hint);
+                    self.report(mistake.label(&earlier.key_span, label));
+                }
+            }
+        }
+    }
+
+    fn whole_group(&mut self, table: &Table, group: &[String], place: &Place) {
+        for name in group.iter().filter(|name| table.get(name).is_none()) {
+            let message = format!("missing key `{}`", place.name(name));
+            let beside = first_of(table, group).map(|entry| format!("`{}` needs it", entry.key));
+            let mistake = Diagnostic::new(message).at(&place.span);
+            self.report(match beside {
+                Some(hint) => mistake.hint(hint),
+                None => mistake,
+            });
+        }
+    }
+
+    fn length(&mut self, found: usize, shortest: usize, longest: usize, span: &Span) {
+        if (shortest..=longest).contains(&found) {
+            return;
+        }
+        let expected = match (shortest, longest) {
+            (least, most) if least == most => format!("{least} items"),
+            (least, _) if found < least => {
+                format!("at least {least} item{}", if least == 1 { "" } else { "s" })
+            }
+            (_, most) => format!("at most {most} items"),
+        };
+        self.report(Diagnostic::new(format!("expected {expected}, found {found}")).at(span));
+    }
+
+    fn quantity(&mut self, value: &Value, dimension: Dimension, rule: &Rule, node: &Node) {
+        let number = match value {
+            Value::Whole(whole) => Ok(*whole as f64),
+            Value::Number(number) => Ok(*number),
+            Value::Text(text) => match dimension.parse(text) {
+                Ok(number) => Ok(number),
+                Err(error) => Err(Diagnostic::new(error.to_string()).hint(error.hint())),
+            },
+            _ => Err(Diagnostic::new(format!("expected {}, found {}", dimension.name, node.found()))
+                .hint(format!("write it like \"{}\"", dimension.example))),
+        };
+        match number {
+            Ok(angle) if dimension == Angle::DIMENSION && angle.is_finite() && angle.abs() > FULL_TURN => {
+                self.report(beyond_a_turn(node));
+            }
+            Ok(number) => self.range(number, rule, node, |bound| dimension.show(bound)),
+            Err(mistake) => self.report(mistake.at(&node.span)),
+        }
+    }
+
+    fn number(&mut self, node: &Node, whole: bool, rule: &Rule) {
+        match node.value {
+            Value::Whole(number) => self.range(number as f64, rule, node, |b| b.to_string()),
+            Value::Number(_) if whole => {
+                self.report(Diagnostic::new(format!("expected a whole number, found {}", node.found())).at(&node.span))
+            }
+            Value::Number(number) => self.range(number, rule, node, |b| b.to_string()),
+            _ => {}
+        }
+    }
+
+    fn range(&mut self, number: f64, rule: &Rule, node: &Node, show: impl Fn(f64) -> String) {
+        let Some(range) = rule.range() else { return };
+        let found = node.found();
+        if !number.is_finite() {
+            let message = format!("expected a finite number, found {found}");
+            self.report(Diagnostic::new(message).at(&node.span));
+        } else if !range.contains(number)
+            && let Some(bounds) = range.describe(show)
+        {
+            let message = format!("out of range: expected {bounds}, found {found}");
+            let mistake = Diagnostic::new(message).at(&node.span);
+            self.report(match plausible::meant(number, rule, node) {
+                Some(meant) => mistake.hint(format!("did you mean \"{meant}\"?")),
+                None => mistake,
+            });
+        }
+    }
+
+    /// The mistakes of the one branch that takes values of this kind; of several, whether one fits.
+    fn either(&mut self, node: &Node, rules: &[Rule], place: &Place) {
+        let meant: Vec<&Rule> = rules.iter().filter(|rule| rule.takes(&node.value)).collect();
+        if let ([Rule::Choice(_)], Value::Text(text)) = (meant.as_slice(), &node.value)
+            && rules.iter().filter_map(Rule::table).any(|table| table.key(text).is_some())
+        {
+            let mistake = Diagnostic::new(format!("expected a table, found \"{text}\"")).at(&node.span);
+            return self.report(mistake.hint(format!("`{text}` is a key here: {{ {text} = … }}")));
+        }
+        if let [only] = meant.as_slice() {
+            return self.node(node, only, place);
+        }
+        let fits = |rule: &&Rule| {
+            let mut attempt = Walk::default();
+            attempt.node(node, rule, place);
+            attempt.mistakes.is_empty()
+        };
+        if !meant.iter().any(fits) {
+            let rule = Rule::Either(rules.to_vec());
+            self.report(wrong_kind(node, &rule));
+        }
+    }
+}
+
+/// Degrees written as a bare number, which would be read as radians.
+fn beyond_a_turn(node: &Node) -> Diagnostic {
+    let message = format!("out of range: expected an angle within ±360 deg, found {}", node.found());
+    let mistake = Diagnostic::new(message).at(&node.span);
+    match node.value {
+        Value::Text(_) => mistake.hint("write it like \"45 deg\""),
+        _ => mistake.hint(format!("write it like \"{} deg\"; a bare number is in rad", node.found())),
+    }
+}
+
+/// Whether `entry` is written after `other`: in the same text, or in one that extends or changes the other's.
+fn is_later(entry: &Entry, other: &Entry, table: &Table) -> bool {
+    if Arc::ptr_eq(&entry.key_span.source, &other.key_span.source) {
+        return entry.key_span.range.start > other.key_span.range.start;
+    }
+    let place = |wanted: &Entry| table.entries.iter().position(|entry| entry.key == wanted.key);
+    place(entry) > place(other)
+}
+
+/// The key of an inherited list of tables that excludes the key `later`.
+fn list_of_base<'t>(later: &Entry, earlier: &'t Entry) -> Option<&'t str> {
+    let is_inherited = !Arc::ptr_eq(&later.key_span.source, &earlier.key_span.source);
+    (is_inherited && matches!(earlier.node.value, Value::List(_))).then_some(earlier.key.as_str())
+}
+
+fn first_of<'t>(table: &'t Table, group: &[String]) -> Option<&'t Entry> {
+    table.entries.iter().find(|entry| group.contains(&entry.key))
+}
+
+fn has_future(table: &Table, rule: &TableRule) -> bool {
+    let entries = &mut table.entries.iter();
+    entries.any(|entry| rule.future(&entry.key).is_some())
+}
+
+fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
+    let message = format!("expected {rule}, found {}", node.found());
+    let mistake = Diagnostic::new(message).at(&node.span);
+    match (&node.value, rule) {
+        (Value::Text(text), Rule::Number { .. }) if with_decimal_point(text).is_some() => {
+            let point = with_decimal_point(text).unwrap_or_default();
+            mistake.hint(format!("write it with a decimal point: {point}"))
+        }
+        (Value::Text(text), Rule::Number { .. } | Rule::Flag) if text.parse::<f64>().is_ok() => {
+            mistake.hint("leave the quotes out")
+        }
+        (Value::Text(text), Rule::Either(_)) => {
+            let words = rule.words();
+            match closest(text, words.iter().map(|(word, _)| *word)) {
+                Some(word) => mistake.hint(format!("did you mean \"{word}\"?")),
+                None => mistake,
+            }
+        }
+        _ => mistake,
+    }
+}
+
+fn unknown_word(text: &str, rule: &Rule) -> Diagnostic {
+    let words = rule.words();
+    let names = words.iter().map(|(word, _)| *word);
+    let mistake = Diagnostic::new(format!("expected {rule}, found \"{text}\""));
+    match closest(text, names) {
+        Some(word) => mistake.hint(format!("did you mean \"{word}\"?")),
+        None => mistake,
+    }
+}
+
+fn unknown_key(entry: &Entry, table: &Table, rule: &TableRule, place: &Place) -> Diagnostic {
+    if let Some(hint) = rule.future(&entry.key) {
+        return not_yet(&format!("`{}`", place.name(&entry.key)), hint).at(&entry.key_span);
+    }
+    // Who gives a value beside this one knows its key.
+    let is_beside = |name: &str| {
+        let other = table.get(name);
+        other.is_some_and(|other| {
+            let is_table = matches!(other.node.value, Value::Table(_));
+            !is_table && Arc::ptr_eq(&other.key_span.source, &entry.key_span.source)
+        })
+    };
+    let names = || rule.keys.iter().map(|key| key.name.as_str());
+    let meant = closest(&entry.key, names().filter(|name| !is_beside(name))).map(str::to_owned);
+    let hint = match meant.or_else(|| deeper(rule, &entry.key)) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => {
+            let known: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+            format!("known here: {}", known.join(", "))
+        }
+    };
+    Diagnostic::new(format!("unknown key `{}`", entry.key)).at(&entry.key_span).hint(hint)
+}
+
+/// Something that is planned: what a user may expect, and what there is instead.
+fn not_yet(what: &str, hint: &str) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("{what} is not supported yet"));
+    if hint.is_empty() { mistake } else { mistake.hint(hint) }
+}
+
+/// The path of a key of this name in a table below.
+fn deeper(rule: &TableRule, name: &str) -> Option<String> {
+    rule.keys.iter().find_map(|key| {
+        let table = key.rule.table()?;
+        let path = match table.key(name) {
+            Some(found) => found.name.clone(),
+            None => deeper(table, name)?,
+        };
+        Some(format!("{}.{path}", key.name))
+    })
+}
+
+fn missing_key(key: &Key, place: &Place) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("missing key `{}`", place.name(&key.name))).at(&place.span);
+    match &key.sentence {
+        Some(sentence) => mistake.hint(format!("`{}`: {}", key.name, first_clause(sentence))),
+        None => mistake,
+    }
+}
+
+/// The sentence of a key up to its first stop.
+fn first_clause(sentence: &str) -> &str {
+    sentence.split(['.', ';']).next().unwrap_or(sentence)
+}
+
+fn no_group(rule: &TableRule, place: &Place) -> Diagnostic {
+    let whole = if place.path.is_empty() { "the file".to_owned() } else { format!("`{}`", place.path) };
+    Diagnostic::new(format!("{whole} needs one of {}", list_groups(rule))).at(&place.span)
+}
+
+fn list_groups(rule: &TableRule) -> String {
+    let groups: Vec<String> = rule
+        .groups
+        .iter()
+        .map(|group| {
+            let keys: Vec<String> = group.iter().map(|key| format!("`{key}`")).collect();
+            keys.join(" with ")
+        })
+        .collect();
+    groups.join(", ")
+}

@@ -1,0 +1,217 @@
+//! `[variation]`: the keys that vary from run to run of a sweep, and how their values are chosen.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::grammar::{self, Bound, Key, Range, Rule, TableRule};
+use super::tree::{Entry, Node, Table, Value};
+use base::diagnostic::{Diagnostic, Span, closest};
+use base::units::{Dimension, Temperature, TemperatureDifference};
+
+/// Keys that vary from run to run of `droptower sweep`, each under its path in quotes (`"impactor.mass"`): a list of values,
+/// `{ range = ["1 m", "2 m"], count = 5 }`, or a distribution: `{ uniform = [low, high] }`,
+/// `{ normal = { mean = …, deviation = … } }`, `{ lognormal = { mean = …, deviation = … } }` or
+/// `{ weibull = { scale = …, shape = … } }`, each with or without `truncate = { low = …, high = … }`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-varied" = true))]
+pub struct Variation {
+    /// Number of runs of a Latin hypercube, a Sobol' sequence or random points; `-n` replaces it.
+    #[schemars(range(min = 1, max = 10_000_000))]
+    pub samples: Option<u32>,
+    /// How the values of the runs are chosen; where it is left out, a grid if every key has a list or a range, else a
+    /// Sobol' sequence.
+    pub method: Option<Method>,
+    /// The same seed gives the same values.
+    #[serde(default = "first")]
+    pub seed: u64,
+    /// Correlation of keys with distributions (Gaussian copula).
+    pub correlation: Option<Correlation>,
+    /// The keys that vary, as written.
+    #[serde(flatten)]
+    #[schemars(skip)]
+    pub keys: toml::Table,
+}
+
+fn first() -> u64 {
+    1
+}
+
+/// How the values of the runs are chosen.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Every combination of the listed values; the last key varies fastest.
+    Grid,
+    /// Each key once in each of as many parts of equal probability as there are runs.
+    LatinHypercube,
+    /// A scrambled Sobol' sequence: the first runs of a larger sweep are those of a smaller one.
+    Sobol,
+    /// Independent random values; the first runs of a larger sweep are those of a smaller one.
+    Random,
+    /// A CSV file with a column for each key that varies and a row for each run: a column is called by the key, with or
+    /// without its unit behind (`impactor.mass_kg`), as in the `table.csv` of a sweep.
+    Table(#[schemars(extend("x-path" = true))] PathBuf),
+}
+
+/// Correlation of keys.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Correlation {
+    /// The keys, each with a distribution.
+    #[schemars(length(min = 2))]
+    pub keys: Vec<String>,
+    /// The coefficients of correlation of the underlying normal distributions, a row for each key: symmetric, positive
+    /// definite, with ones on its diagonal.
+    #[schemars(length(min = 2), inner(length(min = 2), inner(range(min = -1, max = 1))))]
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// A key that varies, as written.
+#[derive(Clone, Debug)]
+pub struct VariedKey {
+    /// Path of the key.
+    pub path: String,
+    /// Where the path stands.
+    pub span: Span,
+    /// Its list, range or distribution.
+    pub node: Node,
+}
+
+/// Names of the kinds of values that a table under a key chooses from.
+const KINDS: [&str; 5] = ["range", "uniform", "normal", "lognormal", "weibull"];
+
+/// The entries of the table `[variation]` that name keys of the scenario: a path in quotes, or tables in one another.
+pub(super) fn varied_keys(table: &Table, rule: &TableRule) -> Vec<VariedKey> {
+    let others = table.entries.iter().filter(|entry| rule.key(&entry.key).is_none());
+    let mut found = Vec::new();
+    others.for_each(|entry| gather(&entry.key, entry, &mut found));
+    found
+}
+
+fn gather(path: &str, entry: &Entry, found: &mut Vec<VariedKey>) {
+    match &entry.node.value {
+        Value::Table(table) if !chooses(table) => {
+            table.entries.iter().for_each(|inner| gather(&format!("{path}.{}", inner.key), inner, found));
+        }
+        _ => {
+            let path = path.trim().to_owned();
+            found.push(VariedKey { path, span: entry.key_span.clone(), node: entry.node.clone() });
+        }
+    }
+}
+
+/// Whether the table is a range or a distribution, and not a part of a path.
+fn chooses(table: &Table) -> bool {
+    table.entries.is_empty()
+        || table.entries.iter().any(|entry| KINDS.contains(&entry.key.as_str()) || entry.key == "truncate")
+}
+
+impl VariedKey {
+    /// The rule of the scenario's key at the path.
+    ///
+    /// # Errors
+    /// There is no such key, or it cannot vary.
+    pub fn rule(&self) -> Result<&'static Rule, Diagnostic> {
+        let mut rule = grammar::scenario();
+        for (place, step) in self.path.split('.').enumerate() {
+            let refused = |message: String| Diagnostic::new(message).at(&self.span);
+            if place == 0 && ["variation", "extends", "unset"].contains(&step) {
+                return Err(refused(format!("`{step}` cannot vary")));
+            }
+            rule = rule.under(step).ok_or_else(|| {
+                let mistake = refused(format!("unknown key `{}`", self.path));
+                let known = rule.table().into_iter().flat_map(|table| &table.keys);
+                match closest(step, known.map(|key| key.name.as_str())) {
+                    Some(name) => mistake.hint(format!("did you mean `{}`?", self.path.replacen(step, name, 1))),
+                    None => mistake.hint("`droptower explain` lists the keys of a scenario"),
+                }
+            })?;
+        }
+        Ok(rule)
+    }
+
+    /// The lists, ranges and distributions that the key may have.
+    ///
+    /// # Errors
+    /// As those of [`VariedKey::rule`].
+    pub(super) fn choices(&self) -> Result<Rule, Diagnostic> {
+        let rule = self.rule()?;
+        let list = Rule::List { item: Box::new(rule.clone()), shortest: 1, longest: 1_000_000 };
+        Ok(match rule.number() {
+            Some(number) => Rule::Either(vec![list, Rule::Table(choice(number))]),
+            None => list,
+        })
+    }
+}
+
+/// The table of a range or a distribution of such a number.
+fn choice(number: &Rule) -> TableRule {
+    let pair = || Rule::Tuple(vec![number.clone(), number.clone()]);
+    let (positive, unlimited) = (positive(number), without_range(number));
+    let moments = [("mean", number), ("deviation", &positive)];
+    let shape = Rule::Number { whole: false, range: above_zero(Range::default()) };
+    let count = Rule::Number {
+        whole: true,
+        range: Range {
+            from: Some(Bound { value: 2.0, included: true }),
+            to: Some(Bound { value: 1e6, included: true }),
+            likely: None,
+        },
+    };
+    let limits = TableRule {
+        keys: vec![key("low", unlimited.clone(), false), key("high", unlimited, false)],
+        ..TableRule::default()
+    };
+    let mut keys = vec![
+        key("range", pair(), false),
+        key("count", count, false),
+        key("uniform", pair(), false),
+        key("normal", table(&moments), false),
+        key("lognormal", table(&moments), false),
+        key("weibull", table(&[("scale", &positive), ("shape", &shape)]), false),
+        key("truncate", Rule::Table(limits), false),
+    ];
+    if matches!(number, Rule::Number { whole: true, .. }) {
+        // A whole number has no density.
+        keys.retain(|key| ["range", "count"].contains(&key.name.as_str()));
+    }
+    let groups = KINDS.iter().filter(|kind| keys.iter().any(|key| key.name == **kind));
+    let groups =
+        groups.map(|kind| if *kind == "range" { vec!["range".into(), "count".into()] } else { vec![(*kind).into()] });
+    TableRule { groups: groups.collect(), keys, group_required: true, ..TableRule::default() }
+}
+
+fn key(name: &str, rule: Rule, required: bool) -> Key {
+    Key { name: name.into(), sentence: None, default: None, required, rule }
+}
+
+fn table(keys: &[(&str, &Rule)]) -> Rule {
+    let keys = keys.iter().map(|(name, rule)| key(name, (*rule).clone(), true));
+    Rule::Table(TableRule { keys: keys.collect(), ..TableRule::default() })
+}
+
+fn above_zero(range: Range) -> Range {
+    Range { from: Some(Bound { value: 0.0, included: false }), to: None, likely: range.likely }
+}
+
+/// The same number above zero, such as a deviation.
+fn positive(number: &Rule) -> Rule {
+    match number {
+        Rule::Quantity(dimension, _) => Rule::Quantity(difference(*dimension), above_zero(Range::default())),
+        _ => Rule::Number { whole: false, range: above_zero(Range::default()) },
+    }
+}
+
+/// The same number of any value: a limit of a distribution may lie outside of what the key allows.
+fn without_range(number: &Rule) -> Rule {
+    match number {
+        Rule::Quantity(dimension, _) => Rule::Quantity(*dimension, Range::default()),
+        _ => Rule::Number { whole: false, range: Range::default() },
+    }
+}
+
+/// What the difference of two such quantities measures.
+fn difference(dimension: Dimension) -> Dimension {
+    if dimension == Temperature::DIMENSION { TemperatureDifference::DIMENSION } else { dimension }
+}

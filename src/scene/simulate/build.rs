@@ -1,0 +1,134 @@
+//! From a checked model to an engine that is ready to step.
+
+use super::fault::RunError;
+use super::film::Film as FilmTopology;
+use super::frame;
+use super::frame_force::HeldSides;
+use super::loading::{self, Inertia, LoadCase, MassScaling};
+use super::mount::{self, BodyMounting, Mounting};
+use crate::mesh::{self, Mesh, Quality};
+use crate::model::{Hold, Model};
+use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, ThreadPool};
+
+/// An engine and how its scene was mounted.
+pub(super) struct Scene {
+    pub(super) engine: Engine,
+    pub(super) mounting: Mounting,
+}
+
+/// Elements for which one more thread saves more time than its synchronisation costs.
+const ELEMENTS_A_THREAD: usize = 400;
+
+/// Builds the scene of `model`; twice where the factor on the mass follows from the time step.
+///
+/// # Errors
+/// Film or impactor cannot be meshed or mounted.
+pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
+    let loading = loading::of(model);
+    let factor = match loading.mass_scaling() {
+        MassScaling::Given(factor) => return mounted(model, &*loading, factor),
+        MassScaling::Unscaled => return mounted(model, &*loading, 1.0),
+        MassScaling::Chosen => 1.0,
+    };
+    let scene = mounted(model, &*loading, factor)?;
+    // A factor on the step changes the step alone, not the mass.
+    let stable = scene.engine.time_step() / model.solver.step_factor;
+    let excess = loading.excess(model.run_time() / stable);
+    if excess > 1.0 { mounted(model, &*loading, excess * excess) } else { Ok(scene) }
+}
+
+fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<Scene, RunError> {
+    let mut nodes = Nodes::default();
+    let mut films = vec![];
+    let mut topologies = vec![];
+    let mut added_mass = vec![];
+    let mut clamped = vec![];
+    let multiplicity = model.specimen.symmetry.copies();
+    let (damping, step_factor) = (loading.damping(), model.solver.step_factor);
+    let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
+    let mut held = if loading.has_frame_force() { HeldSides::of(model) } else { HeldSides::default() };
+    let mut crest = frame::Crest::of(model);
+    for face in &model.faces {
+        let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
+        let first = nodes.position.len();
+        let mut section = mount::section(face, mass_scaling);
+        section.density += model.air.map_or(0.0, |air| air.added_mass) / section.thickness;
+        let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
+        for (cut, points) in model.specimen.cuts.iter().enumerate() {
+            if film.cut(&nodes, points) == 0 {
+                return Err(RunError::CutMisses { cut, face: films.len() + 1 });
+            }
+        }
+        if let Some(step) = model.solver.smallest_step {
+            added_mass.push(engine::add_mass(&mut film, &mut nodes, step));
+        }
+        films.push(film);
+        mount::mirror(&mut nodes, &mesh, first);
+        held.mount(&mesh, first);
+        let topology = topology(&mesh, model);
+        crest.mount(&topology.held, first);
+        frame::check_clamp(model, films.len(), &mesh, &topology.held)?;
+        clamped.extend(frame::clamped(model, &nodes, &mesh, &topology.held, first));
+        loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
+        topologies.push(topology);
+    }
+    let impacts = loading.apply(&films, &nodes, &mut loads)?;
+    let body = |impact: &Impact| BodyMounting {
+        start: impact.body.centre().z,
+        in_contact: impact.in_contact,
+        approach: match (loading.approach(&impact.launched()), impact.is_held()) {
+            ([speed, _], true) => [speed, 0.0],
+            (approach, _) => approach,
+        },
+    };
+    let bodies = impacts.iter().map(body).collect();
+    let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
+    let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
+    let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held, crest };
+    let clamp = model.frame.clamp.map(|clamp| {
+        let width = clamp.width.unwrap_or(f64::INFINITY);
+        Clamp::new(clamped, &nodes, width, multiplicity)
+    });
+    let bars = frame::bars(model, &films)?;
+    let engine = Engine::new(films, nodes, impacts.into_iter().chain(bars), loads);
+    let engine = match clamp {
+        Some(clamp) => engine.with_clamp(clamp),
+        None => engine,
+    };
+    let between = model.contact.film_friction.or(model.impactors.first().map(|impactor| impactor.friction));
+    let engine = match between.filter(|_| model.contact.film) {
+        Some(friction) => engine.with_film_contact(friction),
+        None => engine,
+    };
+    Ok(Scene { engine, mounting })
+}
+
+/// The thread pool of a run of so many elements: at most the threads of the processor, one where runs are simulated in
+/// parallel.
+pub(super) fn pool(elements: usize) -> ThreadPool {
+    let shared = rayon::current_thread_index().is_some();
+    let useful = elements.div_ceil(ELEMENTS_A_THREAD);
+    ThreadPool::new(if shared { 1 } else { useful.min(rayon::current_num_threads()) })
+}
+
+fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {
+    FilmTopology {
+        nodes: mesh.nodes.len(),
+        quads: mesh.quads.clone(),
+        tris: mesh.tris.clone(),
+        held: held_edges(mesh, &model.frame.hold),
+        mirrored: model.specimen.symmetry.mirrors(),
+        quality: Quality::of(mesh),
+    }
+}
+
+/// Edges of which both nodes are held.
+fn held_edges(mesh: &Mesh, hold: &Hold) -> Vec<[u32; 2]> {
+    let on = |edge: &[u32; 2], side: &[u32]| edge.iter().all(|node| side.binary_search(node).is_ok());
+    let is_held = |edge: &[u32; 2]| match hold {
+        Hold::All => on(edge, &mesh.rim),
+        Hold::Sides(sides) => sides.iter().any(|side| on(edge, &mesh.sides[*side as usize])),
+        Hold::None => false,
+    };
+    mesh::outer_edges(mesh).filter(is_held).collect()
+}

@@ -1,0 +1,169 @@
+//! The mounting frame as a body: its bars, and the clamp in which film slips.
+
+use super::fault::RunError;
+use super::prestress;
+use crate::mesh::{Mesh, Outline, Polygon, Side};
+use crate::model::{Bars, Clamp, Hold, Model};
+use membrane::engine::{ClampedNode, Contact, Film, Impact, Nodes, Surface};
+
+/// Length by which a straight bar continues beyond the film where the side next to it is free, over its radius.
+const BEYOND: f64 = 2.0;
+
+/// Share of the extent of an outline, or of a force, that is round-off.
+const ROUND_OFF: f64 = 1e-9;
+
+/// The bars of `model` as a body on which film bends, where there are any.
+///
+/// # Errors
+/// They have no volume.
+pub(super) fn bars(model: &Model, films: &[Film]) -> Result<Option<Impact>, RunError> {
+    let (Some(Bars { radius, friction }), [first, ..], [film, ..]) = (model.frame.bars, model.faces.as_slice(), films)
+    else {
+        return Ok(None);
+    };
+    let crest = first.height - 0.5 * film.thickness;
+    let lowest = match (model.faces.last(), films.last()) {
+        (Some(face), Some(film)) if films.len() > 1 => face.height + 0.5 * film.thickness,
+        _ => crest - 2.0 * radius,
+    };
+    let half_height = (0.5 * (crest - lowest) - radius).max(0.0);
+    let surface = match &model.specimen.shape {
+        Outline::Circle { radius: opening } => Surface::round_bar(*opening, radius, half_height)?,
+        Outline::Rectangle { x, y } => {
+            let lines = around_rectangle([0.5 * x, 0.5 * y], &model.frame.hold, BEYOND * radius);
+            Surface::straight_bars(&lines, radius, half_height)?
+        }
+        Outline::Polygon(polygon) => {
+            let lines = around_polygon(polygon, model.specimen.symmetry.mirrors());
+            Surface::straight_bars(&lines, radius, half_height)?
+        }
+        Outline::Mesh { .. } => return Ok(None),
+    };
+    let offset = films.iter().flat_map(|film| film.nodes.clone().map(|_| 0.5 * film.thickness)).collect();
+    let contact = Contact::new(surface, friction, model.specimen.symmetry.copies(), offset);
+    Ok(Some(Impact::frame(contact, 0.5 * (crest + lowest), film.thickness)))
+}
+
+/// The held edge of film on the crest of bars, whose vertical force on them the contact of the bars does not have.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Crest {
+    /// Counted among all nodes; none without bars.
+    nodes: Vec<u32>,
+    copies: f64,
+}
+
+impl Crest {
+    /// That of `model`, before any face is mounted.
+    pub(super) fn of(model: &Model) -> Crest {
+        Crest { nodes: vec![], copies: model.frame.bars.map_or(0.0, |_| model.specimen.symmetry.copies()) }
+    }
+
+    /// Adds the nodes of the `held` edges of a face whose first node is the `first` of all.
+    pub(super) fn mount(&mut self, held: &[[u32; 2]], first: usize) {
+        if self.copies > 0.0 {
+            let mut nodes: Vec<u32> = held.iter().flatten().map(|n| first as u32 + n).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            self.nodes.append(&mut nodes);
+        }
+    }
+
+    /// Whether there is none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Vertical force of the whole film on it, N, positive downwards.
+    pub(super) fn force(&self, nodes: &Nodes) -> f64 {
+        -self.copies * nodes.total_force(&self.nodes, 2)
+    }
+}
+
+/// The held sides of a rectangle of these half lengths; beyond a free side they continue.
+fn around_rectangle([a, b]: [f64; 2], hold: &Hold, beyond: f64) -> Vec<[[f64; 2]; 2]> {
+    let end = |side: Side, at: f64| if hold.holds(side) { at } else { at + beyond };
+    let [left, right] = [-end(Side::XMinus, a), end(Side::XPlus, a)];
+    let [front, back] = [-end(Side::YMinus, b), end(Side::YPlus, b)];
+    let all = [
+        (Side::XMinus, [[-a, front], [-a, back]]),
+        (Side::XPlus, [[a, front], [a, back]]),
+        (Side::YMinus, [[left, -b], [right, -b]]),
+        (Side::YPlus, [[left, b], [right, b]]),
+    ];
+    all.into_iter().filter(|(side, _)| hold.holds(*side)).map(|(_, line)| line).collect()
+}
+
+/// The edges of the outline of `polygon` that no mirror plane replaces, and their mirror images.
+fn around_polygon(polygon: &Polygon, mirrored: [bool; 2]) -> Vec<[[f64; 2]; 2]> {
+    let corners = &polygon.outer;
+    let near = ROUND_OFF * polygon.extent();
+    let is_mirror =
+        |[p, q]: &[[f64; 2]; 2]| (0..2).any(|axis| mirrored[axis] && p[axis].abs().max(q[axis].abs()) <= near);
+    let edges = (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]);
+    let mut lines: Vec<_> = edges.filter(|edge| !is_mirror(edge)).collect();
+    for axis in (0..2).filter(|axis| mirrored[*axis]) {
+        let image = |mut point: [f64; 2]| {
+            point[axis] = -point[axis];
+            point
+        };
+        let images: Vec<_> = lines.iter().map(|line| line.map(image)).collect();
+        lines.extend(images);
+    }
+    lines
+}
+
+/// Largest force (N) of friction in the clamp on the `length` (m) of a face whose edges in it have the length `whole`
+/// (m): 2 µF l/L (theory.md, equation 73).
+fn friction_of(clamp: Clamp, length: f64, whole: f64) -> f64 {
+    2.0 * clamp.friction * clamp.force * length / whole
+}
+
+/// Length of the edge from one node of `mesh` to another, m.
+fn length_of(mesh: &Mesh, [a, b]: [u32; 2]) -> f64 {
+    (mesh.nodes[a as usize] - mesh.nodes[b as usize]).norm()
+}
+
+/// Refuses a clamp that cannot hold the pre-strain of the face with `mesh` and the `held` edges, the last of `faces`:
+/// it would let go of the film as a shock at the start (theory.md, equation 73a).
+///
+/// # Errors
+/// [`RunError::ClampTooWeak`].
+pub(super) fn check_clamp(model: &Model, faces: usize, mesh: &Mesh, held: &[[u32; 2]]) -> Result<(), RunError> {
+    let (Some(clamp), Some(face)) = (model.frame.clamp, model.faces.get(faces - 1)) else { return Ok(()) };
+    let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
+    let stress = prestress::of_face(face, 1.0);
+    let thickness = face.material.thickness * f64::from(face.layers);
+    let (sin, cos) = face.md_angle.sin_cos();
+    let pull = |edge: &[u32; 2]| {
+        let along = mesh.nodes[edge[1] as usize] - mesh.nodes[edge[0] as usize];
+        let normal = along.xy().try_normalize(0.0).map_or([0.0; 2], |t| [t.y, -t.x]);
+        let [n1, n2] = [normal[0] * cos + normal[1] * sin, normal[1] * cos - normal[0] * sin];
+        let force = |axis: usize| stress[0][axis][0] * n1 / td + stress[1][axis][0] * n2 / md;
+        thickness * (force(0).powi(2) + force(1).powi(2)).sqrt()
+    };
+    let pull = held.iter().map(pull).fold(0.0, f64::max);
+    let length = model.specimen.symmetry.copies() * held.iter().map(|edge| length_of(mesh, *edge)).sum::<f64>();
+    let bound = friction_of(clamp, 1.0, length);
+    if pull > bound * (1.0 + ROUND_OFF) {
+        return Err(RunError::ClampTooWeak { face: faces, pull, held: bound, needed: clamp.force * pull / bound });
+    }
+    Ok(())
+}
+
+/// Nodes of `mesh`, of which `first` is the first of all `nodes`, on the `held` edges, before they are held, with the
+/// force that friction in the clamp of `model` can have on each: 2 µF spread evenly over the held length (theory.md,
+/// equation 73).
+pub(super) fn clamped(model: &Model, nodes: &Nodes, mesh: &Mesh, held: &[[u32; 2]], first: usize) -> Vec<ClampedNode> {
+    let Some(clamp) = model.frame.clamp else { return vec![] };
+    let mut lengths = vec![0.0; mesh.nodes.len()];
+    for edge in held {
+        edge.iter().for_each(|n| lengths[*n as usize] += 0.5 * length_of(mesh, *edge));
+    }
+    let whole = model.specimen.symmetry.copies() * lengths.iter().sum::<f64>();
+    let node = |(n, length): (usize, &f64)| ClampedNode {
+        node: first + n,
+        bound: friction_of(clamp, *length, whole),
+        free: nodes.free_axes(first + n),
+    };
+    lengths.iter().enumerate().filter(|(_, length)| **length > 0.0).map(node).collect()
+}

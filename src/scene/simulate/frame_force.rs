@@ -1,0 +1,84 @@
+//! Force of the film on the mounting frame (theory.md, equation 160).
+
+use crate::mesh::{Mesh, Outline, Side};
+use crate::model::{Hold, Model};
+use lab::signal::{Channel, Recording, column};
+use membrane::engine::Nodes;
+
+/// Columns of the force along x and y.
+const NAMES: [&str; 2] = [column::FRAME_FORCE_X.name, column::FRAME_FORCE_Y.name];
+
+/// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and the
+/// force of jaws is a signal of its own.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HeldSides {
+    sides: Vec<HeldSide>,
+    /// Whether x = 0 and y = 0 are mirror planes.
+    mirrored: [bool; 2],
+}
+
+#[derive(Clone, Debug)]
+struct HeldSide {
+    side: Side,
+    /// Counted among all nodes; empty where a mirror plane replaces the side.
+    nodes: Vec<u32>,
+}
+
+impl HeldSides {
+    /// The held sides of `model`, before any face is mounted.
+    pub(super) fn of(model: &Model) -> HeldSides {
+        let is_rectangle = matches!(model.specimen.shape, Outline::Rectangle { .. });
+        let sides = match &model.frame.hold {
+            _ if !is_rectangle => vec![],
+            Hold::All => vec![Side::XMinus, Side::XPlus, Side::YMinus, Side::YPlus],
+            Hold::Sides(sides) => sides.clone(),
+            Hold::None => vec![],
+        };
+        let sides = sides.into_iter().map(|side| HeldSide { side, nodes: vec![] }).collect();
+        HeldSides { sides, mirrored: model.specimen.symmetry.mirrors() }
+    }
+
+    /// Adds the nodes of a face. `first` is the first of all nodes that belongs to `mesh`.
+    pub(super) fn mount(&mut self, mesh: &Mesh, first: usize) {
+        for held in &mut self.sides {
+            held.nodes.extend(mesh.sides[held.side as usize].iter().map(|n| first as u32 + n));
+        }
+    }
+
+    /// Whether no side is held.
+    pub(super) fn is_empty(&self) -> bool {
+        self.sides.is_empty()
+    }
+
+    /// Mean inward force of the whole film on the held sides across x and on those across y, N; NaN along an axis
+    /// across which none is held.
+    pub(super) fn force(&self, nodes: &Nodes) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
+            let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
+            let inward = |held: &HeldSide| -outward(held.side) * nodes.total_force(&held.nodes, axis);
+            copies * sides().map(inward).sum::<f64>() / sides().count() as f64
+        })
+    }
+
+    /// Adds the columns of the axes that have held sides; `rows` are the values of [`HeldSides::force`] at
+    /// the samples.
+    pub(super) fn add_columns(&self, rows: &[[f64; 2]], signals: &mut Recording) {
+        for axis in [0, 1].into_iter().filter(|axis| self.across(*axis).next().is_some()) {
+            let values = rows.iter().take(signals.time.len()).map(|row| row[axis]).collect();
+            signals.channels.push(Channel { name: NAMES[axis].into(), values });
+        }
+    }
+
+    fn across(&self, axis: usize) -> impl Iterator<Item = &HeldSide> {
+        self.sides.iter().filter(move |held| held.side as usize / 2 == axis)
+    }
+}
+
+/// Sign of the outward normal of a side.
+fn outward(side: Side) -> f64 {
+    match side {
+        Side::XMinus | Side::YMinus => -1.0,
+        Side::XPlus | Side::YPlus => 1.0,
+    }
+}

@@ -1,0 +1,407 @@
+//! The observer of a run: signals, audits, snapshots, warnings and progress.
+
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::energy_check::EnergyCheck;
+use super::fault::Fault;
+use super::frame::Crest;
+use super::frame_force::HeldSides;
+use super::loading::{self, Inertia, LoadCase};
+use super::monitor::{Figures, Monitor};
+use super::mount::Mounting;
+use super::outcome::Outcome;
+use super::rates::RateAudit;
+use super::rise::{self, Rise};
+use super::snapshot::{self, FilmState, Snapshot};
+use super::tracks::{BodyTracks, Tracks};
+use super::warning::bounds::KINETIC;
+use crate::model::Model;
+use lab::signal::{Channel, Recording, column};
+use membrane::engine::{self, ElementStrain, Engine, FilmContactState, Observer, Relaxation, Torn, Track, View};
+
+/// Audits of energies, contact and strains in a run, unless there are fewer samples.
+const AUDITS: f64 = 400.0;
+
+/// Change of the deflection of an inflated film in the last tenth of its run, over the deflection, above which it is
+/// not at rest.
+const UNSETTLED: f64 = 2e-3;
+
+/// Part of a slow test after which a lost energy balance stops it; at its end the balance is checked as a whole.
+const CHECKED_FROM: f64 = 0.1;
+
+/// Records the outcome of a run while it steps.
+pub(super) struct Probe<'a> {
+    model: &'a Model,
+    loading: Box<dyn LoadCase + 'a>,
+    duration: f64,
+    /// Number of snapshots.
+    snapshots: usize,
+    /// Time between two of them, s.
+    snapshot_interval: f64,
+    /// Whether they have their detail.
+    detailed: bool,
+    audit: f64,
+    held: HeldSides,
+    crest: Crest,
+    /// Strains of all elements, as last computed.
+    faces: Vec<Vec<ElementStrain>>,
+    record: Record,
+}
+
+/// What a probe has recorded so far: its part of a checkpoint.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Record {
+    audits: usize,
+    tracks: Tracks,
+    rise: Rise,
+    snapshots: Vec<Snapshot>,
+    energy: EnergyCheck,
+    rates: RateAudit,
+    monitor: Monitor,
+    rupture_time: Option<f64>,
+    penetration: Option<f64>,
+    lowest: Vec<f64>,
+    relaxation: Option<Relaxation>,
+}
+
+impl<'a> Probe<'a> {
+    pub(super) fn new(model: &'a Model, mounting: &Mounting, detailed: bool) -> Probe<'a> {
+        let sample = 1.0 / model.output.sample_rate;
+        let duration = model.run_time();
+        let loading = loading::of(model);
+        let checked_from = if loading.inertia() == Inertia::Dynamic { 0.0 } else { CHECKED_FROM * duration };
+        let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
+        let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
+        let record = Record {
+            audits: 0,
+            tracks: tracks(model, mounting, duration, sample),
+            rise: Rise::default(),
+            snapshots: vec![],
+            energy: EnergyCheck::new(mounting.energy_scale, checked_from),
+            rates: RateAudit::new(measured),
+            monitor: Monitor::new(model.impactors.len(), model.frame.bars.is_some()),
+            rupture_time: None,
+            penetration: None,
+            lowest: vec![f64::INFINITY; model.impactors.len()],
+            relaxation: None,
+        };
+        Probe {
+            model,
+            loading,
+            duration,
+            snapshots,
+            snapshot_interval: duration / snapshots.saturating_sub(1).max(1) as f64,
+            detailed,
+            held: mounting.held.clone(),
+            crest: mounting.crest.clone(),
+            audit: (duration / AUDITS).max(sample),
+            faces: vec![],
+            record,
+        }
+    }
+
+    /// What was recorded so far.
+    pub(super) fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// Resumes from the record of a checkpoint.
+    pub(super) fn resume(&mut self, record: Record) {
+        self.record = record;
+    }
+
+    /// Records how the film came to equilibrium before the first step.
+    pub(super) fn record_relaxation(&mut self, relaxation: Option<Relaxation>) {
+        self.record.relaxation = relaxation;
+    }
+
+    /// Height by which impactors in contact with the film were lifted over settled film, m.
+    pub(super) fn lift(&self) -> f64 {
+        self.record.relaxation.map_or(0.0, |relaxation| relaxation.lift)
+    }
+
+    /// Snapshots so far.
+    pub(super) fn snapshots(&self) -> &[Snapshot] {
+        &self.record.snapshots
+    }
+
+    /// The energy audit so far.
+    pub(super) fn energies(&self) -> Recording {
+        self.record.energy.recording()
+    }
+
+    /// Simulated time, s.
+    pub(super) fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Whether everything has been recorded by `time` (s).
+    pub(super) fn is_done(&self, time: f64) -> bool {
+        let goes_on = self.model.can_tear() && !self.model.loading.is_by_gas();
+        let failed = self.record.rupture_time.is_some() && self.is_quasi_static() && !goes_on;
+        failed || (time > self.duration && self.record.tracks.are_complete())
+    }
+
+    /// Whether inertia must not matter; then the failure of film that cannot tear, or that holds gas, ends the test.
+    fn is_quasi_static(&self) -> bool {
+        self.loading.inertia() == Inertia::Negligible
+    }
+
+    /// The fault of a run as a whole: a lost energy balance, or inertia in a test that must be quasi-static.
+    pub(super) fn fault(&self) -> Option<Fault> {
+        self.record.energy.fault().or_else(|| self.not_in_equilibrium())
+    }
+
+    fn not_in_equilibrium(&self) -> Option<Fault> {
+        let (time, share) = self.record.energy.kinetic_share(self.model.can_tear());
+        if self.is_quasi_static() && share > KINETIC {
+            return Some(Fault::NotQuasiStatic { time, share });
+        }
+        let unsettled = self.settling().filter(|change| *change > UNSETTLED);
+        unsettled.map(|change| Fault::NotAtRest { time: self.duration, change })
+    }
+
+    /// Change of an inflated film's deflection at the end (see [`rise::settling`]); none after a rupture.
+    fn settling(&self) -> Option<f64> {
+        self.record.rupture_time.is_none().then(|| rise::settling(&self.record.tracks))?
+    }
+
+    /// Records that elements failed in the step from `time` (s).
+    pub(super) fn record_rupture(&mut self, time: f64) {
+        self.record.rupture_time.get_or_insert(time);
+    }
+
+    fn snapshot_due(&self, time: f64) -> bool {
+        self.record.snapshots.len() < self.snapshots
+            && self.record.snapshots.len() as f64 * self.snapshot_interval <= time
+    }
+
+    fn audit_due(&self, time: f64) -> bool {
+        self.record.audits as f64 * self.audit <= time
+    }
+
+    fn record_due(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
+        if self.snapshot_due(view.time) {
+            self.record.snapshots.push(snapshot::snapshot(view, faces, self.detailed));
+        }
+        if self.record.tracks.is_due(view.time) {
+            self.take_sample(view, faces);
+        }
+        if self.audit_due(view.time) { self.take_audit(view, faces) } else { Ok(()) }
+    }
+
+    fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
+        let intact = |fibre: usize| faces.iter().flatten().filter(move |s| s.left[fibre] > 0.0);
+        let largest = |fibre: usize| intact(fibre).map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
+        self.record.tracks.strains.push(view.time, [largest(0), largest(1)]);
+        if !self.held.is_empty() {
+            self.record.tracks.frame.push(view.time, self.held.force(view.nodes));
+        }
+        if !self.crest.is_empty() {
+            self.record.tracks.crest.push(view.time, [self.crest.force(view.nodes)]);
+        }
+        if let Some(slip) = view.clamp_slip() {
+            self.record.tracks.clamp.push(view.time, [slip[0]]);
+            self.record.monitor.clamp(view.time, slip);
+        }
+        if let Some(pressure) = view.cushion_pressure() {
+            self.record.tracks.air.push(view.time, [pressure]);
+        }
+        if let Some(inflated) = view.inflated() {
+            self.record.tracks.gas.push(view.time, inflated);
+        }
+        if let Some(Torn { length, area, energy }) = view.torn() {
+            self.record.tracks.tears.push(view.time, [length, area, energy]);
+            self.record.monitor.too_wide = view.too_wide;
+        }
+        if let Some(FilmContactState { distance, nodes, lost, unresolved }) = view.film_contact_state() {
+            self.record.tracks.films.push(view.time, [distance, nodes as f64]);
+            self.record.monitor.films(view.time, distance, lost);
+            self.record.monitor.unresolved = unresolved;
+        }
+        if self.loading.has_rise() {
+            self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
+        }
+        self.record.rates.sample(view.time, faces);
+        let mut sinks = view.bodies().len() == 0;
+        for (lowest, body) in self.record.lowest.iter_mut().zip(view.bodies()) {
+            let z = body.centre().z;
+            if z <= *lowest {
+                *lowest = z;
+                sinks = true;
+            }
+        }
+        if sinks {
+            self.record.rates.commit();
+        }
+    }
+
+    fn take_audit(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
+        self.record.audits += 1;
+        let energies = view.energies();
+        if !energies.total().is_finite() {
+            return Err(not_finite(view, faces));
+        }
+        self.record.monitor.strain(view, faces);
+        for (body, (state, size)) in view.contact_states().enumerate() {
+            self.record.monitor.contact(body, view.time, size, &state);
+            if body < self.model.impactors.len() {
+                self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(state.penetration / size));
+            }
+        }
+        self.record.energy.sample(view.time, energies).map_err(|_| engine::Fault::Stopped)
+    }
+
+    /// The outcome after the last step of `engine`.
+    pub(super) fn finish(self, engine: &Engine, mounting: Mounting, wall: Duration) -> Outcome {
+        let slow = self.loading.inertia() != Inertia::Dynamic;
+        let kinetic_share = slow.then(|| self.record.energy.kinetic_share(self.model.can_tear()).1);
+        let damping_share = slow.then(|| self.record.energy.damping_share());
+        let balance = self.record.energy.balance_error();
+        let settling = self.settling();
+        let signals = self.signals(&mounting);
+        let energies = self.energies();
+        let ended = self.is_done(engine.time());
+        let missed = |other: bool| {
+            self.record.tracks.bodies.iter().map(|body| ended && body.touched() == [false, other]).collect()
+        };
+        let (missed, met_others_alone) = (missed(false), missed(true));
+        let rates = self.record.rates.finish();
+        let force = |prefix: String| signals.channel(&format!("{prefix}{}", column::CONTACT_FORCE.name));
+        let ends_loaded = |prefix| force(prefix).is_some_and(loading::ends_loaded);
+        let unfinished = self.model.prefixes().into_iter().map(ends_loaded).collect();
+        let snapshots = [self.model.output.frames, self.snapshots];
+        let relaxation = self.record.relaxation;
+        let torn = self.record.tracks.tears.rows.last().copied();
+        let figures = Figures {
+            missed,
+            met_others_alone,
+            relaxation,
+            balance,
+            outside: rates.outside,
+            plastic: largest_plastic_strains(&self.record.snapshots, mounting.films.len()),
+            kinetic: kinetic_share,
+            added_mass: &mounting.added_mass,
+            snapshots,
+            unfinished,
+        };
+        Outcome {
+            signals,
+            energies,
+            snapshots: self.record.snapshots,
+            warnings: self.record.monitor.finish(&figures, &mounting.films, self.model),
+            films: mounting.films,
+            impactors: engine.impactors().cloned().collect(),
+            rates,
+            rupture_time: self.record.rupture_time,
+            energy_balance_error: balance,
+            kinetic_share,
+            damping_share,
+            settling,
+            relaxation,
+            mass_scaling: mounting.mass_scaling,
+            added_mass: mounting.added_mass,
+            penetration: self.record.penetration,
+            torn: torn.map(|[length, area, energy]| Torn { length, area, energy }),
+            elements: engine.elements(),
+            bytes: engine.bytes(),
+            threads: engine.pool().threads(),
+            instructions: engine.pool().width(),
+            steps: engine.steps(),
+            time_step: engine.time() / engine.steps().max(1) as f64,
+            wall,
+        }
+    }
+
+    /// The signals of `signals.csv` so far.
+    pub(super) fn signals(&self, mounting: &Mounting) -> Recording {
+        let tracks = &self.record.tracks;
+        let mut signals = self.loading.signals(tracks, mounting);
+        self.held.add_columns(&tracks.frame.rows, &mut signals);
+        if let Some(bars) = &tracks.bars {
+            let on_bars = |(k, [crest]): (usize, &[f64; 1])| crest - bars.contact_force(k) - bars.collision_force(k);
+            let values = tracks.crest.rows.iter().take(signals.time.len()).enumerate().map(on_bars).collect();
+            signals.channels.push(Channel { name: column::FRAME_FORCE.name.into(), values });
+        }
+        if !tracks.clamp.rows.is_empty() {
+            let values = tracks.clamp.rows.iter().take(signals.time.len()).map(|[slip]| *slip).collect();
+            signals.channels.push(Channel { name: column::CLAMP_SLIP.name.into(), values });
+        }
+        if !tracks.air.rows.is_empty() {
+            let values = tracks.air.rows.iter().take(signals.time.len()).map(|[pressure]| *pressure).collect();
+            signals.channels.push(Channel { name: column::AIR_PRESSURE.name.into(), values });
+        }
+        if !tracks.films.rows.is_empty() {
+            let rows = tracks.films.rows.iter().take(signals.time.len());
+            let [distance, nodes]: [Vec<f64>; 2] = [0, 1].map(|k| rows.clone().map(|row| row[k]).collect());
+            let nodes = nodes.into_iter().map(f64::round).collect();
+            signals.channels.push(Channel { name: column::FILM_DISTANCE.name.into(), values: distance });
+            signals.channels.push(Channel { name: column::FILM_CONTACT_NODES.name.into(), values: nodes });
+        }
+        if !tracks.tears.rows.is_empty() {
+            for (k, column) in [column::TORN_LENGTH, column::TORN_AREA, column::FRACTURE_ENERGY].iter().enumerate() {
+                let values = tracks.tears.rows.iter().take(signals.time.len()).map(|row| row[k]).collect();
+                signals.channels.push(Channel { name: column.name.into(), values });
+            }
+        }
+        signals
+    }
+}
+
+/// The tracks of a run of `model` over `duration` (s) with `sample` (s) between samples.
+fn tracks(model: &Model, mounting: &Mounting, duration: f64, sample: f64) -> Tracks {
+    let bodies = model.impactors.iter().zip(&mounting.bodies);
+    let bodies = bodies.map(|(impactor, body)| BodyTracks::new(sample, body.approach, impactor.is_spatial()));
+    let bars = model.frame.bars.map(|_| BodyTracks::new(sample, [0.0; 2], false));
+    Tracks::new(duration, sample, bodies.collect(), bars)
+}
+
+fn not_finite(view: &View<'_>, faces: &[Vec<ElementStrain>]) -> engine::Fault {
+    let time = view.time;
+    let is_lost = |s: &ElementStrain| !s.strain.iter().all(|e| e.is_finite());
+    let found =
+        faces.iter().enumerate().find_map(|(face, s)| s.iter().position(is_lost).map(|element| (face, element)));
+    match found {
+        Some((face, _)) if view.films[face].has_limit() => engine::Fault::StretchLimit { time, face: face + 1 },
+        Some((face, element)) => engine::Fault::NotFinite { time, face: face + 1, element: element + 1 },
+        None => engine::Fault::ImpactorLost { time },
+    }
+}
+
+impl Observer for Probe<'_> {
+    fn needs_state(&self, time: f64) -> bool {
+        self.record.tracks.is_due(time) || self.snapshot_due(time) || self.audit_due(time)
+    }
+
+    fn observe(&mut self, view: &View<'_>) -> Result<(), engine::Fault> {
+        let mut faces = std::mem::take(&mut self.faces);
+        view.strains(&mut faces);
+        let result = self.record_due(view, &faces);
+        self.faces = faces;
+        result
+    }
+
+    fn track(&mut self, track: &Track<'_>) {
+        for (impactor, _) in track.bodies.iter().enumerate().filter(|(_, body)| body.meets_frame) {
+            self.record.monitor.frame_hit(impactor, track.time);
+        }
+        self.record.tracks.follow(track);
+    }
+}
+
+/// Largest equivalent plastic strain of each face in `snapshots`; it never falls.
+fn largest_plastic_strains(snapshots: &[Snapshot], faces: usize) -> Vec<Option<f64>> {
+    let of_face = |face: usize| {
+        let states = snapshots.iter().filter_map(|snapshot| snapshot.films.get(face));
+        // An element that tears is drawn out within its row: its strain is not that of film.
+        let whole = |state: &FilmState| -> Vec<f32> {
+            let tears = |element: usize| state.damage.get(element).is_some_and(|damage| *damage > 0.0);
+            let strains = state.plastic_strain.iter().enumerate();
+            strains.filter(|(element, _)| !tears(*element)).map(|(_, strain)| *strain).collect()
+        };
+        states.flat_map(whole).map(f64::from).reduce(f64::max)
+    };
+    (0..faces).map(of_face).collect()
+}

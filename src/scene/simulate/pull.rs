@@ -1,0 +1,221 @@
+//! One element of film pulled from equilibrium to equilibrium: a coupon without its inertia (theory.md, equation 161).
+
+use thiserror::Error;
+
+use super::loading;
+use super::mount::section;
+use crate::mesh::{self, MeshError, Meshing, Outline, Side};
+use crate::model::{Face, Model};
+use membrane::engine::{Film, Nodes, Section, UndefinedFibreDirection, Vectors};
+
+/// Boundary condition across the film between two jaws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// The width is held, as under `[loading.stretch]`, where all nodes of a single element are in the jaws.
+    Held,
+    /// The transverse force is zero: a strip that is long compared with its width.
+    Free,
+    /// The film is strained alike in both directions: equibiaxial tension.
+    Equal,
+}
+
+/// Why the curve of a single element cannot be computed.
+#[derive(Debug, Error)]
+pub enum PullError {
+    /// The loading is not a stretch.
+    #[error("only a scenario with `[loading.stretch]` can be pulled: there is no direction without it")]
+    NotAStretch,
+    /// The element cannot be meshed.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A fibre has no direction in the element.
+    #[error(transparent)]
+    FibreDirection(#[from] UndefinedFibreDirection),
+    /// The strain is −1 or less.
+    #[error("expected an engineering strain above -1, found {strain}")]
+    Strain {
+        /// The engineering strain.
+        strain: f64,
+    },
+    /// Time goes back.
+    #[error("expected times from zero on that do not go back, found {time} s after {before} s")]
+    Time {
+        /// The time, s.
+        time: f64,
+        /// The time before, s.
+        before: f64,
+    },
+    /// No width is in equilibrium at the strain.
+    #[error("no width of the film is in equilibrium at the strain {strain}")]
+    NoWidth {
+        /// The engineering strain.
+        strain: f64,
+    },
+}
+
+/// Nominal stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one
+/// element of the size of the specimen, with the history variables of its law and the strain rate of the jaws. Beyond
+/// the break strain the stress is zero; a rupture criterion of its own does not act, since what an element carries while it
+/// tears depends on its size.
+///
+/// # Errors
+/// Another loading than a stretch, a strain of −1 or less, no transverse equilibrium.
+pub fn pull(model: &Model, strains: &[f64], across: Across) -> Result<Vec<f64>, PullError> {
+    let mut element = SingleElement::of(model)?;
+    let (mut before, rate) = (0.0, element.rate);
+    let stress = |strain: &f64| {
+        let dt = (strain - before).abs() / rate;
+        before = *strain;
+        element.stress(*strain, dt, across)
+    };
+    strains.iter().map(stress).collect()
+}
+
+/// The same at the points `[time (s), strain]` of a path, which starts without strain at the time zero; between two
+/// points of one strain the film is held.
+///
+/// # Errors
+/// As [`pull`], and a time before the one of the previous point.
+pub fn pull_along(model: &Model, path: &[[f64; 2]], across: Across) -> Result<Vec<f64>, PullError> {
+    let mut element = SingleElement::of(model)?;
+    let mut before = 0.0;
+    let stress = |[time, strain]: &[f64; 2]| {
+        if !(time.is_finite() && *time >= before) {
+            return Err(PullError::Time { time: *time, before });
+        }
+        let dt = time - before;
+        before = *time;
+        element.stress(*strain, dt, across)
+    };
+    path.iter().map(stress).collect()
+}
+
+/// One element of the size of the specimen.
+struct SingleElement {
+    film: Film,
+    /// Undeformed positions of its nodes, m.
+    flat: Vectors,
+    nodes: Nodes,
+    /// Nodes on x+ and on y+.
+    sides: [Vec<u32>; 2],
+    /// Stress-free cross-section, m².
+    section: f64,
+    /// Strain rate of the jaws, 1/s.
+    rate: f64,
+    /// Transverse stretch.
+    width: f64,
+}
+
+/// Transverse force over the force along the film that counts as balanced.
+const FORCE_TOLERANCE: f64 = 1e-9;
+
+/// Difference of two transverse stretches that count as equal: without stress, forces are round-off alone.
+const STRETCH_TOLERANCE: f64 = 1e-12;
+
+/// Factor on the width from one guess to the next until two bracket the root.
+const BRACKETING_FACTOR: f64 = 1.05;
+
+/// Most iterations, of bracketing and of the false position.
+const MOST_ITERATIONS: usize = 100;
+
+impl SingleElement {
+    fn of(model: &Model) -> Result<SingleElement, PullError> {
+        let (Some(stretch), Outline::Rectangle { x, y }, [face]) =
+            (loading::stretch(model), &model.specimen.shape, &model.faces[..])
+        else {
+            return Err(PullError::NotAStretch);
+        };
+        let face =
+            Face { meshing: Meshing { element: face.meshing.element, size: x.max(*y), grading: None }, ..face.clone() };
+        let mesh = mesh::build(&model.specimen.shape, [false; 2], &face.meshing)?;
+        let mut nodes = Nodes::default();
+        let section = Section { rupture: None, ..section(&face, 1.0) };
+        let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
+        let flat = nodes.position.clone();
+        // Film with a Prony series is mounted before its first strain, however fast that is reached.
+        load(&mut film, &mut nodes, &flat, [1.0; 2], 0.0);
+        let sides = [Side::XPlus, Side::YPlus].map(|side| mesh.sides[side as usize].clone());
+        let (section, rate) = (stretch.section, stretch.velocity / x);
+        Ok(SingleElement { film, flat, nodes, sides, section, rate, width: 1.0 })
+    }
+
+    /// Nominal stress (Pa) at `strain`, reached within `dt` (s).
+    fn stress(&mut self, strain: f64, dt: f64, across: Across) -> Result<f64, PullError> {
+        if !(strain.is_finite() && strain > -1.0) {
+            return Err(PullError::Strain { strain });
+        }
+        let along = 1.0 + strain;
+        self.width = match across {
+            Across::Held => 1.0,
+            Across::Free => self.transverse_stretch(along, dt).ok_or(PullError::NoWidth { strain })?,
+            Across::Equal => along,
+        };
+        Ok(self.pulled([along, self.width], dt) / self.section)
+    }
+
+    /// Force (N) along the film that is stretched along and across within `dt` (s); updates its history and breaks
+    /// the fibres that are past their break strain.
+    fn pulled(&mut self, stretch: [f64; 2], dt: f64) -> f64 {
+        load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
+        if self.film.fail(self.nodes.position.axes()).broken > 0 {
+            load(&mut self.film, &mut self.nodes, &self.flat, stretch, 0.0);
+        }
+        -self.nodes.total_force(&self.sides[0], 0)
+    }
+
+    /// Transverse stretch in equilibrium where the film is stretched by `along` within `dt` (s).
+    fn transverse_stretch(&self, along: f64, dt: f64) -> Option<f64> {
+        let mut nodes = self.nodes.clone();
+        let mut unbalanced = |across: f64| {
+            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across], dt);
+            let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
+            if across.abs() <= FORCE_TOLERANCE * pull.abs() { 0.0 } else { across }
+        };
+        let bracket = bracket(self.width, &mut unbalanced)?;
+        root(bracket, &mut unbalanced)
+    }
+}
+
+/// A transverse stretch and the transverse force there, N.
+type Guess = (f64, f64);
+
+/// Two guesses between which the force changes its sign. A tensile transverse force makes the film narrower.
+fn bracket(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess; 2]> {
+    let mut before = (guess, unbalanced(guess));
+    let factor = if before.1 > 0.0 { 1.0 / BRACKETING_FACTOR } else { BRACKETING_FACTOR };
+    for _ in 0..MOST_ITERATIONS {
+        let now = (before.0 * factor, unbalanced(before.0 * factor));
+        if before.1 * now.1 <= 0.0 {
+            return Some([now, before]);
+        }
+        before = now;
+    }
+    None
+}
+
+/// The root of the force, by the Illinois variant of the false position (Dowell and Jarratt, BIT 11, 1971).
+fn root([mut other, mut last]: [Guess; 2], unbalanced: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+    for _ in 0..MOST_ITERATIONS {
+        if last.1 == 0.0 || (other.0 - last.0).abs() <= STRETCH_TOLERANCE {
+            return Some(last.0);
+        }
+        let place = (other.0 * last.1 - last.0 * other.1) / (last.1 - other.1);
+        let now = (place, unbalanced(place));
+        if now.1 * last.1 < 0.0 {
+            other = last;
+        } else {
+            other.1 *= 0.5;
+        }
+        last = now;
+    }
+    None
+}
+
+/// Stretches the film, `flat` before, along x and y within `dt` (s), and sets the forces of its nodes.
+fn load(film: &mut Film, nodes: &mut Nodes, flat: &Vectors, stretch: [f64; 2], dt: f64) {
+    for (n, [x, y, z]) in flat.iter().enumerate() {
+        nodes.position.set(n, [stretch[0] * x, stretch[1] * y, z]);
+    }
+    nodes.clear_forces();
+    film.add_forces(nodes, dt);
+}

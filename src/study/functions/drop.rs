@@ -1,0 +1,310 @@
+//! Drop tests in scripts: virtual recordings, and the reduction of recordings.
+
+use rhai::{Array, Dynamic, Engine, Map};
+
+use crate::script::{Entry, HostResult, Options, from_json, refuse, window};
+use lab::experiment::absorption::Body;
+use lab::experiment::drop::{self, Bridged, Correction, Drop, Height, KnownContact, Reduction, Tower};
+use lab::experiment::fall::Fall;
+use lab::experiment::sensor::{self, Accelerometer, Laser, Sensors};
+use lab::signal::column::{self, Column};
+use lab::signal::{Recording, Series};
+
+/// Default gravity, m/s²: equation 9 of the paper.
+const GRAVITY: f64 = 9.81;
+
+/// Channels of a reduced drop.
+const CHANNELS: [Column; 8] = [
+    column::DISPLACEMENT,
+    column::VELOCITY,
+    column::ACCELERATION_FILTERED,
+    column::ACCELERATION,
+    column::KINETIC_ENERGY,
+    column::POTENTIAL_ENERGY,
+    column::ABSORBED_ENERGY,
+    column::TOTAL_ENERGY,
+];
+
+/// Offers `reduce_drop` and `virtual_drop` to scripts.
+pub(super) fn register(engine: &mut Engine) {
+    engine
+        .register_fn("reduce_drop", |acceleration: Series, laser: Series, about: Map| {
+            reduce(&acceleration, Some(&laser), &Options { of: "reduce_drop", map: &about })
+        })
+        .register_fn("reduce_drop", |acceleration: Series, _: (), about: Map| {
+            reduce(&acceleration, None, &Options { of: "reduce_drop", map: &about })
+        })
+        .register_fn("virtual_drop", |acceleration: Series, displacement: Series, about: Map| {
+            record(&acceleration, &displacement, &Options { of: "virtual_drop", map: &about })
+        });
+}
+
+fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) -> HostResult<Map> {
+    about.check(&[
+        "mass",
+        "height",
+        "gravity",
+        "class",
+        "correction",
+        "time_constant",
+        "bridge",
+        "mask",
+        "speed",
+        "contact_time",
+    ])?;
+    let body = Body { mass: about.needed_number("mass")?, gravity: about.number("gravity", GRAVITY)? };
+    let (height, contact) = height_and_contact(about, body.gravity)?;
+    let tower = Tower { body, height };
+    let Bridged { series: acceleration, warning: bridged } = bridged(acceleration, about)?;
+    let laser = laser.filter(|_| matches!(height, Height::Known(_)));
+    let class = match about.map.get("class") {
+        Some(none) if none.is_unit() => None,
+        _ => Some(about.number("class", 1000.0)?),
+    };
+    let reduction = Reduction { correction: correction(about)?, class, contact };
+    let mut drop = drop::reduce(&acceleration, laser, &tower, &reduction).map_err(refuse)?;
+    drop.warnings.extend(bridged);
+    reduced(&drop)
+}
+
+/// The height of fall, or the speed in its place, with the contact time where that is known too.
+fn height_and_contact(about: &Options<'_>, gravity: f64) -> HostResult<(Height, Option<KnownContact>)> {
+    let is_given = |name: &str| about.map.contains_key(name);
+    match (is_given("height"), is_given("speed"), is_given("contact_time")) {
+        (true, true, _) => Err(refuse("reduce_drop takes `height` or `speed`, not both")),
+        (_, false, true) => Err(refuse("reduce_drop takes `contact_time` with `speed`")),
+        (_, false, false) => Ok((Height::Known(about.needed_number("height")?), None)),
+        (false, true, has_contact) => {
+            let speed = about.needed_number("speed")?;
+            let time = has_contact.then(|| about.needed_number("contact_time")).transpose()?;
+            let contact = time.map(|time| KnownContact { time, speed });
+            Ok((Height::of_speed(speed, gravity), contact))
+        }
+    }
+}
+
+/// The acceleration without the gaps that `bridge` and `mask` name.
+fn bridged(acceleration: &Series, about: &Options<'_>) -> HostResult<Bridged> {
+    let longest = about.map.get("bridge").map(|_| about.needed_number("bridge")).transpose()?;
+    let masks = about.map.get("mask").map_or_else(|| Ok(Vec::new()), masks)?;
+    if longest.is_none() && masks.is_empty() {
+        return Ok(Bridged { series: acceleration.clone(), warning: None });
+    }
+    Ok(drop::bridged(acceleration, longest.unwrap_or(0.0), &masks))
+}
+
+/// One pair of times (s), or a list of them.
+fn masks(value: &Dynamic) -> HostResult<Vec<[f64; 2]>> {
+    let several = value.read_lock::<Array>();
+    let is_list = several.as_deref().is_some_and(|masks| masks.iter().all(Dynamic::is_array));
+    let masks: Vec<[f64; 2]> = match several.as_deref().filter(|_| is_list) {
+        Some(masks) => masks.iter().map(window).collect::<HostResult<_>>()?,
+        None => vec![window(value)?],
+    };
+    let reversed = masks.iter().find(|[from, to]| from.is_nan() || to.is_nan() || from >= to);
+    let refusal = |[from, to]: &[f64; 2]| refuse(format!("a mask ends after it begins, not from {from} s to {to} s"));
+    reversed.map_or(Ok(()), |mask| Err(refusal(mask)))?;
+    Ok(masks)
+}
+
+fn correction(about: &Options<'_>) -> HostResult<Correction> {
+    let name = about.map.get("correction").map(Dynamic::to_string);
+    match name.as_deref() {
+        None | Some("coupling") => {
+            let given = about.map.contains_key("time_constant");
+            let time_constant = given.then(|| about.needed_number("time_constant")).transpose()?;
+            Ok(Correction::Coupling { time_constant })
+        }
+        Some("ramp") => Ok(Correction::Ramp),
+        Some(other) => Err(refuse(format!("expected \"coupling\" or \"ramp\" for the correction, found {other}"))),
+    }
+}
+
+/// Figures and signals by name.
+fn reduced(drop: &Drop) -> HostResult<Map> {
+    let figures = serde_json::to_value(drop.figures()).map_err(refuse)?;
+    let mut map = from_json(&figures).try_cast::<Map>().unwrap_or_default();
+    for Column { short, name, .. } in CHANNELS {
+        map.insert(short.into(), signal(&drop.signals, name));
+    }
+    Ok(map)
+}
+
+fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> HostResult<Map> {
+    about.check(&[
+        "height",
+        "velocity",
+        "seed",
+        "laser",
+        "gravity",
+        "letting_go",
+        "friction_speed_share",
+        "time_constant",
+        "noise",
+        "offset",
+        "rest",
+        "sample_rate",
+    ])?;
+    let fall = Fall {
+        height: about.needed_number("height")?,
+        speed: about.needed_number("velocity")?,
+        gravity: about.number("gravity", GRAVITY)?,
+        release_duration: about.number("letting_go", 0.032)?,
+        speed_share: about.number("friction_speed_share", 0.0)?,
+    };
+    let seed = about.map.get("seed").and_then(|seed| seed.as_int().ok());
+    let seed = seed.ok_or_else(|| refuse("virtual_drop needs `seed`, a whole number"))?;
+    let virtual_drop = sensor::virtual_drop(acceleration, displacement, &fall, &sensors(about)?, seed.cast_unsigned());
+    let virtual_drop = virtual_drop.map_err(refuse)?;
+    let recording = &virtual_drop.recording;
+    let mut map = Map::new();
+    map.insert("time".into(), Dynamic::from(Series::new(recording.time.as_slice(), recording.time.as_slice())));
+    map.insert("accelerometer".into(), signal(recording, sensor::ACCELEROMETER));
+    map.insert("laser".into(), signal(recording, sensor::LASER));
+    map.insert("contact_time".into(), virtual_drop.contact_time.into());
+    Ok(map)
+}
+
+fn sensors(about: &Options<'_>) -> HostResult<Sensors> {
+    let assumed = Sensors::default();
+    let accelerometer = Accelerometer {
+        time_constant: about.number("time_constant", assumed.accelerometer.time_constant)?,
+        noise: about.number("noise", assumed.accelerometer.noise)?,
+        offset: about.number("offset", assumed.accelerometer.offset)?,
+        ..assumed.accelerometer
+    };
+    let sees = match about.map.get("laser") {
+        None => true,
+        Some(flag) => {
+            flag.as_bool().map_err(|found| refuse(format!("expected true or false for laser, found {found}")))?
+        }
+    };
+    let rest = match about.map.get("rest") {
+        None => assumed.rest,
+        Some(range) => window(range)?,
+    };
+    let sample_rate = about.number("sample_rate", assumed.sample_rate)?;
+    Ok(Sensors { accelerometer, laser: sees.then(Laser::default), sample_rate, rest })
+}
+
+/// The channel as a signal, `()` where there is none.
+fn signal(recording: &Recording, column: &str) -> Dynamic {
+    recording.series(column).map_or(Dynamic::UNIT, Dynamic::from)
+}
+
+/// The reference of drop tests.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "virtual_drop(acceleration, displacement, #{ height, velocity, seed })",
+        gives: "what the sensors would have read in a simulated drop, from run.acceleration_raw and run.displacement: time, accelerometer, laser (signals) \
+                and the true contact_time (s); also laser: false, gravity, letting_go, friction_speed_share \
+                (the share of the guide's friction at contact that is proportional to the speed), time_constant, noise, offset, rest: [from, to], sample_rate",
+        example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
+                   let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
+                   v.accelerometer.len() == v.laser.len() && v.contact_time > 0.5",
+    },
+    Entry {
+        call: "reduce_drop(acceleration, laser, #{ mass, height })",
+        gives: "the drop that was recorded, from a reading that starts at rest; () in place of a laser that failed. Figures as of `droptower signal drop` \
+                and the signals displacement, velocity, acceleration (filtered), acceleration_raw, kinetic_energy, potential_energy, absorbed_energy, \
+                total_energy from contact on; also gravity, class (1000; () where the recording was filtered before), correction: \"ramp\", time_constant, \
+                bridge (s), the longest gap to be replaced by a straight line, mask: [from, to] or a list of them, what a straight line replaces, \
+                speed (m/s) in place of height and laser, and contact_time (s) with it",
+        example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
+                   let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
+                   let drop = reduce_drop(v.accelerometer, (), #{ mass: 10.72, height: 1 });
+                   (drop.impact_velocity_m_s - 4.16).abs() < 0.02 && (drop.contact_time_s - v.contact_time).abs() < 0.0002",
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use rhai::{Map, Scope};
+
+    use crate::functions::check::{assert_refused, engine};
+    use lab::signal::Series;
+
+    #[test]
+    fn without_a_class_nothing_is_filtered() {
+        let same = |class: &str| {
+            let script = format!(
+                "let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
+                 let v = virtual_drop(a, d, #{{ height: 1, velocity: 4.16, seed: 1 }});
+                 let drop = reduce_drop(v.accelerometer, (), #{{ mass: 10.72, height: 1, class: {class} }});
+                 (drop.acceleration - drop.acceleration_raw).max() == 0.0"
+            );
+            engine().eval::<bool>(&script).unwrap()
+        };
+        assert_eq!(["()", "1000"].map(same), [true, false]);
+    }
+
+    /// A reading with a gap of 3 ms in the fall.
+    #[test]
+    fn gaps_are_bridged_and_known_contacts_are_used() {
+        let recorded = "let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
+                        virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 })";
+        let engine = engine();
+        let recorded: Map = engine.eval(recorded).unwrap();
+        let whole = recorded["accelerometer"].clone_cast::<Series>();
+        let gap = |[t, value]: [f64; 2]| if (0.3..0.303).contains(&t) { f64::NAN } else { value };
+        let gap = whole.with_values(whole.samples().map(gap).collect());
+        let contact: f64 = recorded["contact_time"].as_float().unwrap();
+        let mut scope = Scope::new();
+        scope.push("gap", gap).push("laser", recorded["laser"].clone()).push("contact", contact);
+        let mut reduced = |laser: &str, about: &str| {
+            let script = format!("reduce_drop(gap, {laser}, #{{ mass: 10.72, {about} }})");
+            engine.eval_with_scope::<Map>(&mut scope, &script)
+        };
+        let refused = reduced("()", "height: 1").unwrap_err().to_string();
+        assert!(refused.contains("nothing was measured at 0.3 s"), "{refused}");
+        for about in ["bridge: 0.005", "mask: [0.2995, 0.3035]", "mask: [[0.2, 0.201], [0.2995, 0.3035]]"] {
+            let drop = reduced("()", &format!("height: 1, {about}")).unwrap();
+            assert!(drop["notes"].to_string().contains("bridged by"), "{about}: {drop:?}");
+            assert!((drop["contact_time_s"].as_float().unwrap() - contact).abs() < 2e-4, "{about}: {drop:?}");
+            assert_eq!(drop["speed_from"].to_string(), "fall");
+        }
+        let given = reduced("laser", "speed: 4.16, bridge: 0.005").unwrap();
+        assert!((given["impact_velocity_m_s"].as_float().unwrap() - 4.16).abs() < 1e-9, "{given:?}");
+        assert_eq!(given["speed_from"].to_string(), "given");
+        let stated = reduced("laser", "speed: 4.1, contact_time: contact, bridge: 0.005").unwrap();
+        assert_eq!(stated["speed_from"].to_string(), "stated");
+        assert_eq!(stated["contact_time_s"].as_float().unwrap(), contact);
+    }
+
+    #[test]
+    fn mistakes_are_reported() {
+        let cases = [
+            ("reduce_drop(s, (), #{ mass: 1 })", "reduce_drop needs `height`"),
+            (
+                "reduce_drop(s, (), #{ mass: 1, height: 1, colour: 2 })",
+                "reduce_drop has no option `colour`; it takes mass",
+            ),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, correction: \"x\" })", "expected \"coupling\" or \"ramp\""),
+            ("reduce_drop(s, (), #{ mass: -1, height: 1 })", "the mass is -1, but must be positive"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, speed: 4 })", "takes `height` or `speed`, not both"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, contact_time: 4 })", "takes `contact_time` with `speed`"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: [2, 1] })", "a mask ends after it begins"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: 3 })", "expected a window"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, bridge: \"x\" })", "bridge"),
+            ("virtual_drop(s, s, #{ height: 1, velocity: 4 })", "virtual_drop needs `seed`"),
+            ("virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, friction_speed_share: 2 })", "must be 0 to 1"),
+            ("virtual_drop(s, s, #{ height: 1, velocity: 9, seed: 1 })", "does not reach 9 m/s"),
+            (
+                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, sample_rate: 1e12 })",
+                "more than 1000000 samples",
+            ),
+            (
+                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, sample_rate: 1e20 })",
+                "more than 1000000 samples",
+            ),
+            (
+                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, rest: [0, 1.0 / 0.0] })",
+                "must be a range of times",
+            ),
+            ("virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, laser: 2 })", "expected true or false"),
+        ];
+        let calls = cases.map(|(call, expected)| (format!("let s = signal([0, 0.1], [0, 1]); {call}"), expected));
+        let cases: Vec<(&str, &str)> = calls.iter().map(|(call, expected)| (call.as_str(), *expected)).collect();
+        assert_refused(&engine(), &cases);
+    }
+}

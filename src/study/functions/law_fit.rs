@@ -1,0 +1,249 @@
+//! Fits of laws and of relaxation in scripts.
+
+use std::path::Path;
+
+use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
+
+use super::curve::{list, numbers};
+use crate::script::{Entry, HostResult, Options, Session, from_json, refuse};
+use base::finding::Finding;
+use lab::experiment::law_fit::{
+    BiaxialPoint, Coefficient, DataSet, FitOptions, LawFit, Measured, StressReader, TestFit, TestKind, fit_law,
+};
+use lab::experiment::relaxation::{PronyFit, fit_prony};
+
+/// Offers `fit_law` and `fit_relaxation` to scripts.
+pub(super) fn register(engine: &mut Engine) {
+    engine
+        .register_fn("fit_law", |tests: Array, law: &str| fitted(&tests, law, &Map::new()))
+        .register_fn("fit_law", |tests: Array, law: &str, options: Map| fitted(&tests, law, &options))
+        .register_fn("fit_relaxation", relaxation);
+}
+
+/// Offers `read_stresses` to scripts that may read files.
+pub(super) fn register_reading(engine: &mut Engine) {
+    engine
+        .register_fn("read_stresses", |context: NativeCallContext, path: &str| read(&Session::of(&context), path, None))
+        .register_fn("read_stresses", |context: NativeCallContext, path: &str, kind: &str| {
+            let kind = kind.parse().map_err(refuse)?;
+            read(&Session::of(&context), path, Some(kind))
+        });
+}
+
+fn read(session: &Session, path: &str, kind: Option<TestKind>) -> HostResult<Map> {
+    let path = Path::new(path);
+    session.add_recording_files(path);
+    let reader = StressReader { kind, ..StressReader::default() };
+    let set = reader.read(path).map_err(|error| match error.hint() {
+        Some(hint) => refuse(format!("{error} ({hint})")),
+        None => refuse(error),
+    })?;
+    session.add_recording(path, set.is_virtual);
+    Ok(set_map(&set))
+}
+
+/// A test as scripts have it.
+fn set_map(set: &DataSet) -> Map {
+    let mut map = Map::from([
+        ("name".into(), set.name.clone().into()),
+        ("test".into(), set.kind().to_string().into()),
+        ("weight".into(), set.weight.into()),
+        ("is_virtual".into(), set.is_virtual.into()),
+    ]);
+    let (stretches, stresses) = (set.measured.stretches(), set.measured.stresses());
+    match &set.measured {
+        Measured::Tension(..) => {
+            map.insert("stretch".into(), list(&stretches).into());
+            map.insert("stress".into(), list(&stresses).into());
+        }
+        Measured::Biaxial(_) => {
+            let every =
+                |values: &[f64], first: usize| -> Vec<f64> { values.iter().skip(first).step_by(2).copied().collect() };
+            for (place, number) in ["1", "2"].into_iter().enumerate() {
+                map.insert(format!("stretch_{number}").into(), list(&every(&stretches, place)).into());
+                map.insert(format!("stress_{number}").into(), list(&every(&stresses, place)).into());
+            }
+        }
+    }
+    map
+}
+
+/// A test of a map.
+fn set(item: &Dynamic) -> HostResult<DataSet> {
+    let Some(map) = item.read_lock::<Map>() else {
+        let message = format!("a test is a map of test, stretch and stress, not {}", item.type_name());
+        return Err(refuse(message));
+    };
+    let test = Options { of: "a test", map: &map };
+    let kind: TestKind = test.value("test")?.to_string().parse().map_err(refuse)?;
+    let column = |name: &str, what: &str| {
+        let values = test.value(name)?.clone().into_array();
+        numbers(&values.map_err(|found| refuse(format!("expected a list as {name}, found {found}")))?, what)
+    };
+    let common = ["name", "test", "weight", "is_virtual"];
+    let (columns, measured) = match kind {
+        TestKind::Tension(tension) => {
+            let [stretches, stresses] = equal([column("stretch", "a stretch")?, column("stress", "a stress")?])?;
+            let points = stretches.into_iter().zip(stresses).map(|(stretch, stress)| [stretch, stress]);
+            (&["stretch", "stress"][..], Measured::Tension(tension, points.collect()))
+        }
+        TestKind::Biaxial => {
+            let [l1, l2, p1, p2] = equal([
+                column("stretch_1", "a stretch")?,
+                column("stretch_2", "a stretch")?,
+                column("stress_1", "a stress")?,
+                column("stress_2", "a stress")?,
+            ])?;
+            let point = |i: usize| BiaxialPoint { stretches: [l1[i], l2[i]], stresses: [p1[i], p2[i]] };
+            let points = (0..l1.len()).map(point).collect();
+            (&["stretch_1", "stretch_2", "stress_1", "stress_2"][..], Measured::Biaxial(points))
+        }
+    };
+    test.check(&[&common[..], columns].concat())?;
+    let name = map.get("name").map_or_else(|| kind.to_string(), Dynamic::to_string);
+    let set = DataSet::new(name, measured).map_err(refuse)?;
+    let set = DataSet { is_virtual: test.boolean("is_virtual", false)?, ..set };
+    set.with_weight(test.number("weight", 1.0)?).map_err(refuse)
+}
+
+fn equal<const N: usize>(columns: [Vec<f64>; N]) -> HostResult<[Vec<f64>; N]> {
+    if columns.iter().any(|column| column.len() != columns[0].len()) {
+        return Err(refuse("the lists of a test are of different lengths"));
+    }
+    Ok(columns)
+}
+
+fn fitted(tests: &[Dynamic], law: &str, options: &Map) -> HostResult<Map> {
+    let given = Options { of: "fit_law", map: options };
+    given.check(&["residual", "stable_to", "predict"])?;
+    let sets = tests.iter().map(set).collect::<HostResult<Vec<_>>>()?;
+    let predicted = match options.get("predict") {
+        Some(list) => {
+            let list = list.clone().into_array();
+            let list = list.map_err(|found| refuse(format!("expected a list of tests as predict, found {found}")))?;
+            list.iter().map(set).collect::<HostResult<Vec<_>>>()?
+        }
+        None => vec![],
+    };
+    let weighting = options.get("residual").map(|word| word.to_string().parse()).transpose().map_err(refuse)?;
+    let stable_to = options.get("stable_to").map(|_| given.needed_number("stable_to")).transpose()?;
+    let options = FitOptions { weighting: weighting.unwrap_or_default(), stable_to };
+    let law = law.parse().map_err(refuse)?;
+    fit_law(law, &sets, &predicted, &options).map(|fit| fit_map(&fit)).map_err(|error| match error.hint() {
+        Some(hint) => refuse(format!("{error} ({hint})")),
+        None => refuse(error),
+    })
+}
+
+fn fit_map(fit: &LawFit) -> Map {
+    let by_name = |value: &dyn Fn(&Coefficient) -> Dynamic| -> Dynamic {
+        fit.coefficients.iter().map(|one| (one.name.as_str().into(), value(one))).collect::<Map>().into()
+    };
+    let tests =
+        |tests: &[TestFit]| -> Dynamic { tests.iter().map(|test| test_map(test).into()).collect::<Array>().into() };
+    let mut map = Map::from([
+        ("law".into(), fit.choice.to_string().into()),
+        ("coefficients".into(), by_name(&|one| one.value.into())),
+        ("standard_errors".into(), by_name(&|one| one.standard_error.map_or(Dynamic::UNIT, Dynamic::from))),
+        ("intervals".into(), by_name(&|one| one.interval.map_or(Dynamic::UNIT, |ends| list(&ends).into()))),
+        ("tests".into(), tests(&fit.tests)),
+        ("predictions".into(), tests(&fit.predictions)),
+        ("unstable_from".into(), fit.unstable_from.map_or(Dynamic::UNIT, |(_, stretch)| stretch.into())),
+    ]);
+    insert_findings(&mut map, &fit.findings());
+    map
+}
+
+fn test_map(test: &TestFit) -> Map {
+    let mut map = set_map(&test.set);
+    let quality = &test.quality;
+    map.extend([
+        ("predicted".into(), list(&test.predicted).into()),
+        ("r_squared".into(), quality.r_squared.into()),
+        ("rms".into(), quality.rms.into()),
+        ("relative_rms".into(), quality.relative_rms.into()),
+        ("largest_error".into(), quality.largest_error.into()),
+    ]);
+    map
+}
+
+/// `findings` as maps and `warnings` as texts.
+fn insert_findings(map: &mut Map, findings: &[Finding]) {
+    let warnings = findings.iter().filter(|finding| finding.is_warning()).map(|finding| finding.message.clone().into());
+    map.insert("warnings".into(), warnings.collect::<Array>().into());
+    map.insert("findings".into(), from_json(&serde_json::json!(findings)));
+}
+
+fn relaxation(times: Array, moduli: Array, terms: INT) -> HostResult<Map> {
+    let [times, moduli] = equal([numbers(&times, "a time")?, numbers(&moduli, "a modulus")?])?;
+    let points: Vec<[f64; 2]> = times.into_iter().zip(moduli).map(|(time, modulus)| [time, modulus]).collect();
+    let terms = usize::try_from(terms).map_err(|_| refuse(format!("expected a number of terms, found {terms}")))?;
+    fit_prony(&points, terms).map(|fit| prony_map(&fit)).map_err(refuse)
+}
+
+fn prony_map(fit: &PronyFit) -> Map {
+    let terms = fit
+        .prony
+        .terms
+        .iter()
+        .map(|term| Map::from([("share".into(), term.share.into()), ("time".into(), term.time.into())]).into());
+    let mut map = Map::from([
+        ("instantaneous".into(), fit.prony.instantaneous.into()),
+        ("equilibrium".into(), fit.prony.equilibrium().into()),
+        ("terms".into(), terms.collect::<Array>().into()),
+        ("r_squared".into(), fit.r_squared.into()),
+        ("relative_rms".into(), fit.relative_rms.into()),
+        ("largest_error".into(), fit.largest_error.into()),
+    ]);
+    let findings: Vec<Finding> = fit.warnings.iter().map(Finding::new).collect();
+    insert_findings(&mut map, &findings);
+    map
+}
+
+/// The reference of fits.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "fit_law(tests, law)",
+        gives: "the law (neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent, ogden:N) fitted to tests, maps of test (uniaxial, equibiaxial, plane, biaxial), stretch and nominal stress (Pa), or stretch_1, stretch_2, stress_1, stress_2: a map of coefficients, standard_errors, intervals, tests (r_squared, rms, relative_rms, largest_error, predicted), unstable_from, findings and warnings",
+        example: r#"let p = |l| 4e5 * (l - 1 / (l * l)); let t = #{ test: "uniaxial", stretch: [1.1, 1.5, 2.0], stress: [p.call(1.1), p.call(1.5), p.call(2.0)] }; let f = fit_law([t], "neo-hookean"); (f.coefficients.mu / 4e5 - 1).abs() < 1e-9 && f.findings[0].code == "uniaxial-only""#,
+    },
+    Entry {
+        call: "fit_law(tests, law, #{ residual, stable_to, predict })",
+        gives: "the same with residual (absolute or relative), the stretch up to which the law must be stable, and tests to predict, which `predictions` has",
+        example: r#"let t = #{ test: "plane", stretch: [1.5, 2.0], stress: [4e5, 7e5], weight: 2 }; fit_law([t], "neo-hookean", #{ residual: "relative", stable_to: 3, predict: [t] }).predictions.len() == 1"#,
+    },
+    Entry {
+        call: "fit_relaxation(times, moduli, terms)",
+        gives: "a Prony series of at most so many terms of a relaxation modulus: a map of instantaneous and equilibrium modulus, terms (share of the instantaneous modulus, time), r_squared, relative_rms, largest_error, findings and warnings",
+        example: "let t = [0.1, 0.3, 1.0, 3.0, 10.0]; let f = fit_relaxation(t, t.map(|t| 1e8 + 1e8 * (-t).exp()), 3); (f.terms[0].time - 1).abs() < 1e-9 && (f.terms[0].share - 0.5).abs() < 1e-6",
+    },
+    Entry {
+        call: "read_stresses(path), read_stresses(path, kind)",
+        gives: "a test from a file (columns stretch or strain and stress; biaxial: stretch_1, stretch_2, stress_1, stress_2), as fit_law takes it; its kind is that of its header (`# test: uniaxial`) or name (treloar-ut.csv), unless it is given",
+        example: r#"read_stresses(args.stresses).stretch.len() == 3"#,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use crate::functions::check::{assert_refused, engine};
+
+    #[test]
+    fn mistakes_are_reported() {
+        let cases = [
+            ("fit_law([1], \"yeoh\")", "a test is a map of test, stretch and stress, not i64"),
+            ("fit_law([], \"yeoh\")", "no test has a weight above zero"),
+            ("fit_law([], \"hooke\")", "`hooke` is not a law that can be fitted"),
+            ("fit_law([#{ test: \"ut\", stretch: [1, 2], stress: [1] }], \"yeoh\")", "of different lengths"),
+            (
+                "fit_law([#{ test: \"ut\", stretch: [1, 2], stress: [0, 1] }], \"yeoh\")",
+                "more stresses than coefficients",
+            ),
+            ("fit_law([#{ test: \"x\" }], \"yeoh\")", "`x` is no kind of test"),
+            ("fit_law([], \"yeoh\", #{ residuals: 1 })", "residuals"),
+            ("fit_relaxation([1, 2], [2, 1], -1)", "expected a number of terms, found -1"),
+            ("read_stresses(\"no-ut.csv\")", "no-ut.csv: cannot be read"),
+        ];
+        assert_refused(&engine(), &cases);
+    }
+}

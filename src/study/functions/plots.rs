@@ -1,0 +1,327 @@
+//! Plots of scripts: signals over time, curves over strain, pairs of lists.
+
+use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
+
+use super::files::Column;
+use crate::script::{Entry, File, HostResult, Options, OutputCollector, refuse, window};
+use lab::experiment::coupon;
+use lab::signal::Series;
+use plot::{self, Axis, Curve, Look, Plot, Scale, TIME, Window};
+
+/// Least and most points of one curve; a longer one is thinned, with its extremes preserved.
+const CURVE_POINTS: [usize; 2] = [200, 2_000];
+
+/// Points of all curves of one plot, unless the least of each is more.
+const PLOT_POINTS: usize = 12_000;
+
+const LOOKS: [(&str, Look); 3] = [("line", Look::Line), ("dashed", Look::Dashed), ("points", Look::Points)];
+
+/// Offers `plot` to scripts.
+pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
+    let own = collector.clone();
+    engine.register_fn("plot", move |title: &str, curves: Dynamic| {
+        own.plot(written(title, &Map::new(), &curves)?).map_err(refuse)
+    });
+    let own = collector.clone();
+    engine.register_fn("plot", move |title: &str, options: Map, curves: Dynamic| {
+        let plot = written(title, &options, &curves)?;
+        if let Some(name) = picture(&options)? {
+            own.file(File { name, content: plot::svg(&plot) }).map_err(refuse)?;
+        }
+        own.plot(plot).map_err(refuse)
+    });
+}
+
+/// One curve from a script.
+struct Given {
+    name: String,
+    look: Look,
+    shape: Shape,
+}
+
+enum Shape {
+    /// Over time.
+    Signal(Series),
+    /// Stress over strain.
+    Law(coupon::Curve),
+    /// In the units of the axes.
+    Pair([Column; 2]),
+}
+
+/// Axes, and the factors from values of curves to units of the axes.
+struct Axes {
+    x: Axis,
+    y: Axis,
+    factors: [f64; 2],
+}
+
+fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
+    let options = Options { of: "plot", map: options };
+    options.check(&["x", "y", "log_x", "log_y", "window", "window_name", "picture"])?;
+    let given = given(title, curves)?;
+    let Axes { x, y, factors } = axes(title, &options, &given)?;
+    let [least, most] = CURVE_POINTS;
+    let points = (PLOT_POINTS / given.len().max(1)).clamp(least, most);
+    let curves = given.iter().map(|given| given.drawn(factors).thinned(points)).collect();
+    let window = marked(&options, factors[0])?;
+    Ok(Plot { title: title.into(), x, y, curves, window })
+}
+
+/// The curves with their names; a single curve takes the title.
+fn given(title: &str, curves: &Dynamic) -> HostResult<Vec<Given>> {
+    if let Some(map) = curves.read_lock::<Map>() {
+        return map.iter().map(|(name, curve)| Given::of(name, curve)).collect();
+    }
+    let all_named = |list: &Array| !list.is_empty() && list.iter().all(Dynamic::is_map);
+    match curves.read_lock::<Array>() {
+        Some(list) if all_named(&list) => list.iter().map(Given::named).collect(),
+        _ => Ok(vec![Given { name: title.into(), look: Look::Line, shape: Shape::of(curves)? }]),
+    }
+}
+
+impl Given {
+    /// A curve of a list: `#{ name, curve, look }`.
+    fn named(map: &Dynamic) -> HostResult<Given> {
+        let name = map.read_lock::<Map>().and_then(|map| map.get("name").cloned());
+        let name = name.ok_or_else(|| refuse("a curve of a list needs its `name`"))?;
+        Given::of(&name.to_string(), map)
+    }
+
+    /// A curve, or a map of a curve and its look.
+    fn of(name: &str, curve: &Dynamic) -> HostResult<Given> {
+        let Some(map) = curve.read_lock::<Map>() else {
+            return Ok(Given { name: name.into(), look: Look::Line, shape: Shape::of(curve)? });
+        };
+        let options = Options { of: "a curve of a plot", map: &map };
+        options.check(&["name", "curve", "look"])?;
+        let look = map.get("look").map_or(Ok(Look::Line), look)?;
+        Ok(Given { name: name.into(), look, shape: Shape::of(options.value("curve")?)? })
+    }
+
+    fn drawn(&self, [x, y]: [f64; 2]) -> Curve {
+        let points: Vec<[f64; 2]> = match &self.shape {
+            Shape::Signal(series) => series.samples().map(|[time, value]| [time * x, value]).collect(),
+            Shape::Law(law) => law.strain().iter().zip(law.stress()).map(|(e, s)| [e * x, s * y]).collect(),
+            Shape::Pair([xs, ys]) => xs.values().iter().zip(ys.values()).map(|(x, y)| [*x, *y]).collect(),
+        };
+        Curve { name: self.name.clone(), points, look: self.look }
+    }
+}
+
+fn look(value: &Dynamic) -> HostResult<Look> {
+    let text = value.to_string();
+    let found = LOOKS.iter().find(|(name, _)| *name == text).map(|(_, look)| *look);
+    found.ok_or_else(|| refuse(format!("unknown look `{text}` (there are line, dashed, points)")))
+}
+
+impl Shape {
+    fn of(value: &Dynamic) -> HostResult<Shape> {
+        if let Some(series) = value.read_lock::<Series>() {
+            return Ok(Shape::Signal(series.clone()));
+        }
+        if let Some(law) = value.read_lock::<coupon::Curve>() {
+            return Ok(Shape::Law(law.clone()));
+        }
+        let wrong = || refuse(format!("a plot shows signals, curves or pairs [xs, ys], not {}", value.type_name()));
+        let pair = value.read_lock::<Array>().ok_or_else(wrong)?;
+        let [x, y] = pair.as_slice() else {
+            return Err(refuse(format!("a pair of a plot is [xs, ys], not a list of {}", pair.len())));
+        };
+        let columns = [Column::of(x)?, Column::of(y)?];
+        let [x, y] = columns.each_ref().map(|column| column.values().len());
+        if x == y { Ok(Shape::Pair(columns)) } else { Err(refuse(format!("{x} values along x for {y} along y"))) }
+    }
+}
+
+/// Labels and units: those of the script, or else those of the curves.
+fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes> {
+    let has = |kind: fn(&Shape) -> bool| given.iter().any(|given| kind(&given.shape));
+    let over_time = has(|shape| matches!(shape, Shape::Signal(_)));
+    let over_strain = has(|shape| matches!(shape, Shape::Law(_)));
+    let (x, y) = (label(options, "x")?, label(options, "y")?);
+    let (x, y, factors) = match (over_time, over_strain) {
+        (true, true) => return Err(refuse("a plot shows signals over time or curves over strain, not both")),
+        (true, false) => {
+            let x = x.unwrap_or_else(|| TIME.into());
+            let factor = in_unit(&x, &[("(ms)", 1e3), ("(s)", 1.0)])?;
+            (x, y.unwrap_or_else(|| title.into()), [factor, 1.0])
+        }
+        (false, true) => {
+            let (x, y) = (x.unwrap_or_else(|| "strain".into()), y.unwrap_or_else(|| "stress (MPa)".into()));
+            let factors = [in_unit(&x, &[("(%)", 1e2), ("", 1.0)])?, in_unit(&y, &[("(MPa)", 1e-6), ("(Pa)", 1.0)])?];
+            (x, y, factors)
+        }
+        (false, false) => {
+            let x =
+                x.ok_or_else(|| refuse("plot needs `x`, the label of the x axis: #{ x: \"displacement (mm)\" }"))?;
+            (x, y.unwrap_or_else(|| title.into()), [1.0, 1.0])
+        }
+    };
+    let scale = |log| if log { Scale::Logarithmic } else { Scale::Linear };
+    let x = Axis { label: x, scale: scale(options.boolean("log_x", false)?) };
+    let y = Axis { label: y, scale: scale(options.boolean("log_y", false)?) };
+    Ok(Axes { x, y, factors })
+}
+
+/// The file of the picture, if there is to be one.
+fn picture(options: &Map) -> HostResult<Option<String>> {
+    let name = label(&Options { of: "plot", map: options }, "picture")?;
+    match name {
+        Some(name) if !name.ends_with(".svg") => {
+            Err(refuse(format!("a picture is a file that ends in .svg, not `{name}`")))
+        }
+        name => Ok(name),
+    }
+}
+
+fn label(options: &Options<'_>, name: &str) -> HostResult<Option<String>> {
+    let Some(value) = options.map.get(name) else { return Ok(None) };
+    match value.read_lock::<ImmutableString>() {
+        Some(text) => Ok(Some(text.to_string())),
+        None => Err(refuse(format!("`{name}` is a text, not {}", value.type_name()))),
+    }
+}
+
+/// The factor of the unit that `label` ends with.
+fn in_unit(label: &str, units: &[(&str, f64)]) -> HostResult<f64> {
+    let found = units.iter().find(|(unit, _)| label.ends_with(unit));
+    found.map(|(_, factor)| *factor).ok_or_else(|| {
+        let known: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
+        refuse(format!("`{label}` has no unit at its end: add {}", known.join(" or ")))
+    })
+}
+
+/// The window to mark: in s where signals are shown, else in the unit of the axis.
+fn marked(options: &Options<'_>, factor: f64) -> HostResult<Option<Window>> {
+    let Some(bounds) = options.map.get("window") else { return Ok(None) };
+    let [from, to] = window(bounds)?;
+    if !(from.is_finite() && to.is_finite() && from < to) {
+        return Err(refuse(format!("the end of a window exceeds its start, which {from} to {to} does not")));
+    }
+    let label = label(options, "window_name")?.unwrap_or_else(|| "window".into());
+    Ok(Some(Window { label, range: [from * factor, to * factor] }))
+}
+
+/// The reference of plots.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "plot(title, #{ name: signal, … })",
+        gives: "a plot in report and recording: signals over time in ms; the title labels the y axis",
+        example: r#"plot("acceleration (m/s²)", #{ measured: signal([0, 0.1], [0, 150]), raw: signal([0, 0.1], [3, 149]) }); true"#,
+    },
+    Entry {
+        call: "plot(title, #{ x, y, log_x, log_y, window: [from, to], window_name }, curves)",
+        gives: "the same with labels of the axes, logarithmic axes, and a marked window of x (s where signals are shown)",
+        example: r#"let read = signal([0, 0.1], [0, 150]);
+                    plot("Braking", #{ y: "acceleration (m/s²)", window: [0, 0.05], window_name: "loading" }, read); true"#,
+    },
+    Entry {
+        call: "plot(title, #{ …, picture: \"name.svg\" }, curves)",
+        gives: "the same, and its picture as a file among the results",
+        example: r#"plot("MD", #{ picture: "pictures/md.svg" }, curve([0, 0.26], [0, 8.4e6])); true"#,
+    },
+    Entry {
+        call: "#{ name: signal | curve | [xs, ys] }",
+        gives: "the curves of a plot: signals over time, stress–strain curves in MPa, or two lists or signals of the same length in the \
+                units of the axes in `x` and `y`",
+        example: r#"plot("MD", #{ film: curve([0, 0.26], [0, 8.4e6]) });
+                    let travel = signal([0, 0.1], [0, -0.17]); let force = signal([0, 0.1], [0, 1500]);
+                    plot("Loop", #{ x: "travel (mm)", y: "force (N)" }, [travel * -1000, force]); true"#,
+    },
+    Entry {
+        call: "[#{ name, curve, look: \"line\" | \"dashed\" | \"points\" }, …]",
+        gives: "curves in this order; dashed is meant for references",
+        example: r#"let law = curve([0, 0.26, 0.84], [0, 8.4e6, 20e6]);
+                    plot("Yield points of MD", [#{ name: "mean", curve: law },
+                        #{ name: "yield points", curve: [[0.26, 0.84], [8.4, 20]], look: "points" }]); true"#,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::functions::check::{assert_refused, engine};
+    use crate::functions::{engine as plain, register_output};
+    use crate::script::Limits;
+
+    fn plots(script: &str) -> Vec<Plot> {
+        let collector = OutputCollector::new(vec![]);
+        let mut engine = plain(Limits::POST);
+        register_output(&mut engine, &collector);
+        engine.run(script).unwrap();
+        collector.output().plots
+    }
+
+    #[test]
+    fn signals_are_plotted_over_milliseconds_and_curves_in_megapascals() {
+        let found = plots(
+            "let s = signal([0, 0.05, 0.1], [0, 150, 20]);
+             plot(\"a\", #{ y: \"acceleration (m/s²)\", window: [0, 0.05] }, [#{ name: \"s\", curve: s }, #{ name: \"e\", curve: s, look: \"dashed\" }]);
+             plot(\"b\", #{ x: \"time (s)\", log_y: true }, #{ s: s });
+             plot(\"c\", #{ x: \"strain (%)\" }, curve([0, 0.5], [0, 5e6]));
+             plot(\"d\", #{ x: \"travel (mm)\", y: \"force (N)\" }, [s * 10, [1, 2, ()]]);",
+        );
+        let [a, b, c, d] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(a.curves[0].points, [[0.0, 0.0], [50.0, 150.0], [100.0, 20.0]]);
+        assert_eq!(
+            (a.x.label.as_str(), a.y.label.as_str(), a.curves[1].look),
+            ("time (ms)", "acceleration (m/s²)", Look::Dashed)
+        );
+        assert_eq!(a.window, Some(Window { label: "window".into(), range: [0.0, 50.0] }));
+        assert_eq!((b.curves[0].points[1][0], b.y.scale, b.y.label.as_str()), (0.05, Scale::Logarithmic, "b"));
+        assert_eq!(
+            (c.curves[0].points[1], c.y.label.as_str(), c.curves[0].name.as_str()),
+            ([50.0, 5.0], "stress (MPa)", "c")
+        );
+        assert_eq!(d.curves[0].points[1], [1500.0, 2.0]);
+        assert!(d.curves[0].points[2][1].is_nan());
+    }
+
+    #[test]
+    fn the_size_of_plots_is_limited() {
+        let long = "let s = signal([0, 1e-4], [0, 1]).resampled(1e-9);";
+        let thin = plots(&format!("{long} plot(\"a\", s); plot(\"a\", s);"));
+        assert!(thin.len() == 1 && (1300..=2000).contains(&thin[0].curves[0].points.len()));
+        for (text, expected) in [
+            ("for i in 0..63 { plot(\"p\" + i, s); }", "at most 100 plots of 80000 points together"),
+            ("for i in 0..101 { plot(\"p\" + i, signal([0], [1])); }", "at most 100 plots"),
+            ("let m = #{}; for i in 0..61 { m[\"c\" + i] = s; } plot(\"p\", m)", "has 61 curves; a plot has 1 to 60"),
+            ("let t = \"x\"; for i in 0..8 { t += t; } plot(t, s)", "1 to 200 characters"),
+        ] {
+            assert_refused(&engine(), &[(&format!("{long} {text}"), expected)]);
+        }
+    }
+
+    #[test]
+    fn mistakes_are_reported() {
+        let cases = [
+            ("plot(\"a\", 1)", "a plot shows signals, curves or pairs [xs, ys], not i64"),
+            ("plot(\"a\", #{ x: \"mm\" }, #{})", "the plot `a` has 0 curves"),
+            ("plot(\" \", signal([0], [1]))", "a title, an axis label or a name of a plot has 1 to 200"),
+            ("plot(\"a\", #{ x: \"mm\" }, [[0, 1], [1]])", "2 values along x for 1 along y"),
+            ("plot(\"a\", #{ x: \"mm\" }, [[0, 1], [1, 2], [3, 4]])", "a pair of a plot is [xs, ys], not a list of 3"),
+            ("plot(\"a\", [[0, 1], [1, 2]])", "plot needs `x`"),
+            ("plot(\"a\", #{ x: \"mm\" }, [[\"b\"], [1]])", "expected a number for a cell"),
+            ("plot(\"a\", #{ x: 1 }, signal([0], [1]))", "`x` is a text, not i64"),
+            ("plot(\"a\", #{ picture: 1 }, signal([0], [1]))", "`picture` is a text, not i64"),
+            ("plot(\"a\", #{ picture: \"a.png\" }, signal([0], [1]))", "ends in .svg, not `a.png`"),
+            ("plot(\"a\", #{ picture: \"../a.svg\" }, signal([0], [1]))", "`../a.svg` cannot name a file"),
+            ("plot(\"a\", #{ x: \"time\" }, signal([0], [1]))", "`time` has no unit at its end: add (ms) or (s)"),
+            ("plot(\"a\", #{ z: \"time\" }, signal([0], [1]))", "plot has no option `z`; it takes x, y, log_x"),
+            ("plot(\"a\", #{ log_y: 1 }, signal([0], [1]))", "log_y is true or false"),
+            ("plot(\"a\", #{ window: 3 }, signal([0], [1]))", "expected a window [from, to]"),
+            (
+                "plot(\"a\", #{ window: [2, 1] }, signal([0], [1]))",
+                "the end of a window exceeds its start, which 2 to 1 does not",
+            ),
+            (
+                "plot(\"a\", #{ s: signal([0], [1]), c: curve([0, 1], [0, 1]) })",
+                "signals over time or curves over strain, not both",
+            ),
+            ("plot(\"a\", [#{ curve: signal([0], [1]) }])", "needs its `name`"),
+            ("plot(\"a\", [#{ name: \"b\" }])", "a curve of a plot needs `curve`"),
+            ("plot(\"a\", [#{ name: \"b\", curve: signal([0], [1]), look: \"dotted\" }])", "unknown look `dotted`"),
+        ];
+        assert_refused(&engine(), &cases);
+    }
+}

@@ -1,0 +1,188 @@
+//! The host of the searches of a script.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::iter::successors;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use rhai::{EvalAltResult, NativeCallContext};
+
+use super::objective::{ScriptError, ScriptObjective};
+use super::options::ScriptSearch;
+use crate::identify::confidence::profile::ProfileError;
+use crate::identify::confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
+use crate::identify::convergence::convergence_history;
+use crate::identify::error::{SearchError, SearchFailure};
+use crate::identify::iteration::Iteration;
+use crate::identify::objective::FatalError;
+use crate::identify::options::{Search, Starts};
+use crate::identify::pool::history::{History, Identity};
+use crate::identify::pool::trial_pool::{Evaluator, PoolError, Problem, TrialPool};
+use crate::identify::progress::{Progress, ProgressEstimator};
+use crate::identify::result::SearchResult;
+use crate::identify::search::minimize;
+use crate::identify::warning::Warning;
+use crate::script::{ConvergenceHistory, HostResult, STACK, Session, numerical_failure, refuse};
+use plot::Correlation;
+
+/// Runs the searches of a script: their histories go to one folder, their events to one observer. Cheap to clone.
+#[derive(Clone)]
+pub struct SearchHost {
+    folder: Option<PathBuf>,
+    identity: Arc<OnceLock<Identity>>,
+    searches: Arc<AtomicUsize>,
+    observer: Arc<dyn Fn(SearchEvent<'_>) + Send + Sync>,
+}
+
+/// An event during the searches of a script.
+#[derive(Clone, Copy, Debug)]
+pub enum SearchEvent<'a> {
+    /// An iteration has ended.
+    Progress(&'a Progress),
+    /// So many points of profiles have no value yet.
+    OpenPoints(usize),
+    /// The history of a search reports this.
+    Warning(&'a Warning),
+    /// A search has ended.
+    Finished(&'a ConvergenceHistory),
+    /// The correlation of estimated parameters is known.
+    Correlation(&'a Correlation),
+}
+
+impl SearchHost {
+    /// A host whose histories go to `folder`, if there is one and once the script is
+    /// [identified](SearchHost::identify); `observer` is called with each event.
+    pub fn new(folder: Option<PathBuf>, observer: impl Fn(SearchEvent<'_>) + Send + Sync + 'static) -> SearchHost {
+        SearchHost { folder, identity: Arc::default(), searches: Arc::default(), observer: Arc::new(observer) }
+    }
+
+    /// Sets the identity of the script. Only the first call has an effect.
+    pub fn identify(&self, identity: Identity) {
+        self.identity.get_or_init(|| identity);
+    }
+
+    /// Runs independent searches on the same threads at the same time; the results in their order.
+    pub(super) fn minimize(
+        &self,
+        context: &NativeCallContext,
+        searches: &[ScriptSearch],
+    ) -> HostResult<Vec<SearchResult>> {
+        let several = searches.len() > 1;
+        let begun = self.searches.load(Ordering::Relaxed);
+        let session = Session::of(context);
+        let results = self.run(context, searches, |evaluator, number| {
+            let ScriptSearch { search, labels, .. } = &searches[number];
+            let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
+            let mut progress = ProgressEstimator::new(search, name);
+            let mut observer =
+                |iteration: &Iteration| (self.observer)(SearchEvent::Progress(&progress.update(iteration)));
+            let result = minimize(search, evaluator, &mut observer)?;
+            let title = labels.title.clone().unwrap_or_else(|| format!("search {}", begun + number + 1));
+            let history =
+                convergence_history(&result, title, &search.names, labels, session.is_all_virtual(), evaluator);
+            Ok::<_, SearchError>((result, history))
+        })?;
+        let (results, histories): (Vec<_>, Vec<_>) = results.into_iter().unzip();
+        histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
+        Ok(results)
+    }
+
+    /// Profiles about the start of `search`, or about the result of searches that they continue.
+    pub(super) fn profiles(
+        &self,
+        context: &NativeCallContext,
+        search: &ScriptSearch,
+        options: &ProfileOptions,
+    ) -> HostResult<Refinement> {
+        let session = Session::of(context);
+        let ScriptSearch { search: from, labels, .. } = search;
+        let found = self.run::<_, ProfileError>(context, std::slice::from_ref(search), |evaluator, _| {
+            let continued = Search { starts: Starts::One, ..from.clone() };
+            let mut progress = ProgressEstimator::new(&continued, labels.title.clone());
+            let mut observer = |event: ProfileEvent<'_>| match event {
+                ProfileEvent::OpenPoints(open) => (self.observer)(SearchEvent::OpenPoints(open)),
+                ProfileEvent::Iteration(at) => (self.observer)(SearchEvent::Progress(&progress.update(at))),
+            };
+            let refinement = Refinement::of(from, options, evaluator, &mut observer)?;
+            let title = |number: usize| {
+                let title = labels.title.as_deref().unwrap_or("search");
+                if number == 0 { format!("{title}, continued") } else { format!("{title}, continued {}", number + 1) }
+            };
+            let history = |(number, result): (usize, &SearchResult)| {
+                convergence_history(result, title(number), &from.names, labels, session.is_all_virtual(), evaluator)
+            };
+            let histories: Vec<ConvergenceHistory> = refinement.continued.iter().enumerate().map(history).collect();
+            Ok((refinement, histories))
+        })?;
+        let (refinement, histories) = found.into_iter().next().ok_or_else(|| refuse("the profiles have no result"))?;
+        histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
+        Ok(refinement)
+    }
+
+    /// Runs `job` for each of `searches` with a pool that evaluates their objectives and writes their histories.
+    pub(super) fn run<T: Send, E: SearchFailure + From<PoolError> + Send>(
+        &self,
+        context: &NativeCallContext,
+        searches: &[ScriptSearch],
+        job: impl Fn(&Evaluator<'_, '_>, usize) -> Result<T, E> + Sync,
+    ) -> HostResult<Vec<T>> {
+        let session = Session::of(context);
+        if session.is_trial() {
+            return Err(refuse(format!("an objective cannot search: `{}` is called within one", context.fn_name())));
+        }
+        let several = searches.len() > 1;
+        let prefix = |number: usize| if several { format!("search {}: ", number + 1) } else { String::new() };
+        for (number, ScriptSearch { search, .. }) in searches.iter().enumerate() {
+            search.check().map_err(|error| refuse(format!("{}{error}", prefix(number))))?;
+        }
+        let histories = searches.iter().map(|_| self.history(session.inputs()));
+        let mut histories = histories.collect::<HostResult<Vec<_>>>()?;
+        let objective = |ScriptSearch { on_rupture, call, .. }: &ScriptSearch| {
+            ScriptObjective::new(context, session.clone(), *on_rupture, call)
+        };
+        let objectives: Vec<ScriptObjective<'_>> = searches.iter().map(objective).collect();
+        let problems = objectives.iter().zip(searches).zip(&mut histories);
+        let problems = problems.map(|((objective, ScriptSearch { search, .. }), history)| Problem {
+            objective,
+            on_failure: search.on_failure,
+            history: history.as_mut(),
+        });
+        let pool = TrialPool::new(problems.collect(), rayon::current_num_threads()).with_stack(STACK);
+        let results = pool.run(job);
+        results.map_err(|(number, error)| {
+            let key_mistake = || objectives[number].take_key_mistake(error.cause_of_trial()?);
+            script_error(&error).or_else(key_mistake).unwrap_or_else(|| failure(&error, &prefix(number)))
+        })
+    }
+
+    /// Reports the correlation of parameters.
+    pub(super) fn report_correlation(&self, correlation: &Correlation) {
+        (self.observer)(SearchEvent::Correlation(correlation));
+    }
+
+    /// Opens the history of the next search.
+    fn history(&self, inputs: BTreeMap<PathBuf, String>) -> HostResult<Option<History>> {
+        let number = self.searches.fetch_add(1, Ordering::Relaxed) + 1;
+        let (Some(folder), Some(identity)) = (&self.folder, self.identity.get()) else {
+            return Ok(None);
+        };
+        let history = History::open(folder, identity, number, inputs).map_err(refuse)?;
+        history.warnings().iter().for_each(|warning| (self.observer)(SearchEvent::Warning(warning)));
+        Ok(Some(history))
+    }
+}
+
+/// The error of a search as the script gets it.
+fn failure(error: &impl SearchFailure, prefix: &str) -> Box<EvalAltResult> {
+    let text = format!("{prefix}{error}");
+    if error.is_numerical() { numerical_failure(text) } else { refuse(text) }
+}
+
+/// The script error that ended a search with `error`, if one did.
+fn script_error(error: &(dyn Error + 'static)) -> Option<Box<EvalAltResult>> {
+    let fatal =
+        successors(Some(error), |&error| error.source()).find_map(|error| error.downcast_ref::<FatalError>())?;
+    fatal.cause::<ScriptError>()?.take()
+}

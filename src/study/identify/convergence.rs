@@ -1,0 +1,167 @@
+//! The convergence history of a search, thinned for plots.
+
+use super::iteration::Iteration;
+use super::pool::trial_pool::Evaluator;
+use super::result::{SearchResult, StartResult};
+use crate::script::{ConvergenceHistory, FitHistory, Improvement, Iterate, Over};
+use base::units::{Pressure, Unit};
+
+/// Largest number of iterations in a plot.
+const MAX_ITERATIONS: usize = 500;
+
+/// Largest number of improvements whose curves are stored.
+const MAX_IMPROVEMENTS: usize = 200;
+
+/// Title of a search, and names of its signals.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Labels {
+    /// Title of the search.
+    pub(crate) title: Option<String>,
+    /// The signals that the objective compares, as many as are given.
+    pub(crate) signals: Vec<SignalLabel>,
+}
+
+/// The label of a signal: its quantity and its unit.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SignalLabel {
+    quantity: String,
+    unit: Option<Unit>,
+}
+
+impl SignalLabel {
+    /// The label that a script writes, such as `acceleration (m/s²)`. What ends with no unit in parentheses is a
+    /// quantity as a whole.
+    pub(crate) fn parse(text: &str) -> SignalLabel {
+        let parts = text.strip_suffix(')').and_then(|text| text.rsplit_once('('));
+        match parts.and_then(|(quantity, symbol)| Some((quantity.trim_end(), Unit::parse(symbol).ok()?))) {
+            Some((quantity, unit)) if !quantity.is_empty() => {
+                SignalLabel { quantity: quantity.into(), unit: Some(unit) }
+            }
+            _ => SignalLabel { quantity: text.into(), unit: None },
+        }
+    }
+
+    /// The label of a stress in MPa.
+    fn stress(quantity: &str) -> SignalLabel {
+        SignalLabel { quantity: quantity.into(), unit: Unit::parse("MPa").ok() }
+    }
+
+    /// The label of signal `index`: of a stress, where it is compared over strain.
+    fn of(labels: &Labels, index: usize, over: Over) -> SignalLabel {
+        let is_stress = |unit: &Unit| unit.measures(Pressure::DIMENSION);
+        match (labels.signals.get(index), over) {
+            (None, Over::Time) => SignalLabel { quantity: format!("signal {}", index + 1), unit: None },
+            (None, Over::Strain) => SignalLabel::stress("stress"),
+            (Some(label), Over::Strain) if !label.unit.as_ref().is_some_and(is_stress) => {
+                SignalLabel::stress(&label.quantity)
+            }
+            (Some(label), _) => label.clone(),
+        }
+    }
+}
+
+/// The convergence history of `result` over unknowns with these `names`; the curves that its objective compared come
+/// from `evaluator`, and `is_virtual` says whether all references are virtual recordings.
+pub(crate) fn convergence_history(
+    result: &SearchResult,
+    title: String,
+    names: &[String],
+    labels: &Labels,
+    is_virtual: bool,
+    evaluator: &Evaluator<'_, '_>,
+) -> ConvergenceHistory {
+    let objective = |start: &StartResult| thinned(&start.history, MAX_ITERATIONS).map(|i| (i.iteration, i.f)).collect();
+    ConvergenceHistory {
+        title,
+        unknowns: names.to_vec(),
+        objectives: result.starts.iter().map(objective).collect(),
+        history: thinned(&result.best.history, MAX_ITERATIONS).map(iterate).collect(),
+        fits: fits(&result.best, labels, evaluator),
+        is_virtual,
+    }
+}
+
+fn iterate(Iteration { iteration, f, x, .. }: &Iteration) -> Iterate {
+    Iterate { iteration: *iteration, f: *f, x: x.clone() }
+}
+
+/// The curves of the improvements of one start, one fit history for each reference.
+fn fits(result: &StartResult, labels: &Labels, evaluator: &Evaluator<'_, '_>) -> Vec<FitHistory> {
+    let better: Vec<&Iteration> = improvements(&result.history);
+    let mut fits: Vec<FitHistory> = Vec::new();
+    for iteration in thinned(&better, MAX_IMPROVEMENTS) {
+        for (index, compared) in evaluator.compared(&iteration.x).into_iter().enumerate() {
+            let improvement = Improvement { at: iterate(iteration), values: compared.values };
+            match fits.get_mut(index) {
+                // An objective that chooses its reference by its unknowns has no fit history.
+                Some(fit) if fit.target == compared.target => fit.improvements.push(improvement),
+                Some(_) => {}
+                None => {
+                    let SignalLabel { quantity, unit } = SignalLabel::of(labels, index, compared.target.over);
+                    fits.push(FitHistory { quantity, unit, target: compared.target, improvements: vec![improvement] });
+                }
+            }
+        }
+    }
+    fits
+}
+
+/// The first iteration, and each one that is better than all before it.
+fn improvements(history: &[Iteration]) -> Vec<&Iteration> {
+    let mut least = f64::INFINITY;
+    let is_better = |iteration: &&Iteration| {
+        let better = iteration.f < least;
+        least = least.min(iteration.f);
+        better
+    };
+    history.iter().filter(is_better).collect()
+}
+
+/// At most `max` of the items, evenly from the first on, and the last.
+pub(crate) fn thinned<T>(items: &[T], max: usize) -> impl Iterator<Item = &T> {
+    let every = items.len().div_ceil(max.saturating_sub(1).max(1)).max(1);
+    items
+        .iter()
+        .enumerate()
+        .filter(move |(index, _)| index % every == 0 || index + 1 == items.len())
+        .map(|(_, item)| item)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quantity and symbol of the unit.
+    fn parts(label: &SignalLabel) -> (&str, Option<&str>) {
+        (&label.quantity, label.unit.as_ref().map(Unit::symbol))
+    }
+
+    #[test]
+    fn a_label_ends_with_its_unit() {
+        for (text, expected) in [
+            ("acceleration (m/s²)", ("acceleration", Some("m/s²"))),
+            ("force (frame) (kN)", ("force (frame)", Some("kN"))),
+            ("force (frame)", ("force (frame)", None)),
+            ("(mm)", ("(mm)", None)),
+            ("MD", ("MD", None)),
+        ] {
+            assert_eq!(parts(&SignalLabel::parse(text)), expected);
+        }
+    }
+
+    #[test]
+    fn a_signal_over_strain_is_a_stress() {
+        for (texts, over, expected) in [
+            (&["stress (kPa)"][..], Over::Strain, ("stress", Some("kPa"))),
+            (&["MD"], Over::Strain, ("MD", Some("MPa"))),
+            (&["MD (mm)"], Over::Strain, ("MD", Some("MPa"))),
+            (&[], Over::Strain, ("stress", Some("MPa"))),
+            (&["MD (mm)"], Over::Time, ("MD", Some("mm"))),
+            (&[], Over::Time, ("signal 1", None)),
+        ] {
+            let signals = texts.iter().map(|text| SignalLabel::parse(text)).collect();
+            let labels = Labels { title: None, signals };
+            assert_eq!(parts(&SignalLabel::of(&labels, 0, over)), expected, "{texts:?}");
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Searches: minimization of an objective over the parameters of a scenario or of any other model, and how well these
+//! are known.
+//!
+//! [`minimize`] searches with one of three [methods](Method) from one or several starts. A [`TrialPool`] evaluates the
+//! trials of one or several searches in parallel, also speculatively, and writes them to a [`History`]; neither changes
+//! the result, to the bit. [`Confidence`](lab::confidence::Confidence) and [`profiles`] say how well the parameters
+//! are known. The bindings offer all of it to scripts.
+//!
+//! ```
+//! use droptower_study::identify::{Method, Problem, Search, SearchError, minimize, with_evaluator};
+//!
+//! let line = |x: &[f64]| vec![x[0] - 3.1, x[0] + x[1] - 4.9, x[0] + 2.0 * x[1] - 7.0];
+//! let search = Search::new(Method::LevenbergMarquardt, vec![1.0, 1.0]);
+//! let result = with_evaluator(Problem::new(&line), 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
+//! assert!((result.best.x[1] - 1.95).abs() < 1e-6);
+//! # Ok::<(), SearchError>(())
+//! ```
+
+mod bindings;
+mod bounds;
+mod confidence;
+mod convergence;
+mod error;
+mod iteration;
+mod method;
+mod objective;
+mod options;
+mod point;
+mod pool;
+mod progress;
+mod result;
+mod search;
+mod starts;
+mod warning;
+
+pub use bindings::{REFERENCE, SearchEvent, SearchHost, register};
+pub use bounds::{Bounds, BoundsError, Side};
+pub use confidence::linearization::{LinearizationError, linearize_at_start};
+pub use confidence::profile::{Profile, ProfileError, ProfilePoint, profiles};
+pub use confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
+pub use error::SearchError;
+pub use iteration::{Iteration, Step, StopReason};
+pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
+pub use options::{Method, OnFailure, OptionsError, Search, Starts};
+pub use point::Point;
+pub use pool::history::{History, HistoryError, Identity};
+pub use pool::trial_pool::{Evaluator, PoolError, Problem, TrialPool, with_evaluator};
+pub use progress::Progress;
+pub use result::{SearchResult, StartResult};
+pub use search::minimize;
+pub use warning::{CODES, Warning};

@@ -1,0 +1,178 @@
+//! The objective of a search, and the outcome of one trial.
+
+use std::error::Error;
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::script::Compared;
+use base::cancellation::Cancellation;
+
+/// An objective function: a scalar, or residuals whose sum of squares is minimized.
+///
+/// It is evaluated from several threads at once, in any order, also at speculative points whose values the search may
+/// not use. A closure `Fn(&[f64]) -> T` is one where `T` is `f64`, `Vec<f64>` (residuals) or a `Result` of these.
+pub trait Objective: Sync {
+    /// The outcome at `x`, a function of `x` alone. The outcome of a cancelled evaluation is discarded.
+    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation;
+
+    /// The same with the curves that were compared with references.
+    fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
+        self.evaluate(x, cancellation).into()
+    }
+
+    /// Files read since the objective was made, each with a description of its content. A history whose files have
+    /// changed is not resumed from.
+    fn inputs(&self) -> Vec<(PathBuf, String)> {
+        Vec::new()
+    }
+}
+
+impl<F, T> Objective for F
+where
+    F: Fn(&[f64]) -> T + Sync,
+    T: Into<Evaluation>,
+{
+    fn evaluate(&self, x: &[f64], _: &Cancellation) -> Evaluation {
+        self(x).into()
+    }
+}
+
+/// One trial as the trial cache and the history store it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// The outcome.
+    pub evaluation: Evaluation,
+    /// Simulated curves that were compared with references.
+    pub compared: Vec<Compared>,
+}
+
+/// The outcome of one trial.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Evaluation {
+    /// A finite value.
+    Value(ObjectiveValue),
+    /// There is no value at this point.
+    Failed {
+        /// Why.
+        cause: String,
+        /// Whether a simulation failed numerically.
+        numerical: bool,
+    },
+    /// The search has to stop.
+    Fatal(FatalError),
+}
+
+/// The value of an objective.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ObjectiveValue {
+    /// A scalar.
+    Scalar(f64),
+    /// Residuals; the objective value is their Euclidean norm.
+    Residuals(Vec<f64>),
+}
+
+/// An error that ends the whole search. It is stored with its trial, since the search and not the order in which trials
+/// end decides which error counts.
+#[derive(Clone, Debug, Error)]
+#[error("{0}")]
+pub struct FatalError(Arc<dyn Error + Send + Sync>);
+
+impl From<Evaluation> for Trial {
+    fn from(evaluation: Evaluation) -> Trial {
+        Trial { evaluation, compared: Vec::new() }
+    }
+}
+
+impl Evaluation {
+    /// A trial without a value, for a cause that is not numerical.
+    pub fn failed(cause: impl Into<String>) -> Evaluation {
+        Evaluation::Failed { cause: cause.into(), numerical: false }
+    }
+}
+
+/// A value that is not finite is a failed trial.
+impl From<ObjectiveValue> for Evaluation {
+    fn from(value: ObjectiveValue) -> Evaluation {
+        let finite = match &value {
+            ObjectiveValue::Scalar(value) => value.is_finite(),
+            ObjectiveValue::Residuals(residuals) => residuals.iter().all(|r| r.is_finite()),
+        };
+        if finite { Evaluation::Value(value) } else { Evaluation::failed("the objective is not finite") }
+    }
+}
+
+impl From<f64> for Evaluation {
+    fn from(value: f64) -> Evaluation {
+        ObjectiveValue::Scalar(value).into()
+    }
+}
+
+impl From<Vec<f64>> for Evaluation {
+    fn from(residuals: Vec<f64>) -> Evaluation {
+        ObjectiveValue::Residuals(residuals).into()
+    }
+}
+
+/// An error is a failed trial.
+impl<T: Into<Evaluation>, E: fmt::Display> From<Result<T, E>> for Evaluation {
+    fn from(result: Result<T, E>) -> Evaluation {
+        result.map_or_else(|error| Evaluation::failed(error.to_string()), Into::into)
+    }
+}
+
+impl FatalError {
+    /// An error with this cause: a text, or an error of the objective's own.
+    pub fn new(cause: impl Into<Box<dyn Error + Send + Sync>>) -> FatalError {
+        FatalError(Arc::from(cause.into()))
+    }
+
+    /// The cause, where it is an `E`.
+    pub fn cause<E: Error + 'static>(&self) -> Option<&E> {
+        self.0.downcast_ref()
+    }
+}
+
+/// By message.
+impl PartialEq for FatalError {
+    fn eq(&self, other: &FatalError) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+impl From<&str> for FatalError {
+    fn from(cause: &str) -> FatalError {
+        FatalError::new(cause)
+    }
+}
+
+impl ObjectiveValue {
+    /// The scalar, or the Euclidean norm of the residuals.
+    pub fn value(&self) -> f64 {
+        match self {
+            ObjectiveValue::Scalar(value) => *value,
+            ObjectiveValue::Residuals(residuals) => residuals.iter().map(|r| r * r).sum::<f64>().sqrt(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(objective: &dyn Objective, x: f64) -> Evaluation {
+        objective.evaluate(&[x], &Cancellation::default())
+    }
+
+    #[test]
+    fn closures_over_scalars_residuals_and_results_are_objectives() {
+        assert_eq!(at(&|x: &[f64]| x[0], 2.0), Evaluation::Value(ObjectiveValue::Scalar(2.0)));
+        assert_eq!(at(&|x: &[f64]| vec![x[0], 1.0], 2.0), Evaluation::Value(ObjectiveValue::Residuals(vec![2.0, 1.0])));
+        let positive = |x: &[f64]| if x[0] > 0.0 { Ok(x[0]) } else { Err("not positive") };
+        assert_eq!(at(&positive, 2.0), Evaluation::Value(ObjectiveValue::Scalar(2.0)));
+        assert_eq!(at(&positive, -2.0), Evaluation::failed("not positive"));
+        assert_eq!(at(&|x: &[f64]| x[0].ln(), -1.0), Evaluation::failed("the objective is not finite"));
+    }
+}

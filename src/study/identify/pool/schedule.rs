@@ -1,0 +1,164 @@
+//! Which trial a thread starts next: requested trials in their order, then speculative ones.
+
+use std::collections::VecDeque;
+
+use super::history::{History, HistoryError};
+use super::trial_cache::{Point, TrialCache};
+use crate::identify::objective::{Evaluation, Objective, Trial};
+use base::cancellation::Cancellation;
+
+/// The schedule of all searches of a pool.
+pub(super) struct Schedule<'a> {
+    searches: Vec<SearchState<'a>>,
+    /// Requested trials that no thread has started, each with the number of its search.
+    requested: VecDeque<(usize, Point)>,
+    running: Vec<RunningTrial>,
+}
+
+/// The state of one search.
+struct SearchState<'a> {
+    cache: TrialCache<'a>,
+    /// Points whose trials the search waits for.
+    awaited: Vec<Point>,
+    /// Points that the search may request next, the most probable first.
+    speculative: VecDeque<Point>,
+    /// The first error of the history.
+    error: Option<HistoryError>,
+    is_finished: bool,
+}
+
+/// A trial that a thread has started.
+#[derive(Clone)]
+pub(super) struct RunningTrial {
+    /// Number of its search.
+    pub(super) search: usize,
+    pub(super) point: Point,
+    pub(super) cancellation: Cancellation,
+}
+
+impl<'a> Schedule<'a> {
+    /// The schedule of one search for each of `histories`.
+    pub(super) fn new(histories: impl Iterator<Item = Option<&'a mut History>>) -> Schedule<'a> {
+        let searches = histories.map(SearchState::new).collect();
+        Schedule { searches, requested: VecDeque::new(), running: vec![] }
+    }
+
+    pub(super) fn cache(&self, search: usize) -> &TrialCache<'a> {
+        &self.searches[search].cache
+    }
+
+    /// Requests the trial at `point`, unless it is known, requested or running.
+    pub(super) fn request(&mut self, search: usize, point: &Point) {
+        if self.searches[search].cache.contains(point) {
+            return;
+        }
+        let is_requested = self.requested.iter().any(|(other, requested)| *other == search && requested == point);
+        if !is_requested && !self.is_running(search, point) {
+            self.requested.push_back((search, point.clone()));
+        }
+        self.searches[search].awaited.push(point.clone());
+    }
+
+    /// Replaces the speculative points of a search, and cancels its running trials that are neither awaited nor among
+    /// them.
+    pub(super) fn speculate(&mut self, search: usize, points: VecDeque<Point>) {
+        let awaited = &self.searches[search].awaited;
+        let is_superseded = |trial: &&RunningTrial| {
+            trial.search == search && !awaited.contains(&trial.point) && !points.contains(&trial.point)
+        };
+        self.running.iter().filter(is_superseded).for_each(|trial| trial.cancellation.cancel());
+        self.searches[search].speculative = points;
+    }
+
+    /// The next trial for one of `threads`, which counts as running from now on.
+    ///
+    /// Speculative trials are started only while all searches wait, and leave one thread free: a requested trial never
+    /// waits for a speculative one, and a search whose trials are all known starts none.
+    pub(super) fn start(&mut self, threads: usize) -> Option<RunningTrial> {
+        let (search, point) = self.next(threads)?;
+        let trial = RunningTrial { search, point, cancellation: Cancellation::default() };
+        self.running.push(trial.clone());
+        Some(trial)
+    }
+
+    fn next(&mut self, threads: usize) -> Option<(usize, Point)> {
+        if let Some(requested) = self.requested.pop_front() {
+            return Some(requested);
+        }
+        if self.searches.iter().any(|search| !search.is_finished && search.awaited.is_empty()) {
+            return None;
+        }
+        let is_speculative = |trial: &&RunningTrial| !self.searches[trial.search].awaited.contains(&trial.point);
+        if self.running.iter().filter(is_speculative).count() + 1 >= threads {
+            return None;
+        }
+        (0..self.searches.len()).find_map(|search| Some((search, self.next_speculative(search)?)))
+    }
+
+    fn next_speculative(&mut self, search: usize) -> Option<Point> {
+        let state = &self.searches[search];
+        let is_new = |point: &Point| !state.cache.contains(point) && !self.is_running(search, point);
+        let new = state.speculative.iter().position(is_new)?;
+        self.searches[search].speculative.drain(..=new).next_back()
+    }
+
+    fn is_running(&self, search: usize, point: &Point) -> bool {
+        let mut running = self.running.iter();
+        running.any(|trial| trial.search == search && trial.point == *point && !trial.cancellation.is_cancelled())
+    }
+
+    /// A running trial has ended; its outcome counts unless it was cancelled.
+    pub(super) fn end(&mut self, running: RunningTrial, trial: Trial, seconds: f64, objective: &dyn Objective) {
+        let RunningTrial { search, point, cancellation } = running;
+        self.running.retain(|other| !other.cancellation.is(&cancellation));
+        if cancellation.is_cancelled() {
+            return;
+        }
+        let state = &mut self.searches[search];
+        state.awaited.retain(|other| *other != point);
+        if let Err(error) = state.cache.insert(point, trial, seconds, objective) {
+            state.error.get_or_insert(error);
+        }
+    }
+
+    /// The outcomes at `points` once all are known; an error where the search cannot go on.
+    pub(super) fn outcomes(&self, search: usize, points: &[Point]) -> Result<Option<Vec<Evaluation>>, Closed> {
+        let state = &self.searches[search];
+        if state.error.is_some() || state.is_finished {
+            return Err(Closed);
+        }
+        Ok(points.iter().map(|point| state.cache.evaluation(point)).collect())
+    }
+
+    /// Ends a search: its requested and speculative trials are not started, its running trials are cancelled.
+    pub(super) fn finish(&mut self, search: usize) {
+        self.searches[search].is_finished = true;
+        self.searches[search].speculative.clear();
+        self.requested.retain(|(other, _)| *other != search);
+        self.running.iter().filter(|trial| trial.search == search).for_each(|trial| trial.cancellation.cancel());
+    }
+
+    pub(super) fn is_finished(&self) -> bool {
+        self.searches.iter().all(|search| search.is_finished)
+    }
+
+    /// The first error of the history of a search.
+    pub(super) fn take_error(&mut self, search: usize) -> Option<HistoryError> {
+        self.searches[search].error.take()
+    }
+}
+
+/// A search gets no more trials.
+pub(super) struct Closed;
+
+impl<'a> SearchState<'a> {
+    fn new(history: Option<&'a mut History>) -> SearchState<'a> {
+        SearchState {
+            cache: TrialCache::new(history),
+            awaited: vec![],
+            speculative: VecDeque::new(),
+            error: None,
+            is_finished: false,
+        }
+    }
+}

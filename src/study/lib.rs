@@ -1,0 +1,10 @@
+//! Runs and their figures, and what starts many of them: scripts, searches, sweeps.
+#![warn(missing_docs)]
+
+pub mod store;
+pub mod script;
+pub mod functions;
+pub mod post;
+pub mod identify;
+pub mod sweep;
+pub mod cluster;

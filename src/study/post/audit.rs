@@ -1,0 +1,187 @@
+//! Figures of every run: its size, its cost and its errors.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use base::number::clean_time;
+use membrane::engine::{AddedMass, Relaxation};
+use membrane::lane::Width;
+use scene::mesh::Quality;
+use scene::simulate::{Outcome, RateHistogram};
+
+/// Figures of machine and mesh, which differ between runs of a scenario or follow from its keys.
+pub const COST: [&str; 8] = [
+    "elements",
+    "steps",
+    "time_step_s",
+    "wall_s",
+    "ns_per_element_step",
+    "bytes_per_element",
+    "threads",
+    "instructions",
+];
+
+/// Size, cost and errors of a run; fields of `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Audit {
+    /// Largest error of the energy balance over the largest energy.
+    pub energy_balance_error: f64,
+    /// Whether the film ruptured.
+    pub ruptured: bool,
+    /// Time of the first rupture.
+    pub rupture_time_s: Option<f64>,
+    /// Length of all tears in stress-free film; only of film with a rupture criterion of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torn_length_m: Option<f64>,
+    /// Their length × thickness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torn_area_m2: Option<f64>,
+    /// Energy that they took.
+    #[serde(rename = "fracture_energy_J", skip_serializing_if = "Option::is_none")]
+    pub fracture_energy_j: Option<f64>,
+    /// Elements of all faces.
+    pub elements: usize,
+    /// Memory of the engine's own arrays over the number of elements.
+    pub bytes_per_element: f64,
+    /// Time steps.
+    pub steps: u64,
+    /// Largest time step.
+    pub time_step_s: f64,
+    /// Wall time.
+    pub wall_s: f64,
+    /// Wall time over elements and steps, with those of the relaxation before the test.
+    pub ns_per_element_step: f64,
+    /// Threads of the engine.
+    pub threads: usize,
+    /// Vector instructions of the kernels.
+    #[schemars(with = "String")]
+    pub instructions: Width,
+    /// Factor on the film's mass; only quasi-static loadings.
+    pub mass_scaling: Option<f64>,
+    /// Mass added to small elements of the computed part of the film; only with `solver.smallest_step`.
+    pub added_mass_kg: Option<f64>,
+    /// The same over the mass of the film.
+    pub added_mass_share: Option<f64>,
+    /// Largest ratio of kinetic energy to the energy that the film took up; only quasi-static loadings.
+    pub kinetic_share: Option<f64>,
+    /// Energy lost to damping over the energy that the film took up; only quasi-static loadings.
+    pub damping_share: Option<f64>,
+    /// How the film came to equilibrium before the test; none where nothing holds it.
+    pub relaxation: Option<RelaxationFigures>,
+    /// Largest penetration over the impactor's radius.
+    pub penetration: Option<f64>,
+    /// The mesh of each face.
+    pub meshes: Vec<MeshFigures>,
+    /// Strain increments by strain rate.
+    pub strain_rates: Histogram,
+}
+
+/// How the film came to equilibrium before the test (theory.md, section 18).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct RelaxationFigures {
+    /// Forces out of balance over the reactions, of the film as mounted.
+    pub mounted_residual: f64,
+    /// The same at the start of the test.
+    pub residual: f64,
+    /// Steps of the relaxation; zero where the film was mounted in equilibrium.
+    pub steps: u64,
+    /// Largest displacement of a node in it.
+    pub displacement_m: f64,
+}
+
+impl RelaxationFigures {
+    fn of(relaxation: Relaxation) -> RelaxationFigures {
+        let Relaxation { mounted, residual, steps, displacement, .. } = relaxation;
+        RelaxationFigures { mounted_residual: mounted, residual, steps, displacement_m: displacement }
+    }
+}
+
+/// Shape of the elements of one face, the worst of them.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct MeshFigures {
+    /// Number of elements.
+    pub elements: usize,
+    /// Shortest edge, m.
+    pub shortest_edge_m: f64,
+    /// Longest edge, m.
+    pub longest_edge_m: f64,
+    /// Largest ratio of the edges of an element.
+    pub aspect_ratio: f64,
+    /// Smallest scaled Jacobian.
+    pub scaled_jacobian: f64,
+    /// Largest skew.
+    pub skew: f64,
+}
+
+impl MeshFigures {
+    fn of(quality: &Quality) -> MeshFigures {
+        MeshFigures {
+            elements: quality.elements,
+            shortest_edge_m: quality.edges[0],
+            longest_edge_m: quality.edges[1],
+            aspect_ratio: quality.aspect,
+            scaled_jacobian: quality.jacobian,
+            skew: quality.skew,
+        }
+    }
+}
+
+/// Shares of the strain increments of the film by strain rate.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Histogram {
+    /// Edges of the bins, 1/s.
+    pub edges_1_s: Vec<f64>,
+    /// Share of each bin.
+    pub shares: Vec<f64>,
+    /// Range in which the curves were measured, 1/s.
+    pub measured_1_s: Option<[f64; 2]>,
+    /// Share outside the measured range.
+    pub outside: f64,
+}
+
+impl Audit {
+    /// The figures of a finished or failed run.
+    pub fn of(outcome: &Outcome) -> Audit {
+        let wall_s = outcome.wall.as_secs_f64();
+        let relaxed = outcome.relaxation.map_or(0, |relaxation| relaxation.steps);
+        let element_steps = outcome.elements as f64 * (outcome.steps + relaxed) as f64;
+        let sums = |[mass, own]: [f64; 2], added: &AddedMass| [mass + added.mass, own + added.own];
+        let added = (!outcome.added_mass.is_empty()).then(|| outcome.added_mass.iter().fold([0.0; 2], sums));
+        Audit {
+            energy_balance_error: outcome.energy_balance_error,
+            ruptured: outcome.rupture_time.is_some(),
+            rupture_time_s: outcome.rupture_time.map(clean_time),
+            torn_length_m: outcome.torn.map(|torn| torn.length),
+            torn_area_m2: outcome.torn.map(|torn| torn.area),
+            fracture_energy_j: outcome.torn.map(|torn| torn.energy),
+            elements: outcome.elements,
+            bytes_per_element: outcome.bytes as f64 / outcome.elements as f64,
+            steps: outcome.steps,
+            time_step_s: outcome.time_step,
+            wall_s,
+            ns_per_element_step: wall_s * 1e9 / element_steps,
+            threads: outcome.threads,
+            instructions: outcome.instructions,
+            mass_scaling: outcome.mass_scaling,
+            added_mass_kg: added.map(|[mass, _]| mass),
+            added_mass_share: added.map(|[mass, own]| mass / own),
+            kinetic_share: outcome.kinetic_share,
+            damping_share: outcome.damping_share,
+            relaxation: outcome.relaxation.map(RelaxationFigures::of),
+            penetration: outcome.penetration,
+            meshes: outcome.films.iter().map(|film| MeshFigures::of(&film.quality)).collect(),
+            strain_rates: Histogram::of(&outcome.rates),
+        }
+    }
+}
+
+impl Histogram {
+    fn of(rates: &RateHistogram) -> Histogram {
+        Histogram {
+            edges_1_s: rates.edges.clone(),
+            shares: rates.shares.clone(),
+            measured_1_s: rates.measured,
+            outside: rates.outside,
+        }
+    }
+}

@@ -1,0 +1,473 @@
+//! Evaluations: runs that leave figures instead of a folder, each computed once.
+
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use flate2::Compression;
+use flate2::read::ZlibDecoder;
+use flate2::write::ZlibEncoder;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use thiserror::Error;
+
+use super::{COST, HEADER, Plan, Results, failure_message};
+use crate::store::EvaluationStore;
+use crate::store::evaluations::{Key, Share};
+use base::file::{Digest, FileError};
+use scene::model::{Identity, Model, Reference};
+use scene::simulate::{self, Cancellation, Outcome, RunError, RunOptions};
+
+/// Build of droptower: another one may give other bits.
+pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("DROPTOWER_BUILD"));
+
+/// Figures of a summary that follow from the machine.
+const OF_THE_MACHINE: [&str; 4] = ["wall_s", "ns_per_element_step", "threads", "instructions"];
+
+/// Time between two looks for what another process computes.
+const WAIT: Duration = Duration::from_millis(100);
+
+/// Most bytes of an unpacked record.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// What was computed before and what is computed now, in the folder that holds their records. Evaluations may be asked
+/// for by several threads at once.
+#[derive(Debug)]
+pub struct Evaluations {
+    store: EvaluationStore,
+    share: Share,
+    taken: AtomicUsize,
+    computed: AtomicUsize,
+}
+
+/// What identifies an evaluation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EvaluationKeys {
+    /// All that decides the run.
+    pub run: Key,
+    /// That, and what it is compared with and processed by.
+    pub figures: Key,
+}
+
+/// What is kept of every evaluation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evaluation {
+    /// The figures of `summary.json` that are numbers, truth values or texts, in its order, without those of the machine.
+    pub figures: Vec<(String, Figure)>,
+    /// Codes of the findings, each once.
+    pub findings: Vec<String>,
+    /// Why the run failed, where it did; its figures are then those until then.
+    pub failure: Option<String>,
+    /// Time that the engine took, s.
+    pub engine_s: f64,
+    /// Time that the whole evaluation took, s.
+    pub wall_s: f64,
+}
+
+/// An evaluation, and whether its run was computed now.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluated {
+    /// The evaluation.
+    pub evaluation: Evaluation,
+    /// Whether nothing of it was there before.
+    pub is_new: bool,
+}
+
+/// A figure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Figure {
+    /// A number, SI.
+    Number(f64),
+    /// Whether something is so.
+    Flag(bool),
+    /// A word.
+    Text(String),
+}
+
+/// Why there is no evaluation.
+#[derive(Debug, Error)]
+pub enum EvaluationError {
+    /// The records cannot be read or written.
+    #[error("{}: {source}", folder.display())]
+    Store {
+        /// Their folder.
+        folder: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
+    /// A file that decides the run cannot be read.
+    #[error("{0}")]
+    Input(io::Error),
+    /// The run was cancelled.
+    #[error("the run was cancelled")]
+    Cancelled,
+}
+
+impl EvaluationError {
+    /// What to do, where that follows from the error.
+    pub fn hint(&self) -> Option<&'static str> {
+        let EvaluationError::Store { source, .. } = self else { return None };
+        match source.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                Some("free some space, or give another folder by --store; what is done stays")
+            }
+            io::ErrorKind::ReadOnlyFilesystem | io::ErrorKind::PermissionDenied => {
+                Some("give a folder that you may write by --store")
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Why a run has no outcome.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Error)]
+#[error("{cause}")]
+pub struct NoOutcome {
+    /// The cause, with what to do.
+    pub cause: String,
+    /// Whether the run failed numerically; else it could not start.
+    pub is_numerical: bool,
+}
+
+impl NoOutcome {
+    /// That of an error of a run of `model`.
+    pub fn of(error: &RunError, model: &Model) -> NoOutcome {
+        let cause = match (error, error.hint()) {
+            (RunError::Failure(failure), _) => failure_message(failure, model),
+            (error, Some(hint)) => format!("{error}: {hint}"),
+            (error, None) => error.to_string(),
+        };
+        NoOutcome { cause, is_numerical: matches!(error, RunError::Failure(_)) }
+    }
+}
+
+impl Figure {
+    /// Of a value of a summary; none of a list, a table or nothing.
+    fn of(value: &Value) -> Option<Figure> {
+        match value {
+            Value::Number(number) => number.as_f64().map(Figure::Number),
+            Value::Bool(flag) => Some(Figure::Flag(*flag)),
+            Value::String(text) => Some(Figure::Text(text.clone())),
+            Value::Null | Value::Array(_) | Value::Object(_) => None,
+        }
+    }
+
+    /// As a number: a flag is one or zero.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Figure::Number(number) => Some(*number),
+            Figure::Flag(flag) => Some(f64::from(u8::from(*flag))),
+            Figure::Text(_) => None,
+        }
+    }
+}
+
+impl Evaluation {
+    /// The figure of this name.
+    pub fn figure(&self, name: &str) -> Option<&Figure> {
+        self.figures.iter().find(|(own, _)| own == name).map(|(_, figure)| figure)
+    }
+
+    /// That of a run with these results.
+    fn of(model: &Model, outcome: &Outcome, results: &Results, wall_s: f64) -> Evaluation {
+        let is_figure = |name: &str| !HEADER.contains(&name) && !OF_THE_MACHINE.contains(&name);
+        let summary = results.summary(model);
+        let figures = summary.iter().filter(|(name, _)| is_figure(name));
+        let figures = figures.filter_map(|(name, value)| Some((name.clone(), Figure::of(value)?))).collect();
+        let mut findings: Vec<String> = Vec::new();
+        for finding in results.measures.findings().iter() {
+            if !findings.contains(&finding.code) {
+                findings.push(finding.code.clone());
+            }
+        }
+        Evaluation { figures, findings, failure: None, engine_s: outcome.wall.as_secs_f64(), wall_s }
+    }
+
+    /// That of a scene that cannot be run.
+    pub fn failed(cause: String) -> Evaluation {
+        Evaluation { figures: vec![], findings: vec![], failure: Some(cause), engine_s: 0.0, wall_s: 0.0 }
+    }
+}
+
+impl Evaluations {
+    /// Those whose records are in `folder`, which need not exist.
+    ///
+    /// # Errors
+    /// The records cannot be read.
+    pub fn open(folder: &Path) -> Result<Evaluations, EvaluationError> {
+        let failed = |source| EvaluationError::Store { folder: folder.into(), source };
+        EvaluationStore::open(folder, BUILD).map_err(failed).map(Evaluations::of)
+    }
+
+    /// Those in `folder`, which is not read: for scripts that do not run.
+    pub fn unread(folder: &Path) -> Evaluations {
+        Evaluations::of(EvaluationStore::unread(folder, BUILD))
+    }
+
+    fn of(store: EvaluationStore) -> Evaluations {
+        Evaluations { store, share: Share::WHOLE, taken: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
+    }
+
+    /// The same for a process that takes this part of the runs first.
+    pub fn with_share(self, share: Share) -> Evaluations {
+        Evaluations { share, ..self }
+    }
+
+    /// The part of the runs that this process takes first.
+    pub fn share(&self) -> Share {
+        self.share
+    }
+
+    /// The records.
+    pub fn store(&self) -> &EvaluationStore {
+        &self.store
+    }
+
+    /// How many evaluations were taken from records, and how many were computed.
+    pub fn counts(&self) -> [usize; 2] {
+        [&self.taken, &self.computed].map(|count| count.load(Ordering::Relaxed))
+    }
+
+    /// What identifies the evaluation of `model` by `plan`.
+    ///
+    /// # Errors
+    /// A mesh or the reference cannot be read.
+    pub fn keys(model: &Model, plan: &Plan) -> Result<EvaluationKeys, EvaluationError> {
+        let run = run_key(&without_snapshots(model))?;
+        let figures = match (&model.reference, plan.whole_script()) {
+            (None, None) => run,
+            (reference, script) => {
+                let reference = reference.as_ref().map(content).transpose().map_err(EvaluationError::Input)?;
+                Key::of(&[&run.0, &reference.unwrap_or_default(), script.unwrap_or_default().as_bytes()])
+            }
+        };
+        Ok(EvaluationKeys { run, figures })
+    }
+
+    /// The evaluation under these keys; none where it was not computed before.
+    ///
+    /// # Errors
+    /// Its record cannot be read.
+    pub fn record(&self, keys: EvaluationKeys) -> Result<Option<Evaluation>, EvaluationError> {
+        let record = self.store.get(keys.figures).map_err(|source| self.failed(source))?;
+        Ok(record.and_then(|record| unpacked(&record)))
+    }
+
+    /// The evaluation under these keys, which was computed before.
+    ///
+    /// # Errors
+    /// Its record cannot be read, or was damaged meanwhile.
+    pub fn known_record(&self, keys: EvaluationKeys) -> Result<Evaluation, EvaluationError> {
+        let damaged = || self.failed(io::Error::new(io::ErrorKind::InvalidData, "a record was damaged"));
+        self.record(keys)?.ok_or_else(damaged)
+    }
+
+    /// The evaluation of `model` by `plan`: from its record, from a whole run that is kept, or computed now. A run that
+    /// another one may want again, for another reference or script, is kept whole.
+    ///
+    /// # Errors
+    /// [`EvaluationError`]; a run that fails numerically is an evaluation.
+    pub fn evaluate(
+        &self,
+        model: &Model,
+        plan: &Plan,
+        keys: EvaluationKeys,
+        cancellation: &Cancellation,
+    ) -> Result<Evaluated, EvaluationError> {
+        if let Some(evaluation) = self.record(keys)? {
+            self.taken.fetch_add(1, Ordering::Relaxed);
+            return Ok(Evaluated { evaluation, is_new: false });
+        }
+        let begin = std::time::Instant::now();
+        let model = &without_snapshots(model);
+        let kept = self.outcome(keys.run)?;
+        let is_kept = kept.is_some();
+        let ran = match kept {
+            Some(outcome) => Ok(outcome),
+            None => {
+                let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+                simulate::run_with(model, options, &mut |_| {})
+            }
+        };
+        let evaluation = match ran {
+            Ok(outcome) => {
+                if keys.run != keys.figures && !is_kept {
+                    self.keep(keys.run, &outcome)?;
+                }
+                match plan.evaluate(model, &outcome) {
+                    Ok(results) => Evaluation::of(model, &outcome, &results, begin.elapsed().as_secs_f64()),
+                    Err(error) => Evaluation::failed(error.to_string()),
+                }
+            }
+            Err(RunError::Cancelled) => return Err(EvaluationError::Cancelled),
+            Err(RunError::Failure(failure)) => {
+                let cause = failure_message(&failure, model);
+                let so_far = plan.measure(model, &failure.so_far).ok();
+                let wall = begin.elapsed().as_secs_f64();
+                let so_far = so_far.map(|results| Evaluation::of(model, &failure.so_far, &results, wall));
+                Evaluation { failure: Some(cause.clone()), ..so_far.unwrap_or_else(|| Evaluation::failed(cause)) }
+            }
+            Err(error) => Evaluation::failed(NoOutcome::of(&error, model).cause),
+        };
+        self.add(keys, &evaluation)?;
+        let count = if is_kept { &self.taken } else { &self.computed };
+        count.fetch_add(1, Ordering::Relaxed);
+        Ok(Evaluated { evaluation, is_new: !is_kept })
+    }
+
+    /// The outcome of `model` without its pictures: of a run that is kept whole, or of one that is computed and kept now;
+    /// none where another thread or process computes it.
+    ///
+    /// # Errors
+    /// [`EvaluationError`]; why the run has no outcome is within.
+    pub fn outcome_unless_claimed(
+        &self,
+        model: &Model,
+        cancellation: &Cancellation,
+    ) -> Result<Option<Result<Outcome, NoOutcome>>, EvaluationError> {
+        let model = without_snapshots(model);
+        let run = run_key(&model)?;
+        // Before the look for what is known: a claim that ends in between still holds, and the next look finds the run.
+        self.store.refresh().map_err(|source| self.failed(source))?;
+        if let Some(known) = self.known(run)? {
+            self.taken.fetch_add(1, Ordering::Relaxed);
+            return Ok(Some(known));
+        }
+        if !self.store.claim(run).map_err(|source| self.failed(source))? {
+            return Ok(None);
+        }
+        let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+        let found = match simulate::run_with(&model, options, &mut |_| {}) {
+            Ok(outcome) => Ok(outcome),
+            Err(RunError::Cancelled) => {
+                self.store.release(run).map_err(|source| self.failed(source))?;
+                return Err(EvaluationError::Cancelled);
+            }
+            Err(error) => Err(NoOutcome::of(&error, &model)),
+        };
+        match &found {
+            Ok(outcome) => self.keep(run, outcome)?,
+            Err(failure) => {
+                let record = packed(failure).map_err(|source| self.failed(source))?;
+                self.store.put(failure_key(run), &record).map_err(|source| self.failed(source))?;
+            }
+        }
+        self.store.release(run).map_err(|source| self.failed(source))?;
+        self.computed.fetch_add(1, Ordering::Relaxed);
+        Ok(Some(found))
+    }
+
+    /// The same, which waits for another thread or process that computes it.
+    ///
+    /// # Errors
+    /// As [`Evaluations::outcome_unless_claimed`].
+    pub fn outcome_of(
+        &self,
+        model: &Model,
+        cancellation: &Cancellation,
+    ) -> Result<Result<Outcome, NoOutcome>, EvaluationError> {
+        loop {
+            if let Some(found) = self.outcome_unless_claimed(model, cancellation)? {
+                return Ok(found);
+            }
+            if cancellation.is_cancelled() {
+                return Err(EvaluationError::Cancelled);
+            }
+            thread::sleep(WAIT);
+        }
+    }
+
+    /// What is known of a run: its outcome, or why it has none.
+    fn known(&self, run: Key) -> Result<Option<Result<Outcome, NoOutcome>>, EvaluationError> {
+        if let Some(outcome) = self.outcome(run)? {
+            return Ok(Some(Ok(outcome)));
+        }
+        let record = self.store.get(failure_key(run)).map_err(|source| self.failed(source))?;
+        Ok(record.and_then(|record| unpacked(&record)).map(Err))
+    }
+
+    /// Adds a record.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn add(&self, keys: EvaluationKeys, evaluation: &Evaluation) -> Result<(), EvaluationError> {
+        let record = packed(evaluation).map_err(|source| self.failed(source))?;
+        self.store.put(keys.figures, &record).map_err(|source| self.failed(source))
+    }
+
+    /// The outcome of a run that is kept whole, without its pictures.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn outcome(&self, run: Key) -> Result<Option<Outcome>, EvaluationError> {
+        let content = self.store.run(run).map_err(|source| self.failed(source))?;
+        Ok(content.and_then(|content| unpacked(&content)))
+    }
+
+    /// Keeps the outcome of a run, without its pictures.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn keep(&self, run: Key, outcome: &Outcome) -> Result<(), EvaluationError> {
+        let content = packed(outcome).map_err(|source| self.failed(source))?;
+        self.store.put_run(run, &content).map_err(|source| self.failed(source))
+    }
+
+    /// An error of the store.
+    pub fn failed(&self, source: io::Error) -> EvaluationError {
+        EvaluationError::Store { folder: self.store.folder().into(), source }
+    }
+}
+
+/// Key of why a run has no outcome.
+fn failure_key(run: Key) -> Key {
+    Key::of(&[&run.0, b"failure"])
+}
+
+/// Whether a figure of that name says what a run cost, not what came of it.
+pub fn is_cost(name: &str) -> bool {
+    COST.contains(&name)
+}
+
+/// A model that stores no snapshots, which decide nothing.
+fn without_snapshots(model: &Model) -> Model {
+    let mut model = model.clone();
+    model.output.frames = 0;
+    model
+}
+
+/// What decides a run of a model without snapshots, by this build.
+fn run_key(model: &Model) -> Result<Key, EvaluationError> {
+    let identity = Identity::of(model).map_err(EvaluationError::Input)?;
+    Ok(Key::of(&[BUILD.as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
+}
+
+/// What a reference says: how it is read, and its file.
+fn content(reference: &Reference) -> io::Result<Vec<u8>> {
+    let file = Digest::of_file(&reference.signals).map_err(|error| match error {
+        FileError::Io(error) => error,
+        error => io::Error::other(error.to_string()),
+    })?;
+    let reference = Reference { signals: PathBuf::new(), ..reference.clone() };
+    encoded(&(reference, file))
+}
+
+fn encoded(value: &impl Serialize) -> io::Result<Vec<u8>> {
+    postcard::to_allocvec(value).map_err(io::Error::other)
+}
+
+fn packed(value: &impl Serialize) -> io::Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(&encoded(value)?)?;
+    encoder.finish()
+}
+
+/// The value that was packed; none where it is damaged.
+fn unpacked<T: DeserializeOwned>(content: &[u8]) -> Option<T> {
+    let mut bytes = Vec::new();
+    ZlibDecoder::new(content).take(MOST_BYTES).read_to_end(&mut bytes).ok()?;
+    postcard::from_bytes(&bytes).ok()
+}

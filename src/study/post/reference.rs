@@ -1,0 +1,302 @@
+//! The recording that a run is compared with, brought to the run's own filter.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::Warning;
+use lab::experiment;
+use lab::experiment::absorption::Body;
+use lab::experiment::drop::{
+    ChannelNames, DropChannels, DropChannelsError, DropError, Figures, Height, Reduction, Tower,
+};
+use lab::signal::file::{self, ChannelSelection, ReadOptions};
+use lab::signal::filter::{self, FilterError, Standard};
+use lab::signal::norm::{NormError, relative_error};
+use lab::signal::resample::{self, ResampleError};
+use lab::signal::{Annotations, Measurement, Series, column, integrate};
+use scene::model::{Impactor, Loading, Model, Reference, Window};
+
+/// A recording ready for comparison.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceComparison {
+    /// Through the run's channel filter, m/s².
+    pub acceleration: Option<Series>,
+    /// m; `NaN` where the recording has none.
+    pub displacement: Option<Series>,
+    /// Energy that the film took up from the impactor, J; none where the recording has none.
+    pub absorbed_energy: Option<Series>,
+    /// Kinetic and potential energy of the impactor and the energy that the film took up, J; none where the recording
+    /// has none.
+    pub total_energy: Option<Series>,
+    /// Window of the errors, s.
+    pub window: [f64; 2],
+    /// Share of the energy that the film absorbed (paper, equation 11); of raw recordings in which the impactor
+    /// rebounds.
+    pub energy_absorption: Option<f64>,
+    /// Figures of its reduction, of a raw recording; without its notes.
+    pub drop: Option<Figures>,
+    /// Comments of the recording, and the warnings of its reading.
+    pub annotations: Annotations,
+    /// The warnings of its reduction, of a raw recording.
+    pub reduction_warnings: Vec<experiment::Warning>,
+}
+
+/// Why a file of other columns is reduced.
+const RAW: &str = "the file has no column `acceleration_m_s2`, `acceleration_filtered_m_s2` or `displacement_m` and is \
+                   read as a raw recording, from the rest before the release on";
+
+/// Why a recording cannot be compared with a run.
+#[derive(Debug, Error)]
+pub enum ReferenceError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] file::ReadError),
+    /// A raw recording lacks a channel, or has several that could be it.
+    #[error("{}: {source}; {RAW}", path.display())]
+    Channels {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: Box<DropChannelsError>,
+    },
+    /// A raw recording cannot be reduced.
+    #[error("{}: {source}; {RAW}", path.display())]
+    Drop {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: DropError,
+    },
+    /// A raw recording of a drop with another loading.
+    #[error("{} is the raw recording of a drop: only an impact with an impactor can be compared with it", path.display())]
+    NotAnImpact {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// The acceleration cannot be filtered.
+    #[error("{}: acceleration: {source}", path.display())]
+    Filter {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: FilterError,
+    },
+    /// The acceleration cannot be resampled.
+    #[error("{}: acceleration: {source}", path.display())]
+    Resample {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: ResampleError,
+    },
+    /// The window ends at the lowest point, which the recording does not have.
+    #[error(
+        "{}: the recording has no lowest point: displacement has gaps, and acceleration does not bring the impactor to rest",
+        path.display()
+    )]
+    NoLowestPoint {
+        /// The recording.
+        path: PathBuf,
+    },
+}
+
+impl ReferenceComparison {
+    /// Reads the recording of `model`, if it names one, and reduces it where it is raw.
+    pub fn read(model: &Model) -> Result<Option<ReferenceComparison>, ReferenceError> {
+        let Some(reference) = &model.reference else {
+            return Ok(None);
+        };
+        let measurement =
+            file::read(&reference.signals, &ReadOptions { channels: channels(reference), ..ReadOptions::default() })?;
+        let Signals {
+            raw,
+            filtered,
+            displacement,
+            absorbed_energy,
+            total_energy,
+            energy_absorption,
+            drop,
+            reduction_warnings,
+        } = match Signals::from_contact(&measurement, model, reference)? {
+            Some(signals) => signals,
+            None => Signals::from_raw(&measurement, model, reference)?,
+        };
+        let window = match reference.window {
+            Window::Range(range) => range,
+            Window::All => [0.0, model.run_time()],
+            Window::Loading => {
+                let motion = raw.as_ref().or(filtered.as_ref());
+                let lowest = time_of_lowest_point(motion, displacement.as_ref(), model);
+                [0.0, lowest.ok_or_else(|| ReferenceError::NoLowestPoint { path: reference.signals.clone() })?]
+            }
+        };
+        let (acceleration, annotations) = (filtered, measurement.annotations);
+        Ok(Some(ReferenceComparison {
+            acceleration,
+            displacement,
+            absorbed_energy,
+            total_energy,
+            window,
+            energy_absorption,
+            drop,
+            annotations,
+            reduction_warnings,
+        }))
+    }
+
+    /// What puts the errors in doubt: a virtual recording, and what was assumed or is implausible in its reduction.
+    pub fn warnings(&self) -> impl Iterator<Item = Warning> {
+        let mark = self.annotations.virtual_mark().map(|note| Warning::VirtualReference { note: note.to_owned() });
+        mark.into_iter().chain(self.reduction_warnings.iter().cloned().map(Warning::ReferenceReduction))
+    }
+
+    /// Comments of the recording, and the warnings of its reading and of its reduction, as texts.
+    pub fn notes(&self) -> Vec<String> {
+        let reduction = self.reduction_warnings.iter().map(experiment::Warning::to_string);
+        self.annotations.notes().into_iter().chain(reduction).collect()
+    }
+
+    /// Whether its file marks the recording as virtual: computed, not measured.
+    pub fn is_virtual(&self) -> bool {
+        self.annotations.is_virtual()
+    }
+
+    /// Name of its curves in plots.
+    pub fn label(&self) -> &'static str {
+        if self.is_virtual() { "measured (virtual)" } else { "measured" }
+    }
+
+    /// Error of a filtered acceleration (paper, equation 14).
+    pub fn acceleration_error(&self, filtered: &Series) -> Option<Result<f64, NormError>> {
+        let reference = self.acceleration.as_ref()?;
+        Some(relative_error(filtered, reference, self.window))
+    }
+
+    /// Error of a displacement (paper, equation 15).
+    pub fn displacement_error(&self, displacement: &Series) -> Option<Result<f64, NormError>> {
+        let reference = self.displacement.as_ref()?;
+        Some(relative_error(displacement, reference, self.window))
+    }
+}
+
+/// The signals of a recording from first contact on.
+struct Signals {
+    /// As recorded or corrected.
+    raw: Option<Series>,
+    /// Through the run's channel filter.
+    filtered: Option<Series>,
+    displacement: Option<Series>,
+    absorbed_energy: Option<Series>,
+    total_energy: Option<Series>,
+    /// Of a raw recording.
+    energy_absorption: Option<f64>,
+    drop: Option<Figures>,
+    /// The warnings of its reduction.
+    reduction_warnings: Vec<experiment::Warning>,
+}
+
+impl Signals {
+    /// Of a file that counts from first contact; none where it is a raw recording.
+    fn from_contact(
+        measurement: &Measurement,
+        model: &Model,
+        reference: &Reference,
+    ) -> Result<Option<Signals>, ReferenceError> {
+        let channel = |name| measurement.channel(name).ok().map(|channel| channel.series.clone());
+        let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
+        let named = reference.acceleration.is_some() || reference.displacement.is_some();
+        let filtered = match channel(column::ACCELERATION_FILTERED.name) {
+            _ if named => return Ok(None),
+            Some(filtered) => Some(filtered),
+            None => raw.as_ref().map(|raw| filtered(raw, model, reference)).transpose()?,
+        };
+        let any = filtered.is_some() || displacement.is_some();
+        let (absorbed_energy, total_energy) =
+            (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
+        Ok(any.then_some(Signals {
+            raw,
+            filtered,
+            displacement,
+            absorbed_energy,
+            total_energy,
+            energy_absorption: None,
+            drop: None,
+            reduction_warnings: Vec::new(),
+        }))
+    }
+
+    /// Of a raw recording, reduced with the mass and gravity of the run.
+    fn from_raw(measurement: &Measurement, model: &Model, reference: &Reference) -> Result<Signals, ReferenceError> {
+        let path = || reference.signals.clone();
+        let (Loading::Impact { gravity, .. }, Some(impactor)) =
+            (&model.loading, model.impactors.get(reference.impactor))
+        else {
+            return Err(ReferenceError::NotAnImpact { path: path() });
+        };
+        let Impactor { mass, velocity: [_, _, velocity], .. } = impactor;
+        let names =
+            ChannelNames { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
+        let sensed = DropChannels::find(measurement, &names);
+        let sensed = sensed.map_err(|source| ReferenceError::Channels { path: path(), source: source.into() })?;
+        let height = match reference.drop_height {
+            Some(height) => Height::Known(height),
+            None => Height::OfSpeed(0.5 * velocity * velocity / gravity),
+        };
+        let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height };
+        let reduction = Reduction { class: sensed.class_to_apply(model.output.filter), ..Reduction::default() };
+        let drop = sensed.reduce(&tower, &reduction).map_err(|source| ReferenceError::Drop { path: path(), source })?;
+        let channel = |name| drop.signals.series(name);
+        let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
+        let (filtered, energy_absorption) = (channel(column::ACCELERATION_FILTERED.name), drop.energy_absorption);
+        let (absorbed_energy, total_energy) =
+            (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
+        Ok(Signals {
+            raw,
+            filtered,
+            displacement,
+            absorbed_energy,
+            total_energy,
+            energy_absorption,
+            drop: Some(Figures { notes: Vec::new(), ..drop.figures() }),
+            reduction_warnings: drop.warnings,
+        })
+    }
+}
+
+/// Where both channels are named, only they are read, so that a fault of another one does not matter.
+fn channels(reference: &Reference) -> ChannelSelection {
+    match (&reference.acceleration, &reference.displacement) {
+        (Some(acceleration), Some(displacement)) => {
+            ChannelSelection::Named(vec![acceleration.clone(), displacement.clone()])
+        }
+        _ => ChannelSelection::All,
+    }
+}
+
+/// The recording through the filter of the run, on equal steps.
+fn filtered(raw: &Series, model: &Model, reference: &Reference) -> Result<Series, ReferenceError> {
+    let path = || reference.signals.clone();
+    let Some(class) = model.output.filter else {
+        return Ok(raw.clone());
+    };
+    let even = match resample::common_step(raw.time()) {
+        Some(_) => raw.clone(),
+        None => resample::uniform(raw, 1.0 / model.output.sample_rate)
+            .map_err(|source| ReferenceError::Resample { path: path(), source })?,
+    };
+    filter::channel(&even, class, Standard::Iso6487).map_err(|source| ReferenceError::Filter { path: path(), source })
+}
+
+/// Time of the lowest point of the recording: of the largest travel where it was measured throughout, else of the first
+/// sample at which the integral of the acceleration has cancelled the impact velocity.
+fn time_of_lowest_point(acceleration: Option<&Series>, displacement: Option<&Series>, model: &Model) -> Option<f64> {
+    if let Some(complete) = displacement.filter(|d| d.is_complete()) {
+        return complete.smallest().map(|[time, _]| time);
+    }
+    let recorded = model.reference.as_ref().map_or(0, |reference| reference.impactor);
+    let [_, _, velocity] = model.impactors.get(recorded)?.velocity;
+    let fall = acceleration?.window([0.0, f64::INFINITY]);
+    let speed = integrate::once(&fall, velocity);
+    speed.samples().find(|[_, v]| *v >= 0.0).map(|[time, _]| time)
+}

@@ -1,0 +1,271 @@
+//! The results of a measured run.
+
+use serde_json::{Map, Value, json};
+
+use thiserror::Error;
+
+use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, RunFindings, Stretch};
+use crate::script::{Fault, ScriptOutput};
+use lab::signal::filter::{self, FilterError, Standard};
+use lab::signal::resample::{self, ResampleError};
+use lab::signal::{Channel, Recording, Series, column};
+use scene::model::{Loading, Model};
+use scene::simulate::Outcome;
+
+/// Entries of a summary that are no figures: which scenario, and by which droptower.
+pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
+
+/// The fields that a summary may have in a script: those of all kinds of loading. Of several impactors, those of each
+/// begin with its name.
+pub(super) const SUMMARY: [&str; 61] = [
+    "scenario",
+    "title",
+    "droptower",
+    // Impact.
+    "peak_acceleration_m_s2",
+    "time_of_peak_acceleration_s",
+    "peak_displacement_m",
+    "time_of_peak_displacement_s",
+    "rebound_velocity_m_s",
+    "energy_absorption",
+    "film_energy_absorption",
+    "break_strain_md",
+    "break_strain_td",
+    "acceleration_error",
+    "displacement_error",
+    "reference_drop",
+    "reference_notes",
+    // Stretch.
+    "peak_force_N",
+    "peak_stress_Pa",
+    "strain_at_peak_stress",
+    "strain_at_break",
+    "stress_at_break_Pa",
+    "final_strain",
+    // Indent.
+    "depth_at_peak_force_m",
+    "work_J",
+    "depth_at_break_m",
+    "final_depth_m",
+    "final_force_N",
+    // Inflation.
+    "peak_pressure_Pa",
+    "peak_deflection_m",
+    "final_deflection_m",
+    "final_volume_m3",
+    "settling",
+    "burst_pressure_Pa",
+    // All.
+    "energy_balance_error",
+    "ruptured",
+    "rupture_time_s",
+    "torn_length_m",
+    "torn_area_m2",
+    "fracture_energy_J",
+    "elements",
+    "bytes_per_element",
+    "steps",
+    "time_step_s",
+    "wall_s",
+    "ns_per_element_step",
+    "threads",
+    "instructions",
+    "mass_scaling",
+    "added_mass_kg",
+    "added_mass_share",
+    "kinetic_share",
+    "damping_share",
+    "relaxation",
+    "penetration",
+    "meshes",
+    "strain_rates",
+    "warnings",
+    "findings",
+    // Of a post script.
+    "tables",
+    "plots",
+    "files",
+];
+
+/// Figures by kind of loading.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measures {
+    /// Of an impact.
+    Impact(Impact),
+    /// Of a stretch.
+    Stretch(Stretch),
+    /// Of an indentation.
+    Indent(Indent),
+    /// Of an inflation.
+    Inflation(Inflation),
+}
+
+/// A measured run.
+#[derive(Clone, Debug)]
+pub struct Results {
+    /// The channels of `signals.csv`, the filtered one included.
+    pub signals: Recording,
+    /// Figures and findings.
+    pub measures: Measures,
+    /// The reference, where there is one.
+    pub comparison: Option<ReferenceComparison>,
+    /// What the post script added.
+    pub script_output: ScriptOutput,
+}
+
+/// Why a finished run cannot be measured.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EvaluateError {
+    /// The channel filter needs a higher sample rate.
+    #[error("the acceleration cannot be filtered: {0}")]
+    Filter(#[from] FilterError),
+    /// The acceleration cannot be resampled.
+    #[error("the acceleration cannot be filtered: {0}")]
+    Resample(#[from] ResampleError),
+    /// The post script failed.
+    #[error(transparent)]
+    Script(#[from] Fault),
+}
+
+impl Results {
+    /// Everything but the post script.
+    pub(super) fn measure(
+        model: &Model,
+        outcome: &Outcome,
+        comparison: Option<ReferenceComparison>,
+    ) -> Result<Results, EvaluateError> {
+        let signals = with_filtered(model, &outcome.signals)?;
+        let findings = || RunFindings::of(model, outcome);
+        let measures = match model.loading {
+            Loading::Impact { .. } => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
+            Loading::Stretch { .. } => Measures::Stretch(Stretch::measure(outcome, &signals, findings())),
+            Loading::Indent { velocity, .. } => {
+                Measures::Indent(Indent::measure(velocity, outcome, &signals, findings()))
+            }
+            Loading::Pressure { .. } | Loading::Volume { .. } => {
+                Measures::Inflation(Inflation::measure(outcome, &signals, findings()))
+            }
+        };
+        Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
+    }
+
+    /// The same of a run that was ended early, see [`Impact::ended_early`].
+    pub(super) fn ended_early(self) -> Results {
+        match self.measures {
+            Measures::Impact(impact) => Results { measures: Measures::Impact(impact.ended_early()), ..self },
+            measures => Results { measures, ..self },
+        }
+    }
+
+    /// What `summary.json` holds; numbers that are not finite are null.
+    pub fn summary(&self, model: &Model) -> Map<String, Value> {
+        let mut summary = header(model);
+        summary.extend(self.measures.figures());
+        summary.extend(self.script_output.measures.clone());
+        if !self.script_output.tables.is_empty() {
+            let tables = self.script_output.tables.iter();
+            let tables = tables.map(|(name, rows)| (name.clone(), json!(rows)));
+            summary.insert("tables".into(), Value::Object(tables.collect()));
+        }
+        if !self.script_output.plots.is_empty() {
+            let titles = self.script_output.plots.iter().map(|plot| plot.title.clone());
+            summary.insert("plots".into(), titles.collect());
+        }
+        if !self.script_output.files.is_empty() {
+            summary.insert("files".into(), self.script_output.files.names().into());
+        }
+        summary
+    }
+}
+
+fn header(model: &Model) -> Map<String, Value> {
+    let values = [json!(model.name), json!(model.title), json!(env!("CARGO_PKG_VERSION"))];
+    HEADER.map(String::from).into_iter().zip(values).collect()
+}
+
+impl Measures {
+    /// The figures by name, in the order of `summary.json`.
+    pub fn figures(&self) -> Map<String, Value> {
+        let value = match self {
+            Measures::Impact(impact) => Value::Object(impact.figures()),
+            Measures::Stretch(stretch) => json!(stretch),
+            Measures::Indent(indent) => json!(indent),
+            Measures::Inflation(inflation) => json!(inflation),
+        };
+        match value {
+            Value::Object(figures) => figures,
+            _ => Map::new(),
+        }
+    }
+
+    /// Whether an impactor rebounded.
+    pub(super) fn rebounds(&self) -> bool {
+        let Measures::Impact(Impact { bodies, .. }) = self else { return false };
+        bodies.iter().any(|body| body.rebound_velocity_m_s.is_some_and(|velocity| velocity > 0.0))
+    }
+
+    /// What the run, its comparison with a reference and its post script reported.
+    pub fn findings(&self) -> &RunFindings {
+        match self {
+            Measures::Impact(impact) => &impact.findings,
+            Measures::Stretch(stretch) => &stretch.findings,
+            Measures::Indent(indent) => &indent.findings,
+            Measures::Inflation(inflation) => &inflation.findings,
+        }
+    }
+
+    pub(super) fn findings_mut(&mut self) -> &mut RunFindings {
+        match self {
+            Measures::Impact(impact) => &mut impact.findings,
+            Measures::Stretch(stretch) => &mut stretch.findings,
+            Measures::Indent(indent) => &mut indent.findings,
+            Measures::Inflation(inflation) => &mut inflation.findings,
+        }
+    }
+
+    /// Size, cost and errors of the run.
+    pub fn audit(&self) -> &Audit {
+        match self {
+            Measures::Impact(impact) => &impact.audit,
+            Measures::Stretch(stretch) => &stretch.audit,
+            Measures::Indent(indent) => &indent.audit,
+            Measures::Inflation(inflation) => &inflation.audit,
+        }
+    }
+
+    /// The names that a post script cannot give: those of this run and of the summary's own parts.
+    pub(super) fn reserved(&self) -> Vec<String> {
+        let own = HEADER.into_iter().chain(["tables", "plots", "files"]).map(String::from);
+        own.chain(self.figures().into_iter().map(|(name, _)| name)).collect()
+    }
+}
+
+/// `signals` with the channel `acceleration_filtered_m_s2` of each impactor.
+fn with_filtered(model: &Model, signals: &Recording) -> Result<Recording, EvaluateError> {
+    let mut signals = signals.clone();
+    for prefix in model.prefixes() {
+        let [raw, name] =
+            [column::ACCELERATION, column::ACCELERATION_FILTERED].map(|column| format!("{prefix}{}", column.name));
+        if let Some(acceleration) = signals.series(&raw) {
+            let values = filtered(model, &acceleration)?;
+            signals.insert_after(&raw, Channel { name, values });
+        }
+    }
+    Ok(signals)
+}
+
+/// An acceleration through the channel filter of the run.
+fn filtered(model: &Model, raw: &Series) -> Result<Vec<f64>, EvaluateError> {
+    // A run that failed in its first steps has nothing to filter.
+    let Some(class) = model.output.filter.filter(|_| raw.len() >= 2) else { return Ok(raw.values().to_vec()) };
+    let step = resample::common_step(raw.time());
+    let even = match step {
+        Some(_) => raw.clone(),
+        None => resample::uniform(raw, 1.0 / model.output.sample_rate)?,
+    };
+    let filtered = filter::channel(&even, class, Standard::Iso6487)?;
+    Ok(match step {
+        Some(_) => filtered.values().to_vec(),
+        None => resample::onto(&filtered, raw.time()),
+    })
+}

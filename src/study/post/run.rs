@@ -1,0 +1,218 @@
+//! A finished run in scripts.
+
+use std::sync::Arc;
+
+use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Scope};
+use serde_json::{Value, json};
+
+use super::results::SUMMARY;
+use super::{ReferenceComparison, Results};
+use crate::script::{Entry, Fields, Session, from_json, refuse};
+use lab::signal::{Recording, Series, column};
+use scene::model::{Impactor, Loading, Model};
+use scene::simulate::Outcome;
+
+/// A finished run: signals, energies, figures and what was run. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Run(Arc<Parts>);
+
+#[derive(Debug, Default)]
+struct Parts {
+    signals: Recording,
+    energies: Recording,
+    summary: serde_json::Map<String, Value>,
+    model: serde_json::Map<String, Value>,
+}
+
+/// Channels by the names of their columns.
+#[derive(Clone, Debug)]
+struct Columns {
+    run: Run,
+    of: fn(&Parts) -> &Recording,
+}
+
+/// A reference recording in scripts.
+#[derive(Clone, Debug)]
+pub(super) struct ReferenceSignals(pub ReferenceComparison);
+
+impl Run {
+    /// The run of `model` with its results.
+    pub fn new(model: &Model, outcome: &Outcome, results: &Results) -> Run {
+        Run(Arc::new(Parts {
+            signals: results.signals.clone(),
+            energies: outcome.energies.clone(),
+            summary: results.summary(model),
+            model: facts(model),
+        }))
+    }
+
+    /// An empty run, for compiling scripts before the run.
+    pub(super) fn empty() -> Run {
+        Run(Arc::default())
+    }
+
+    /// The figures of `summary.json`.
+    pub fn summary(&self) -> &serde_json::Map<String, Value> {
+        &self.0.summary
+    }
+
+    fn property(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
+        let run = || self.clone();
+        match name.as_str() {
+            "time" => Ok(Dynamic::from(Series::new(&*self.0.signals.time, &*self.0.signals.time))),
+            "summary" => Ok(from_json(&Value::Object(self.0.summary.clone()))),
+            "model" => Ok(from_json(&Value::Object(self.0.model.clone()))),
+            "signals" => Ok(Dynamic::from(Columns { run: run(), of: |parts| &parts.signals })),
+            "energies" => Ok(Dynamic::from(Columns { run: run(), of: |parts| &parts.energies })),
+            name => self.channel(name).map(Dynamic::from),
+        }
+    }
+
+    fn channel(&self, name: &str) -> Result<Series, Box<EvalAltResult>> {
+        let shorts =
+            || self.0.signals.channels.iter().filter_map(|channel| Some((short(&channel.name)?, &channel.name)));
+        let series = shorts().find(|(short, _)| short == name).and_then(|(_, column)| self.0.signals.series(column));
+        series.ok_or_else(|| {
+            let shorts: Vec<String> = shorts().map(|(short, _)| short).collect();
+            let others = ["time", "signals", "energies", "summary", "model"];
+            unknown("run", name, shorts.iter().map(String::as_str).chain(others))
+        })
+    }
+}
+
+impl Columns {
+    fn get(&mut self, name: ImmutableString) -> Result<Series, Box<EvalAltResult>> {
+        let recording = (self.of)(&self.run.0);
+        let names = || recording.channels.iter().map(|c| c.name.as_str());
+        let series = recording.series(&name);
+        series.ok_or_else(|| unknown("recording", &name, names()))
+    }
+
+    fn names(&mut self) -> rhai::Array {
+        let recording = (self.of)(&self.run.0);
+        recording.channels.iter().map(|c| c.name.clone().into()).collect()
+    }
+}
+
+impl ReferenceSignals {
+    fn get(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
+        let ReferenceComparison { acceleration, displacement, energy_absorption, drop, .. } = &self.0;
+        let found = match name.as_str() {
+            "acceleration" => acceleration.clone().map(Dynamic::from),
+            "displacement" => displacement.clone().map(Dynamic::from),
+            "energy_absorption" => Some(energy_absorption.map_or(Dynamic::UNIT, Dynamic::from)),
+            "drop" => Some(drop.as_ref().map_or(Dynamic::UNIT, |drop| from_json(&json!(drop)))),
+            _ => None,
+        };
+        let known = ["acceleration", "displacement", "energy_absorption", "drop"];
+        found.ok_or_else(|| unknown("reference", &name, known))
+    }
+}
+
+/// The name of a column in scripts; of one of several impactors with its name.
+fn short(name: &str) -> Option<String> {
+    let (prefix, column) = column::of(name)?;
+    Some(format!("{prefix}{}", column.short))
+}
+
+fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Box<EvalAltResult> {
+    let known: Vec<&str> = known.into_iter().collect();
+    refuse(format!("a {owner} has no `{name}`; it has {}", known.join(", ")))
+}
+
+/// The quantities of a model that scripts read.
+pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
+    let mut facts = serde_json::Map::new();
+    facts.insert("name".into(), json!(model.name));
+    facts.insert("title".into(), json!(model.title));
+    let layers: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
+    facts.insert("layers".into(), json!(layers));
+    let thickness: Vec<f64> = model.faces.iter().map(|face| face.material.thickness).collect();
+    facts.insert("thickness".into(), json!(thickness));
+    let prestrain: Vec<[f64; 2]> = model.faces.iter().map(|face| face.prestrain).collect();
+    facts.insert("prestrain".into(), json!(prestrain));
+    match model.impactors.as_slice() {
+        [impactor] if impactor.mass.is_finite() => drop(facts.insert("mass".into(), json!(impactor.mass))),
+        [] | [_] => {}
+        several => {
+            let of_one = |impactor: &Impactor| json!({ "name": impactor.words(), "mass": Some(impactor.mass).filter(|m| m.is_finite()) });
+            facts.insert("impactors".into(), several.iter().map(of_one).collect());
+        }
+    }
+    match &model.loading {
+        Loading::Impact { velocity, gravity, duration } => {
+            facts.insert("velocity".into(), json!(velocity));
+            facts.insert("gravity".into(), json!(gravity));
+            facts.insert("duration".into(), json!(duration));
+        }
+        Loading::Stretch { angle, velocity, until, .. } => {
+            facts.insert("angle".into(), json!(angle));
+            facts.insert("velocity".into(), json!(velocity));
+            facts.insert("until".into(), json!(until));
+        }
+        Loading::Indent { depth, velocity, .. } => {
+            facts.insert("depth".into(), json!(depth));
+            facts.insert("velocity".into(), json!(velocity));
+        }
+        Loading::Pressure { pressure, ramp, .. } => {
+            facts.insert("pressure".into(), json!(pressure));
+            facts.insert("ramp".into(), json!(ramp));
+        }
+        Loading::Volume { volume, ramp, .. } => {
+            facts.insert("volume".into(), json!(volume));
+            facts.insert("ramp".into(), json!(ramp));
+        }
+    }
+    facts
+}
+
+/// Offers the type of `run` to scripts.
+pub(super) fn register(engine: &mut Engine) {
+    Session::of_engine(engine).declare(Fields { map: "summary", names: &SUMMARY });
+    engine
+        .register_type_with_name::<Run>("run")
+        .register_indexer_get(Run::property)
+        .register_type_with_name::<Columns>("recording")
+        .register_indexer_get(Columns::get)
+        .register_fn("names", Columns::names)
+        .register_type_with_name::<ReferenceSignals>("reference")
+        .register_indexer_get(ReferenceSignals::get);
+}
+
+/// The scope of a post script: the constant `run`.
+pub(super) fn scope(run: Run) -> Scope<'static> {
+    let mut scope = Scope::new();
+    scope.push_constant("run", run);
+    scope
+}
+
+/// The reference of runs in scripts.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "run.time, run.displacement, run.velocity, run.acceleration, …",
+        gives: "the channels as signals, SI (of several impactors `run.head_displacement` …); `acceleration` is the filtered one, `acceleration_raw` the one before the \
+                filter; of a rectangle `frame_force_x` and `frame_force_y`, the mean force on its held sides across an axis",
+        example: "run.acceleration.len() == run.acceleration_raw.len() && run.displacement.min() < 0",
+    },
+    Entry {
+        call: "run.signals.<column>, run.signals.names()",
+        gives: "the columns of signals.csv by their full names",
+        example: r#"run.signals.velocity_m_s.at(0) < 0 && "velocity_m_s" in run.signals.names()"#,
+    },
+    Entry {
+        call: "run.energies.<column>, run.energies.names()",
+        gives: "the terms of the energy audit, J",
+        example: "run.energies.names().len() > 0",
+    },
+    Entry {
+        call: "run.summary.<figure>",
+        gives: "the figures of summary.json; () where there is none",
+        example: "run.summary.elements > 0 && run.summary.rupture_time_s == ()",
+    },
+    Entry {
+        call: "run.model.<fact>",
+        gives: "what was run: name, title, layers, thickness of one layer (m) and prestrain ([md, td]; lists with one entry per \
+                 face), and of its loading mass (kg; of several impactors `impactors`, a list of name and mass), velocity (m/s), gravity (m/s²), duration (s), angle (rad), until, depth (m), pressure (Pa), ramp (s)",
+        example: "run.model.layers[0] == 8 && run.model.thickness[0] == 12e-6 && run.model.mass > 10",
+    },
+];

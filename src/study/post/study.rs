@@ -1,0 +1,476 @@
+//! Scenarios in scripts: read, change, simulate, one or many.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+use serde_json::Value;
+
+use super::coupon_material;
+use super::modules;
+use super::run::{self, ReferenceSignals};
+use super::{EvaluationError, Evaluations, NoOutcome, Plan, Run, trial};
+use crate::script::{
+    Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, refuse_key, to_json,
+};
+use crate::store::evaluations::Share;
+use base::diagnostic::Diagnostic;
+use base::finding::Finding;
+use lab::experiment::coupon::Curve;
+use membrane::material::Law;
+use scene::model::{self, Model};
+use scene::scenario::{Assignment, Document};
+use scene::simulate::{self, Across, Cancellation, Outcome, PullError, RunOptions};
+
+/// A checked scenario in a script. Cheap to clone.
+#[derive(Clone)]
+pub struct Study(Arc<Parts>);
+
+struct Parts {
+    document: Document,
+    model: Model,
+    plan: Plan,
+    /// Runs that were computed before; none where all are computed again.
+    evaluations: Option<Arc<Evaluations>>,
+}
+
+/// The outcome of a run, or why there is none.
+type Found = Result<Outcome, NoOutcome>;
+
+impl Study {
+    /// Reads the scenario at `path`, relative to the working directory, applies `changes` and checks it.
+    ///
+    /// The session records the files that this reads.
+    pub fn read(
+        path: &Path,
+        changes: &[Assignment],
+        evaluations: Option<Arc<Evaluations>>,
+        session: &Session,
+    ) -> HostResult<Study> {
+        Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, evaluations, session)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.0.model.name
+    }
+
+    /// The scenario as written, with its changes.
+    pub fn document(&self) -> &Document {
+        &self.0.document
+    }
+
+    /// Checks `document`, which may be a variant of another study.
+    fn check(
+        document: Document,
+        other: Option<&Parts>,
+        evaluations: Option<Arc<Evaluations>>,
+        session: &Session,
+    ) -> HostResult<Study> {
+        let model = model::check(&document).map_err(mistakes)?;
+        for path in
+            document.files().iter().map(PathBuf::as_path).chain(model.meshes().into_iter().map(|mesh| mesh.path))
+        {
+            session.add_input(path);
+        }
+        if let Some(reference) = &model.reference {
+            session.add_recording_files(&reference.signals);
+        }
+        session.report(model::warnings(&document, &model).iter().map(Finding::new));
+        let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
+            Some(other) => other.plan.clone(),
+            None => Plan::prepare(&model).map_err(refuse)?,
+        };
+        if let (Some(reference), Some(comparison)) = (&model.reference, plan.comparison()) {
+            session.add_recording(&reference.signals, comparison.is_virtual());
+        }
+        Ok(Study(Arc::new(Parts { document, model, plan, evaluations })))
+    }
+
+    /// The same scenario with changed values of its keys.
+    fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
+        let changes = changes.iter().map(|(key, value)| assignment(key, value));
+        let changes = changes.collect::<HostResult<Vec<_>>>()?;
+        Study::check(self.0.document.with(&changes), Some(&*self.0), self.0.evaluations.clone(), session)
+    }
+
+    fn simulate(&self, session: &Session) -> HostResult<Run> {
+        match self.simulate_with(session, Evaluations::outcome_of)? {
+            Some(run) => Ok(run),
+            None => Err(refuse("the run was cancelled")),
+        }
+    }
+
+    /// The run, unless another process computes it.
+    fn simulate_unless_claimed(&self, session: &Session) -> HostResult<Option<Run>> {
+        self.simulate_with(session, Evaluations::outcome_unless_claimed)
+    }
+
+    fn simulate_with<F: Into<Option<Found>>>(
+        &self,
+        session: &Session,
+        outcome: impl Fn(&Evaluations, &Model, &Cancellation) -> Result<F, EvaluationError>,
+    ) -> HostResult<Option<Run>> {
+        let Parts { model, plan, evaluations, .. } = &*self.0;
+        let cut = session.is_trial().then(|| trial::cut(model, plan.comparison()));
+        let model = cut.as_ref().unwrap_or(model);
+        let cancellation = session.cancellation();
+        let found = match evaluations {
+            Some(evaluations) => outcome(evaluations, model, cancellation).map_err(refuse)?.into(),
+            None => {
+                let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+                let ran = simulate::run_with(model, options, &mut |_| {});
+                Some(ran.map_err(|error| NoOutcome::of(&error, model)))
+            }
+        };
+        let Some(found) = found else { return Ok(None) };
+        let outcome = found.map_err(|NoOutcome { cause, is_numerical }| {
+            let cause = format!("{}: {cause}", model.name);
+            session.add_failure(&cause);
+            if is_numerical { numerical_failure(cause) } else { refuse(cause) }
+        })?;
+        if let Some(time) = outcome.rupture_time {
+            session.add_rupture(&model.name, time);
+        }
+        let mut results = plan.measure(model, &outcome).map_err(refuse)?;
+        if model.run_time() < self.0.model.run_time() {
+            results = results.ended_early();
+        }
+        Ok(Some(Run::new(model, &outcome, &results)))
+    }
+
+    fn reference(&mut self) -> HostResult<ReferenceSignals> {
+        Ok(ReferenceSignals(self.comparison()?.clone()))
+    }
+
+    fn window(&mut self) -> HostResult<Array> {
+        Ok(self.comparison()?.window.map(Dynamic::from).into())
+    }
+
+    /// The curve of one fibre set or of shear, with its multipliers, of all faces or of one.
+    fn curve(&self, name: &str, face: Option<INT>) -> HostResult<Curve> {
+        let faces = &self.0.model.faces;
+        let chosen = match face {
+            Some(face) => usize::try_from(face).ok().and_then(|face| faces.get(face)).map(std::slice::from_ref),
+            None => Some(&faces[..]),
+        };
+        let Some([first, others @ ..]) = chosen else {
+            return Err(refuse(format!(
+                "the number of the face is out of range; {} has {}",
+                self.0.model.name,
+                faces.len()
+            )));
+        };
+        let found = points(&first.material.law, name)?;
+        for other in others {
+            if points(&other.material.law, name)? != found {
+                return Err(refuse(format!("the curves of the faces differ: choose one, `curve({name:?}, 0)`")));
+            }
+        }
+        let (strains, stresses) = found.into_iter().map(|[strain, stress]| (strain, stress)).unzip();
+        Curve::new(strains, stresses).map_err(refuse)
+    }
+
+    /// The curve of a single element of the film at `strains`.
+    fn pull(&self, strains: Vec<f64>, options: &Map) -> HostResult<Curve> {
+        let options = Options { of: "pull", map: options };
+        options.check(&["across"])?;
+        let stresses =
+            simulate::pull(&self.0.model, &strains, across(&options)?).map_err(|error| self.failed(error))?;
+        Curve::new(strains, stresses).map_err(refuse)
+    }
+
+    /// Stresses (Pa) of a single element of the film at `strains`, forth and back, at the rate of the jaws or at given
+    /// times.
+    fn stresses(&self, strains: &[f64], options: &Map) -> HostResult<Array> {
+        let options = Options { of: "stresses", map: options };
+        options.check(&["across", "times"])?;
+        let (model, across) = (&self.0.model, across(&options)?);
+        let found = match options.map.get("times") {
+            None => simulate::pull(model, strains, across),
+            Some(times) => {
+                let times = times.clone().into_array();
+                let times = times.map_err(|found| refuse(format!("expected a list as times, found {found}")))?;
+                if times.len() != strains.len() {
+                    return Err(refuse(format!("{} times for {} strains", times.len(), strains.len())));
+                }
+                let point = |(time, strain): (&Dynamic, &f64)| Ok([number(time, "a time")?, *strain]);
+                let path = times.iter().zip(strains).map(point).collect::<HostResult<Vec<_>>>()?;
+                simulate::pull_along(model, &path, across)
+            }
+        };
+        Ok(found.map_err(|error| self.failed(error))?.into_iter().map(Dynamic::from).collect())
+    }
+
+    fn failed(&self, error: PullError) -> Box<EvalAltResult> {
+        refuse(format!("{}: {error}", self.0.model.name))
+    }
+
+    fn comparison(&self) -> HostResult<&super::ReferenceComparison> {
+        let comparison = self.0.plan.comparison();
+        comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
+    }
+}
+
+/// The option `across` of a single element.
+fn across(options: &Options<'_>) -> HostResult<Across> {
+    match options.map.get("across").map(Dynamic::to_string).as_deref() {
+        None | Some("held") => Ok(Across::Held),
+        Some("free") => Ok(Across::Free),
+        Some("equal") => Ok(Across::Equal),
+        Some(other) => Err(refuse(format!("across is \"held\", \"free\" or \"equal\", not \"{other}\""))),
+    }
+}
+
+/// Points of a curve of a fabric, with the origin: strain, stress (Pa).
+fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
+    let curve = match (law, name) {
+        (Law::Elastic(_) | Law::TensionField(_), _) => {
+            return Err(refuse("an elastic film has no curves; only a fabric has md, td and shear"));
+        }
+        (Law::Hyperelastic(_), _) => {
+            return Err(refuse("a hyperelastic film has no curves; only a fabric has md, td and shear"));
+        }
+        (Law::Plastic(_), _) => {
+            return Err(refuse("a plastic film has no curves; only a fabric has md, td and shear"));
+        }
+        (Law::Fabric(fabric), "md") => Some(fabric.md()),
+        (Law::Fabric(fabric), "td") => Some(fabric.td()),
+        (Law::Fabric(fabric), "shear") => Some(fabric.shear()),
+        (Law::RateFabric(fabric), "md") => fabric.md().single(),
+        (Law::RateFabric(fabric), "td") => fabric.td().single(),
+        (Law::RateFabric(fabric), "shear") => Some(fabric.shear()),
+        _ => return Err(refuse(format!("there is no curve `{name}`; a fabric has md, td and shear"))),
+    };
+    let Some(curve) = curve else {
+        return Err(refuse(format!("`{name}` is not a single curve: its curves depend on the strain rate (`rates`)")));
+    };
+    Ok(std::iter::once([0.0, 0.0]).chain(curve.points().iter().copied()).collect())
+}
+
+/// Simulates all in parallel; the runs are in the order of the scenarios.
+fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Array> {
+    let session = Session::of(&context);
+    let study = |item: Dynamic| {
+        let found = item.type_name();
+        let study = item.try_cast::<Study>();
+        study.ok_or_else(|| refuse(format!("expected a list of scenarios, found {found} in it")))
+    };
+    let studies = scenarios.into_iter().map(study).collect::<HostResult<Vec<_>>>()?;
+    let share = studies.iter().find_map(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
+    let first = in_order(&share.order(studies.len()), |place| studies[place].simulate_unless_claimed(&session));
+    // What other processes compute comes last.
+    let runs = first.into_par_iter().zip(&studies).map(|(run, study)| match run? {
+        Some(run) => Ok(run),
+        None => study.simulate(&session),
+    });
+    runs.map(|run| run.map(Dynamic::from)).collect()
+}
+
+/// Takes the places by all threads, in this order; the results are in the order of the places. After an error nothing more
+/// is begun, and what is left has that error.
+fn in_order<T: Send>(order: &[usize], take: impl Fn(usize) -> HostResult<T> + Sync) -> Vec<HostResult<T>> {
+    let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let worker = |_: usize| {
+        std::iter::from_fn(|| {
+            let place =
+                *order.get(next.fetch_add(1, Ordering::Relaxed)).filter(|_| !is_over.load(Ordering::Relaxed))?;
+            let found = take(place);
+            is_over.fetch_or(found.is_err(), Ordering::Relaxed);
+            Some((place, found))
+        })
+        .collect::<Vec<_>>()
+    };
+    let mut found: Vec<(usize, HostResult<T>)> =
+        (0..rayon::current_num_threads()).into_par_iter().flat_map_iter(worker).collect();
+    found.sort_by_key(|(place, _)| *place);
+    match found.len() == order.len() {
+        true => found.into_iter().map(|(_, found)| found).collect(),
+        false => found.into_iter().map(|(_, found)| found).filter(Result::is_err).take(1).collect(),
+    }
+}
+
+fn strains(list: &[Dynamic]) -> HostResult<Vec<f64>> {
+    list.iter().map(|strain| number(strain, "a strain")).collect()
+}
+
+/// The change of a key; `()` leaves it out.
+fn assignment(key: &str, value: &Dynamic) -> HostResult<Assignment> {
+    if value.is_unit() {
+        return Ok(Assignment::unset(key, "script"));
+    }
+    let json = to_json(value)?;
+    let value = toml::Value::try_from(&json);
+    let value = value.map_err(|error| refuse(format!("`{key}` cannot be written in a scenario: {error}")))?;
+    Assignment::from_value(key, &value, &format!("{CHANGED}{key}")).map_err(mistakes)
+}
+
+/// Beginning of the name of the source of a changed value, before its key.
+const CHANGED: &str = "script: ";
+
+/// One mistake in a changed value is reported at its key, several with their keys.
+fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
+    let key = |mistake: &Diagnostic| {
+        let source = mistake.span.as_ref().map(|span| span.source.name.clone())?;
+        source.strip_prefix(CHANGED).map(str::to_owned)
+    };
+    if let [mistake] = &mistakes[..]
+        && let Some(key) = key(mistake)
+    {
+        return refuse_key(&key, &mistake.message, mistake.hint.clone());
+    }
+    let line = |mistake: &Diagnostic| {
+        let hint = mistake.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
+        match &mistake.span {
+            Some(_) if key(mistake).is_some() => {
+                format!("`{}`: {}{hint}", key(mistake).unwrap_or_default(), mistake.message)
+            }
+            Some(span) => format!("{span:?}: {}{hint}", mistake.message),
+            None => format!("{}{hint}", mistake.message),
+        }
+    };
+    refuse(mistakes.iter().map(line).collect::<Vec<_>>().join("; "))
+}
+
+/// Offers scenarios to scripts; `changes` apply to each that a script reads. Runs are taken from `evaluations` and added to
+/// them.
+pub fn register(engine: &mut Engine, changes: Vec<Assignment>, evaluations: Option<Arc<Evaluations>>) {
+    run::register(engine);
+    coupon_material::register(engine);
+    Session::of_engine(engine).ship(modules::MODULES);
+    engine
+        .register_type_with_name::<Study>("scenario")
+        .register_fn("scenario", move |context: NativeCallContext, path: &str| {
+            Study::read(Path::new(path), &changes, evaluations.clone(), &Session::of(&context))
+        })
+        .register_fn("with", |context: NativeCallContext, study: &mut Study, changes: Map| {
+            study.with(changes, &Session::of(&context))
+        })
+        .register_fn("simulate", |context: NativeCallContext, study: &mut Study| study.simulate(&Session::of(&context)))
+        .register_fn("simulate_all", simulate_all)
+        .register_fn("pull", |study: &mut Study, strains: Array| study.pull(self::strains(&strains)?, &Map::new()))
+        .register_fn("pull", |study: &mut Study, strains: Array, more: Map| study.pull(self::strains(&strains)?, &more))
+        .register_fn("pull", |study: &mut Study, at: Curve| study.pull(at.strain().to_vec(), &Map::new()))
+        .register_fn("pull", |study: &mut Study, at: Curve, more: Map| study.pull(at.strain().to_vec(), &more))
+        .register_fn("stresses", |study: &mut Study, strains: Array| {
+            study.stresses(&self::strains(&strains)?, &Map::new())
+        })
+        .register_fn("stresses", |study: &mut Study, strains: Array, more: Map| {
+            study.stresses(&self::strains(&strains)?, &more)
+        })
+        .register_get("reference", Study::reference)
+        .register_get("window", Study::window)
+        .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
+        .register_fn("curve", |study: &mut Study, name: &str, face: INT| study.curve(name, Some(face)))
+        .register_get("model", |study: &mut Study| from_json(&Value::Object(run::facts(&study.0.model))))
+        .register_get("name", |study: &mut Study| study.0.model.name.clone())
+        .register_get("title", |study: &mut Study| study.0.model.title.clone());
+}
+
+/// The reference of scenarios in scripts.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "args.<name>",
+        gives: "the arguments of --scenario and --arg: numbers, truth values and text",
+        example: r#""scenario" in args"#,
+    },
+    Entry {
+        call: "args.number(name, default), args.numbers(name, [default, …]), args.text(name, default)",
+        gives: "an argument, or the default where it is not given: a number, a list of as many numbers as the default \
+                has (separated by commas), a text; a mistake names the argument",
+        example: r#"args.number("most", 12) == 12 && args.numbers("start", [1, 1]).len() == 2
+                    && args.text("method", "nelder-mead") == "nelder-mead""#,
+    },
+    Entry {
+        call: "scenario(path)",
+        gives: "the checked scenario in a file; the path is relative to the working directory",
+        example: "scenario(args.scenario).name != \"\"",
+    },
+    Entry {
+        call: "scenario.with(#{ \"key.path\": value })",
+        gives: "the same scenario with changed values, checked again; `()` leaves a key out",
+        example: "scenario(args.scenario).with(#{ \"output.frames\": (), title: \"other\" }).title == \"other\"",
+    },
+    Entry {
+        call: "scenario.reference.acceleration, .displacement, .energy_absorption, .drop; scenario.window",
+        gives: "the recording it is compared with (acceleration through the run's filter; the energy absorption of a raw \
+                one, and the figures of its reduction as of `reduce_drop`, else ()) and the window of the errors, s",
+        example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 \
+                  && t.reference.energy_absorption != 1",
+    },
+    Entry {
+        call: "scenario.curve(\"md\" | \"td\" | \"shear\"), scenario.curve(name, face)",
+        gives: "a curve of its fabric with the multipliers applied, from the origin to the break: of all faces, \
+                which must agree, or of one",
+        example: r#"let t = scenario(args.scenario);
+                    t.curve("md").len() == 4 && t.curve("md", 0).end() < t.curve("td").end()"#,
+    },
+    Entry {
+        call: "scenario.model.<fact>",
+        gives: "the model of the scenario, as in `run.model`",
+        example: "scenario(args.scenario).model.layers == [8, 8]",
+    },
+    Entry {
+        call: "scenario.simulate()",
+        gives: "the run: everything that a post script finds as `run`; within an objective it ends with the window of \
+                the reference and what the channel filter needs behind it, so that rebound and energy absorption are (); \
+                with `reference.window = \"all\"` it runs to its end",
+        example: "scenario(args.scenario).simulate().summary.elements > 0",
+    },
+    Entry {
+        call: "scenario.pull(strains), scenario.pull(curve), scenario.pull(strains, #{ across: \"held\" | \"free\" | \"equal\" })",
+        gives: "the curve of stress (Pa) of a single element of its film, pulled in the direction of `[loading.stretch]`, \
+                in equilibrium, at increasing strains or at those of a curve; zero past the break. Between jaws (\"held\") \
+                the width is held, that of a long strip is free, and under equibiaxial tension the strains are equal",
+        example: r#"let t = scenario("scenarios/stretch/single-element.toml"); let c = t.pull([0, 0.26, 0.84, 2]);
+                    (c.at(0.84) / 20e6 - 1).abs() < 1e-9 && c.at(2) == 0"#,
+    },
+    Entry {
+        call: "scenario.stresses(strains), scenario.stresses(strains, #{ across, times })",
+        gives: "stresses (Pa) of the same element, a list: strains may also go back, which unloads the film, and times (s, from \
+                zero) take the place of the rate of the jaws, so that a strain can be held",
+        example: r#"let t = scenario("scenarios/stretch/single-element.toml"); let s = t.stresses([0.26, 0.13, 0.13], #{ times: [1, 2, 60] });
+                    (s[0] / 8.4e6 - 1).abs() < 1e-9 && s[1] < 0.2 * s[0] && s[2] == s[1]"#,
+    },
+    Entry {
+        call: "simulate_all([scenario, …])",
+        gives: "the runs of independent scenarios, simulated in parallel, in their order",
+        example: "let t = scenario(args.scenario); simulate_all([t, t]).len() == 2",
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use membrane::material::{
+        self, Elastic, Fabric, Hyperelastic, HyperelasticLaw, Polynomial, RateCurves, TensionField,
+    };
+
+    fn straight(stress: f64) -> material::Curve {
+        material::Curve::new(vec![[1.0, stress]]).unwrap()
+    }
+
+    #[test]
+    fn only_fabric_with_one_curve_has_it() {
+        let rates = vec![(1.0, straight(1e6)), (9.0, straight(2e6))];
+        let by_rate = RateCurves::new(rates, 0.01).unwrap();
+        let law = Law::RateFabric(Fabric::new(by_rate, RateCurves::from(straight(3e6)), straight(4e6), 0.0));
+        assert_eq!(points(&law, "td").unwrap(), [[0.0, 0.0], [1.0, 3e6]]);
+        assert_eq!(points(&law, "shear").unwrap(), [[0.0, 0.0], [1.0, 4e6]]);
+        let elastic = Elastic { young: 5e7, poisson: 0.44 };
+        let energy = Polynomial::neo_hookean(1e6);
+        let rubber = Law::Hyperelastic(HyperelasticLaw::Polynomial(Hyperelastic { energy, wrinkling: false }));
+        for (law, name, expected) in [
+            (&law, "md", "`md` is not a single curve: its curves depend on the strain rate (`rates`)"),
+            (&law, "bias", "there is no curve `bias`; a fabric has md, td and shear"),
+            (&Law::Elastic(elastic.clone()), "md", "an elastic film has no curves"),
+            (&Law::TensionField(TensionField(elastic)), "td", "an elastic film has no curves"),
+            (&rubber, "md", "a hyperelastic film has no curves"),
+        ] {
+            let message = points(law, name).unwrap_err().to_string();
+            assert!(message.contains(expected), "{name}: {message}");
+        }
+    }
+}

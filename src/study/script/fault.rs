@@ -1,0 +1,243 @@
+use std::fmt::Display;
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use rhai::{Dynamic, Engine, EvalAltResult, FuncInfo, ImmutableString, ParseError, ParseErrorType, Position};
+use thiserror::Error;
+
+use super::module::{self, SourceText, Unit};
+use super::{Session, places};
+use base::diagnostic::closest;
+
+/// A mistake in a script, found while reading or while running it.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{}:{line}:{column}: {message}", file.display())]
+pub struct Fault {
+    /// The script, or a module that it imports.
+    pub file: PathBuf,
+    /// What is in it.
+    pub text: Arc<str>,
+    /// Counted from one.
+    pub line: usize,
+    /// In characters, counted from one.
+    pub column: usize,
+    /// What is wrong.
+    pub message: String,
+    /// What to write instead, if there is a close match.
+    pub hint: Option<String>,
+    /// Whether a simulation failed numerically, which is no mistake of the script.
+    pub numerical: bool,
+}
+
+impl Fault {
+    pub(super) fn parsing(file: &SourceText, error: &ParseError) -> Fault {
+        match error.err_type() {
+            ParseErrorType::Reserved(word) if UNSUPPORTED.contains(&word.as_str()) => {
+                let hint = (word == "export").then(|| "a module exports all its functions and constants".into());
+                Fault::at(file, error.position(), format!("`{word}` is not supported in scripts")).with_hint(hint)
+            }
+            other => Fault::at(file, error.position(), other.to_string()),
+        }
+    }
+
+    /// The innermost cause of a nested error in a program, whose script is the first of `units`.
+    pub(super) fn running(engine: &Engine, units: &[Unit], error: &EvalAltResult) -> Fault {
+        let unit = origin(units, error);
+        let (file, program) = (&unit.source, &unit.program);
+        let culprit = error.unwrap_inner();
+        let position = culprit.position();
+        let at = |message: String| Fault::at(file, position, message);
+        match culprit {
+            EvalAltResult::ErrorRuntime(value, _) => of_value(unit, position, value),
+            EvalAltResult::ErrorTerminated(reason, _) => at(reason.to_string()),
+            EvalAltResult::ErrorFunctionNotFound(signature, _) => at(not_taken(signature)),
+            EvalAltResult::ErrorPropertyNotFound(name, _) => {
+                let fields = Session::of_engine(engine).fields();
+                let names = fields.iter().flat_map(|fields| fields.names.iter().copied());
+                let hint = closest(name, names).map(|name| format!("did you mean `{name}`?"));
+                at(format!("there is no property `{name}`")).with_hint(hint)
+            }
+            EvalAltResult::ErrorDotExpr(..) => match places::property_at(program, position) {
+                Some(name) if is_function(engine, &name) => {
+                    at(format!("`{name}` is a function and has no brackets here"))
+                        .with_hint(Some(format!("call it as `.{name}()`")))
+                }
+                _ => at(without_position(&culprit.to_string(), position)),
+            },
+            other => at(without_position(&other.to_string(), position)),
+        }
+    }
+
+    pub(super) fn starting(file: &SourceText, error: &io::Error) -> Fault {
+        Fault::at(file, Position::NONE, format!("cannot start a thread for the script: {error}"))
+    }
+
+    pub(super) fn at(source: &SourceText, position: Position, message: String) -> Fault {
+        Fault {
+            file: source.file.clone(),
+            text: Arc::clone(&source.text),
+            line: position.line().unwrap_or(1),
+            column: position.position().unwrap_or(1),
+            message: lower_first(&message),
+            hint: None,
+            numerical: false,
+        }
+    }
+
+    pub(super) fn with_hint(self, hint: Option<String>) -> Fault {
+        Fault { hint, ..self }
+    }
+}
+
+/// Where a nested error begins: in the function that it left first, or else in the script.
+fn origin<'u>(units: &'u [Unit], error: &EvalAltResult) -> &'u Unit {
+    let mut unit = &units[0];
+    let mut error = error;
+    loop {
+        let (id, function, inner) = match error {
+            EvalAltResult::ErrorInFunctionCall(function, id, inner, _) => (id, Some(function.as_str()), inner),
+            EvalAltResult::ErrorInModule(id, inner, _) => (id, None, inner),
+            _ => return unit,
+        };
+        unit = module::find(units, Some(id), function).unwrap_or(unit);
+        error = inner;
+    }
+}
+
+fn without_position(message: &str, position: Position) -> String {
+    let suffix = format!(" ({position})");
+    message.strip_suffix(&suffix).unwrap_or(message).to_owned()
+}
+
+/// Messages of the interpreter begin with a capital letter.
+fn lower_first(message: &str) -> String {
+    let mut letters = message.chars();
+    let first = letters.next().map(|c| c.to_lowercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}
+
+/// Words of the language that scripts are not offered.
+const UNSUPPORTED: [&str; 3] = ["export", "eval", "curry"];
+
+/// The fault of a thrown value: at the key of a map where it names one.
+fn of_value(unit: &Unit, position: Position, value: &Dynamic) -> Fault {
+    let (file, program) = (&unit.source, &unit.program);
+    let numerical = value.is::<NumericalFailure>();
+    match value.read_lock::<KeyMistake>() {
+        Some(mistake) => {
+            let place = places::place_of_key(program, &mistake.key, position).unwrap_or(position);
+            Fault::at(file, place, mistake.message.to_string()).with_hint(mistake.hint.clone())
+        }
+        None => Fault { numerical, ..Fault::at(file, position, thrown(value)) },
+    }
+}
+
+fn is_function(engine: &Engine, name: &str) -> bool {
+    let found = |function: FuncInfo<'_>| (function.metadata.name == name).then_some(());
+    !engine.collect_fn_metadata(None, found, true).is_empty()
+}
+
+/// A call that no function takes, from its signature `range (i64, string)`.
+fn not_taken(signature: &str) -> String {
+    let Some((name, types)) = signature.split_once(" (") else {
+        return format!("undefined function `{signature}`");
+    };
+    let types = types.strip_suffix(')').unwrap_or(types).split(", ");
+    let words: Vec<&str> = types.filter(|name| !name.is_empty()).map(in_words).collect();
+    match words[..] {
+        [] => format!("`{name}` takes values, and has none here"),
+        _ => format!("`{name}` does not take ({})", words.join(", ")),
+    }
+}
+
+/// A type of the interpreter in words.
+fn in_words(name: &str) -> &str {
+    match name {
+        "i64" => "whole number",
+        "f64" => "number",
+        "bool" => "true or false",
+        "string" | "&str | ImmutableString | String" => "text",
+        "array" => "list",
+        "Fn" => "function",
+        "()" => "nothing",
+        other => other,
+    }
+}
+
+/// What a script catches where a simulation failed numerically: a text whose type distinguishes it from a mistake.
+#[derive(Clone, Debug)]
+struct NumericalFailure(ImmutableString);
+
+/// What a script catches where a host function refuses a key of a map.
+#[derive(Clone, Debug)]
+struct KeyMistake {
+    key: String,
+    message: ImmutableString,
+    hint: Option<String>,
+}
+
+/// The error of a host function that refuses the key `key` of a map: the script is shown there.
+pub fn refuse_key(key: &str, message: &str, hint: Option<String>) -> Box<EvalAltResult> {
+    let thrown = KeyMistake { key: key.into(), message: message.into(), hint };
+    Box::new(EvalAltResult::ErrorRuntime(Dynamic::from(thrown), Position::NONE))
+}
+
+impl KeyMistake {
+    fn text(&self) -> String {
+        let hint = self.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
+        format!("{}{hint}", self.message)
+    }
+}
+
+/// The error of a host function whose simulation failed numerically.
+pub fn numerical_failure(message: impl Display) -> Box<EvalAltResult> {
+    let thrown = NumericalFailure(message.to_string().into());
+    Box::new(EvalAltResult::ErrorRuntime(Dynamic::from(thrown), Position::NONE))
+}
+
+/// Whether the error is an uncaught numerical failure of a simulation.
+pub fn is_numerical(error: &EvalAltResult) -> bool {
+    matches!(error.unwrap_inner(), EvalAltResult::ErrorRuntime(value, _) if value.is::<NumericalFailure>())
+}
+
+/// The text of an uncaught mistake in a key of a map, which [`thrown`] gives.
+pub fn key_mistake(error: &EvalAltResult) -> Option<String> {
+    match error.unwrap_inner() {
+        EvalAltResult::ErrorRuntime(value, _) => value.read_lock::<KeyMistake>().map(|mistake| mistake.text()),
+        _ => None,
+    }
+}
+
+/// The thrown value as text.
+pub fn thrown(value: &Dynamic) -> String {
+    if let Some(mistake) = value.read_lock::<KeyMistake>() {
+        return mistake.text();
+    }
+    value.read_lock::<NumericalFailure>().map_or_else(|| value.to_string(), |failure| failure.0.to_string())
+}
+
+/// Registers the text operations on such a failure.
+pub(super) fn register(engine: &mut Engine) {
+    engine
+        .register_type_with_name::<KeyMistake>("mistake")
+        .register_fn("to_string", |mistake: &mut KeyMistake| mistake.text())
+        .register_fn("to_debug", |mistake: &mut KeyMistake| mistake.text())
+        .register_fn("+", |text: ImmutableString, mistake: KeyMistake| text + mistake.text())
+        .register_fn("+", |mistake: KeyMistake, text: ImmutableString| mistake.text() + text.as_str())
+        .register_fn("contains", |mistake: &mut KeyMistake, text: &str| mistake.text().contains(text))
+        .register_type_with_name::<NumericalFailure>("numerical failure")
+        .register_fn("to_string", |failure: &mut NumericalFailure| failure.0.clone())
+        .register_fn("to_debug", |failure: &mut NumericalFailure| failure.0.clone())
+        .register_fn("+", |text: ImmutableString, failure: NumericalFailure| text + failure.0)
+        .register_fn("+", |failure: NumericalFailure, text: ImmutableString| failure.0 + text)
+        .register_fn("contains", |wrong: &mut NumericalFailure, text: &str| wrong.0.contains(text));
+}
+
+/// The result of a host function.
+pub type HostResult<T> = Result<T, Box<EvalAltResult>>;
+
+/// The error of a host function; the engine adds the position of the call.
+pub fn refuse(message: impl Display) -> Box<EvalAltResult> {
+    message.to_string().into()
+}

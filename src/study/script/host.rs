@@ -1,0 +1,357 @@
+//! The interpreter with its limits, within which untrusted scripts are safe to run.
+
+use std::collections::BTreeMap;
+use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rhai::packages::{
+    ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage, BasicMapPackage, BasicMathPackage,
+    BasicStringPackage, LogicPackage, MoreStringPackage, Package,
+};
+use rhai::{
+    AST, Caches, Dynamic, Engine, ImmutableString, Locked, OptimizationLevel, Scope, Shared, Token, TokenizeState,
+};
+use thiserror::Error;
+
+use super::module::{self, Finder, Import, LONGEST_SCRIPT, Resolver, SourceText, Unit};
+use super::{Fault, Session, calls, fields, places};
+use base::cancellation::Cancellation;
+use base::file::{self, FileError};
+
+/// Stack of a thread that interprets scripts, bytes; the system commits only the used part.
+pub const STACK: usize = 256 << 20;
+
+/// Limits of a script.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Steps of the interpreter; bounds memory too, since every step stores at most one value.
+    pub operations: u64,
+    /// Wall time, host functions included.
+    pub time: Duration,
+}
+
+impl Limits {
+    /// For a post script, which reads one finished run.
+    pub const POST: Limits = Limits { operations: 1_000_000, time: Duration::from_secs(60) };
+    /// For a script that simulates; its host functions may take hours.
+    pub const STUDY: Limits = Limits { operations: 2_000_000, time: Duration::from_secs(7 * 24 * 3600) };
+}
+
+/// Why a script cannot be read or compiled.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Open {
+        /// File of the script.
+        path: PathBuf,
+        /// Why it cannot be read.
+        source: FileError,
+    },
+    /// The script is too long.
+    #[error("{} is longer than {LONGEST_SCRIPT} bytes", path.display())]
+    TooLong {
+        /// File of the script.
+        path: PathBuf,
+    },
+    /// It does not compile, or calls undefined functions.
+    #[error("{}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("; "))]
+    Faults(Vec<Fault>),
+}
+
+/// An interpreter with the basic packages within `limits`: no `eval`, no modules in files, no files, no clock, no sleep.
+pub fn engine(limits: Limits) -> Engine {
+    let mut engine = Engine::new_raw();
+    register_packages(&mut engine);
+    free_reserved_words(&mut engine);
+    engine
+        .disable_symbol("eval")
+        // Curried arguments do not count towards the limits of data and could double with every step.
+        .disable_symbol("curry")
+        .disable_symbol("export")
+        .set_strict_variables(true)
+        // Constant folding would turn a missing key of a constant map into ().
+        .set_optimization_level(OptimizationLevel::None)
+        .set_fail_on_invalid_map_property(true)
+        // A script imports fewer; each text that imports a module counts.
+        .set_max_modules(1000)
+        .set_max_operations(limits.operations)
+        .set_max_call_levels(48)
+        .set_max_expr_depths(64, 32)
+        .set_max_variables(1000)
+        .set_max_functions(500)
+        .set_max_string_size(100_000)
+        .set_max_array_size(10_000)
+        .set_max_map_size(10_000);
+    let session = Session::default();
+    engine.set_module_resolver(Resolver(session.programs().clone()));
+    engine.set_default_tag(session);
+    stop_after(&mut engine, limits.time, &Cancellation::default());
+    super::fault::register(&mut engine);
+    engine
+}
+
+/// Ends what `engine` runs when `time` has passed from now on, or once `cancellation` says so.
+pub fn stop_after(engine: &mut Engine, time: Duration, cancellation: &Cancellation) {
+    let (start, cancellation) = (Instant::now(), cancellation.clone());
+    engine.on_progress(move |operations| {
+        if cancellation.is_cancelled() {
+            return Some("stopped".into());
+        }
+        let late = operations % 256 == 0 && start.elapsed() > time;
+        late.then(|| format!("the script took longer than {} s", time.as_secs()).into())
+    });
+}
+
+/// Frees `with`, which the language reserves, for `scenario.with(…)`.
+fn free_reserved_words(engine: &mut Engine) {
+    let free = |token, _, _: &TokenizeState| match token {
+        Token::Reserved(word) if *word == "with" => Token::Identifier(word),
+        other => other,
+    };
+    // Deprecated only because it may change; the tests cover it.
+    #[allow(deprecated)]
+    engine.on_parse_token(free);
+}
+
+/// `LanguageCore` is left out for its `sleep`, `BasicTime` for its clock.
+fn register_packages(engine: &mut Engine) {
+    ArithmeticPackage::new().register_into_engine(engine);
+    LogicPackage::new().register_into_engine(engine);
+    BasicStringPackage::new().register_into_engine(engine);
+    BasicIteratorPackage::new().register_into_engine(engine);
+    BasicFnPackage::new().register_into_engine(engine);
+    BasicMathPackage::new().register_into_engine(engine);
+    BasicArrayPackage::new().register_into_engine(engine);
+    BasicMapPackage::new().register_into_engine(engine);
+    MoreStringPackage::new().register_into_engine(engine);
+}
+
+/// A script that was read and compiled, with the modules that it imports.
+#[derive(Clone, Debug)]
+pub struct Script {
+    /// The script, then each module.
+    units: Vec<Unit>,
+}
+
+impl Script {
+    /// Reads and compiles the script at `path`, which may use the constants in `scope`.
+    ///
+    /// # Errors
+    /// The file cannot be read, is too long, or does not compile.
+    pub fn read(engine: &Engine, scope: &Scope, path: &Path) -> Result<Script, ReadError> {
+        let text = file::read_text(path, LONGEST_SCRIPT).map_err(|error| match error {
+            FileError::TooLarge { .. } => ReadError::TooLong { path: path.into() },
+            source => ReadError::Open { path: path.into(), source },
+        })?;
+        Script::compile(engine, scope, path, &text).map_err(ReadError::Faults)
+    }
+
+    /// Compiles `text`; faults name `path` as its file, and its modules are found beside that.
+    ///
+    /// # Errors
+    /// The first syntax error of the script and of each module and what makes modules unusable, or else every call of an
+    /// undefined function and every access to an unknown field.
+    pub fn compile(engine: &Engine, scope: &Scope, path: &Path, text: &str) -> Result<Script, Vec<Fault>> {
+        let source = SourceText::new(path, text);
+        let compiled = engine.compile_with_scope(scope, text);
+        let program = compiled.map_err(|error| vec![Fault::parsing(&source, &error)])?;
+        Script::link(engine, path.into(), source, program)
+    }
+
+    /// The script `program` with the modules that are found beside the file `place`.
+    ///
+    /// # Errors
+    /// As of [`Script::compile`], but for the syntax of the script.
+    pub(super) fn link(
+        engine: &Engine,
+        place: PathBuf,
+        source: SourceText,
+        program: AST,
+    ) -> Result<Script, Vec<Fault>> {
+        let session = Session::of_engine(engine);
+        let (shipped, reads_files) = session.modules();
+        let finder = Finder { script: place, shipped, reads_files };
+        let units = module::load(engine, &finder, source, program)?;
+        let mut faults = calls::undefined(engine, &units);
+        faults.extend(fields::unknown(&session.fields(), &units));
+        if faults.is_empty() { Ok(Script { units }) } else { Err(faults) }
+    }
+
+    /// Its text, then those of its modules.
+    pub fn sources(&self) -> impl Iterator<Item = &SourceText> {
+        self.units.iter().map(|unit| &unit.source)
+    }
+
+    /// Its imports, in the order of its text.
+    pub(super) fn imports(&self) -> &[Import] {
+        &self.units[0].imports
+    }
+
+    /// Its functions.
+    pub(super) fn functions(&self) -> AST {
+        self.units[0].program.clone_functions_only()
+    }
+
+    /// What identifies the script: its text and those of its modules.
+    pub fn whole_text(&self) -> String {
+        let module = |(name, source): (&str, &SourceText)| format!("\n// module {name}\n{}", source.text);
+        std::iter::once(self.text().to_owned()).chain(self.modules().map(module)).collect()
+    }
+
+    /// The source text.
+    pub fn text(&self) -> &str {
+        &self.units[0].source.text
+    }
+
+    /// The modules by their names, each with its text, in the order in which they are imported.
+    pub fn modules(&self) -> impl Iterator<Item = (&str, &SourceText)> {
+        self.units[1..].iter().map(|unit| (unit.name.as_str(), &unit.source))
+    }
+
+    /// Whether the script may read `args.<name>`: it or a module reads a property of that name, has the name as a text, or
+    /// reads all arguments.
+    pub fn mentions_argument(&self, name: &str) -> bool {
+        self.units.iter().any(|unit| places::mentions(&unit.program, name))
+    }
+
+    /// Whether the script or a module reads `args.numbers("<name>", …)` or `args.text("<name>", …)`.
+    pub fn reads_list_or_text(&self, name: &str) -> bool {
+        self.units.iter().any(|unit| places::reads_with(&unit.program, &["numbers", "text"], name))
+    }
+
+    /// Runs the script with the constants in `scope` and drops its variables and last value.
+    ///
+    /// # Errors
+    /// The script throws, exceeds a limit, or a host function fails.
+    pub fn run(&self, engine: &Engine, mut scope: Scope<'static>) -> Result<(), Fault> {
+        // Nested values take as deep a stack to be dropped.
+        self.on_stack(move || self.value(engine, &mut scope).map(drop))
+    }
+
+    /// Runs the script with the variables in `scope`, to which it adds its own; its last value. Whoever drops them needs a
+    /// [`STACK`] for nested ones.
+    ///
+    /// # Errors
+    /// As of [`Script::run`].
+    pub fn evaluate(&self, engine: &Engine, scope: &mut Scope<'static>) -> Result<Dynamic, Fault> {
+        self.on_stack(|| self.value(engine, scope))
+    }
+
+    /// As [`Script::evaluate`], after scripts whose `constants` its functions see as `global::…`.
+    pub(super) fn evaluate_after(
+        &self,
+        engine: &Engine,
+        scope: &mut Scope<'static>,
+        constants: BTreeMap<ImmutableString, Dynamic>,
+    ) -> Result<Dynamic, Fault> {
+        self.on_stack(|| {
+            Session::of_engine(engine).programs().install(&self.units);
+            let program = &self.units[0].program;
+            let mut global = engine.new_global_runtime_state();
+            global.source = program.source().map(Into::into);
+            global.lib.push(program.shared_lib().clone());
+            global.constants = Some(Shared::new(Locked::new(constants)));
+            // Deprecated only because it may change; the tests of the console cover it.
+            #[allow(deprecated)]
+            let result = engine.eval_statements_raw(&mut global, &mut Caches::new(), scope, program.statements());
+            result.map_err(|error| Fault::running(engine, &self.units, &error))
+        })
+    }
+
+    fn value(&self, engine: &Engine, scope: &mut Scope<'static>) -> Result<Dynamic, Fault> {
+        Session::of_engine(engine).programs().install(&self.units);
+        let result = engine.eval_ast_with_scope(scope, &self.units[0].program);
+        result.map_err(|error| Fault::running(engine, &self.units, &error))
+    }
+
+    /// The interpreter recurses into nested values, so its stack is large enough for the deepest nesting within the
+    /// limits.
+    fn on_stack<T: Send>(&self, work: impl FnOnce() -> Result<T, Fault> + Send) -> Result<T, Fault> {
+        thread::scope(|threads| {
+            let interpreter = thread::Builder::new().name("script".into());
+            let interpreter = interpreter.stack_size(STACK).spawn_scoped(threads, work);
+            let interpreter = interpreter.map_err(|error| Fault::starting(&self.units[0].source, &error))?;
+            interpreter.join().unwrap_or_else(|panic| resume_unwind(panic))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    fn run(text: &str) -> Result<(), Fault> {
+        let (engine, scope) = (engine(Limits { operations: 30_000, ..Limits::STUDY }), Scope::new());
+        let script = Script::compile(&engine, &scope, Path::new("s.rhai"), text);
+        script.map_err(|mut faults| faults.remove(0))?.run(&engine, scope)
+    }
+
+    #[test]
+    fn faults_name_file_line_and_column() {
+        for (text, expected) in [
+            ("let a = 1;\nlet b = a +;", "s.rhai:2:12: "),
+            ("let a = 1;\n  nosuch + 1", "s.rhai:2:3: undefined variable: nosuch"),
+            ("fn f(x) {\n x.sqrt(2)\n}\nf(1)", "s.rhai:2:4: `sqrt` does not take (whole number, whole number)"),
+            ("let a = [1];\na[7]", "s.rhai:2:3: array index 7 out of bounds"),
+            ("throw \"enough\"", "s.rhai:1:1: enough"),
+            ("let m = #{};\nm.nosuch", "s.rhai:2:3: "),
+        ] {
+            let fault = run(text).unwrap_err().to_string();
+            assert!(fault.starts_with(expected), "{text:?} gave: {fault}");
+        }
+    }
+
+    #[test]
+    fn hostile_scripts_are_stopped() {
+        for text in [
+            "loop {}",
+            "fn f() { f() } f()",
+            "let s = \"x\"; loop { s += s; }",
+            "let a = [1]; loop { a += a; }",
+            "let m = #{}; let i = 0; loop { m[\"k\" + i] = i; i += 1; }",
+            "eval(\"1\")",
+            "import \"os\" as os;",
+            "sleep(1)",
+            "timestamp()",
+            "let a = []; loop { a = [a]; }",
+            "let m = #{}; loop { m = #{ m: m, a: [m] }; }",
+            "let f = Fn(\"f\"); loop { f = f.curry(f); }",
+            "let f = Fn(\"f\"); loop { f = curry(f, f); }",
+            "let f = || 1; loop { let g = f; f = || g.call(); }",
+            "fn f(x) { x.map(|y| f([y])) } f([1])",
+        ] {
+            assert!(run(text).is_err(), "{text:?} was not stopped");
+        }
+    }
+
+    #[test]
+    fn closures_capture_variables() {
+        run("let k = 2; let f = |x| x * k; if f.call(3) != 6 { throw f.call(3) }").unwrap();
+    }
+
+    #[test]
+    fn a_script_is_stopped_at_its_time_limit() {
+        let (engine, scope) = (engine(Limits { operations: 0, time: Duration::from_millis(30) }), Scope::new());
+        let script = Script::compile(&engine, &scope, Path::new("s.rhai"), "loop {}").unwrap();
+        let fault = script.run(&engine, scope).unwrap_err();
+        assert_eq!(fault.message, "the script took longer than 0 s");
+    }
+
+    #[test]
+    fn what_can_be_cancelled_keeps_its_time_limit() {
+        for (time, is_cancelled, expected) in
+            [(30, false, "the script took longer than 0 s"), (3_600_000, true, "stopped")]
+        {
+            let (mut engine, cancellation) =
+                (engine(Limits { operations: 0, ..Limits::STUDY }), Cancellation::default());
+            stop_after(&mut engine, Duration::from_millis(time), &cancellation);
+            if is_cancelled {
+                cancellation.cancel();
+            }
+            let script = Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), "loop {}").unwrap();
+            assert_eq!(script.run(&engine, Scope::new()).unwrap_err().message, expected);
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! The host of Rhai scripts: limits, calls, faults, values, and the output of a script.
+//!
+//! It offers scripts nothing by itself. A module that does registers its functions into the engine and describes them
+//! as [`Entry`] lines, whose examples the tests run: `functions`, `post` and `identify`.
+
+mod about;
+mod arguments;
+mod calls;
+mod compared;
+mod console;
+mod convergence;
+mod fault;
+mod fields;
+mod files;
+mod host;
+mod module;
+mod options;
+mod output;
+mod places;
+mod plots;
+mod profile;
+mod reference;
+mod session;
+mod value;
+mod warning;
+
+pub use about::{About, Declared, Kind, argument_value};
+pub use arguments::Arguments;
+pub use compared::{Compared, Over, Target};
+pub use console::Console;
+pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
+pub use fault::{Fault, HostResult, is_numerical, key_mistake, numerical_failure, refuse, refuse_key, thrown};
+pub(crate) use files::MOST_BYTES;
+pub use files::{File, FileError, Files};
+pub use host::stop_after;
+pub use host::{Limits, ReadError, STACK, Script, engine};
+pub use module::LONGEST_SCRIPT;
+pub use module::{SHIPPED, ShippedModule, SourceText};
+pub use options::Options;
+pub use output::{Message, OutputCollector, OutputError, Row, ScriptOutput};
+pub use plots::PlotError;
+pub use profile::{Line, LineUse, Profile};
+pub use reference::{Chapter, Entry};
+pub use session::{Fields, Session, Trial, fingerprint};
+pub use value::{from_json, number, to_json, window};
+pub use warning::{CODES, Warning};

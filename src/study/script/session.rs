@@ -1,0 +1,262 @@
+//! The state that host functions share while one script runs: the files that it read, and the trial they are called in.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rhai::{Dynamic, Engine, NativeCallContext};
+
+use super::module::{Programs, ShippedModule};
+use super::{Compared, OutputCollector};
+use base::cancellation::Cancellation;
+use base::file::{Digest, FileError};
+use base::finding::Finding;
+
+/// Most comparisons of one trial that are stored for plots.
+const MOST_COMPARED: usize = 12;
+
+/// The fields of the maps that host values have under one name.
+#[derive(Clone, Copy, Debug)]
+pub struct Fields {
+    /// The name of the map, as in `run.<map>.<field>`.
+    pub map: &'static str,
+    /// The names of its fields.
+    pub names: &'static [&'static str],
+}
+
+/// State that host functions share while a script runs; each engine has one, as its tag. Cheap to clone.
+#[derive(Clone, Default)]
+pub struct Session {
+    inputs: Arc<Mutex<BTreeMap<PathBuf, String>>>,
+    recordings: Arc<Mutex<BTreeMap<PathBuf, bool>>>,
+    trial: Option<Arc<Mutex<Trial>>>,
+    cancellation: Cancellation,
+    fields: Arc<Mutex<Vec<Fields>>>,
+    output: Arc<Mutex<Option<OutputCollector>>>,
+    modules: Arc<Mutex<(Vec<ShippedModule>, bool)>>,
+    programs: Programs,
+}
+
+impl fmt::Debug for Session {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Session").field("inputs", &self.inputs).field("trial", &self.trial).finish_non_exhaustive()
+    }
+}
+
+/// What host functions record during one evaluation of an objective.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trial {
+    /// Scenarios whose film ruptured, each with the time.
+    pub ruptures: Vec<String>,
+    /// Causes of simulations that failed numerically.
+    pub failures: Vec<String>,
+    /// What was compared with references, for plots.
+    pub compared: Vec<Compared>,
+}
+
+impl Session {
+    /// The session of the script that calls a host function.
+    pub fn of(context: &NativeCallContext) -> Session {
+        context.tag().and_then(Session::in_tag).unwrap_or_default()
+    }
+
+    /// The session of the scripts that `engine` runs.
+    pub fn of_engine(engine: &Engine) -> Session {
+        Session::in_tag(engine.default_tag()).unwrap_or_default()
+    }
+
+    fn in_tag(tag: &Dynamic) -> Option<Session> {
+        tag.read_lock::<Session>().map(|session| session.clone())
+    }
+
+    /// Findings of the host are reported in the output of `collector` from now on.
+    pub fn report_to(&self, collector: &OutputCollector) {
+        *lock(&self.output) = Some(collector.clone());
+    }
+
+    /// Reports findings of a scenario that the script reads or changes, each kind once of a key. Those of the trials of
+    /// a search are left out: their number and order depend on the threads.
+    pub fn report(&self, findings: impl IntoIterator<Item = Finding>) {
+        let output = lock(&self.output).clone();
+        if let Some(output) = output.filter(|_| !self.is_trial()) {
+            findings.into_iter().for_each(|finding| output.report_once(finding));
+        }
+    }
+
+    /// Declares the fields of maps of the host, which scripts are checked against before they run.
+    pub fn declare(&self, fields: Fields) {
+        lock(&self.fields).push(fields);
+    }
+
+    /// The declared fields.
+    pub fn fields(&self) -> Vec<Fields> {
+        lock(&self.fields).clone()
+    }
+
+    /// Offers these modules to scripts.
+    pub fn ship(&self, modules: &'static [ShippedModule]) {
+        lock(&self.modules).0.extend(modules);
+    }
+
+    /// Lets scripts import modules in files of their folder.
+    pub fn read_modules(&self) {
+        lock(&self.modules).1 = true;
+    }
+
+    /// The modules that are shipped, and whether those in files are read.
+    pub(super) fn modules(&self) -> (Vec<ShippedModule>, bool) {
+        lock(&self.modules).clone()
+    }
+
+    /// What the engine runs.
+    pub(super) fn programs(&self) -> &Programs {
+        &self.programs
+    }
+
+    /// The same session for scripts that `cancellation` stops.
+    pub fn with_cancellation(&self, cancellation: &Cancellation) -> Session {
+        Session { cancellation: cancellation.clone(), ..self.clone() }
+    }
+
+    /// The same session within an evaluation of an objective, which may be cancelled.
+    pub fn with_trial(&self, cancellation: &Cancellation) -> Session {
+        Session { trial: Some(Arc::default()), cancellation: cancellation.clone(), ..self.clone() }
+    }
+
+    /// Cancels the simulations of an evaluation whose result is no longer needed.
+    pub fn cancellation(&self) -> &Cancellation {
+        &self.cancellation
+    }
+
+    /// Whether an objective is being evaluated.
+    pub fn is_trial(&self) -> bool {
+        self.trial.is_some()
+    }
+
+    /// What was recorded of the evaluation so far.
+    pub fn trial(&self) -> Trial {
+        self.trial.as_ref().map(|trial| lock(trial).clone()).unwrap_or_default()
+    }
+
+    /// Records that the film of `scenario` ruptured at `time` (s).
+    pub fn add_rupture(&self, scenario: &str, time: f64) {
+        self.update_trial(|trial| trial.ruptures.push(format!("{scenario}: the film broke at {:.1} ms", 1e3 * time)));
+    }
+
+    /// Records that a simulation failed numerically.
+    pub fn add_failure(&self, cause: &str) {
+        self.update_trial(|trial| trial.failures.push(cause.into()));
+    }
+
+    /// Records a comparison with a reference.
+    pub(crate) fn add_comparison(&self, compared: impl FnOnce() -> Compared) {
+        self.update_trial(|trial| {
+            if trial.compared.len() < MOST_COMPARED {
+                trial.compared.push(compared());
+            }
+        });
+    }
+
+    fn update_trial(&self, update: impl FnOnce(&mut Trial)) {
+        if let Some(trial) = &self.trial {
+            update(&mut lock(trial));
+        }
+    }
+
+    /// Records that the script read the file at `path`, with its fingerprint at the first read.
+    pub fn add_input(&self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
+        lock(&self.inputs).entry(path).or_insert_with_key(|path| fingerprint(path));
+    }
+
+    /// Records the files of a recording: an ISO-MME test has its channels in a folder beside it.
+    pub fn add_recording_files(&self, path: &Path) {
+        self.add_input(path);
+        for entry in fs::read_dir(path.with_file_name("Channel")).into_iter().flatten().flatten() {
+            self.add_input(&entry.path());
+        }
+    }
+
+    /// Records whether the recording at `path` is virtual.
+    pub fn add_recording(&self, path: &Path, is_virtual: bool) {
+        lock(&self.recordings).insert(path.into(), is_virtual);
+    }
+
+    /// Virtual recordings that were read so far.
+    pub fn virtual_recordings(&self) -> Vec<PathBuf> {
+        let recordings = lock(&self.recordings);
+        recordings.iter().filter(|(_, is_virtual)| **is_virtual).map(|(path, _)| path.clone()).collect()
+    }
+
+    /// Whether recordings were read so far and all of them are virtual.
+    pub fn is_all_virtual(&self) -> bool {
+        let recordings = lock(&self.recordings);
+        !recordings.is_empty() && recordings.values().all(|is_virtual| *is_virtual)
+    }
+
+    /// The files that were read so far, each with its fingerprint.
+    pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
+        lock(&self.inputs).clone()
+    }
+}
+
+impl From<Session> for Dynamic {
+    fn from(session: Session) -> Dynamic {
+        Dynamic::from(session)
+    }
+}
+
+/// Length and checksum of the file at `path`, or that it cannot be read; devices and pipes are not read.
+pub fn fingerprint(path: &Path) -> String {
+    match Digest::of_file(path) {
+        Ok(digest) => digest.to_string(),
+        Err(FileError::NotAFile) => "not a file".into(),
+        Err(error) => format!("unreadable: {error}"),
+    }
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::script::{Limits, engine};
+
+    #[test]
+    fn the_fingerprint_of_a_file_is_that_of_its_first_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        fs::write(&path, "1").unwrap();
+        let session = Session::default();
+        session.add_input(&path);
+        fs::write(&path, "2").unwrap();
+        session.clone().add_input(&path);
+        let inputs = session.inputs();
+        assert_eq!(inputs.len(), 1);
+        assert_ne!(inputs[&path], fingerprint(&path));
+    }
+
+    #[test]
+    fn virtual_and_measured_recordings_are_distinguished() {
+        let session = Session::default();
+        assert!(!session.is_all_virtual());
+        session.with_trial(&Cancellation::default()).add_recording(Path::new("b.csv"), true);
+        assert!(session.is_all_virtual());
+        session.add_recording(Path::new("a.csv"), false);
+        assert!(!session.is_all_virtual());
+        assert_eq!(session.virtual_recordings(), [PathBuf::from("b.csv")]);
+    }
+
+    #[test]
+    fn host_functions_find_the_session_of_their_engine() {
+        let mut engine = engine(Limits::POST);
+        engine.register_fn("trial", |context: NativeCallContext| Session::of(&context).is_trial());
+        assert!(!engine.eval::<bool>("trial()").unwrap());
+        engine.set_default_tag(Session::default().with_trial(&Cancellation::default()));
+        assert!(engine.eval::<bool>("[1].map(|x| trial())[0]").unwrap());
+    }
+}

@@ -1,0 +1,258 @@
+//! What results were made from: those of another scenario or script are replaced only where that was asked for.
+//!
+//! A folder names its scenario and script by their paths from itself, so that a project which is moved or copied as a
+//! whole still owns its results, and equal names in two projects do not. Results that were moved without their scenario
+//! are those of another.
+
+use std::fmt;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use serde_json::Value;
+
+use super::{StoreError, is_run, run_files};
+use base::diagnostic::{folder_of, shown_path, tidy_path};
+use base::file;
+
+/// Begins the line of a stored scenario that names the file it was read from.
+const SCENARIO_LINE: &str = "# scenario: ";
+
+/// The same of the results of a sweep.
+const SWEEP_LINE: &str = "# sweep of: ";
+
+/// Lines of a stored scenario among which that one is.
+const FEW_LINES: usize = 4;
+
+/// What results were made from. Paths are absolute and without links.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A run.
+    Run {
+        /// File of its scenario.
+        scenario: PathBuf,
+    },
+    /// Many runs of a scenario.
+    Sweep {
+        /// File of the scenario.
+        scenario: PathBuf,
+    },
+    /// The output of a script.
+    Study {
+        /// File of the script.
+        script: PathBuf,
+        /// File of the scenario that the script was given.
+        scenario: Option<PathBuf>,
+    },
+    /// A comparison of runs.
+    Comparison,
+    /// Verdicts of tests.
+    Tests,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Origin::Run { scenario } => write!(f, "the run of {}", shown_path(scenario)),
+            Origin::Sweep { scenario } => write!(f, "the sweep of {}", shown_path(scenario)),
+            Origin::Study { script, scenario: None } => write!(f, "the results of {}", shown_path(script)),
+            Origin::Study { script, scenario: Some(scenario) } => {
+                write!(f, "the results of {} with {}", shown_path(script), shown_path(scenario))
+            }
+            Origin::Comparison => write!(f, "a comparison of runs"),
+            Origin::Tests => write!(f, "the verdicts of tests"),
+        }
+    }
+}
+
+impl Origin {
+    /// Of a run of the scenario at `path`; that of a run folder is the scenario which was run first.
+    pub fn of_run(path: &Path) -> Origin {
+        let folder = folder_of(path);
+        let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO) && is_run(folder);
+        let first = is_stored.then(|| line_after(path, SCENARIO_LINE)).flatten();
+        Origin::Run { scenario: first.map_or_else(|| full(path), |first| full(&full(folder).join(first))) }
+    }
+
+    /// Of a sweep of the scenario at `path`; that of the folder of a sweep is the scenario which was swept first.
+    pub fn of_sweep(path: &Path) -> Origin {
+        let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO);
+        let first = is_stored.then(|| line_after(path, SWEEP_LINE)).flatten();
+        Origin::Sweep { scenario: first.map_or_else(|| full(path), |first| full(&full(folder_of(path)).join(first))) }
+    }
+
+    /// Of a script at `script` that was given the scenario at `scenario`.
+    pub fn of_script(script: &Path, scenario: Option<&Path>) -> Origin {
+        Origin::Study { script: full(script), scenario: scenario.map(full) }
+    }
+
+    /// The line that names the scenario in its stored text, by its path from the run folder `place`; empty of other
+    /// results.
+    pub fn line(&self, place: &Path) -> String {
+        match self {
+            Origin::Run { scenario } => format!("{SCENARIO_LINE}{}\n", path_from(place, scenario)),
+            Origin::Sweep { scenario } => format!("{SWEEP_LINE}{}\n", path_from(place, scenario)),
+            _ => String::new(),
+        }
+    }
+
+    /// Of the results in `folder`, which are to be read as if they were at `place`; none where they do not state it.
+    fn stored(folder: &Path, place: &Path) -> Option<Origin> {
+        let place = full(place);
+        let scenario = folder.join(run_files::SCENARIO);
+        if scenario.is_file() {
+            let named = |scenario: String| full(&place.join(scenario));
+            let run = line_after(&scenario, SCENARIO_LINE).map(|scenario| Origin::Run { scenario: named(scenario) });
+            let sweep =
+                || line_after(&scenario, SWEEP_LINE).map(|scenario| Origin::Sweep { scenario: named(scenario) });
+            return run.or_else(sweep);
+        }
+        let text = file::read(&folder.join(run_files::SUMMARY), run_files::MOST_BYTES).ok()?;
+        let summary: Value = serde_json::from_slice(&text).ok()?;
+        if summary.get("runs").is_some() && summary.get("study").is_none() {
+            return Some(Origin::Comparison);
+        }
+        if summary.get("cases").is_some() && summary.get("study").is_none() {
+            return Some(Origin::Tests);
+        }
+        let text = |name: &str| summary["study"][name].as_str();
+        // Files are named from the working folder of the call.
+        let called_in = place.join(text(run_files::STUDY_FOLDER).unwrap_or_default());
+        let file = |name: &str| text(name).map(|name| full(&called_in.join(name)));
+        file("script").map(|script| Origin::Study { script, scenario: file("scenario") })
+    }
+
+    /// Checks that `place` is free, or holds results of the same scenario or script, or some that do not state theirs.
+    pub fn check(&self, place: &Path) -> Result<(), StoreError> {
+        self.check_moved(place, place)
+    }
+
+    /// The same of the results in `folder`, which were moved there from `place`.
+    pub(super) fn check_moved(&self, folder: &Path, place: &Path) -> Result<(), StoreError> {
+        match Origin::stored(folder, place) {
+            Some(stored) if stored != *self => {
+                Err(StoreError::OfAnother { path: place.into(), stored: stored.to_string() })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The path of `file` from the folder `place`, with `/` between its parts; absolute where no such path exists.
+pub fn path_from(place: &Path, file: &Path) -> String {
+    let (place, file) = (full(place), full(file));
+    let (from, to): (Vec<Component>, Vec<Component>) = (place.components().collect(), file.components().collect());
+    let common = from.iter().zip(&to).take_while(|(one, other)| one == other).count();
+    if common == 0 {
+        return file.display().to_string();
+    }
+    let up = from[common..].iter().map(|_| "..".into());
+    let down = to[common..].iter().map(|part| part.as_os_str().to_string_lossy());
+    let parts: Vec<_> = up.chain(down).collect();
+    if parts.is_empty() { ".".into() } else { parts.join("/") }
+}
+
+/// What stands behind `start` in one of the first lines of a file.
+fn line_after(path: &Path, start: &str) -> Option<String> {
+    let text = file::read_text(path, run_files::MOST_BYTES).ok()?;
+    text.lines().take(FEW_LINES).find_map(|line| line.strip_prefix(start)).map(String::from)
+}
+
+/// The absolute path without links, as far as the folders on it exist.
+fn full(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.into());
+    let there = absolute.ancestors().find_map(|ancestor| Some((ancestor, fs::canonicalize(ancestor).ok()?)));
+    match there.and_then(|(ancestor, there)| Some(there.join(absolute.strip_prefix(ancestor).ok()?))) {
+        // Joined with an empty path, a path would end in a separator.
+        Some(path) => tidy_path(&path),
+        None => tidy_path(&absolute),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_of_another_scenario_or_script_are_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in ["a.toml", "b.toml", "a.rhai", "b.rhai"] {
+            fs::write(path(name), "").unwrap();
+        }
+        let place = path("out");
+        let study =
+            |script: &str, scenario: Option<&str>| Origin::of_script(&path(script), scenario.map(path).as_deref());
+        let summary = |origin: &Origin| match origin {
+            Origin::Study { script, scenario } => {
+                let study = serde_json::json!({ "script": script, "scenario": scenario, "folder": ".." });
+                serde_json::json!({ "study": study }).to_string()
+            }
+            _ => r#"{"runs": []}"#.into(),
+        };
+        let origins = [
+            Origin::of_run(&path("a.toml")),
+            Origin::of_run(&path("b.toml")),
+            study("a.rhai", None),
+            study("b.rhai", None),
+            study("a.rhai", Some("a.toml")),
+            study("a.rhai", Some("b.toml")),
+            Origin::Comparison,
+        ];
+        for stored in &origins {
+            let _ = fs::remove_dir_all(&place);
+            fs::create_dir(&place).unwrap();
+            assert!(stored.check(&place).is_ok(), "an empty folder");
+            match stored {
+                Origin::Run { .. } => {
+                    fs::write(place.join("scenario.toml"), format!("# droptower\n{}", stored.line(&place))).unwrap();
+                    fs::write(place.join("summary.json"), "{}").unwrap();
+                    assert_eq!(Origin::of_run(&place.join("scenario.toml")), *stored);
+                }
+                other => fs::write(place.join("summary.json"), summary(other)).unwrap(),
+            }
+            for origin in &origins {
+                assert_eq!(origin.check(&place).is_ok(), origin == stored, "{origin} over {stored}");
+            }
+        }
+        fs::write(place.join("summary.json"), "{}").unwrap();
+        assert!(origins[0].check(&place).is_ok(), "results that do not state what they were made from");
+    }
+
+    #[test]
+    fn a_project_owns_its_results_wherever_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let store = |place: &Path, origin: &Origin| {
+            fs::create_dir_all(place).unwrap();
+            fs::write(place.join("scenario.toml"), format!("# droptower\n{}", origin.line(place))).unwrap();
+        };
+        for project in ["one", "other"] {
+            fs::create_dir(path(project)).unwrap();
+            fs::write(path(project).join("film.toml"), "").unwrap();
+        }
+        let origin = |project: &str| Origin::of_run(&path(project).join("film.toml"));
+        let (shared, own) = (path("shared"), path("one/runs/film"));
+        for place in [&shared, &own] {
+            store(place, &origin("one"));
+            assert!(origin("one").check(place).is_ok());
+            assert!(origin("other").check(place).is_err(), "the same name in another project");
+        }
+        fs::rename(path("one"), path("moved")).unwrap();
+        assert!(origin("moved").check(&path("moved/runs/film")).is_ok(), "moved as a whole");
+        assert!(origin("moved").check(&shared).is_err(), "moved without its results");
+    }
+
+    #[test]
+    fn paths_lead_from_a_folder_to_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for (place, file, expected) in [
+            ("runs/drop/1008", "scenarios/1008.toml", "../../../scenarios/1008.toml"),
+            ("runs", "runs/a.toml", "a.toml"),
+            ("runs/1008", "", "../.."),
+            ("runs", "runs", "."),
+        ] {
+            assert_eq!(path_from(&path(place), &path(file)), expected, "{file} from {place}");
+        }
+    }
+}

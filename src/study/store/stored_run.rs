@@ -1,0 +1,217 @@
+//! A run read from its folder, or a recording from its file.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value};
+use thiserror::Error;
+
+use super::run_files::{self, MOST_BYTES};
+use base::file::{self, FileError};
+use lab::signal::file::ReadOptions;
+use lab::signal::{self, Recording};
+
+/// The stored results of a run; those without a file are empty.
+#[derive(Clone, Debug, Default)]
+pub struct StoredRun {
+    /// Folder or file, as it was given.
+    pub place: PathBuf,
+    /// The channels of `signals.csv`, or of the recording.
+    pub signals: Recording,
+    /// `summary.json`; empty of a recording and of a run that failed before it could be measured.
+    pub summary: Map<String, Value>,
+    /// The resolved scenario; empty of a recording.
+    pub scenario: String,
+    /// Why the run failed; `None` of a complete one.
+    pub failure: Option<String>,
+    /// Whether it is a recording that its file marks as virtual.
+    pub is_virtual: bool,
+}
+
+/// Why a stored run cannot be read.
+#[derive(Debug, Error)]
+pub enum StoredRunError {
+    /// The path names nothing.
+    #[error("there is no {}", path.display())]
+    Missing {
+        /// Path, as it is given.
+        path: PathBuf,
+    },
+    /// The folder has no signals.
+    #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
+    NotARun {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file of the run folder cannot be read.
+    #[error("{}: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why it cannot be read.
+        source: FileError,
+    },
+    /// The resolved scenario is not TOML.
+    #[error("{}: {source}", path.display())]
+    Scenario {
+        /// File of the resolved scenario.
+        path: PathBuf,
+        /// The first syntax error.
+        source: Box<toml::de::Error>,
+    },
+    /// The summary is not JSON.
+    #[error("{}: {source}", path.display())]
+    Summary {
+        /// File of the summary.
+        path: PathBuf,
+        /// The first syntax error.
+        source: serde_json::Error,
+    },
+    /// The summary is JSON of another kind.
+    #[error("{} holds no figures: expected an object of names and values", path.display())]
+    NoFigures {
+        /// File of the summary.
+        path: PathBuf,
+    },
+    /// The signals cannot be read.
+    #[error(transparent)]
+    Signals(#[from] signal::file::ReadError),
+    /// The run failed before its first sample.
+    #[error("{} has no samples: the run failed before the first: {cause}", path.display())]
+    NoSamples {
+        /// The run folder.
+        path: PathBuf,
+        /// Why the run failed.
+        cause: String,
+    },
+    /// The recording has several time axes.
+    #[error("{}: its channels do not share one time axis", path.display())]
+    NoCommonTime {
+        /// The table of signals, or the recording.
+        path: PathBuf,
+    },
+}
+
+impl StoredRun {
+    /// Reads the run folder, or the file of signals, at `place`.
+    ///
+    /// # Errors
+    /// It is neither, or damaged.
+    pub fn read(place: &Path) -> Result<StoredRun, StoredRunError> {
+        if !place.exists() {
+            return Err(StoredRunError::Missing { path: place.into() });
+        }
+        let table = place.join(run_files::SIGNALS);
+        if place.is_dir() && table.is_file() {
+            return StoredRun::of_folder(place, &table);
+        }
+        // A folder may be a recording in ISO-MME.
+        let is_test = || fs::read_dir(place).into_iter().flatten().flatten().any(|entry| is_mme(&entry.path()));
+        if place.is_dir() && !is_test() {
+            return Err(StoredRunError::NotARun { path: place.into() });
+        }
+        let (signals, is_virtual) = signals(place)?;
+        Ok(StoredRun { place: place.into(), signals, is_virtual, ..StoredRun::default() })
+    }
+
+    fn of_folder(place: &Path, table: &Path) -> Result<StoredRun, StoredRunError> {
+        let failure = text(&place.join(run_files::FAILURE))?.map(|cause| cause.trim().to_owned());
+        let (signals, is_virtual) = signals(table).map_err(|error| match (error, &failure) {
+            (StoredRunError::Signals(error), Some(cause)) if error.lacks_samples() => {
+                StoredRunError::NoSamples { path: place.into(), cause: cause.clone() }
+            }
+            (error, _) => error,
+        })?;
+        Ok(StoredRun {
+            place: place.into(),
+            signals,
+            summary: summary(&place.join(run_files::SUMMARY))?,
+            scenario: scenario(&place.join(run_files::SCENARIO))?,
+            failure,
+            is_virtual,
+        })
+    }
+}
+
+fn is_mme(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mme"))
+}
+
+fn signals(path: &Path) -> Result<(Recording, bool), StoredRunError> {
+    let measurement = signal::file::read(path, &ReadOptions::default())?;
+    let recording = measurement.recording().ok_or_else(|| StoredRunError::NoCommonTime { path: path.into() })?;
+    Ok((recording, measurement.annotations.is_virtual()))
+}
+
+/// The text of a file; `None` where there is no such file.
+fn text(path: &Path) -> Result<Option<String>, StoredRunError> {
+    match file::read_text(path, MOST_BYTES) {
+        Ok(text) => Ok(Some(text)),
+        Err(FileError::NotFound) => Ok(None),
+        Err(source) => Err(StoredRunError::Unreadable { path: path.into(), source }),
+    }
+}
+
+fn scenario(path: &Path) -> Result<String, StoredRunError> {
+    let scenario = text(path)?.unwrap_or_default();
+    match scenario.parse::<toml::Table>() {
+        Ok(_) => Ok(scenario),
+        Err(source) => Err(StoredRunError::Scenario { path: path.into(), source: source.into() }),
+    }
+}
+
+fn summary(path: &Path) -> Result<Map<String, Value>, StoredRunError> {
+    let Some(text) = text(path)? else { return Ok(Map::new()) };
+    match serde_json::from_str(&text) {
+        Ok(Value::Object(summary)) => Ok(summary),
+        Ok(_) => Err(StoredRunError::NoFigures { path: path.into() }),
+        Err(source) => Err(StoredRunError::Summary { path: path.into(), source }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_with_signals_is_a_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path();
+        let refusal = |place: &Path| StoredRun::read(place).unwrap_err().to_string();
+        assert!(refusal(&place.join("nowhere")).starts_with("there is no "));
+        assert!(refusal(place).ends_with("it has no signals.csv"));
+        fs::write(place.join("signals.csv"), "time_s,force_N\n0,1\n1,2\n").unwrap();
+        let run = StoredRun::read(place).unwrap();
+        assert_eq!(run.signals.channel("force_N"), Some([1.0, 2.0].as_slice()));
+        assert!(run.summary.is_empty() && run.failure.is_none());
+        fs::write(place.join("summary.json"), "{\"peak\": 1").unwrap();
+        assert!(refusal(place).contains("summary.json: EOF while parsing"), "{}", refusal(place));
+        fs::write(place.join("summary.json"), "[1]").unwrap();
+        assert!(refusal(place).contains("no figures"));
+        fs::write(place.join("summary.json"), "{\"peak\": 1}").unwrap();
+        fs::write(place.join("scenario.toml"), "[layers\n").unwrap();
+        assert!(refusal(place).contains("scenario.toml: TOML parse error"), "{}", refusal(place));
+        fs::write(place.join("scenario.toml"), "layers.count = 8\n").unwrap();
+        fs::write(place.join("failure.txt"), "lost\n").unwrap();
+        let run = StoredRun::read(place).unwrap();
+        assert_eq!((run.summary["peak"].as_f64(), run.failure.as_deref()), (Some(1.0), Some("lost")));
+        fs::write(place.join("signals.csv"), "time_s,force_N\n").unwrap();
+        assert!(
+            refusal(place).ends_with(" has no samples: the run failed before the first: lost"),
+            "{}",
+            refusal(place)
+        );
+        fs::remove_file(place.join("failure.txt")).unwrap();
+        assert!(refusal(place).contains("no samples: no line below the header"), "{}", refusal(place));
+    }
+
+    #[test]
+    fn a_file_is_a_recording() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("test.csv");
+        fs::write(&path, "# virtual: nothing fell\ntime [ms],force [kN]\n0,1\n1,2\n").unwrap();
+        let run = StoredRun::read(&path).unwrap();
+        assert!(run.is_virtual);
+        assert_eq!(run.signals.channel("force_N"), Some([1e3, 2e3].as_slice()));
+    }
+}

@@ -1,0 +1,113 @@
+//! What the functions for scripts share: the sweep of a study, and figures of its runs.
+
+use rhai::Dynamic;
+use serde_json::Value;
+
+use crate::post::{Evaluations, Study};
+use crate::script::{HostResult, Options, Session, from_json, refuse, to_json};
+use crate::sweep::work::{Done, Stop, Work};
+use crate::sweep::{Sweep, SweepError, SweepResults};
+use scene::model;
+use scene::scenario::{Assignment, Document};
+
+/// What a script's sweeps are run with.
+pub(super) struct Host<'a> {
+    pub(super) evaluations: &'a Evaluations,
+    pub(super) session: Session,
+}
+
+impl Host<'_> {
+    /// The results of a sweep.
+    pub(super) fn results(&self, sweep: &Sweep) -> HostResult<SweepResults> {
+        let done = self.done(sweep)?;
+        SweepResults::of(sweep, &done, self.evaluations).map_err(refuse)
+    }
+
+    fn done(&self, sweep: &Sweep) -> HostResult<Done> {
+        let stop = Stop { requested: self.session.cancellation().clone(), deadline: None };
+        let work = Work { sweep, evaluations: self.evaluations, waits: true, stop: &stop, gather: false };
+        let done = work.run(&|_| {}).map_err(refuse)?;
+        if done.len() < sweep.len() { Err(refuse("the sweep was cancelled")) } else { Ok(done) }
+    }
+}
+
+/// The scenario of a study with what the options vary in place of what it varies itself.
+pub(super) fn varied(study: &Study, options: &Options<'_>) -> HostResult<Document> {
+    let mut changes = vec![];
+    if let Some(keys) = options.map.get("vary") {
+        changes.push(Assignment::unset("variation", "vary"));
+        changes.push(assignment("variation", &to_json(keys)?)?);
+        if study.document().find("variation").is_none() {
+            changes.remove(0);
+        }
+    }
+    for name in ["samples", "seed", "method"] {
+        if let Some(value) = options.map.get(name) {
+            changes.push(assignment(&format!("variation.{name}"), &to_json(value)?)?);
+        }
+    }
+    Ok(study.document().with(&changes))
+}
+
+pub(super) fn assignment(path: &str, value: &Value) -> HostResult<Assignment> {
+    let value = toml::Value::try_from(value).map_err(|error| refuse(format!("{path}: {error}")))?;
+    Assignment::from_value(path, &value, "options").map_err(|mistakes| refused(SweepError::Scenario(mistakes)))
+}
+
+pub(super) fn refused(error: SweepError) -> Box<rhai::EvalAltResult> {
+    refuse(match error {
+        SweepError::Scenario(mistakes) => crate::sweep::refusal(&mistakes, &[]),
+        SweepError::NothingVaries => "nothing varies: give `vary`, or a scenario with [variation]".into(),
+        SweepError::Points(error) => error.to_string(),
+        SweepError::Prepare(error) => error.to_string(),
+    })
+}
+
+/// The whole number in an option.
+pub(super) fn whole(options: &Options<'_>, name: &str, default: usize) -> HostResult<usize> {
+    let Some(value) = options.map.get(name) else { return Ok(default) };
+    let number = value.as_int().ok().and_then(|number| usize::try_from(number).ok()).filter(|number| *number > 0);
+    number.ok_or_else(|| refuse(format!("expected a whole number above zero as {name}, found {value}")))
+}
+
+/// Points of the unit cube.
+pub(super) type Points = Vec<Vec<f64>>;
+
+/// The sweep of a study at points of the unit cube, whose number of coordinates is that of the keys that vary.
+pub(super) fn at(
+    study: &Study,
+    options: &Options<'_>,
+    places: &dyn Fn(usize) -> Result<Points, String>,
+) -> HostResult<(Sweep, Points)> {
+    let document = varied(study, options)?;
+    let variation = model::variation(&document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
+    let factors = variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors.len();
+    let points = places(factors).map_err(refuse)?;
+    Ok((Sweep::at(&document, &points).map_err(refused)?, points))
+}
+
+/// The keys that vary in a sweep, by their paths.
+pub(super) fn keys(sweep: &Sweep) -> impl Iterator<Item = String> + '_ {
+    sweep.variation().factors.iter().map(|factor| factor.path.clone())
+}
+
+/// What becomes of the figures of a sweep, by figure: of those in the option `figures`, or of all that vary.
+pub(super) fn reduced(
+    sweep: &Sweep,
+    options: &Options<'_>,
+    host: &Host<'_>,
+    of: impl Fn(&[Option<f64>]) -> Result<Value, String>,
+) -> HostResult<Dynamic> {
+    let results = host.results(sweep)?;
+    let asked = options.map.get("figures").cloned().map(Dynamic::into_typed_array::<String>).transpose();
+    let asked = asked.map_err(|found| refuse(format!("expected a list of names as figures, found {found}")))?;
+    let varying = || results.effects.iter().map(|effects| effects.figure.clone()).collect();
+    let mut found = serde_json::Map::new();
+    for name in asked.unwrap_or_else(varying) {
+        let column = results.table.column(&name);
+        let column = column.ok_or_else(|| refuse(format!("the runs have no figure `{name}`")))?;
+        let value = of(&column.values.numbers()).map_err(|error| refuse(format!("{name}: {error}")))?;
+        found.insert(name, value);
+    }
+    Ok(from_json(&Value::Object(found)))
+}

@@ -1,0 +1,183 @@
+//! Probabilities of failure and the staircase in scripts.
+
+use rhai::{Dynamic, EvalAltResult};
+use serde_json::{Value, json};
+use uncertainty::normal;
+use uncertainty::random::Stream;
+use uncertainty::reliability::{
+    FormOptions, Probability, SamplingOptions, SubsetOptions, design_point, importance_sampling, monte_carlo,
+    subset_simulation,
+};
+use uncertainty::staircase::{Outcome, Staircase, probit};
+
+use super::common::{Host, assignment, refused, varied, whole};
+use crate::post::Study;
+use crate::script::{Entry, HostResult, Options, from_json, refuse};
+use crate::sweep::{Sweep, SweepError};
+use scene::model;
+use scene::scenario::Document;
+
+/// Confidence of intervals.
+const CONFIDENCE: f64 = 0.95;
+
+/// What fails: a figure above or below a limit.
+struct Limit {
+    figure: String,
+    limit: f64,
+    above: bool,
+}
+
+impl Limit {
+    fn read(options: &Options<'_>) -> HostResult<Limit> {
+        let figure = options.value("figure")?.clone().into_string();
+        let figure = figure.map_err(|found| refuse(format!("expected the name of a figure, found {found}")))?;
+        match (options.map.contains_key("above"), options.map.contains_key("below")) {
+            (true, false) => Ok(Limit { figure, limit: options.needed_number("above")?, above: true }),
+            (false, true) => Ok(Limit { figure, limit: options.needed_number("below")?, above: false }),
+            _ => Err(refuse("give either `above` or `below`, the limit beyond which the test fails")),
+        }
+    }
+
+    /// The limit state: at most zero where the test fails.
+    fn state(&self, value: f64) -> f64 {
+        if self.above { self.limit - value } else { value - self.limit }
+    }
+}
+
+/// `failure_probability(scenario, #{ … })`.
+pub(super) fn failure_probability(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+    options.check(&["vary", "figure", "above", "below", "method", "samples", "seed"])?;
+    let limit = Limit::read(options)?;
+    let document = varied(study, options)?;
+    let variation = model::variation(&document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
+    let inputs = variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors.len();
+    let seed = whole(options, "seed", 1)? as u64;
+    let samples = whole(options, "samples", 500)?;
+    let mut failed: Option<Box<EvalAltResult>> = None;
+    let mut limit_state = |points: &[Vec<f64>]| {
+        let outputs = if failed.is_some() { None } else { Some(outputs(&document, points, &limit, host)) };
+        match outputs {
+            Some(Ok(outputs)) => outputs,
+            Some(Err(error)) => {
+                failed = Some(error);
+                vec![None; points.len()]
+            }
+            None => vec![None; points.len()],
+        }
+    };
+    let method = options.map.get("method").map_or_else(|| "subset".to_owned(), Dynamic::to_string);
+    let sampling = SamplingOptions { samples, seed, confidence: CONFIDENCE, ..SamplingOptions::default() };
+    let found = match method.as_str() {
+        "subset" => {
+            let options = SubsetOptions { samples, seed, confidence: CONFIDENCE, ..SubsetOptions::default() };
+            subset_simulation(inputs, &options, &mut limit_state)
+                .map(|found| with(&found.probability, "thresholds", json!(found.thresholds)))
+        }
+        "monte-carlo" => monte_carlo(inputs, &sampling, &mut limit_state).map(|found| with(&found, "", Value::Null)),
+        "importance" => design_point(inputs, &FormOptions::default(), &mut limit_state).and_then(|at| {
+            let found = importance_sampling(&at.point, &sampling, &mut limit_state)?;
+            let point = json!({ "index": at.index, "probability": at.probability, "direction": at.direction, "converged": at.converged });
+            Ok(with(&found, "design_point", point))
+        }),
+        other => return Err(refuse(format!("method is \"subset\", \"monte-carlo\" or \"importance\", not \"{other}\""))),
+    };
+    match (failed, found) {
+        (Some(error), _) => Err(error),
+        (None, found) => found.map(|found| from_json(&found)).map_err(refuse),
+    }
+}
+
+/// A probability with one more entry.
+fn with(probability: &Probability, name: &str, more: Value) -> Value {
+    let Probability { value, variation, interval, evaluations, missing } = probability;
+    let interval = interval.map(|interval| [interval.low, interval.high]);
+    let mut found = json!({
+        "probability": value, "variation": variation, "interval": interval, "runs": evaluations, "missing": missing,
+    });
+    if !name.is_empty() {
+        found[name] = more;
+    }
+    found
+}
+
+/// The limit state at points of the standard normal space.
+fn outputs(document: &Document, points: &[Vec<f64>], limit: &Limit, host: &Host<'_>) -> HostResult<Vec<Option<f64>>> {
+    let unit = |z: &f64| normal::cumulative(*z).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON);
+    let places: Vec<Vec<f64>> = points.iter().map(|point| point.iter().map(unit).collect()).collect();
+    let sweep = Sweep::at(document, &places).map_err(refused)?;
+    let results = host.results(&sweep)?;
+    let values = match results.table.column(&limit.figure) {
+        Some(column) => column.values.numbers(),
+        None if results.failed == points.len() => return Ok(vec![None; points.len()]),
+        None => return Err(refuse(format!("the runs have no figure `{}`", limit.figure))),
+    };
+    let state = |(row, value): (usize, Option<f64>)| match results.table.failure(row) {
+        Some(_) => None,
+        None => value.map(|value| limit.state(value)),
+    };
+    Ok(values.into_iter().enumerate().map(state).collect())
+}
+
+/// `staircase(scenario, #{ … })`.
+pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+    options.check(&["vary", "key", "start", "step", "specimens", "figure", "above", "below", "seed"])?;
+    let key = options.value("key")?.to_string();
+    let count = whole(options, "specimens", 20)?;
+    let mut stream = Stream::new(whole(options, "seed", 1)? as u64);
+    let limit = if options.map.contains_key("figure") {
+        Limit::read(options)?
+    } else {
+        Limit { figure: "ruptured".into(), limit: 0.5, above: true }
+    };
+    let stairs = Staircase::new(options.needed_number("start")?, options.needed_number("step")?).map_err(refuse)?;
+    let document = varied(study, options)?;
+    let factors = document.varied_keys().len();
+    let mut outcomes: Vec<Outcome> = vec![];
+    for _ in 0..count {
+        let level = stairs.next_level(&outcomes);
+        let specimen = document.with(&[assignment(&key, &json!(level))?]);
+        let place: Vec<f64> = (0..factors).map(|_| stream.normal()).collect();
+        let output = outputs(&specimen, &[place], &limit, host)?;
+        let state = output.first().copied().flatten();
+        let state = state.ok_or_else(|| refuse(format!("the run at {key} = {level} failed")))?;
+        outcomes.push(if state <= 0.0 { Outcome::Failed } else { Outcome::Survived });
+    }
+    let reduction = stairs.reduce(&outcomes, CONFIDENCE).map_err(refuse)?;
+    let fit = probit(&stairs.counts(&outcomes), CONFIDENCE).ok();
+    let failed: Vec<bool> = outcomes.iter().map(|outcome| *outcome == Outcome::Failed).collect();
+    let found = json!({
+        "level": reduction.mean,
+        "deviation": reduction.deviation,
+        "interval": reduction.interval.map(|interval| [interval.low, interval.high]),
+        "levels": stairs.levels(&outcomes),
+        "failed": failed,
+        "probit": fit.map(|fit| json!({
+            "level": fit.mean.value,
+            "interval": fit.mean.interval.map(|interval| [interval.low, interval.high]),
+            "deviation": fit.deviation.value,
+        })),
+    });
+    Ok(from_json(&found))
+}
+
+/// The reference of reliability in scripts.
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "failure_probability(scenario, #{ figure, above, method, samples, vary, seed })",
+        gives: "the probability that a figure is above a limit (or `below`): `probability`, its `interval` (95 %) and coefficient of \
+                `variation`, `runs`, `missing`. Methods: \"subset\" simulation (so many samples a level, 500 where none are given), \
+                \"monte-carlo\", \"importance\" sampling about the design point",
+        example: "failure_probability(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
+                  #{ figure: \"peak_displacement_m\", above: -4.1e-3, method: \"monte-carlo\", samples: 16, \
+                  vary: #{ \"loading.impact.velocity\": #{ uniform: [4.0, 4.2] } } }).probability > 0.2",
+    },
+    Entry {
+        call: "staircase(scenario, #{ key, start, step, specimens, vary, seed })",
+        gives: "the level of a key (SI) at which half of the specimens rupture, by the up-and-down method (Dixon and Mood; 20 specimens where \
+                none are given): `level`, `deviation`, `interval`, `levels`, `failed`, `probit`; with `figure` and `above` \
+                or `below`, what else counts as failure",
+        example: "let found = staircase(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
+                  #{ key: \"loading.impact.velocity\", start: 4.0, step: 0.05, specimens: 8, figure: \"peak_displacement_m\", below: -4.1e-3, \
+                  vary: #{ \"impactor.friction\": #{ uniform: [0.1, 0.3] } } }); found.level > 3.9 && found.levels.len() == 8",
+    },
+];

@@ -1,0 +1,109 @@
+//! Screening, indices and surrogate models in scripts.
+
+use rhai::Dynamic;
+use serde_json::{Value, json};
+use uncertainty::design::{self, Levels, Method};
+use uncertainty::distribution::Family as Distributed;
+use uncertainty::indices::{self as sobol, FactorIndices};
+use uncertainty::screening::{self as morris, Effects};
+use uncertainty::statistics::{Bootstrap, Estimate};
+use uncertainty::surrogate::{Family, Options as Fit, Surrogate};
+
+use super::common::{Host, at, keys, reduced, whole};
+use crate::post::Study;
+use crate::script::{Entry, HostResult, Options};
+use scene::model::{Factor, Values};
+
+/// Levels of a screening, of each input.
+const LEVELS: usize = 8;
+
+/// `screening(scenario, #{ … })`.
+pub(super) fn screening(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+    options.check(&["vary", "trajectories", "seed", "figures"])?;
+    let count = whole(options, "trajectories", 10)?;
+    let seed = whole(options, "seed", 1)? as u64;
+    let places = |factors| morris::trajectories(factors, count, LEVELS, seed).map_err(|error| error.to_string());
+    let (sweep, points) = at(study, options, &places)?;
+    let of_factor =
+        |Effects { mean, mean_magnitude: Estimate { value, interval }, deviation, missing, .. }: Effects| {
+            let interval = interval.map(|interval| [interval.low, interval.high]);
+            json!({ "mu_star": value, "interval": interval, "mu": mean, "sigma": deviation, "missing": missing })
+        };
+    reduced(&sweep, options, host, |outputs| {
+        let effects = morris::effects(&points, outputs, &Bootstrap::default()).map_err(|error| error.to_string())?;
+        let effects = effects.into_iter().map(|effects| effects.map_or(Value::Null, of_factor));
+        Ok(keys(&sweep).zip(effects).collect())
+    })
+}
+
+/// `indices(scenario, #{ … })`.
+pub(super) fn indices(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+    options.check(&["vary", "blocks", "seed", "figures"])?;
+    let blocks = whole(options, "blocks", 64)?;
+    let seed = whole(options, "seed", 1)? as u64;
+    let places = |factors| sobol::rows(factors, blocks, seed).map_err(|error| error.to_string());
+    let (sweep, _) = at(study, options, &places)?;
+    let estimate = |Estimate { value, interval }: Estimate| json!({ "value": value, "interval": interval.map(|interval| [interval.low, interval.high]) });
+    let of_factor = |FactorIndices { first, total, missing, .. }: FactorIndices| json!({ "first": estimate(first), "total": estimate(total), "missing": missing });
+    let factors = sweep.variation().factors.len();
+    reduced(&sweep, options, host, |outputs| {
+        let found = sobol::indices(factors, outputs, &Bootstrap::default()).map_err(|error| error.to_string())?;
+        Ok(keys(&sweep).zip(found.into_iter().map(of_factor)).collect())
+    })
+}
+
+/// `surrogate(scenario, #{ … })`.
+pub(super) fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+    options.check(&["vary", "samples", "seed", "figures"])?;
+    let samples = whole(options, "samples", 128)?;
+    let seed = whole(options, "seed", 1)? as u64;
+    let places = |factors| {
+        design::points(Method::Sobol, &vec![Levels::Continuous; factors], samples, seed)
+            .map_err(|error| error.to_string())
+    };
+    let (sweep, points) = at(study, options, &places)?;
+    let families: Vec<Family> = sweep.variation().factors.iter().map(family).collect();
+    let of_keys = |values: Option<Vec<f64>>| -> Value { keys(&sweep).zip(values.into_iter().flatten()).collect() };
+    reduced(&sweep, options, host, |outputs| {
+        let fit = Surrogate::fit(&families, &points, outputs, &Fit::default()).map_err(|error| error.to_string())?;
+        Ok(json!({
+            "q2": fit.q2(), "degree": fit.degree(), "terms": fit.terms(), "mean": fit.mean(), "deviation": fit.variance().sqrt(),
+            "first": of_keys(fit.first()), "total": of_keys(fit.total()),
+        }))
+    })
+}
+
+/// Polynomials that suit the distribution of a key.
+fn family(factor: &Factor) -> Family {
+    let Values::Distribution(distribution) = &factor.values else { return Family::Legendre };
+    let is_whole = distribution.ends() == (None, None);
+    match distribution.family() {
+        Distributed::Normal { .. } | Distributed::LogNormal { .. } if is_whole => Family::Hermite,
+        _ => Family::Legendre,
+    }
+}
+
+/// The reference of sensitivities in scripts.
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "screening(scenario, #{ trajectories, figures, vary, seed })",
+        gives: "elementary effects (Morris) by figure and key: `mu_star` with its `interval`, `mu`, `sigma`, `missing`; \
+                trajectories × (keys + 1) runs, 10 trajectories where none are given",
+        example: "screening(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
+                  #{ trajectories: 2, figures: [\"peak_displacement_m\"], vary: #{ \"loading.impact.velocity\": #{ uniform: [4.0, 4.2] } } }).peak_displacement_m[\"loading.impact.velocity\"].mu < 0",
+    },
+    Entry {
+        call: "indices(scenario, #{ blocks, figures, vary, seed })",
+        gives: "Sobol' indices by figure and key: `first` and `total`, each with `value` and `interval`, and `missing`; \
+                blocks × (keys + 2) runs, 64 blocks where none are given",
+        example: "indices(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
+                  #{ blocks: 8, figures: [\"peak_displacement_m\"], vary: #{ \"loading.impact.velocity\": #{ uniform: [4.0, 4.2] } } }).peak_displacement_m[\"loading.impact.velocity\"].total.value > 0.9",
+    },
+    Entry {
+        call: "surrogate(scenario, #{ samples, figures, vary, seed })",
+        gives: "a polynomial chaos of every figure from so many runs (128 where none are given): `q2`, the share of the variance \
+                of runs left out that it predicts; `mean`, `deviation`, and by key `first` and `total`, the Sobol' indices",
+        example: "surrogate(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
+                  #{ samples: 16, figures: [\"peak_displacement_m\"], vary: #{ \"loading.impact.velocity\": #{ uniform: [4.0, 4.2] } } }).peak_displacement_m.q2 > 0.99",
+    },
+];

@@ -1,0 +1,204 @@
+//! Sweeps: many runs of a scenario whose keys vary, each evaluated once, by any number of processes.
+
+mod bindings;
+mod outlook;
+mod results;
+mod statistics;
+mod table;
+mod warning;
+mod work;
+
+use rayon::prelude::*;
+
+use crate::post::{EvaluationError, EvaluationKeys, Evaluations, Plan, PrepareError};
+use crate::store::evaluations::Key;
+use base::diagnostic::Diagnostic;
+use base::finding::Finding;
+pub use bindings::{REFERENCE, register};
+pub use outlook::Outlook;
+pub use results::SweepResults;
+use scene::model::{self, Factor, Input, Model, Point, PointsError, Variation};
+use scene::scenario::Document;
+use scene::simulate;
+pub use statistics::{Effect, Effects, Quantiles};
+pub use table::Table;
+pub use warning::{Beyond, CODES, Limit, Warning, warnings};
+pub use work::{Done, Event, Stop, Work};
+
+/// A scenario, what varies in it, and the values of its runs.
+#[derive(Debug)]
+pub struct Sweep {
+    /// The scenario without what varies.
+    base: Document,
+    variation: Variation,
+    points: Vec<Point>,
+    /// Model and plan of the scenario as written.
+    model: Model,
+    plan: Plan,
+}
+
+/// Why a scenario cannot be swept.
+#[derive(Debug)]
+pub enum SweepError {
+    /// Mistakes in the scenario.
+    Scenario(Vec<Diagnostic>),
+    /// Nothing varies.
+    NothingVaries,
+    /// Its points cannot be chosen.
+    Points(PointsError),
+    /// Its evaluation cannot be prepared.
+    Prepare(PrepareError),
+}
+
+/// Checks every listed value that is a word, such as a file, in the scenario as written. Whether numbers suit each other only
+/// the runs tell.
+///
+/// # Errors
+/// The mistakes of all these scenarios.
+pub fn check_words(base: &Document, variation: &Variation) -> Result<(), Vec<Diagnostic>> {
+    let scenarios = variation.factors.iter().flat_map(Factor::words).map(|assignment| base.with(&[assignment]));
+    let mistakes: Vec<Diagnostic> = scenarios.filter_map(|document| model::check(&document).err()).flatten().collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+}
+
+/// One run of a sweep, checked.
+#[derive(Debug)]
+pub(crate) struct Case {
+    pub model: Model,
+    pub plan: Plan,
+    pub keys: EvaluationKeys,
+}
+
+/// Why a run of a sweep cannot start.
+#[derive(Debug)]
+pub(crate) enum CaseError {
+    /// Its values make no valid scenario.
+    Refused(String),
+    /// Something else failed.
+    Evaluation(EvaluationError),
+}
+
+impl Sweep {
+    /// The sweep of the scenario in `document`, of `samples` runs in place of the number that is written.
+    ///
+    /// # Errors
+    /// The scenario as written has mistakes, nothing varies, or its points cannot be chosen.
+    pub fn prepare(document: &Document, samples: Option<usize>) -> Result<Sweep, SweepError> {
+        Sweep::of(document, |variation| variation.points(samples).map_err(SweepError::Points))
+    }
+
+    /// The same at places of the unit cube: of each key the probability of at most its value, in the order of the keys.
+    ///
+    /// # Errors
+    /// As those of [`Sweep::prepare`].
+    pub fn at(document: &Document, places: &[Vec<f64>]) -> Result<Sweep, SweepError> {
+        Sweep::of(document, |variation| Ok(places.iter().map(|place| variation.at(place)).collect()))
+    }
+
+    fn of(
+        document: &Document,
+        points: impl Fn(&Variation) -> Result<Vec<Point>, SweepError>,
+    ) -> Result<Sweep, SweepError> {
+        let variation = model::variation(document).map_err(SweepError::Scenario)?;
+        let base = document.without_variation();
+        let model = model::check(&base).map_err(SweepError::Scenario)?;
+        simulate::check(&base, &model).map_err(SweepError::Scenario)?;
+        let plan = Plan::prepare(&model).map_err(SweepError::Prepare)?;
+        let variation = variation.ok_or(SweepError::NothingVaries)?;
+        check_words(&base, &variation).map_err(SweepError::Scenario)?;
+        let points = points(&variation)?;
+        Ok(Sweep { base, variation, points, model, plan })
+    }
+
+    /// What varies.
+    pub fn variation(&self) -> &Variation {
+        &self.variation
+    }
+
+    /// The scenario as written.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The scenario as written, unchecked.
+    pub fn base(&self) -> &Document {
+        &self.base
+    }
+
+    /// Number of runs.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there are no runs.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// The values of the run at `place`, counted from zero.
+    pub fn inputs(&self, place: usize) -> impl Iterator<Item = &Input> {
+        self.points[place].levels.iter().map(|level| &level.input)
+    }
+
+    /// The scenario of the run at `place`.
+    pub fn document(&self, place: usize) -> Document {
+        self.base.with(&self.variation.assignments(&self.points[place]))
+    }
+
+    /// The changes of the scenario that give the run at `place`, as arguments of `--set`.
+    pub fn changes(&self, place: usize) -> Vec<String> {
+        let levels = self.variation.factors.iter().zip(&self.points[place].levels);
+        levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml())).collect()
+    }
+
+    /// What identifies the study: the build of droptower, the scenario with its files, and the values of its runs.
+    ///
+    /// # Errors
+    /// A mesh or the reference cannot be read.
+    pub fn digest(&self) -> Result<Key, EvaluationError> {
+        let base = Evaluations::keys(&self.model, &self.plan)?.figures;
+        let runs: Vec<String> = (0..self.len()).map(|place| self.changes(place).join("\n")).collect();
+        Ok(Key::of(&[&base.0, runs.join("\n\n").as_bytes()]))
+    }
+
+    /// Keys of the evaluations of all runs; none of a run whose values make no valid scenario.
+    ///
+    /// # Errors
+    /// A mesh or a reference cannot be read.
+    pub fn keys(&self) -> Result<Vec<Option<EvaluationKeys>>, EvaluationError> {
+        let key = |place| match self.case(place) {
+            Ok(case) => Ok(Some(case.keys)),
+            Err(CaseError::Refused(_)) => Ok(None),
+            Err(CaseError::Evaluation(error)) => Err(error),
+        };
+        (0..self.len()).into_par_iter().map(key).collect()
+    }
+
+    /// The run at `place`, checked.
+    pub(crate) fn case(&self, place: usize) -> Result<Case, CaseError> {
+        let document = self.document(place);
+        let model = model::check(&document)
+            .map_err(|mistakes| CaseError::Refused(refusal(&mistakes, &self.variation.factors)))?;
+        let plan = match Plan::is_common(&model, &self.model) {
+            true => self.plan.clone(),
+            false => Plan::prepare(&model).map_err(|error| CaseError::Refused(error.to_string()))?,
+        };
+        let warnings = model::warnings(&document, &model);
+        let plan = plan.with_findings(warnings.iter().map(Finding::new).collect());
+        let keys = Evaluations::keys(&model, &plan).map_err(CaseError::Evaluation)?;
+        Ok(Case { model, plan, keys })
+    }
+}
+
+/// The mistakes of a scenario in one line, each with its key where it is the value of a factor.
+fn refusal(mistakes: &[Diagnostic], factors: &[Factor]) -> String {
+    let key = |mistake: &Diagnostic| {
+        let is_there = |factor: &&Factor| mistake.span.as_ref().is_some_and(|span| span.is(&factor.span));
+        factors.iter().find(is_there).map_or_else(String::new, |factor| format!("`{}`: ", factor.path))
+    };
+    let line = |mistake: &Diagnostic| {
+        let hint = mistake.hint.as_ref().map_or_else(String::new, |hint| format!(" ({hint})"));
+        format!("{}{}{hint}", key(mistake), mistake.message)
+    };
+    mistakes.iter().map(line).collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,101 @@
+//! The results of a sweep: its table and what follows from it.
+
+use serde_json::{Map, Value, json};
+
+use super::statistics::{self, Effects, Quantiles};
+use super::table::Table;
+use super::{Done, Sweep, warnings};
+use crate::post::{EvaluationError, Evaluations, is_cost};
+use base::finding::Finding;
+use base::table::Column;
+
+/// The results of a sweep.
+#[derive(Clone, Debug)]
+pub struct SweepResults {
+    /// Inputs and outputs.
+    pub table: Table,
+    /// Runs that were evaluated before, and now.
+    pub reused: usize,
+    /// Runs that failed.
+    pub failed: usize,
+    /// Runs without an outcome yet.
+    pub missing: usize,
+    /// Time that the engine took for the runs that were computed, s.
+    pub engine_s: f64,
+    /// Figures that vary, in the order of the table.
+    pub statistics: Vec<(String, Quantiles)>,
+    /// Share of the runs whose film ruptured, and its interval of 95 %.
+    pub rupture: Option<(f64, [f64; 2])>,
+    /// Main effects on the figures that vary.
+    pub effects: Vec<Effects>,
+    /// What is hardly meant in what varies.
+    pub findings: Vec<Finding>,
+}
+
+impl SweepResults {
+    /// The results of the runs of `sweep` of which `done` knows the outcome.
+    ///
+    /// # Errors
+    /// A record cannot be read.
+    pub fn of(sweep: &Sweep, done: &Done, evaluations: &Evaluations) -> Result<SweepResults, EvaluationError> {
+        let table = Table::of(sweep, done, evaluations)?;
+        let failed = (0..table.rows()).filter(|row| table.failure(*row).is_some()).count();
+        let figures: Vec<&Column> = table.figures().iter().filter(|column| !is_cost(&column.name)).collect();
+        let statistics = figures.iter().filter_map(|column| {
+            let name = column.name.clone();
+            statistics::of_column(column).map(|quantiles| (name, quantiles))
+        });
+        let rupture = table.column("ruptured").and_then(statistics::probability);
+        let varies = |column: &&&Column| {
+            let quantiles = statistics::of_column(column);
+            quantiles.is_some_and(|of| of.deviation.is_some_and(|deviation| deviation > 1e-9 * of.mean.abs()))
+        };
+        let effects = figures.iter().filter(varies).filter_map(|column| statistics::effects(&table, column)).collect();
+        Ok(SweepResults {
+            reused: done.taken,
+            failed,
+            missing: sweep.len() - done.len(),
+            engine_s: done.engine_s,
+            statistics: statistics.collect(),
+            rupture: rupture.map(|(share, interval)| (share, [interval.low, interval.high])),
+            effects,
+            findings: warnings(&sweep.base, &sweep.variation).iter().map(Finding::new).collect(),
+            table,
+        })
+    }
+
+    /// What `summary.json` holds; `seconds` is the wall time of this process.
+    pub fn summary(&self, sweep: &Sweep, seconds: f64) -> Map<String, Value> {
+        let statistics = self.statistics.iter().map(|(name, quantiles)| (name.clone(), json!(quantiles)));
+        let (probability, interval) = self.rupture.unzip();
+        let entries = [
+            ("scenario", json!(sweep.model().name)),
+            ("title", json!(sweep.model().title)),
+            ("droptower", json!(env!("CARGO_PKG_VERSION"))),
+            ("runs", json!(self.table.rows())),
+            ("reused", json!(self.reused)),
+            ("failed", json!(self.failed)),
+            ("missing", json!(self.missing)),
+            ("seconds", json!(seconds)),
+            ("engine_s", json!(self.engine_s)),
+            ("statistics", Value::Object(statistics.collect())),
+            ("rupture_probability", json!(probability)),
+            ("interval", json!(interval)),
+            ("effects", json!(self.effects)),
+            ("findings", json!(self.findings)),
+        ];
+        entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
+    /// The runs with the largest values of a figure, from zero, the largest first; failed runs come before all.
+    pub fn worst(&self, figure: &str, count: usize) -> Vec<usize> {
+        let values = self.table.column(figure).map(|column| column.values.numbers()).unwrap_or_default();
+        let of = |row: usize| match self.table.failure(row) {
+            Some(_) => f64::INFINITY,
+            None => values.get(row).copied().flatten().map_or(f64::NEG_INFINITY, f64::abs),
+        };
+        let mut rows: Vec<usize> = (0..self.table.rows()).collect();
+        rows.sort_by(|a, b| of(*b).total_cmp(&of(*a)).then(a.cmp(b)));
+        rows.into_iter().take(count).map(|row| self.table.number(row) - 1).collect()
+    }
+}

@@ -1,0 +1,131 @@
+//! Warnings about what varies: values of a distribution with which the scenario cannot be run.
+
+use std::fmt;
+
+use serde_json::{Map, Value};
+use uncertainty::distribution::Distribution;
+
+use base::codes;
+use base::finding::{Code, Report};
+use base::number;
+use scene::model::{self, Factor, Values, Variation};
+use scene::scenario::Document;
+
+codes! {
+    VALUES_REFUSED = "values-refused", Warning,
+        "a distribution of `[variation]` has values that the scenario, otherwise as written, does not take: such runs of a sweep fail, \
+         and the others no longer have the distribution that was meant",
+        "truncate the distribution to values that can be, as in `truncate = { low = 0 }`, or choose one that has no others, such as \
+         `lognormal` or `weibull` for what is above zero";
+}
+
+/// Least share of the values that is looked for: less is hardly met by a sweep.
+const LEAST: f64 = 1e-4;
+
+/// Halvings of the distance to the limit.
+const HALVINGS: usize = 30;
+
+/// What is hardly meant in a variation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// A distribution has values that the scenario does not take.
+    Refused {
+        /// Path of the key.
+        key: String,
+        /// Which they are.
+        beyond: Beyond,
+    },
+}
+
+/// The values of a distribution that the scenario does not take.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Beyond {
+    /// Those below a limit.
+    Below(Limit),
+    /// Those above a limit.
+    Above(Limit),
+    /// Its median among others.
+    Median,
+}
+
+/// The limit of the values that the scenario takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// SI.
+    pub value: f64,
+    /// As it is written in a scenario.
+    pub written: String,
+    /// Probability of the values beyond it.
+    pub share: f64,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Warning::Refused { key, beyond } = self;
+        let (where_to, side, Limit { written, share, .. }) = match beyond {
+            Beyond::Below(limit) => ("below", "low", limit),
+            Beyond::Above(limit) => ("above", "high", limit),
+            Beyond::Median => return write!(f, "with the median of `{key}` the scenario cannot be run"),
+        };
+        let percent = number::significant(100.0 * share, 2);
+        write!(
+            f,
+            "`{key}` is {where_to} {written} in {percent} % of its distribution, where the scenario cannot be run: \
+             truncate = {{ {side} = {written} }} leaves that out"
+        )
+    }
+}
+
+impl Report for Warning {
+    fn code(&self) -> &'static Code {
+        &VALUES_REFUSED
+    }
+
+    fn figures(&self) -> Map<String, Value> {
+        let Warning::Refused { key, beyond } = self;
+        let limit = match beyond {
+            Beyond::Below(limit) => Some(("low", limit)),
+            Beyond::Above(limit) => Some(("high", limit)),
+            Beyond::Median => None,
+        };
+        let limit = limit.map(|(side, limit)| [(side, limit.value.into()), ("share", limit.share.into())]);
+        let figures = [("key", key.as_str().into())].into_iter().chain(limit.into_iter().flatten());
+        figures.map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+}
+
+/// What is hardly meant in what varies in the scenario `base`.
+pub fn warnings(base: &Document, variation: &Variation) -> Vec<Warning> {
+    let distributed = variation.factors.iter().filter_map(|factor| match &factor.values {
+        Values::Distribution(distribution) => Some(refused(base, factor, distribution)),
+        Values::Levels(_) => None,
+    });
+    distributed.flatten().collect()
+}
+
+/// The values of a factor with which the scenario, otherwise as written, is none.
+fn refused(base: &Document, factor: &Factor, distribution: &Distribution) -> Vec<Warning> {
+    let is_taken = |value: f64| model::check(&base.with(&[factor.assignment(&factor.number(value))])).is_ok();
+    let warning = |beyond| Warning::Refused { key: factor.path.clone(), beyond };
+    let [low, median, high] = [LEAST, 0.5, 1.0 - LEAST].map(|share| distribution.quantile(share));
+    if !is_taken(median) {
+        return vec![warning(Beyond::Median)];
+    }
+    // Limit and the probability of at most that value.
+    let limit = |end: f64| {
+        let (mut taken, mut refused) = (median, end);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (taken + refused);
+            *if is_taken(middle) { &mut taken } else { &mut refused } = middle;
+        }
+        // Of the halvings more digits are left than anybody wrote.
+        let value = if taken.abs() < 1e-6 * (median - end).abs() { 0.0 } else { number::rounded(taken, 6) };
+        Limit { value, written: factor.written(value), share: distribution.cumulative(value) }
+    };
+    let below = (!is_taken(low)).then(|| warning(Beyond::Below(limit(low))));
+    let above = (!is_taken(high)).then(|| {
+        let limit = limit(high);
+        warning(Beyond::Above(Limit { share: 1.0 - limit.share, ..limit }))
+    });
+    below.into_iter().chain(above).collect()
+}

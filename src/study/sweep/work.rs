@@ -1,0 +1,276 @@
+//! The work of one process on a sweep.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::outlook::{Lookout, Outlook, Position};
+use super::{Case, CaseError, Sweep};
+use crate::post::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
+use base::cancellation::Cancellation;
+
+/// Time between two looks at the clock, at signals, and at what other processes did.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Time between two estimates of what is left.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// When a process stops before all runs are done.
+#[derive(Clone, Debug, Default)]
+pub struct Stop {
+    /// Cancelled by a signal; runs that have begun are then given up.
+    pub requested: Cancellation,
+    /// Latest time at which a run may end.
+    pub deadline: Option<Instant>,
+}
+
+/// What becomes of a run of a sweep.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// It was evaluated before.
+    Taken,
+    /// It was evaluated now.
+    Computed(&'a Evaluation),
+    /// Its values make no valid scenario.
+    Refused(&'a str),
+    /// So much is left; told from time to time where there are records of other sweeps or processes.
+    Left(Outlook),
+}
+
+/// A sweep and how a process works on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<'a> {
+    /// The sweep.
+    pub sweep: &'a Sweep,
+    /// Records of evaluations.
+    pub evaluations: &'a Evaluations,
+    /// Whether it waits for runs that other processes compute.
+    pub waits: bool,
+    /// When it stops.
+    pub stop: &'a Stop,
+    /// Whether nothing is computed, and only records are gathered.
+    pub gather: bool,
+}
+
+/// What is known of the runs of a sweep.
+#[derive(Debug, Default)]
+pub struct Done {
+    /// Keys of the evaluations that have records, by place.
+    pub keys: BTreeMap<usize, EvaluationKeys>,
+    /// Why runs could not start, by place.
+    pub refused: BTreeMap<usize, String>,
+    /// Runs that were evaluated before.
+    pub taken: usize,
+    /// Runs that were evaluated now.
+    pub computed: usize,
+    /// Time that the engine took for them, s.
+    pub engine_s: f64,
+}
+
+impl Done {
+    /// Number of runs of which the outcome is known.
+    pub fn len(&self) -> usize {
+        self.keys.len() + self.refused.len()
+    }
+
+    /// Whether nothing is known.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Stop {
+    fn is_requested(&self) -> bool {
+        self.requested.is_cancelled()
+    }
+}
+
+/// State that the threads share.
+struct State<'a> {
+    work: Work<'a>,
+    queue: Mutex<VecDeque<usize>>,
+    /// Runs that other processes compute.
+    elsewhere: Mutex<Vec<usize>>,
+    done: Mutex<Done>,
+    error: Mutex<Option<EvaluationError>>,
+    /// Longest time of a run so far, ms.
+    longest: AtomicU64,
+    is_over: AtomicBool,
+    observer: &'a (dyn Fn(Event<'_>) + Sync),
+}
+
+impl Work<'_> {
+    /// Evaluates the runs with all threads, until all are done, or computed elsewhere, or it must stop.
+    ///
+    /// # Errors
+    /// Records or inputs cannot be read or written.
+    pub fn run(&self, observer: &(dyn Fn(Event<'_>) + Sync)) -> Result<Done, EvaluationError> {
+        let state = State {
+            work: *self,
+            queue: Mutex::new(self.evaluations.share().order(self.sweep.len()).into()),
+            elsewhere: Mutex::default(),
+            done: Mutex::default(),
+            error: Mutex::default(),
+            longest: AtomicU64::new(0),
+            is_over: AtomicBool::new(false),
+            observer,
+        };
+        thread::scope(|scope| {
+            let watch = scope.spawn(|| state.watch());
+            let lookout = scope.spawn(|| state.look_out());
+            rayon::scope(|threads| (0..rayon::current_num_threads()).for_each(|_| threads.spawn(|_| state.take_all())));
+            state.is_over.store(true, Ordering::Relaxed);
+            [watch, lookout].iter().for_each(|waiting| waiting.thread().unpark());
+        });
+        if !self.gather {
+            let store = self.evaluations.store();
+            store.close().and_then(|()| store.sync()).map_err(|error| self.evaluations.failed(error))?;
+        }
+        match state.error.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error),
+            None => Ok(state.done.into_inner().unwrap_or_else(PoisonError::into_inner)),
+        }
+    }
+}
+
+impl State<'_> {
+    /// Shows other processes that this one is at work, and ends runs at the deadline.
+    fn watch(&self) {
+        while !self.is_over.load(Ordering::Relaxed) {
+            if self.work.stop.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                self.work.stop.requested.cancel();
+            }
+            if !self.work.gather {
+                // What cannot be written shows in the next record.
+                let _ = self.work.evaluations.store().keep_alive();
+            }
+            thread::park_timeout(TICK);
+        }
+    }
+
+    /// Tells what is left.
+    fn look_out(&self) {
+        let Work { sweep, evaluations, gather, .. } = self.work;
+        let mut lookout = Lookout::new(evaluations);
+        while !gather && !self.is_over.load(Ordering::Relaxed) {
+            if let Some(outlook) = lookout.outlook(sweep, evaluations, self.position(), |most| self.sample(most)) {
+                (self.observer)(Event::Left(outlook));
+            }
+            thread::park_timeout(LOOK);
+        }
+    }
+
+    fn position(&self) -> Position {
+        let waiting = lock(&self.queue).len();
+        let done = lock(&self.done);
+        let begun = self.work.sweep.len().saturating_sub(done.len() + waiting);
+        Position { waiting, begun, computed: done.computed }
+    }
+
+    /// At most so many places of runs that wait, spread evenly.
+    fn sample(&self, most: usize) -> Vec<usize> {
+        let queue = lock(&self.queue);
+        let count = queue.len().min(most);
+        (0..count).map(|turn| queue[turn * queue.len() / count]).collect()
+    }
+
+    fn take_all(&self) {
+        while !self.ends() {
+            let next = lock(&self.queue).pop_front();
+            let result = match next {
+                Some(place) => self.take(place),
+                None if self.wait() => continue,
+                None => return,
+            };
+            if let Err(error) = result {
+                lock(&self.error).get_or_insert(error);
+            }
+        }
+    }
+
+    /// Whether no run may begin any more.
+    fn ends(&self) -> bool {
+        let longest = Duration::from_millis(self.longest.load(Ordering::Relaxed));
+        let Stop { deadline, .. } = self.work.stop;
+        let is_late = deadline.is_some_and(|deadline| Instant::now() + longest > deadline);
+        self.work.stop.is_requested() || is_late || lock(&self.error).is_some()
+    }
+
+    /// Looks again for runs that other processes compute; `false` where there are none, or it is not this process that
+    /// waits for them.
+    fn wait(&self) -> bool {
+        if self.work.gather || !self.work.waits || lock(&self.elsewhere).is_empty() {
+            return false;
+        }
+        thread::sleep(TICK);
+        let places = std::mem::take(&mut *lock(&self.elsewhere));
+        lock(&self.queue).extend(places);
+        true
+    }
+
+    fn take(&self, place: usize) -> Result<(), EvaluationError> {
+        let Work { sweep, evaluations, gather, .. } = self.work;
+        let Case { model, plan, keys } = match sweep.case(place) {
+            Ok(case) => case,
+            Err(CaseError::Evaluation(error)) => return Err(error),
+            Err(CaseError::Refused(cause)) => {
+                (self.observer)(Event::Refused(&cause));
+                lock(&self.done).refused.insert(place, cause);
+                return Ok(());
+            }
+        };
+        let store = evaluations.store();
+        if !store.contains(keys.figures) {
+            store.refresh().map_err(|error| evaluations.failed(error))?;
+        }
+        if store.contains(keys.figures) {
+            let mut done = lock(&self.done);
+            done.taken += 1;
+            done.keys.insert(place, keys);
+            drop(done);
+            (self.observer)(Event::Taken);
+            return Ok(());
+        }
+        if gather {
+            return Ok(());
+        }
+        if !store.claim(keys.figures).map_err(|error| evaluations.failed(error))? {
+            lock(&self.elsewhere).push(place);
+            return Ok(());
+        }
+        let begin = Instant::now();
+        let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.requested) {
+            Err(EvaluationError::Cancelled) => {
+                return store.release(keys.figures).map_err(|error| evaluations.failed(error));
+            }
+            evaluated => evaluated?,
+        };
+        self.longest.fetch_max(begin.elapsed().as_millis() as u64, Ordering::Relaxed);
+        self.add(place, keys, &evaluated);
+        Ok(())
+    }
+}
+
+impl State<'_> {
+    /// Notes an evaluation.
+    fn add(&self, place: usize, keys: EvaluationKeys, evaluated: &Evaluated) {
+        let Evaluated { evaluation, is_new } = evaluated;
+        let mut done = lock(&self.done);
+        done.keys.insert(place, keys);
+        if *is_new {
+            done.computed += 1;
+            done.engine_s += evaluation.engine_s;
+        } else {
+            done.taken += 1;
+        }
+        drop(done);
+        (self.observer)(if *is_new { Event::Computed(evaluation) } else { Event::Taken });
+    }
+}
+
+/// No lock is held where a panic could leave its content half changed.
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
