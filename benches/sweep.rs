@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use droptower::diagnostic;
-use droptower::post::Evaluations;
+use droptower::evaluate::Evaluations;
 use droptower::scenario::{Assignment, Document};
 use droptower::sweep::{Done, Event, Stop, Sweep, SweepResults, Work};
 

@@ -10,7 +10,7 @@ use super::Failure;
 use base::cancellation::Cancellation;
 use base::diagnostic::{Diagnostic, Source, Span};
 use base::units::Time;
-use study::post::Evaluations;
+use study::evaluate::Evaluations;
 use study::store::evaluations::Share;
 
 /// Time between two looks at the clock.

@@ -5,9 +5,9 @@ use serde::Serialize;
 use super::{Failure, Shared, print, print_json};
 use study::functions;
 use study::identify;
-use study::post;
 use study::script::{Chapter, Entry};
 use study::sweep;
+use study::{post, scenario_functions};
 
 /// The word that stands in place of a key.
 pub(super) const WORD: &str = "functions";
@@ -48,7 +48,12 @@ pub(super) fn are_called(name: &str) -> bool {
 }
 
 fn chapters() -> impl Iterator<Item = &'static Chapter> {
-    post::REFERENCE.iter().chain(identify::REFERENCE).chain(sweep::REFERENCE).chain(functions::REFERENCE)
+    post::REFERENCE
+        .iter()
+        .chain(scenario_functions::REFERENCE)
+        .chain(identify::REFERENCE)
+        .chain(sweep::REFERENCE)
+        .chain(functions::REFERENCE)
 }
 
 /// The entries of a chapter in which `name` is called; all of them where there is no name.

@@ -9,7 +9,7 @@ use super::{Failure, Shared, print_figures};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::number::{grouped, wall_time};
 use base::units::Time;
-use study::post::BUILD;
+use study::evaluate::BUILD;
 use study::store::evaluations::SegmentFigures;
 use study::store::{self, EvaluationStore};
 

@@ -5,6 +5,8 @@ pub mod store;
 pub mod script;
 pub mod functions;
 pub mod post;
+pub mod evaluate;
+pub mod scenario_functions;
 pub mod identify;
 pub mod sweep;
 pub mod cluster;

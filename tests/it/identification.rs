@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use droptower::diagnostic;
 use droptower::functions;
 use droptower::identify::{self, SearchEvent, SearchHost};
-use droptower::post;
 use droptower::scenario::Assignment;
+use droptower::scenario_functions;
 use droptower::script::{ConvergenceHistory, Limits, key_mistake};
 use droptower::signal::Series;
 use rhai::Engine;
@@ -226,7 +226,7 @@ fn engine_with(bench: &Bench, changes: &[&str], host: SearchHost) -> Engine {
     let read =
         |change| Assignment::from_argument(change).unwrap_or_else(|m| panic!("{}", diagnostic::render(&m, false)));
     let mut engine = functions::engine(Limits::STUDY);
-    post::register_studies(&mut engine, changes.map(read).collect(), None);
+    scenario_functions::register(&mut engine, changes.map(read).collect(), None);
     identify::register(&mut engine, &host);
     engine
 }

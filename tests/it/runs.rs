@@ -9,8 +9,8 @@ use serde_json::Value as Json;
 use tempfile::TempDir;
 
 use droptower::functions;
-use droptower::post;
 use droptower::report::Figure;
+use droptower::scenario_functions;
 use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::signal::csv;
 
@@ -322,10 +322,10 @@ fn the_examples_of_the_scripting_reference_run() {
     let mut engine: Engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
     functions::register_reading(&mut engine);
-    post::register_studies(&mut engine, vec![], None);
+    scenario_functions::register(&mut engine, vec![], None);
     Arguments::register(&mut engine);
     // What post scripts find as `run` is tested beside it.
-    for entry in post::REFERENCE[1..].iter().flat_map(|chapter| chapter.entries) {
+    for entry in scenario_functions::REFERENCE.iter().flat_map(|chapter| chapter.entries) {
         let mut scope = Scope::new();
         let scenario = path.to_str().expect("UTF-8").to_owned();
         scope.push_constant("args", Arguments::new(Map::from([("scenario".into(), scenario.into())])));

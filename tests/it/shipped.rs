@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use droptower::diagnostic::{Diagnostic, render};
+use droptower::evaluate::Evaluations;
 use droptower::functions;
 use droptower::identify::{self, SearchHost};
 use droptower::model::{self, Loading, Model};
-use droptower::post::{self, Evaluations, Plan, Results};
+use droptower::post::{Plan, Results};
 use droptower::scenario::{Assignment, Document};
+use droptower::scenario_functions;
 use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::simulate;
 use droptower::sweep;
@@ -115,7 +117,7 @@ fn post_scripts_add_figures() {
 fn study_scripts_compile() {
     let mut engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
-    post::register_studies(&mut engine, Vec::new(), None);
+    scenario_functions::register(&mut engine, Vec::new(), None);
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     let folder = tempfile::tempdir().expect("a folder");
     sweep::register(&mut engine, &Arc::new(Evaluations::open(folder.path()).expect("no records")));

@@ -31,8 +31,8 @@ use super::{
 };
 use base::cancellation::Cancellation;
 use base::diagnostic::{Diagnostic, printable};
+use study::evaluate::Evaluations;
 use study::identify::{SearchEvent, SearchHost};
-use study::post::Evaluations;
 use study::script::{
     Arguments, Console, Fault, LONGEST_SCRIPT, Limits, Message, OutputCollector, STACK, ScriptOutput, Session,
     stop_after, to_json,

@@ -8,7 +8,8 @@ use lab::experiment::coupon::Curve;
 use lab::signal::Series;
 use plot::{self, Plot, braille};
 use report::{Figure, cell};
-use study::post::{Run, Study};
+use study::post::Run;
+use study::scenario_functions::Study;
 use study::script::{Row, to_json};
 
 /// Characters of a picture across and down.

@@ -23,9 +23,10 @@ use base::finding::Finding;
 use base::units::with_decimal_point;
 use report::StudyPage;
 use scene::scenario::Assignment;
+use study::evaluate::{EvaluationError, Evaluations};
 use study::functions;
 use study::identify::{self, Identity, SearchEvent, SearchHost};
-use study::post::{self, EvaluationError, Evaluations};
+use study::scenario_functions;
 use study::script::{
     About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
@@ -230,7 +231,7 @@ pub(super) fn engine(
     functions::register_output(&mut engine, collector);
     functions::register_reading(&mut engine);
     Session::of_engine(&engine).report_to(collector);
-    post::register_studies(&mut engine, changes, Some(Arc::clone(evaluations)));
+    scenario_functions::register(&mut engine, changes, Some(Arc::clone(evaluations)));
     identify::register(&mut engine, host);
     sweep::register(&mut engine, evaluations);
     Arguments::register(&mut engine);

@@ -20,7 +20,7 @@ use cluster::Centre;
 use progress::Progress;
 use results::Keep;
 use scene::scenario::Document;
-use study::post::{EvaluationError, Evaluations};
+use study::evaluate::{EvaluationError, Evaluations};
 use study::store::evaluations::Share;
 use study::store::{self, Origin};
 use study::sweep::{Done, Stop, Sweep, SweepError, SweepResults, Work};

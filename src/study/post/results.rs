@@ -150,7 +150,7 @@ impl Results {
     }
 
     /// The same of a run that was ended early, see [`Impact::ended_early`].
-    pub(super) fn ended_early(self) -> Results {
+    pub fn ended_early(self) -> Results {
         match self.measures {
             Measures::Impact(impact) => Results { measures: Measures::Impact(impact.ended_early()), ..self },
             measures => Results { measures, ..self },

@@ -33,7 +33,7 @@ struct Columns {
 
 /// A reference recording in scripts.
 #[derive(Clone, Debug)]
-pub(super) struct ReferenceSignals(pub ReferenceComparison);
+pub(crate) struct ReferenceSignals(pub ReferenceComparison);
 
 impl Run {
     /// The run of `model` with its results.
@@ -47,7 +47,7 @@ impl Run {
     }
 
     /// An empty run, for compiling scripts before the run.
-    pub(super) fn empty() -> Run {
+    pub(crate) fn empty() -> Run {
         Run(Arc::default())
     }
 
@@ -121,7 +121,7 @@ fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>
 }
 
 /// The quantities of a model that scripts read.
-pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
+pub(crate) fn facts(model: &Model) -> serde_json::Map<String, Value> {
     let mut facts = serde_json::Map::new();
     facts.insert("name".into(), json!(model.name));
     facts.insert("title".into(), json!(model.title));
@@ -167,7 +167,7 @@ pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
 }
 
 /// Offers the type of `run` to scripts.
-pub(super) fn register(engine: &mut Engine) {
+pub(crate) fn register(engine: &mut Engine) {
     Session::of_engine(engine).declare(Fields { map: "summary", names: &SUMMARY });
     engine
         .register_type_with_name::<Run>("run")
@@ -180,7 +180,7 @@ pub(super) fn register(engine: &mut Engine) {
 }
 
 /// The scope of a post script: the constant `run`.
-pub(super) fn scope(run: Run) -> Scope<'static> {
+pub(crate) fn scope(run: Run) -> Scope<'static> {
     let mut scope = Scope::new();
     scope.push_constant("run", run);
     scope

@@ -10,7 +10,8 @@ mod work;
 
 use rayon::prelude::*;
 
-use crate::post::{EvaluationError, EvaluationKeys, Evaluations, Plan, PrepareError};
+use crate::evaluate::{EvaluationError, EvaluationKeys, Evaluations};
+use crate::post::{Plan, PrepareError};
 use crate::store::evaluations::Key;
 use base::diagnostic::Diagnostic;
 use base::finding::Finding;

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::{Case, Sweep};
-use crate::post::Evaluations;
+use crate::evaluate::Evaluations;
 use crate::store::evaluations::Share;
 
 /// Most runs of a sample.

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::statistics::{self, Effects, Quantiles};
 use super::table::Table;
 use super::{Done, Sweep, warnings};
-use crate::post::{EvaluationError, Evaluations, is_cost};
+use crate::evaluate::{EvaluationError, Evaluations, is_cost};
 use base::finding::Finding;
 use base::table::Column;
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::{Done, Sweep};
-use crate::post::{Evaluation, EvaluationError, Evaluations, Figure};
+use crate::evaluate::{Evaluation, EvaluationError, Evaluations, Figure};
 use base::table::{Column, Values};
 use scene::model::Input;
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::outlook::{Lookout, Outlook, Position};
 use super::{Case, CaseError, Sweep};
-use crate::post::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
+use crate::evaluate::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
 use base::cancellation::Cancellation;
 
 /// Time between two looks at the clock, at signals, and at what other processes did.

@@ -3,7 +3,8 @@
 use rhai::Dynamic;
 use serde_json::Value;
 
-use crate::post::{Evaluations, Study};
+use crate::evaluate::Evaluations;
+use crate::scenario_functions::Study;
 use crate::script::{HostResult, Options, Session, from_json, refuse, to_json};
 use crate::sweep::work::{Done, Stop, Work};
 use crate::sweep::{Sweep, SweepError, SweepResults};

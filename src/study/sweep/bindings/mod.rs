@@ -9,7 +9,8 @@ use std::sync::Arc;
 
 use rhai::{Dynamic, Engine, Map, NativeCallContext};
 
-use crate::post::{Evaluations, Study};
+use crate::evaluate::Evaluations;
+use crate::scenario_functions::Study;
 use crate::script::{Chapter, HostResult, Options, Session};
 use common::Host;
 

@@ -11,7 +11,7 @@ use uncertainty::reliability::{
 use uncertainty::staircase::{Outcome, Staircase, probit};
 
 use super::common::{Host, assignment, refused, varied, whole};
-use crate::post::Study;
+use crate::scenario_functions::Study;
 use crate::script::{Entry, HostResult, Options, from_json, refuse};
 use crate::sweep::{Sweep, SweepError};
 use scene::model;

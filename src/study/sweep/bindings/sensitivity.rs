@@ -10,7 +10,7 @@ use uncertainty::statistics::{Bootstrap, Estimate};
 use uncertainty::surrogate::{Family, Options as Fit, Surrogate};
 
 use super::common::{Host, at, keys, reduced, whole};
-use crate::post::Study;
+use crate::scenario_functions::Study;
 use crate::script::{Entry, HostResult, Options};
 use scene::model::{Factor, Values};
 

@@ -4,7 +4,7 @@ use rhai::Dynamic;
 use serde_json::{Value, json};
 
 use super::common::{Host, refused, varied};
-use crate::post::Study;
+use crate::scenario_functions::Study;
 use crate::script::{Entry, HostResult, Options, from_json};
 use crate::sweep::Sweep;
 use crate::sweep::table::Table;

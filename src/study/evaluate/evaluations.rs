@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
-use super::{COST, HEADER, Plan, Results, failure_message};
+use crate::post::{COST, HEADER, Plan, Results, failure_message};
 use crate::store::EvaluationStore;
 use crate::store::evaluations::{Key, Share};
 use base::file::{Digest, FileError};

@@ -1,6 +1,6 @@
 //! Runs within an objective, which end with the window of the comparison.
 
-use super::ReferenceComparison;
+use crate::post::ReferenceComparison;
 use scene::model::{Loading, Model};
 
 /// Time after the window that the channel filter needs, times its class.
@@ -17,7 +17,7 @@ const SAMPLES: f64 = 3.0;
 /// comparison and what the filter needs behind it; any other run is complete. No snapshots are stored.
 ///
 /// Up to there, its signals are those of the whole run bit for bit, but for the filtered channel close to the end.
-pub(super) fn cut(model: &Model, comparison: Option<&ReferenceComparison>) -> Model {
+pub fn cut(model: &Model, comparison: Option<&ReferenceComparison>) -> Model {
     let mut model = model.clone();
     model.output.frames = 0;
     let Some(ReferenceComparison { window: [_, end], .. }) = comparison else {

@@ -10,8 +10,9 @@ use serde_json::Value;
 
 use super::coupon_material;
 use super::modules;
-use super::run::{self, ReferenceSignals};
-use super::{EvaluationError, Evaluations, NoOutcome, Plan, Run, trial};
+use crate::evaluate::{EvaluationError, Evaluations, NoOutcome, trial};
+use crate::post::run::{self, ReferenceSignals};
+use crate::post::{Plan, ReferenceComparison, Run};
 use crate::script::{
     Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, refuse_key, to_json,
 };
@@ -208,7 +209,7 @@ impl Study {
         refuse(format!("{}: {error}", self.0.model.name))
     }
 
-    fn comparison(&self) -> HostResult<&super::ReferenceComparison> {
+    fn comparison(&self) -> HostResult<&ReferenceComparison> {
         let comparison = self.0.plan.comparison();
         comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
     }
