@@ -83,6 +83,9 @@ impl Width {
 /// Defines a function that runs `$lanewise`, an `#[inline(always)]` function of the same arguments, compiled for the
 /// vector instructions that its first argument names. With `up to AVX2` wider ones run that code too: what is seldom
 /// called gains little by another copy of it.
+///
+/// The functions are `#[inline]` so that each is compiled in the unit of its caller, that of the law
+/// (`engine::element_group::Grouped`), and an edit of a law compiles the kernels of that law alone.
 #[macro_export]
 macro_rules! at_width {
     (
@@ -90,9 +93,11 @@ macro_rules! at_width {
         $visible:vis fn $name:ident[$($generics:tt)*]($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? = $lanewise:path
     ) => {
         $(#[$attribute])*
+        #[inline]
         $visible fn $name<$($generics)*>(width: $crate::lane::Width, $($argument: $kind),*) $(-> $result)? {
             #[cfg(target_arch = "x86_64")]
             {
+                #[inline]
                 #[target_feature(enable = "avx512f,avx512dq")]
                 fn avx512<$($generics)*>($($argument: $kind),*) $(-> $result)? {
                     $lanewise($($argument),*)
@@ -114,9 +119,11 @@ macro_rules! at_width {
         up to AVX2
     ) => {
         $(#[$attribute])*
+        #[inline]
         $visible fn $name<$($generics)*>(width: $crate::lane::Width, $($argument: $kind),*) $(-> $result)? {
             #[cfg(target_arch = "x86_64")]
             {
+                #[inline]
                 #[target_feature(enable = "avx2")]
                 fn avx2<$($generics)*>($($argument: $kind),*) $(-> $result)? {
                     $lanewise($($argument),*)

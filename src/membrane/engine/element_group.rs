@@ -95,19 +95,29 @@ pub(super) trait ElementGroup: Send + Sync {
 }
 
 /// Elements of one kind with the law `M`.
-#[derive(Clone)]
 struct Group<M, B, const NODES: usize> {
     law: Arc<M>,
     elements: Blocks<B, NODES>,
 }
 
-/// `elements` with `law`.
-pub(super) fn group<M, B, const NODES: usize>(law: Arc<M>, elements: Blocks<B, NODES>) -> Box<dyn ElementGroup>
-where
-    M: MembraneLaw + Send + Sync + 'static,
-    B: Block<NODES, LANES, History = M::History<LANES>> + Clone + Send + Sync + 'static,
-{
-    Box::new(Group { law, elements })
+/// A law whose elements come in groups.
+///
+/// Implemented for every law and by no one else: the compiler places a method of a trait in the unit of its type, so that the
+/// kernels of a law, which are `#[inline]`, are compiled together with it and with no other law.
+pub(super) trait Grouped: MembraneLaw + Sized {
+    /// `elements` with this law.
+    fn group<B, const NODES: usize>(law: Arc<Self>, elements: Blocks<B, NODES>) -> Box<dyn ElementGroup>
+    where
+        B: Block<NODES, LANES, History = Self::History<LANES>> + Clone + Send + Sync + 'static;
+}
+
+impl<M: MembraneLaw + Send + Sync + 'static> Grouped for M {
+    fn group<B, const NODES: usize>(law: Arc<Self>, elements: Blocks<B, NODES>) -> Box<dyn ElementGroup>
+    where
+        B: Block<NODES, LANES, History = Self::History<LANES>> + Clone + Send + Sync + 'static,
+    {
+        Box::new(Group { law, elements })
+    }
 }
 
 impl<M, B, const NODES: usize> ElementGroup for Group<M, B, NODES>
@@ -131,22 +141,27 @@ where
         footprint::blocks(&self.elements)
     }
 
+    #[inline]
     fn has_limit(&self) -> bool {
         self.law.has_limit()
     }
 
+    #[inline]
     fn has_thickness(&self) -> bool {
         self.law.has_thickness()
     }
 
+    #[inline]
     fn is_plastic(&self) -> bool {
         self.law.plastic_strain(&M::History::<LANES>::virgin()).is_some()
     }
 
+    #[inline]
     fn boxed(&self) -> Box<dyn ElementGroup> {
-        group(Arc::clone(&self.law), self.elements.clone())
+        Box::new(Group { law: Arc::clone(&self.law), elements: self.elements.clone() })
     }
 
+    #[inline]
     fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) -> bool {
         let mounts = self.elements.viscous.as_ref().is_some_and(|viscous| viscous.mounts(dt));
         let failed = element::add_forces(width, &mut self.elements, &*self.law, position, dt, force);
@@ -156,14 +171,17 @@ where
         failed | element::tear(width, &mut self.elements, &*self.law, position, dt)
     }
 
+    #[inline]
     fn energy(&self, width: Width, position: &[&[f64]; 3]) -> ElementEnergy {
         element::energy(width, &self.elements, &*self.law, position)
     }
 
+    #[inline]
     fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
         element::frequency_bound(width, &self.elements, &*self.law, density, position)
     }
 
+    #[inline]
     fn add_mass(&mut self, density: f64, most: f64, position: &[&[f64]; 3], add: &mut dyn FnMut(&[u32], f64)) {
         element::add_mass(&mut self.elements, &*self.law, [density, most], position, add);
     }
@@ -172,10 +190,12 @@ where
         element::strains(width, &self.elements, position, out);
     }
 
+    #[inline]
     fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail> {
         element::details(&self.elements, &*self.law, position)
     }
 
+    #[inline]
     fn fail(&mut self, position: &[&[f64]; 3]) -> Failures {
         failure::fail(&mut self.elements, &*self.law, position)
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::element::{self, Block, Blocks, FullQuads, Quads, Shaped, StressFree, Tris, UndefinedFibreDirection};
-use super::element_group::{ElementGroup, group};
+use super::element_group::{ElementGroup, Grouped};
 use super::film::Film;
 use super::mesh::Mesh;
 use super::nodes::Nodes;
@@ -58,11 +58,11 @@ impl LawVisitor for Mount<'_> {
     fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(mut self, law: &M) -> Self::Output {
         let law = Arc::new(law.clone());
         if self.section.full_integration {
-            self.add(&self.mesh.quads, |blocks: FullQuads<LANES, _>| group(Arc::clone(&law), blocks))?;
+            self.add(&self.mesh.quads, |blocks: FullQuads<LANES, _>| M::group(Arc::clone(&law), blocks))?;
         } else {
-            self.add(&self.mesh.quads, |blocks: Quads<LANES, _>| group(Arc::clone(&law), blocks))?;
+            self.add(&self.mesh.quads, |blocks: Quads<LANES, _>| M::group(Arc::clone(&law), blocks))?;
         }
-        self.add(&self.mesh.tris, |blocks: Tris<LANES, _>| group(Arc::clone(&law), blocks))?;
+        self.add(&self.mesh.tris, |blocks: Tris<LANES, _>| M::group(Arc::clone(&law), blocks))?;
         Ok(self)
     }
 }

@@ -168,6 +168,7 @@ fn block_energies_lanewise<
 }
 
 /// Energies of the elements of `blocks`, J, a lane each: those of the same lane are summed.
+#[inline]
 fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
     width: Width,
     elements: &Blocks<B, NODES, L>,
@@ -191,6 +192,7 @@ fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
 }
 
 /// Counts the energy of viscous film that was just mounted as work done on it: it is mounted at once and rests then.
+#[inline]
 pub(crate) fn count_mounting<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -218,6 +220,7 @@ pub(crate) fn count_mounting<
 }
 
 /// Energies of all elements.
+#[inline]
 pub(crate) fn energy<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -238,6 +241,7 @@ pub(crate) fn energy<
 }
 
 /// Energies of the element at `block`, `lane`.
+#[inline]
 pub(crate) fn energy_at<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -277,6 +281,7 @@ fn block_stiffness_lanewise<
 }
 
 /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
+#[inline]
 pub(crate) fn frequency_bound<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -309,6 +314,7 @@ pub(crate) fn frequency_bound<
 
 /// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and calls
 /// `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
+#[inline]
 pub(crate) fn add_mass<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -401,6 +407,7 @@ pub struct ElementDetail {
 }
 
 /// Details of all elements, in order; for snapshots alone, and so compiled for the baseline width only.
+#[inline]
 pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B::History>, const NODES: usize>(
     elements: &Blocks<B, NODES>,
     law: &M,
