@@ -39,7 +39,7 @@
 #![warn(missing_docs)]
 
 #[doc(inline)]
-pub use base::{cancellation, diagnostic, file, finding, number, shell, table, units};
+pub use base::{cancellation, diagnostic, file, finding, number, periodic, shell, table, units};
 #[doc(inline)]
 pub use cli;
 #[doc(inline)]
