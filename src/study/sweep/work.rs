@@ -34,7 +34,7 @@ pub enum Event<'a> {
     Taken,
     /// It was evaluated now.
     Computed(&'a Evaluation),
-    /// Its values make no valid scenario.
+    /// Its values make no valid scenario, or it failed for a cause that may pass.
     Refused(&'a str),
     /// So much is left; told from time to time where there are records of other sweeps or processes.
     Left(Outlook),
@@ -60,7 +60,7 @@ pub struct Work<'a> {
 pub struct Done {
     /// Keys of the evaluations that have records, by place.
     pub keys: BTreeMap<usize, EvaluationKeys>,
-    /// Why runs could not start, by place.
+    /// Why runs have no evaluation, by place.
     pub refused: BTreeMap<usize, String>,
     /// Runs that were evaluated before.
     pub taken: usize,
@@ -228,8 +228,7 @@ impl State<'_> {
             Ok(case) => case,
             Err(CaseError::Evaluation(error)) => return Err(error),
             Err(CaseError::Refused(cause)) => {
-                (self.observer)(Event::Refused(&cause));
-                lock(&self.done).refused.insert(place, cause);
+                self.refuse(place, cause);
                 return Ok(());
             }
         };
@@ -257,6 +256,11 @@ impl State<'_> {
             Err(EvaluationError::Cancelled) => {
                 return store.release(keys.figures).map_err(|error| evaluations.failed(error));
             }
+            Err(EvaluationError::Passing(cause)) => {
+                store.release(keys.figures).map_err(|error| evaluations.failed(error))?;
+                self.refuse(place, cause);
+                return Ok(());
+            }
             evaluated => evaluated?,
         };
         self.longest.fetch_max(begin.elapsed().as_millis() as u64, Ordering::Relaxed);
@@ -266,6 +270,12 @@ impl State<'_> {
 }
 
 impl State<'_> {
+    /// Notes a run without an evaluation.
+    fn refuse(&self, place: usize, cause: String) {
+        (self.observer)(Event::Refused(&cause));
+        lock(&self.done).refused.insert(place, cause);
+    }
+
     /// Notes an evaluation.
     fn add(&self, place: usize, keys: EvaluationKeys, evaluated: &Evaluated) {
         let Evaluated { evaluation, is_new } = evaluated;
