@@ -14,15 +14,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
+use super::build_name::build_name;
 use crate::post::{COST, HEADER, Plan, Results, failure_message};
 use crate::store::EvaluationStore;
 use crate::store::evaluations::{Key, Share};
 use base::file::{Digest, FileError};
 use scene::model::{Identity, Model, Reference};
 use scene::simulate::{self, Cancellation, Outcome, RunError, RunOptions};
-
-/// Build of droptower: another one may give other bits.
-pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("DROPTOWER_BUILD"));
 
 /// Figures of a summary that follow from the machine.
 const OF_THE_MACHINE: [&str; 4] = ["wall_s", "ns_per_element_step", "threads", "instructions"];
@@ -203,12 +201,12 @@ impl Evaluations {
     /// The records cannot be read.
     pub fn open(folder: &Path) -> Result<Evaluations, EvaluationError> {
         let failed = |source| EvaluationError::Store { folder: folder.into(), source };
-        EvaluationStore::open(folder, BUILD).map_err(failed).map(Evaluations::of)
+        EvaluationStore::open(folder, build_name()).map_err(failed).map(Evaluations::of)
     }
 
     /// Those in `folder`, which is not read: for scripts that do not run.
     pub fn unread(folder: &Path) -> Evaluations {
-        Evaluations::of(EvaluationStore::unread(folder, BUILD))
+        Evaluations::of(EvaluationStore::unread(folder, build_name()))
     }
 
     fn of(store: EvaluationStore) -> Evaluations {
@@ -445,7 +443,7 @@ fn without_snapshots(model: &Model) -> Model {
 /// What decides a run of a model without snapshots, by this build.
 fn run_key(model: &Model) -> Result<Key, EvaluationError> {
     let identity = Identity::of(model).map_err(EvaluationError::Input)?;
-    Ok(Key::of(&[BUILD.as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
+    Ok(Key::of(&[build_name().as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
 }
 
 /// What a reference says: how it is read, and its file.
