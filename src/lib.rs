@@ -39,7 +39,7 @@
 #![warn(missing_docs)]
 
 #[doc(inline)]
-pub use base::{cancellation, diagnostic, file, finding, number, shell, table, units};
+pub use base::{cancellation, diagnostic, file, finding, number, periodic, shell, table, units};
 #[doc(inline)]
 pub use cli;
 #[doc(inline)]
@@ -55,4 +55,4 @@ pub use report;
 #[doc(inline)]
 pub use scene::{digitize, expectation, mesh, model, scenario, simulate};
 #[doc(inline)]
-pub use study::{cluster, evaluate, functions, identify, post, scenario_functions, script, store, sweep};
+pub use study::{cluster, evaluate, functions, identify, post, reference, scenario_functions, script, store, sweep};

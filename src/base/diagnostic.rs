@@ -172,6 +172,22 @@ impl Diagnostic {
     }
 }
 
+/// The diagnostics of a text that is checked, as many as are found.
+#[derive(Clone, Debug, Default)]
+pub struct Diagnostics(pub Vec<Diagnostic>);
+
+impl Diagnostics {
+    /// Adds a mistake at `span`.
+    pub fn report(&mut self, span: &Span, message: impl Into<String>) {
+        self.0.push(Diagnostic::new(message).at(span));
+    }
+
+    /// Adds a mistake at `span`, and what to write instead.
+    pub fn report_with(&mut self, span: &Span, message: impl Into<String>, hint: impl Into<String>) {
+        self.0.push(Diagnostic::new(message).at(span).hint(hint));
+    }
+}
+
 /// A mistake for a program that reads it.
 #[derive(Debug, Serialize)]
 pub struct Record<'a> {

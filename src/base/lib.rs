@@ -8,4 +8,5 @@ pub mod file;
 pub mod finding;
 pub mod shell;
 pub mod cancellation;
+pub mod periodic;
 pub mod table;

@@ -1,7 +1,7 @@
 //! Quantities: "12 um" ⇄ 12e-6 m, with the dimension checked.
 //!
 //! A unit is written as factors with powers, `kg/m3`, `m/s^2`, `N/mm`; each factor is looked up by
-//! its abbreviation in `uom`, which knows the SI and its prefixes. A bare number is in the SI unit.
+//! its symbol or its English name. A bare number is in the SI unit.
 
 mod table;
 mod unit;
@@ -306,11 +306,11 @@ fn look_up(symbol: &str) -> Option<(f64, Powers)> {
         "Nmm" => return Some((1e-3, [2, 1, -2, -1, 0, 0])),
         _ => {}
     }
-    table::find(&spelled_as_uom(symbol))
+    table::find(&spelled_with_signs(symbol))
 }
 
 /// Keyboards have neither µ nor °.
-fn spelled_as_uom(symbol: &str) -> Cow<'_, str> {
+fn spelled_with_signs(symbol: &str) -> Cow<'_, str> {
     match symbol {
         "deg" => Cow::Borrowed("°"),
         "um" | "μm" => Cow::Borrowed("µm"),

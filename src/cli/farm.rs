@@ -1,7 +1,5 @@
 //! One of several processes that compute a study together: its part, its end.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -9,6 +7,7 @@ use clap::Args;
 use super::Failure;
 use base::cancellation::Cancellation;
 use base::diagnostic::{Diagnostic, Source, Span};
+use base::periodic;
 use base::units::Time;
 use study::evaluate::Evaluations;
 use study::store::evaluations::Share;
@@ -72,22 +71,12 @@ pub(super) fn watched<T>(
     deadline: Option<Instant>,
     work: impl FnOnce() -> T,
 ) -> T {
-    let is_over = AtomicBool::new(false);
     let watch = || {
-        while !is_over.load(Ordering::Relaxed) {
-            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                cancellation.cancel();
-            }
-            // What cannot be written shows in the next record.
-            let _ = evaluations.store().keep_alive();
-            thread::park_timeout(TICK);
+        if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            cancellation.cancel();
         }
+        // What cannot be written shows in the next record.
+        let _ = evaluations.store().keep_alive();
     };
-    thread::scope(|scope| {
-        let watch = scope.spawn(watch);
-        let found = work();
-        is_over.store(true, Ordering::Relaxed);
-        watch.thread().unpark();
-        found
-    })
+    periodic::during(TICK, watch, work)
 }

@@ -3,11 +3,8 @@
 use serde::Serialize;
 
 use super::{Failure, Shared, print, print_json};
-use study::functions;
-use study::identify;
+use study::reference::chapters;
 use study::script::{Chapter, Entry};
-use study::sweep;
-use study::{post, scenario_functions};
 
 /// The word that stands in place of a key.
 pub(super) const WORD: &str = "functions";
@@ -45,15 +42,6 @@ pub(super) fn calls() -> impl Iterator<Item = &'static str> {
 /// Whether scripts can call a function of this name.
 pub(super) fn are_called(name: &str) -> bool {
     chapters().any(|chapter| !entries(chapter, Some(name)).is_empty())
-}
-
-fn chapters() -> impl Iterator<Item = &'static Chapter> {
-    post::REFERENCE
-        .iter()
-        .chain(scenario_functions::REFERENCE)
-        .chain(identify::REFERENCE)
-        .chain(sweep::REFERENCE)
-        .chain(functions::REFERENCE)
 }
 
 /// The entries of a chapter in which `name` is called; all of them where there is no name.

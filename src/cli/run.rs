@@ -1,6 +1,5 @@
 //! `droptower run`: runs scenarios and writes their run folders.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -20,10 +19,10 @@ use base::diagnostic::{Diagnostic, printable};
 use base::file;
 use base::number::duration;
 use report::RunPage;
-use scene::scenario::Document;
 use scene::simulate::{
     self, Cancellation, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent,
 };
+use study::evaluate::{EvaluationError, Evaluations};
 use study::post;
 use study::store::{self, Draft, Origin, run_files};
 
@@ -184,30 +183,29 @@ fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
     if mistakes.is_empty() { Ok(Batch { jobs, complete }) } else { Err(mistakes) }
 }
 
-/// Whether the folder `place` holds the results of the scenario as it is now, and no file that it reads has changed since.
+/// Whether the folder `place` holds the results of the scenario and of the files that it reads as they are now.
 fn is_complete(checked: &Checked, place: &Path) -> bool {
-    let Checked { document, model, .. } = checked;
     let stored = file::read_text(&place.join(run_files::SCENARIO), MOST_BYTES);
-    let written = fs::metadata(place.join(run_files::SUMMARY)).and_then(|about| about.modified());
-    let (Ok(stored), Ok(written)) = (stored, written) else { return false };
-    let reference = model.reference.iter().map(|reference| reference.signals.as_path());
-    let meshes = model.meshes().into_iter().map(|mesh| mesh.path);
-    let mut inputs = reference.chain(meshes).chain(model.post.as_deref());
-    let is_older = |path: &Path| fs::metadata(path).and_then(|about| about.modified()).is_ok_and(|at| at <= written);
-    stored == resolved(document, place) && inputs.all(is_older)
+    let is_measured = place.join(run_files::SUMMARY).is_file();
+    is_measured && stored.is_ok_and(|stored| resolved(checked, place).is_ok_and(|now| now == stored))
 }
 
 /// Most bytes of a stored scenario.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// The scenario as the folder `place` holds it.
-fn resolved(document: &Document, place: &Path) -> String {
-    format!(
-        "# droptower {}\n{}{}",
+/// The scenario as the folder `place` holds it, with the digest of all that decides its results.
+///
+/// # Errors
+/// A mesh or the reference cannot be read.
+fn resolved(checked: &Checked, place: &Path) -> Result<String, EvaluationError> {
+    let Checked { document, model, plan } = checked;
+    Ok(format!(
+        "# droptower {}\n{}# digest: {}\n{}",
         env!("CARGO_PKG_VERSION"),
         Origin::of_run(document.path()).line(place),
+        Evaluations::keys(model, plan)?.figures,
         document.resolved_beside_script(run_files::POST_SCRIPT)
-    )
+    ))
 }
 
 fn place(out: Option<&Path>, name: &str, several: bool) -> Result<PathBuf, store::StoreError> {
@@ -225,7 +223,13 @@ impl Job {
     }
 
     fn run(&self, bar: &Bar, index: usize, viewer: Option<&Viewer>) -> Done {
-        let scenario = resolved(&self.checked.document, &self.place);
+        let scenario = match resolved(&self.checked, &self.place) {
+            Ok(scenario) => scenario,
+            Err(error) => {
+                let mistake = Diagnostic::new(format!("{}: {error}", self.checked.model.name));
+                return Done::failed(mistake.into());
+            }
+        };
         let mut show = Show::begin(viewer, &self.checked, &scenario, bar);
         let done = match self.simulate(bar, index, &mut show) {
             Err(failure) => return Done::failed(failure),

@@ -9,7 +9,7 @@ use super::{Failure, Shared, print_figures};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::number::{grouped, wall_time};
 use base::units::Time;
-use study::evaluate::BUILD;
+use study::evaluate::build_name;
 use study::store::evaluations::SegmentFigures;
 use study::store::{self, EvaluationStore};
 
@@ -61,7 +61,7 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
     print_figures(shared, &segments, || {
         let lines = segments.iter().map(|segment| {
             let build = match segment.build.as_deref() {
-                Some(BUILD) => "this build".to_owned(),
+                Some(build) if build == build_name() => "this build".to_owned(),
                 Some(build) => format!("droptower {build}"),
                 None => "damaged".to_owned(),
             };
@@ -89,7 +89,7 @@ fn prune(args: &PruneArgs, shared: &Shared) -> Result<(), Failure> {
     let is_wanted = |segment: &&SegmentFigures| match age {
         _ if args.all => true,
         Some(age) => segment.age_s > age,
-        None => segment.build.as_deref() != Some(BUILD),
+        None => segment.build.as_deref() != Some(build_name()),
     };
     // A process may still write the others.
     let is_still = |segment: &&SegmentFigures| segment.age_s > STILL_S;

@@ -6,7 +6,6 @@
 #![warn(missing_docs)]
 
 mod camera;
-mod colour;
 mod drawing;
 pub mod gltf;
 mod normals;

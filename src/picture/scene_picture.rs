@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::camera::Camera;
-use super::colour::viridis;
 use super::drawing::{Drawing, Placed};
 use super::normals;
 use super::png::{self, PictureError};
@@ -14,6 +13,7 @@ use super::round;
 use super::setting::{Setting, Words};
 use super::view::View;
 use plot::Style;
+use plot::viridis::viridis;
 use report::{Field, RunScene, SceneBody, SceneFace};
 use scene::simulate::{FilmState, Image, Snapshot};
 

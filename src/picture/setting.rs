@@ -6,10 +6,9 @@ use nalgebra::Vector3;
 use quick_xml::escape::escape;
 
 use super::camera::Camera;
-use super::colour;
 use super::drawing::SCENE;
 use base::number::significant;
-use plot::{Style, ticks};
+use plot::{Style, ticks, viridis};
 
 const INK: &str = "#1c2126";
 const PALE: &str = "#56616b";
@@ -78,7 +77,7 @@ impl Setting<'_> {
         let [_, top, right, bottom] = self.scene;
         let high = (bottom - top) * 0.72;
         let (x, y, wide) = (right + 1.4 * em, top + 0.5 * (bottom - top - high), 0.9 * em);
-        let stops: String = colour::stops()
+        let stops: String = viridis::stops()
             .map(|(share, colour)| format!("<stop offset=\"{share}\" stop-color=\"{colour}\"/>"))
             .collect();
         let _ = writeln!(

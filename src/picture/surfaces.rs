@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use nalgebra::Isometry3;
 
-use super::colour::viridis;
 use super::scene_picture::{CREASES, ScenePicture, drawn, posed, poses};
 use crate::gltf::{Look, Surface};
+use plot::viridis::viridis;
 use report::{SceneBody, SceneFace};
 use scene::simulate::FilmState;
 

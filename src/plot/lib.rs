@@ -4,6 +4,7 @@
 mod braille;
 mod picture;
 mod style;
+pub mod viridis;
 
 pub use braille::braille;
 pub use picture::ticks;

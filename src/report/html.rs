@@ -5,26 +5,31 @@ use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use serde_json::Value;
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use base::finding::Finding;
+use plot::viridis::VIRIDIS;
 
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 
-/// What every page runs, in this order: the plotting library, the page's own parts, the plots, the raster, the film.
-const SCRIPTS: [&str; 5] = [
-    include_str!("page/uplot/uPlot.iife.min.js"),
-    include_str!("page/page.js"),
-    include_str!("page/plots.js"),
-    include_str!("page/raster.js"),
-    include_str!("page/film.js"),
-];
+/// What every page runs, in this order: the plotting library, the page's own parts after the colours of values, the plots,
+/// the raster, the film.
+static SCRIPTS: LazyLock<[String; 5]> = LazyLock::new(|| {
+    let colours = json!(VIRIDIS);
+    [
+        include_str!("page/uplot/uPlot.iife.min.js").to_owned(),
+        format!("const VIRIDIS = {colours};\n{}", include_str!("page/page.js")),
+        include_str!("page/plots.js").to_owned(),
+        include_str!("page/raster.js").to_owned(),
+        include_str!("page/film.js").to_owned(),
+    ]
+});
 
 /// Nothing is loaded from anywhere, and no script runs but those of [`SCRIPTS`].
 static POLICY: LazyLock<String> = LazyLock::new(|| {
     let hash = |script: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)));
-    let scripts = SCRIPTS.map(hash).join(" ");
+    let scripts = SCRIPTS.each_ref().map(|script| hash(script)).join(" ");
     format!("default-src 'none'; style-src 'unsafe-inline'; script-src {scripts}; base-uri 'none'; form-action 'none'")
 });
 
@@ -54,7 +59,7 @@ pub(super) fn unescape(html: &str) -> String {
 pub fn page(title: &str, body: &str) -> String {
     let title = escape(title);
     let (policy, styles) = (POLICY.as_str(), STYLES.concat());
-    let scripts = SCRIPTS.map(|script| format!("<script>{script}</script>\n")).concat();
+    let scripts = SCRIPTS.each_ref().map(|script| format!("<script>{script}</script>\n")).concat();
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
@@ -180,7 +185,11 @@ mod tests {
         let html = page("a < b", "<p>body</p>\n");
         assert!(html.contains("<title>a &lt; b</title>") && html.contains("default-src 'none'"));
         assert_eq!(html.matches("'sha256-").count(), SCRIPTS.len());
-        assert!(SCRIPTS.iter().all(|script| !script.contains("</script") && html.contains(script)));
+        assert!(SCRIPTS.iter().all(|script| !script.contains("</script") && html.contains(script.as_str())));
+        assert!(
+            html.contains("<script>const VIRIDIS = [[68,1,84],[71,45,123],"),
+            "the colours stand before the page's parts"
+        );
     }
 
     #[test]

@@ -1,41 +1,83 @@
-//! Names the build after its sources: what another build computes may differ in its bits.
+//! Names the build after what decides the bits of its results, as far as that is known before the program runs.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::{env, fs, io};
 
 use sha2::{Digest, Sha256};
 
-/// What decides the results: the sources, the modules that scripts import, and the versions of the dependencies.
-const SOURCES: [&str; 4] = ["src", "scripts/droptower", "Cargo.toml", "Cargo.lock"];
+/// What decides the figures of a run: the sources from the files of a scenario to its figures, the modules that scripts
+/// import, and the versions of the dependencies.
+const SOURCES: [&str; 10] = [
+    "src/base",
+    "src/membrane",
+    "src/lab",
+    "src/scene",
+    "src/study/script",
+    "src/study/functions",
+    "src/study/post",
+    "src/study/evaluate",
+    "scripts/droptower",
+    "Cargo.lock",
+];
+
+/// What the compiler says of itself that decides the bits of what it makes.
+const COMPILER: [&str; 4] = ["release: ", "commit-hash: ", "host: ", "LLVM version: "];
+
+/// What cargo says of the machine that the program is made for.
+const MACHINE: [&str; 2] = ["TARGET", "CARGO_CFG_TARGET_FEATURE"];
 
 fn main() -> io::Result<()> {
-    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
-    let mut files = vec![];
-    for source in SOURCES {
-        println!("cargo::rerun-if-changed=../../{source}");
-        gather(&root.join(source), &mut files)?;
-    }
-    files.sort();
+    let variable = |name: &str| env::var(name).unwrap_or_default();
+    let root = PathBuf::from(variable("CARGO_MANIFEST_DIR")).join("../..");
+    SOURCES.iter().for_each(|source| println!("cargo::rerun-if-changed=../../{source}"));
     let mut digest = Sha256::new();
-    for file in files {
-        let name = file.strip_prefix(&root).unwrap_or(&file);
-        digest.update(name.to_string_lossy().replace('\\', "/"));
+    for (name, path) in sources(&root)? {
+        digest.update(name);
         // A checkout may have other line ends.
-        digest.update(fs::read(&file)?.into_iter().filter(|byte| *byte != b'\r').collect::<Vec<u8>>());
+        digest.update(fs::read(path)?.into_iter().filter(|byte| *byte != b'\r').collect::<Vec<u8>>());
     }
+    let about = Command::new(variable("RUSTC")).arg("-vV").output()?;
+    let about = String::from_utf8_lossy(&about.stdout);
+    about
+        .lines()
+        .filter(|line| COMPILER.iter().any(|start| line.starts_with(start)))
+        .for_each(|line| digest.update(line));
+    MACHINE.iter().for_each(|name| digest.update(variable(name)));
     let name: String = digest.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect();
     println!("cargo::rustc-env=DROPTOWER_BUILD={name}");
     Ok(())
 }
 
-/// The files at or below `path`; none where there is none, as a lock file of an installed package may be missing.
-fn gather(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+/// The files that are digested, by their names from `root` on with `/` between the parts.
+pub(crate) fn sources(root: &Path) -> io::Result<Vec<(String, PathBuf)>> {
+    let mut files = vec![];
+    for source in SOURCES {
+        gather(root, source.to_owned(), &mut files)?;
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// The files at or below `name`, without those of tests; none where there is none, as a lock file of an installed package
+/// may be missing.
+fn gather(root: &Path, name: String, files: &mut Vec<(String, PathBuf)>) -> io::Result<()> {
+    let path = root.join(&name);
+    if is_of_tests(&path) {
+        return Ok(());
+    }
     if path.is_dir() {
         for entry in fs::read_dir(path)? {
-            gather(&entry?.path(), files)?;
+            gather(root, format!("{name}/{}", entry?.file_name().to_string_lossy()), files)?;
         }
     } else if path.is_file() {
-        files.push(path.to_owned());
+        files.push((name, path));
     }
     Ok(())
+}
+
+/// Whether the file or folder holds tests alone: `tests.rs`, `edge_tests.rs`, `tearing_tests/`.
+fn is_of_tests(path: &Path) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    stem == "tests" || stem.ends_with("_tests")
 }

@@ -9,4 +9,5 @@ pub mod evaluate;
 pub mod scenario_functions;
 pub mod identify;
 pub mod sweep;
+pub mod reference;
 pub mod cluster;

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use serde_json::Value as Json;
 use tempfile::TempDir;
@@ -160,6 +160,30 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
     let output = droptower(bench.path(), &all);
     assert_eq!(error(&output).matches(" is complete: runs/").count(), 2, "{}", error(&output));
     assert!(written("done") == before[0] && written("later") > before[1]);
+}
+
+/// Whether a run of a batch is complete follows from what its files hold, not from their times.
+#[test]
+fn a_complete_run_is_known_by_the_content_of_its_files() {
+    let bench = bench();
+    let path = |name: &str| bench.path().join(name);
+    let set_time = |name: &str, time: SystemTime| {
+        let file = fs::File::options().append(true).open(path(name)).expect("a file");
+        file.set_modified(time).expect("a time");
+    };
+    fs::write(path("post.rhai"), "measure(\"more\", 1)").expect("a script");
+    fs::write(path("one.toml"), "extends = \"drop.toml\"\npost.script = \"post.rhai\"\n").expect("a scenario");
+    fs::write(path("other.toml"), "extends = \"drop.toml\"\n").expect("a scenario");
+    let quick = ["--set", "specimen.mesh.size=80mm", "--set", "loading.impact.duration=1ms"];
+    let all = [&["run", "one.toml", "other.toml"][..], &quick].concat();
+    assert!(droptower(bench.path(), &all).status.success());
+    let resumed = || error(&droptower(bench.path(), &[&all[..], &["--resume"]].concat()));
+    set_time("post.rhai", SystemTime::now() + Duration::from_secs(60));
+    assert_eq!(resumed().matches(" is complete: runs/").count(), 2, "only its time has changed");
+    fs::write(path("post.rhai"), "measure(\"more\", 2)").expect("a script");
+    set_time("post.rhai", SystemTime::now() - Duration::from_secs(3600));
+    assert_eq!(resumed().matches(" is complete: runs/").count(), 1, "its content has changed");
+    assert_eq!(summary(&path("runs/one"))["more"], 2);
 }
 
 #[test]

@@ -3,18 +3,23 @@
 use std::fs;
 use std::path::Path;
 use std::process::Output;
+use std::sync::Arc;
 
 use rhai::{Engine, Map, Scope};
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
+use droptower::evaluate::Evaluations;
 use droptower::functions;
+use droptower::identify::{self, SearchHost};
+use droptower::reference;
 use droptower::report::Figure;
 use droptower::scenario_functions;
-use droptower::script::{Arguments, Limits, OutputCollector, Script};
+use droptower::script::{Arguments, Entry, Limits, OutputCollector, Script};
 use droptower::signal::csv;
+use droptower::sweep;
 
-use crate::workbench::{droptower, error};
+use crate::workbench::{droptower, error, root};
 
 /// Coarse and short: what is tested is everything around the simulation.
 const QUICK: [&str; 4] = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms"];
@@ -309,28 +314,60 @@ fn mistakes_in_a_script_have_line_and_column() {
     }
 }
 
-#[test]
-fn the_examples_of_the_scripting_reference_run() {
-    let bench = bench();
-    let path = bench.path().join("quick.toml");
-    let quick = [QUICK[1], QUICK[3]].map(|set| set.replacen('=', " = \"", 1) + "\"\n").concat();
-    let reference = "reference = { signals = \"reference.csv\", window = [\"0 s\", \"2 ms\"] }\n";
-    fs::write(&path, format!("extends = \"drop.toml\"\n{reference}{quick}")).expect("a scenario");
-    let rows: String = (0..40).map(|i| format!("{},{i},{}\n", f64::from(i) * 1e-4, -i)).collect();
-    let table = format!("time_s,acceleration_m_s2,displacement_m\n{rows}");
-    fs::write(bench.path().join("reference.csv"), table).expect("a table");
-    let mut engine: Engine = functions::engine(Limits::STUDY);
-    functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
+/// An interpreter with every function of the reference, whose runs are stored in `folder`.
+fn engine(folder: &Path) -> Engine {
+    let evaluations = Arc::new(Evaluations::open(&folder.join("evaluations")).expect("a store"));
+    let mut engine = functions::engine(Limits::STUDY);
+    functions::register_output(&mut engine, &OutputCollector::new(vec!["steps".into()]));
     functions::register_reading(&mut engine);
     scenario_functions::register(&mut engine, vec![], None);
+    identify::register(&mut engine, &SearchHost::new(None, |_| {}));
+    sweep::register(&mut engine, &evaluations);
     Arguments::register(&mut engine);
-    // What post scripts find as `run` is tested beside it.
-    for entry in scenario_functions::REFERENCE.iter().flat_map(|chapter| chapter.entries) {
-        let mut scope = Scope::new();
-        let scenario = path.to_str().expect("UTF-8").to_owned();
-        scope.push_constant("args", Arguments::new(Map::from([("scenario".into(), scenario.into())])));
-        let script = Script::compile(&engine, &scope, Path::new("s.rhai"), entry.example);
-        let held = script.unwrap_or_else(|faults| panic!("{}: {faults:?}", entry.call)).evaluate(&engine, &mut scope);
+    engine
+}
+
+/// The files that the examples read, in `folder`, by the names of their arguments.
+fn arguments(folder: &Path) -> Map {
+    let base = root().join("scenarios/drop/1008.toml");
+    let quick = [QUICK[1], QUICK[3]].map(|set| set.replacen('=', " = \"", 1) + "\"\n").concat();
+    let scenario = format!(
+        "extends = {base:?}\nunset = [\"reference\"]\n{quick}\
+         reference = {{ signals = \"reference.csv\", window = [\"0 s\", \"2 ms\"] }}\n"
+    );
+    let rows: String = (0..40).map(|i| format!("{},{i},{}\n", f64::from(i) * 1e-4, -i)).collect();
+    let reference = format!("time_s,acceleration_m_s2,displacement_m\n{rows}");
+    fs::write(folder.join("reference.csv"), reference).expect("a table");
+    let files = [
+        ("scenario", "quick.toml", scenario.as_str()),
+        ("recording", "r.csv", "time [ms],acceleration [g]\n0,1\n1,2\n"),
+        ("stresses", "rubber-ut.csv", "stretch,stress_MPa\n1,0\n2,0.7\n3,1.1\n"),
+    ];
+    let written = files.map(|(argument, name, text)| {
+        let path = folder.join(name);
+        fs::write(&path, text).expect("a file");
+        (argument.into(), path.to_string_lossy().into_owned().into())
+    });
+    Map::from(written)
+}
+
+/// Every example that `droptower explain functions` prints, from the list that it prints.
+#[test]
+fn the_examples_of_the_scripting_reference_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let engine = engine(folder.path());
+    let mut scope = Scope::new();
+    scope.push_constant("args", Arguments::new(arguments(folder.path())));
+    let evaluated = |scope: &Scope<'static>, text: &str| {
+        let script = Script::compile(&engine, scope, Path::new("s.rhai"), text);
+        script.unwrap_or_else(|faults| panic!("{text}: {faults:?}")).evaluate(&engine, &mut scope.clone())
+    };
+    let run = evaluated(&scope, "scenario(args.scenario).simulate()").expect("a run");
+    scope.push_constant_dynamic("run", run);
+    let entries: Vec<&Entry> = reference::chapters().flat_map(|chapter| chapter.entries).collect();
+    for entry in &entries {
+        let held = evaluated(&scope, entry.example);
         assert!(matches!(held.as_ref().map(|held| held.as_bool()), Ok(Ok(true))), "{}: {held:?}", entry.call);
     }
+    assert!(entries.len() > 50, "{} examples", entries.len());
 }

@@ -74,7 +74,7 @@ impl Film {
         }
         let mut colours = DynamicArchetype::new(COLOURS);
         for (quantity, values) in quantities.iter().zip(&snapshot.values) {
-            let shades = colour::of(values, quantity.range);
+            let shades = colour::of(quantity.colours, values, quantity.range);
             let shades = shades.map(|[r, g, b]| Color::from_rgb(r, g, b));
             colours = colours.with_component::<Color>(quantity.key, shades);
         }

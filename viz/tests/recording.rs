@@ -53,7 +53,8 @@ fn state(n: u32, index: usize, snapshots: usize) -> FilmSnapshot {
 }
 
 fn quantity(key: &'static str) -> Quantity {
-    Quantity { key, title: key.to_owned(), words: key.to_owned(), range: [0.0, 0.1] }
+    let colours = &[[68, 1, 84], [33, 145, 140], [253, 231, 37]];
+    Quantity { key, title: key.to_owned(), words: key.to_owned(), range: [0.0, 0.1], colours }
 }
 
 fn signal(name: &str, samples: usize) -> SignalTrack {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use scene::model::{Identity, Model};
 use scene::scenario::{self, Document};
+use study::evaluate::build_name;
 
 /// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever
 /// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's
@@ -16,9 +17,6 @@ const MAGIC: &[u8; 24] = b"droptower checkpoint 06\n";
 
 /// The message for a checkpoint of another layout.
 pub(super) const OTHER_LAYOUT: &str = "not a checkpoint of this build of droptower";
-
-/// Version of droptower: another one may give other bits.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Tables of a scenario that are read after the run.
 const AFTER_THE_RUN: [&str; 3] = ["title", "reference", "post"];
@@ -32,7 +30,8 @@ const LONGEST_VALUE: usize = 60;
 /// The run that a checkpoint belongs to; it precedes the state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct CheckpointHeader {
-    version: String,
+    /// The build of droptower: another one may give other bits.
+    build: String,
     /// Simulated time between two checkpoints, s; `None` where no further ones are written.
     pub every: Option<f64>,
     /// Whether snapshots have their detail.
@@ -55,7 +54,7 @@ impl CheckpointHeader {
         detailed: bool,
     ) -> io::Result<CheckpointHeader> {
         let (scenario, identity) = (document.resolved(), Identity::of(model)?);
-        Ok(CheckpointHeader { version: VERSION.into(), every, detailed, scenario, identity })
+        Ok(CheckpointHeader { build: build_name().into(), every, detailed, scenario, identity })
     }
 
     /// Reads the header at the start of a checkpoint.
@@ -82,8 +81,8 @@ impl CheckpointHeader {
 
     /// Why a run of this header cannot resume from a checkpoint of another; `None` where it can.
     pub(super) fn differs_from(&self, other: &CheckpointHeader) -> Option<String> {
-        if self.version != other.version {
-            let (now, then) = (&self.version, &other.version);
+        if self.build != other.build {
+            let (now, then) = (&self.build, &other.build);
             return Some(format!("droptower {then} wrote it, this is {now}: the results may differ in their bits"));
         }
         if self.detailed != other.detailed {
@@ -135,13 +134,13 @@ mod tests {
     use super::*;
 
     /// The header of a run of so many layers, whose resolved scenario is `scenario`.
-    fn header(version: &str, scenario: &str, layers: u32) -> CheckpointHeader {
+    fn header(build: &str, scenario: &str, layers: u32) -> CheckpointHeader {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
         let document = Document::read(&path).expect("a document");
         let mut model = scene::model::check(&document).expect("a model");
         model.faces[0].layers = layers;
         let header = CheckpointHeader::new(&document, &model, None, false).expect("a header");
-        CheckpointHeader { version: version.into(), scenario: scenario.into(), ..header }
+        CheckpointHeader { build: build.into(), scenario: scenario.into(), ..header }
     }
 
     #[test]
@@ -149,15 +148,15 @@ mod tests {
         let lists = |last: u8| format!("a = [{}{last}]\n[[layer]]\nheight = {last}\n", "0.25, ".repeat(20));
         let found = differences(&lists(1), &lists(2));
         assert_eq!(found, ["there `a` is another one", "there `layer.0.height` is 1, here it is 2"]);
-        let other = header(VERSION, "a = 1\nb = 1\nc = 1\nd = 1\ne = 1\n", 9);
-        let hint = header(VERSION, "", 8).differs_from(&other).unwrap();
+        let other = header(build_name(), "a = 1\nb = 1\nc = 1\nd = 1\ne = 1\n", 9);
+        let hint = header(build_name(), "", 8).differs_from(&other).unwrap();
         assert!(hint.ends_with("there it has `c`, here it has none; and 2 more"), "{hint}");
     }
 
     #[test]
     fn a_refusal_names_the_keys_that_differ() {
         let own = header("0.1.0", "[layers]\ncount = 8\n", 8);
-        for (version, scenario, layers, expected) in [
+        for (build, scenario, layers, expected) in [
             ("0.1.0", "[layers]\ncount = 8\n", 8, None),
             ("0.1.0", "title = \"other\"\n", 8, None),
             (
@@ -177,13 +176,13 @@ mod tests {
                 Some("the scenario is the same, but a file that it names has changed"),
             ),
         ] {
-            assert_eq!(own.differs_from(&header(version, scenario, layers)).as_deref(), expected);
+            assert_eq!(own.differs_from(&header(build, scenario, layers)).as_deref(), expected);
         }
     }
 
     #[test]
     fn a_header_is_read_as_it_was_written() {
-        let header = header(VERSION, "[layers]\ncount = 8\n", 8);
+        let header = header(build_name(), "[layers]\ncount = 8\n", 8);
         let mut file = Vec::new();
         header.write(&mut file).unwrap();
         assert_eq!(CheckpointHeader::read(&mut file.as_slice()).unwrap(), header);

@@ -44,7 +44,7 @@ pub(super) struct SweepArgs {
     /// Also write the run folders of these runs: worst:3, all, or numbers (4,17)
     #[arg(long, value_name = "WHICH")]
     pub keep: Option<String>,
-    /// The figure by which runs are the worst: the largest
+    /// Figure by which runs are ranked: the largest value is the worst
     #[arg(long, value_name = "FIGURE")]
     pub figure: Option<String>,
     #[command(flatten)]

@@ -63,7 +63,7 @@ impl Keep {
     }
 }
 
-/// The figure by which runs are the worst: the one that is asked for, which the runs must have if any has figures.
+/// The figure by which runs are ranked: the one that is asked for, which the runs must have if any has figures.
 fn figure_of<'a>(sweep: &Sweep, found: &SweepResults, asked: Option<&'a str>) -> Result<&'a str, Diagnostic> {
     let figure = asked.unwrap_or(main_figure(sweep));
     let figures = found.table.figures();
@@ -114,7 +114,7 @@ fn run_place(place: &Path, run: usize) -> PathBuf {
     place.with_file_name(name).join(format!("{}", run + 1))
 }
 
-/// The figure by which runs are the worst, where none is given.
+/// The figure by which runs are ranked, where none is given.
 fn main_figure(sweep: &Sweep) -> &'static str {
     match sweep.model().loading {
         Loading::Impact { .. } => "peak_acceleration_m_s2",

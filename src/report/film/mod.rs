@@ -385,21 +385,6 @@ mod tests {
     }
 
     #[test]
-    fn page_recording_and_pictures_use_the_same_colour_map() {
-        let rows = |text: &'static str| -> String {
-            let (_, rest) = text.split_once("const VIRIDIS").expect("colours");
-            let (_, rest) = rest.split_once("= [").expect("their beginning");
-            let (rows, _) = rest.split_once("];").expect("their end");
-            rows.split_whitespace().collect()
-        };
-        let page = rows(include_str!("../page/page.js"));
-        assert_eq!(page.matches('[').count(), 9);
-        for other in [include_str!("../../../viz/src/colour.rs"), include_str!("../../picture/colour.rs")] {
-            assert_eq!(page, rows(other));
-        }
-    }
-
-    #[test]
     fn chosen_snapshots_include_the_moments() {
         let (points, film) = sheet(1);
         let snapshots: Vec<Snapshot> = (0..240).map(|at| snapshot(f64::from(at) * 0.5e-3, &points, &film)).collect();

@@ -1,5 +1,6 @@
 // Parts of every page: links to its sections, and a button for light or dark, which the system decides until the button
-// is pressed. Nothing is stored. `page` holds what the other scripts share.
+// is pressed. Nothing is stored. `page` holds what the other scripts share. `VIRIDIS`, the colours of the scale, stands
+// before.
 const page = (() => {
   "use strict";
 
@@ -57,18 +58,6 @@ const page = (() => {
     element.append(...children);
     return element;
   };
-
-  const VIRIDIS = [
-    [68, 1, 84],
-    [71, 45, 123],
-    [59, 82, 139],
-    [44, 114, 142],
-    [33, 145, 140],
-    [40, 174, 128],
-    [94, 201, 98],
-    [173, 220, 48],
-    [253, 231, 37],
-  ];
 
   /** Red, green and blue (0 to 255) of a share of the colour scale. */
   const viridis = (share) => {

@@ -3,6 +3,7 @@
 use viz::{Extent, FilmSnapshot, FilmTrack, Quantity};
 
 use crate::field::Field;
+use plot::viridis::VIRIDIS;
 use scene::simulate::{Film, Image, Snapshot};
 
 /// The quantities, with a range from zero to the largest of an intact element in any of `snapshots`.
@@ -13,6 +14,7 @@ pub(super) fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
         title: (*title).to_owned(),
         words: format!("{symbol}, {unit}"),
         range,
+        colours: &VIRIDIS,
     };
     let states = || snapshots.iter().flat_map(|snapshot| &snapshot.films);
     Field::all_in(films).map(|field| quantity(field, field.range(states()))).collect()

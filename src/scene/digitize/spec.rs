@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::Ink;
 use super::axes::{Axes, Axis};
 use crate::scenario::{self, Amount, Document};
-use base::diagnostic::{Diagnostic, shown_path};
+use base::diagnostic::{Diagnostic, Diagnostics, shown_path};
 use base::file::{self, FileError};
 use lab::signal::column;
 
@@ -73,11 +73,11 @@ impl Figure {
     /// All mistakes of the file, at once; a picture that cannot be read.
     pub fn check(document: &Document) -> Result<Figure, Vec<Diagnostic>> {
         let (written, mistakes) = document.figure();
-        let mut check = Check { document, mistakes };
+        let mut check = Check { document, mistakes: Diagnostics(mistakes) };
         let figure = written.and_then(|written| check.figure(&written));
         match figure {
-            Some(figure) if check.mistakes.is_empty() => Ok(figure),
-            _ => Err(check.mistakes),
+            Some(figure) if check.mistakes.0.is_empty() => Ok(figure),
+            _ => Err(check.mistakes.0),
         }
     }
 
@@ -119,13 +119,12 @@ fn read(path: &Path) -> Result<(RgbImage, f64), PictureError> {
 
 struct Check<'a> {
     document: &'a Document,
-    mistakes: Vec<Diagnostic>,
+    mistakes: Diagnostics,
 }
 
 impl Check<'_> {
     fn report(&mut self, keys: &[&str], message: impl Into<String>, hint: &str) {
-        let mistake = Diagnostic::new(message).at(&self.document.span_of(keys));
-        self.mistakes.push(mistake.hint(hint));
+        self.mistakes.report_with(&self.document.span_of(keys), message, hint);
     }
 
     fn figure(&mut self, written: &scenario::Figure) -> Option<Figure> {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::scenario::{self, Amount, Document};
-use base::diagnostic::Diagnostic;
+use base::diagnostic::{Diagnostic, Diagnostics};
 use lab::signal::{Series, column, csv};
 
 /// Stands for every signal without an entry of its own, and for every warning.
@@ -81,11 +81,11 @@ impl Expectations {
     pub fn check(document: &Document) -> Result<Expectations, Vec<Diagnostic>> {
         let (written, mistakes) = document.expectations();
         let is_read = mistakes.is_empty();
-        let mut check = Check { document, is_read, mistakes };
+        let mut check = Check { document, is_read, mistakes: Diagnostics(mistakes) };
         let found = written.map(|written| check.all(&written));
         match found {
-            Some(found) if check.mistakes.is_empty() => Ok(found),
-            _ => Err(check.mistakes),
+            Some(found) if check.mistakes.0.is_empty() => Ok(found),
+            _ => Err(check.mistakes.0),
         }
     }
 
@@ -100,7 +100,7 @@ struct Check<'a> {
     document: &'a Document,
     /// Whether every key was read: where one was not, another that is missing may be what it stands for.
     is_read: bool,
-    mistakes: Vec<Diagnostic>,
+    mistakes: Diagnostics,
 }
 
 impl Check<'_> {
@@ -118,19 +118,15 @@ impl Check<'_> {
         };
         let both = found.must.iter().find(|code| found.must_not.contains(code));
         if let Some(code) = both {
-            self.report("warnings.must_not", format!("`{code}` must and must not come"), "keep one of both");
+            let span = self.document.span_of(&["warnings", "must_not"]);
+            self.mistakes.report_with(&span, format!("`{code}` must and must not come"), "keep one of both");
         }
         let is_empty = written.signals.is_empty() && written.figures.is_empty();
         if self.is_read && is_empty && found.must.is_empty() && found.must_not.is_empty() {
             let hint = "write [signals], [figures] or [warnings]: `droptower explain expect`";
-            self.report("signals", "nothing is expected".into(), hint);
+            self.mistakes.report_with(&self.document.span_of(&["signals"]), "nothing is expected", hint);
         }
         found
-    }
-
-    fn report(&mut self, path: &str, message: String, hint: &str) {
-        let mistake = Diagnostic::new(message).at(&self.document.span_of(&path.split('.').collect::<Vec<_>>()));
-        self.mistakes.push(mistake.hint(hint));
     }
 
     fn signal(&mut self, name: &str, written: &scenario::SignalBounds) -> SignalBounds {
@@ -146,19 +142,19 @@ impl Check<'_> {
             window: written.window.map(|window| window.map(|time| time.0)),
         };
         if name == ALL && (written.absolute.is_some() || written.corridor.is_some()) {
-            let mistake = Diagnostic::new("signals have different units: `*` cannot bound them by a value");
-            let mistake = mistake.at(&self.document.span_of(&["signals", name]));
-            self.mistakes.push(mistake.hint("give `relative` or `rating`"));
+            let message = "signals have different units: `*` cannot bound them by a value";
+            let span = self.document.span_of(&["signals", name]);
+            self.mistakes.report_with(&span, message, "give `relative` or `rating`");
         }
         let has_bound = found.needs_recording() || written.absolute.is_some() || written.corridor.is_some();
         if self.is_read && !has_bound {
-            let mistake = Diagnostic::new(format!("nothing bounds `{name}`"));
-            let mistake = mistake.at(&self.document.span_of(&["signals", name]));
-            self.mistakes.push(mistake.hint("give absolute, relative, rating or corridor"));
+            let span = self.document.span_of(&["signals", name]);
+            let hint = "give absolute, relative, rating or corridor";
+            self.mistakes.report_with(&span, format!("nothing bounds `{name}`"), hint);
         }
         if found.window.is_some_and(|[from, to]| from >= to) {
-            let mistake = Diagnostic::new("expected a window that ends after it starts");
-            self.mistakes.push(mistake.at(&self.document.span_of(&["signals", name, "window"])));
+            let span = self.document.span_of(&["signals", name, "window"]);
+            self.mistakes.report(&span, "expected a window that ends after it starts");
         }
         found
     }
@@ -172,9 +168,9 @@ impl Check<'_> {
         };
         if bounds.between.is_none() && bounds.absolute.is_none() && bounds.relative.is_none() {
             if self.is_read {
-                let mistake = Diagnostic::new(format!("nothing bounds `{name}`"));
-                let mistake = mistake.at(&self.document.span_of(&["figures", name]));
-                self.mistakes.push(mistake.hint("give between, absolute or relative"));
+                let span = self.document.span_of(&["figures", name]);
+                let hint = "give between, absolute or relative";
+                self.mistakes.report_with(&span, format!("nothing bounds `{name}`"), hint);
             }
             return None;
         }
@@ -183,8 +179,8 @@ impl Check<'_> {
             Some([self.amount(&path, name, low)?, self.amount(&path, name, high)?])
         });
         if between.is_some_and(|[low, high]| low > high) {
-            let mistake = Diagnostic::new("expected the least value first");
-            self.mistakes.push(mistake.at(&self.document.span_of(&["figures", name, "between"])));
+            let span = self.document.span_of(&["figures", name, "between"]);
+            self.mistakes.report(&span, "expected the least value first");
         }
         let absolute = bounds.absolute.as_ref();
         let absolute = absolute.and_then(|amount| self.distance(&["figures", name, "absolute"], name, amount));
@@ -197,8 +193,7 @@ impl Check<'_> {
         if found >= 0.0 {
             return Some(found);
         }
-        let mistake = Diagnostic::new("expected a distance of at least 0").at(&self.document.span_of(path));
-        self.mistakes.push(mistake);
+        self.mistakes.report(&self.document.span_of(path), "expected a distance of at least 0");
         None
     }
 
@@ -209,16 +204,14 @@ impl Check<'_> {
             Amount::Text(text) => text,
         };
         let parsed = match column::dimension(name) {
-            Some(dimension) => dimension.parse(text).map_err(|error| {
-                let hint = error.hint();
-                Diagnostic::new(error.to_string()).hint(hint)
-            }),
-            None => text.trim().parse().map_err(|_| {
-                let mistake = Diagnostic::new(format!("expected a number, found \"{text}\""));
-                mistake.hint(format!("`{name}` has no unit"))
-            }),
+            Some(dimension) => dimension.parse(text).map_err(|error| (error.to_string(), error.hint())),
+            None => text
+                .trim()
+                .parse()
+                .map_err(|_| (format!("expected a number, found \"{text}\""), format!("`{name}` has no unit"))),
         };
-        parsed.map_err(|mistake| self.mistakes.push(mistake.at(&self.document.span_of(path)))).ok()
+        let span = self.document.span_of(path);
+        parsed.map_err(|(message, hint)| self.mistakes.report_with(&span, message, hint)).ok()
     }
 
     /// The two bounds of a corridor.
@@ -226,8 +219,8 @@ impl Check<'_> {
         let path = ["signals", name, "corridor"];
         let file: PathBuf = self.document.file_of(&path)?;
         let report = |check: &mut Self, message: String| {
-            let mistake = Diagnostic::new(message).at(&check.document.span_of(&path));
-            check.mistakes.push(mistake.hint("expected the columns time_s, lower and upper"));
+            let hint = "expected the columns time_s, lower and upper";
+            check.mistakes.report_with(&check.document.span_of(&path), message, hint);
         };
         let found = match csv::read(&file) {
             Ok(found) => found,

@@ -3,29 +3,27 @@
 use std::path::PathBuf;
 
 use crate::scenario::{Document, MeshFile};
-use base::diagnostic::{Diagnostic, Span, shown_path};
+use base::diagnostic::{Diagnostic, Diagnostics, Span, shown_path};
 
 /// The mistakes found so far, and the document that says where they are.
 pub struct Mistakes<'d> {
     pub document: &'d Document,
-    pub mistakes: Vec<Diagnostic>,
+    pub found: Diagnostics,
 }
 
 impl<'d> Mistakes<'d> {
     pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Mistakes<'d> {
-        Mistakes { document, mistakes }
+        Mistakes { document, found: Diagnostics(mistakes) }
     }
 
     /// A mistake in the value at the key path.
     pub fn report(&mut self, path: &str, message: impl Into<String>) {
-        let span = self.document.span(path);
-        self.mistakes.push(Diagnostic::new(message).at(&span));
+        self.found.report(&self.document.span(path), message);
     }
 
     /// A mistake in the value at the key path, and what to write instead.
     pub fn report_with(&mut self, path: &str, message: impl Into<String>, hint: impl Into<String>) {
-        let span = self.document.span(path);
-        self.mistakes.push(Diagnostic::new(message).at(&span).hint(hint));
+        self.found.report_with(&self.document.span(path), message, hint);
     }
 
     /// Lets the last mistake also point at the key path, where it is written.
@@ -34,8 +32,8 @@ impl<'d> Mistakes<'d> {
             return;
         }
         let span = self.document.span(path);
-        if let Some(mistake) = self.mistakes.pop() {
-            self.mistakes.push(mistake.label(&span, text));
+        if let Some(mistake) = self.found.0.pop() {
+            self.found.0.push(mistake.label(&span, text));
         }
     }
 
@@ -53,9 +51,7 @@ impl<'d> Mistakes<'d> {
 
     /// A key that has no meaning together with another.
     pub fn out_of_place(&mut self, path: &str, why: impl Into<String>) {
-        let span = self.document.key_span(path);
-        let message = format!("`{path}` has no meaning here");
-        self.mistakes.push(Diagnostic::new(message).at(&span).hint(why));
+        self.found.report_with(&self.document.key_span(path), format!("`{path}` has no meaning here"), why);
     }
 
     /// Whether the document has the key.
@@ -89,7 +85,7 @@ impl<'d> Mistakes<'d> {
 
     /// All mistakes in the order of the text, without repetitions.
     pub fn into_mistakes(self) -> Vec<Diagnostic> {
-        let mut mistakes = self.mistakes;
+        let mut mistakes = self.found.0;
         let place = |span: &Span| (span.source.name.clone(), span.range.start);
         mistakes.sort_by_cached_key(|mistake| mistake.span.as_ref().map(place));
         mistakes.dedup_by(|a, b| a.message == b.message && a.span.as_ref().map(place) == b.span.as_ref().map(place));

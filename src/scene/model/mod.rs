@@ -49,7 +49,7 @@ pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
     let mut mistakes = Mistakes::new(document, mistakes);
     let model = scenario.and_then(|scenario| model(&scenario, &mut mistakes));
     match model {
-        Some(model) if mistakes.mistakes.is_empty() => Ok(model),
+        Some(model) if mistakes.found.0.is_empty() => Ok(model),
         _ => Err(mistakes.into_mistakes()),
     }
 }
@@ -63,7 +63,7 @@ pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> 
     let mut mistakes = Mistakes::new(document, mistakes);
     let material = written.and_then(|written| material::check(&written, "", &mut mistakes));
     match material {
-        Some(material) if mistakes.mistakes.is_empty() => Ok(material),
+        Some(material) if mistakes.found.0.is_empty() => Ok(material),
         _ => Err(mistakes.into_mistakes()),
     }
 }

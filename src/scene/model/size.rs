@@ -54,7 +54,7 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
             return;
         }
     }
-    if mistakes.mistakes.is_empty() {
+    if mistakes.found.0.is_empty() {
         samples(model, memory, mistakes);
     }
 }

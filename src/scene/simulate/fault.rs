@@ -117,6 +117,12 @@ impl RunError {
         }
     }
 
+    /// Whether the same run may succeed another time: the file of a mesh could not be read, or did not hold what it held
+    /// before.
+    pub fn may_pass(&self) -> bool {
+        matches!(self, RunError::Mesh(MeshError::File { .. }) | RunError::Cancelled)
+    }
+
     /// What can be changed in the scenario, if anything.
     pub fn hint(&self) -> Option<String> {
         Some(match self {

@@ -7,13 +7,16 @@ use super::mount::section;
 use crate::mesh::{self, MeshError, Meshing, Outline, Side};
 use crate::model::{Face, Model};
 use membrane::engine::{Film, Nodes, Section, UndefinedFibreDirection, Vectors};
+use membrane::material::Law;
+use nalgebra::{Matrix2, Vector2};
 
 /// Boundary condition across the film between two jaws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
     /// The width is held, as under `[loading.stretch]`, where all nodes of a single element are in the jaws.
     Held,
-    /// The transverse force is zero: a strip that is long compared with its width.
+    /// The transverse force is zero: a strip that is long compared with its width. Of a plastic film the force that shears
+    /// it is zero too; fibres of fabric at an angle keep the stretches that (theory.md, equation 180) gives them.
     Free,
     /// The film is strained alike in both directions: equibiaxial tension.
     Equal,
@@ -45,7 +48,7 @@ pub enum PullError {
         /// The time before, s.
         before: f64,
     },
-    /// No width is in equilibrium at the strain.
+    /// No width, or no width and shear of a plastic film, is in equilibrium at the strain.
     #[error("no width of the film is in equilibrium at the strain {strain}")]
     NoWidth {
         /// The engineering strain.
@@ -56,7 +59,8 @@ pub enum PullError {
 /// Nominal stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one
 /// element of the size of the specimen, with the history variables of its law and the strain rate of the jaws. Beyond
 /// the break strain the stress is zero; a rupture criterion of its own does not act, since what an element carries while it
-/// tears depends on its size.
+/// tears depends on its size. A plastic film takes a strain in steps of a fifth of its yield strain: the return of one large
+/// step is not that of its path.
 ///
 /// # Errors
 /// Another loading than a stretch, a strain of −1 or less, no transverse equilibrium.
@@ -102,9 +106,24 @@ struct SingleElement {
     section: f64,
     /// Strain rate of the jaws, 1/s.
     rate: f64,
+    /// Strain at which a plastic film yields.
+    yield_strain: Option<f64>,
+    /// Engineering strain.
+    strain: f64,
     /// Transverse stretch.
     width: f64,
+    /// Displacement along the film over the distance across it.
+    shear: f64,
 }
+
+/// Largest step of the logarithmic strain of a plastic film, over its yield strain.
+const STEP: f64 = 0.2;
+
+/// Most steps from one strain to the next.
+const MOST_STEPS: f64 = 1e5;
+
+/// Difference of stretches by which the stiffness across a strip is found.
+const DIFFERENCE: f64 = 1e-7;
 
 /// Transverse force over the force along the film that counts as balanced.
 const FORCE_TOLERANCE: f64 = 1e-9;
@@ -133,10 +152,22 @@ impl SingleElement {
         let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
         let flat = nodes.position.clone();
         // Film with a Prony series is mounted before its first strain, however fast that is reached.
-        load(&mut film, &mut nodes, &flat, [1.0; 2], 0.0);
+        load(&mut film, &mut nodes, &flat, UNSTRETCHED, 0.0);
         let sides = [Side::XPlus, Side::YPlus].map(|side| mesh.sides[side as usize].clone());
+        let yield_strain = match &face.material.law {
+            Law::Plastic(law) => Some(law.yield_strain()),
+            _ => None,
+        };
         let (section, rate) = (stretch.section, stretch.velocity / x);
-        Ok(SingleElement { film, flat, nodes, sides, section, rate, width: 1.0 })
+        let [_, width, shear] = UNSTRETCHED;
+        Ok(SingleElement { film, flat, nodes, sides, section, rate, yield_strain, strain: 0.0, width, shear })
+    }
+
+    /// Number of steps to `strain`.
+    fn steps(&self, strain: f64) -> usize {
+        let Some(yield_strain) = self.yield_strain else { return 1 };
+        let change = (strain - self.strain).abs() / (1.0 + strain.min(self.strain));
+        (change / (STEP * yield_strain)).ceil().clamp(1.0, MOST_STEPS) as usize
     }
 
     /// Nominal stress (Pa) at `strain`, reached within `dt` (s).
@@ -144,18 +175,31 @@ impl SingleElement {
         if !(strain.is_finite() && strain > -1.0) {
             return Err(PullError::Strain { strain });
         }
-        let along = 1.0 + strain;
-        self.width = match across {
-            Across::Held => 1.0,
-            Across::Free => self.transverse_stretch(along, dt).ok_or(PullError::NoWidth { strain })?,
-            Across::Equal => along,
-        };
-        Ok(self.pulled([along, self.width], dt) / self.section)
+        let (steps, before) = (self.steps(strain), self.strain);
+        let (change, dt) = ((strain - before) / steps as f64, dt / steps as f64);
+        for step in 1..steps {
+            self.step(before + change * step as f64, dt, across)?;
+        }
+        Ok(self.step(strain, dt, across)? / self.section)
     }
 
-    /// Force (N) along the film that is stretched along and across within `dt` (s); updates its history and breaks
-    /// the fibres that are past their break strain.
-    fn pulled(&mut self, stretch: [f64; 2], dt: f64) -> f64 {
+    /// Force (N) along the film at `strain`, reached in one step within `dt` (s).
+    fn step(&mut self, strain: f64, dt: f64, across: Across) -> Result<f64, PullError> {
+        let along = 1.0 + strain;
+        let free = |found: Option<[f64; 2]>| found.ok_or(PullError::NoWidth { strain });
+        [self.width, self.shear] = match across {
+            Across::Held => [1.0, 0.0],
+            Across::Free if self.yield_strain.is_some() => free(self.free_sides(along, dt))?,
+            Across::Free => free(self.transverse_stretch(along, dt).map(|width| [width, 0.0]))?,
+            Across::Equal => [along, 0.0],
+        };
+        self.strain = strain;
+        Ok(self.pulled([along, self.width, self.shear], dt))
+    }
+
+    /// Force (N) along the film that is stretched and sheared within `dt` (s); updates its history and breaks the fibres
+    /// that are past their break strain.
+    fn pulled(&mut self, stretch: Stretch, dt: f64) -> f64 {
         load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
         if self.film.fail(self.nodes.position.axes()).broken > 0 {
             load(&mut self.film, &mut self.nodes, &self.flat, stretch, 0.0);
@@ -167,14 +211,47 @@ impl SingleElement {
     fn transverse_stretch(&self, along: f64, dt: f64) -> Option<f64> {
         let mut nodes = self.nodes.clone();
         let mut unbalanced = |across: f64| {
-            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across], dt);
+            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across, 0.0], dt);
             let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
             if across.abs() <= FORCE_TOLERANCE * pull.abs() { 0.0 } else { across }
         };
         let bracket = bracket(self.width, &mut unbalanced)?;
         root(bracket, &mut unbalanced)
     }
+
+    /// Transverse stretch and shear at which no force acts on the long sides of the film that is stretched by `along`
+    /// within `dt` (s), by Newton's method from those before: steps are short.
+    fn free_sides(&self, along: f64, dt: f64) -> Option<[f64; 2]> {
+        let mut nodes = self.nodes.clone();
+        let mut forces = |[width, shear]: [f64; 2]| {
+            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, width, shear], dt);
+            let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
+            (pull, Vector2::new(across, -nodes.total_force(&self.sides[1], 0)))
+        };
+        let mut found = [self.width, self.shear];
+        for _ in 0..MOST_ITERATIONS {
+            let (pull, unbalanced) = forces(found);
+            if unbalanced.amax() <= FORCE_TOLERANCE * pull.abs() {
+                return Some(found);
+            }
+            let [width, shear] = found;
+            let moved = [[width + DIFFERENCE, shear], [width, shear + DIFFERENCE]].map(|moved| forces(moved).1);
+            let stiffness = Matrix2::from_columns(&moved.map(|moved| (moved - unbalanced) / DIFFERENCE));
+            let change = stiffness.try_inverse()? * unbalanced;
+            found = [width - change.x, shear - change.y];
+            if change.amax() <= STRETCH_TOLERANCE {
+                return Some(found);
+            }
+        }
+        None
+    }
 }
+
+/// Stretches along and across, and the displacement along over the distance across.
+type Stretch = [f64; 3];
+
+/// Film as it is mounted.
+const UNSTRETCHED: Stretch = [1.0, 1.0, 0.0];
 
 /// A transverse stretch and the transverse force there, N.
 type Guess = (f64, f64);
@@ -211,10 +288,10 @@ fn root([mut other, mut last]: [Guess; 2], unbalanced: &mut impl FnMut(f64) -> f
     None
 }
 
-/// Stretches the film, `flat` before, along x and y within `dt` (s), and sets the forces of its nodes.
-fn load(film: &mut Film, nodes: &mut Nodes, flat: &Vectors, stretch: [f64; 2], dt: f64) {
+/// Stretches and shears the film, `flat` before, within `dt` (s), and sets the forces of its nodes.
+fn load(film: &mut Film, nodes: &mut Nodes, flat: &Vectors, [along, across, shear]: Stretch, dt: f64) {
     for (n, [x, y, z]) in flat.iter().enumerate() {
-        nodes.position.set(n, [stretch[0] * x, stretch[1] * y, z]);
+        nodes.position.set(n, [along * x + shear * y, across * y, z]);
     }
     nodes.clear_forces();
     film.add_forces(nodes, dt);

@@ -14,15 +14,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
+use super::build_name::build_name;
 use crate::post::{COST, HEADER, Plan, Results, failure_message};
 use crate::store::EvaluationStore;
 use crate::store::evaluations::{Key, Share};
 use base::file::{Digest, FileError};
 use scene::model::{Identity, Model, Reference};
 use scene::simulate::{self, Cancellation, Outcome, RunError, RunOptions};
-
-/// Build of droptower: another one may give other bits.
-pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("DROPTOWER_BUILD"));
 
 /// Figures of a summary that follow from the machine.
 const OF_THE_MACHINE: [&str; 4] = ["wall_s", "ns_per_element_step", "threads", "instructions"];
@@ -104,6 +102,10 @@ pub enum EvaluationError {
     /// The run was cancelled.
     #[error("the run was cancelled")]
     Cancelled,
+    /// The run has no outcome, for a cause that may pass: a mesh could not be read, the post script took too long. There
+    /// is no record of it.
+    #[error("{0}")]
+    Passing(String),
 }
 
 impl EvaluationError {
@@ -199,12 +201,12 @@ impl Evaluations {
     /// The records cannot be read.
     pub fn open(folder: &Path) -> Result<Evaluations, EvaluationError> {
         let failed = |source| EvaluationError::Store { folder: folder.into(), source };
-        EvaluationStore::open(folder, BUILD).map_err(failed).map(Evaluations::of)
+        EvaluationStore::open(folder, build_name()).map_err(failed).map(Evaluations::of)
     }
 
     /// Those in `folder`, which is not read: for scripts that do not run.
     pub fn unread(folder: &Path) -> Evaluations {
-        Evaluations::of(EvaluationStore::unread(folder, BUILD))
+        Evaluations::of(EvaluationStore::unread(folder, build_name()))
     }
 
     fn of(store: EvaluationStore) -> Evaluations {
@@ -269,7 +271,7 @@ impl Evaluations {
     /// another one may want again, for another reference or script, is kept whole.
     ///
     /// # Errors
-    /// [`EvaluationError`]; a run that fails numerically is an evaluation.
+    /// [`EvaluationError`]; a run that fails numerically is an evaluation, one that fails for a cause that may pass is not.
     pub fn evaluate(
         &self,
         model: &Model,
@@ -299,6 +301,7 @@ impl Evaluations {
                 }
                 match plan.evaluate(model, &outcome) {
                     Ok(results) => Evaluation::of(model, &outcome, &results, begin.elapsed().as_secs_f64()),
+                    Err(error) if error.may_pass() => return Err(EvaluationError::Passing(error.to_string())),
                     Err(error) => Evaluation::failed(error.to_string()),
                 }
             }
@@ -310,6 +313,7 @@ impl Evaluations {
                 let so_far = so_far.map(|results| Evaluation::of(model, &failure.so_far, &results, wall));
                 Evaluation { failure: Some(cause.clone()), ..so_far.unwrap_or_else(|| Evaluation::failed(cause)) }
             }
+            Err(error) if error.may_pass() => return Err(EvaluationError::Passing(error.to_string())),
             Err(error) => Evaluation::failed(NoOutcome::of(&error, model).cause),
         };
         self.add(keys, &evaluation)?;
@@ -319,7 +323,7 @@ impl Evaluations {
     }
 
     /// The outcome of `model` without its pictures: of a run that is kept whole, or of one that is computed and kept now;
-    /// none where another thread or process computes it.
+    /// none where another thread or process computes it. There is no record of a failure whose cause may pass.
     ///
     /// # Errors
     /// [`EvaluationError`]; why the run has no outcome is within.
@@ -340,24 +344,21 @@ impl Evaluations {
             return Ok(None);
         }
         let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
-        let found = match simulate::run_with(&model, options, &mut |_| {}) {
-            Ok(outcome) => Ok(outcome),
-            Err(RunError::Cancelled) => {
-                self.store.release(run).map_err(|source| self.failed(source))?;
-                return Err(EvaluationError::Cancelled);
-            }
-            Err(error) => Err(NoOutcome::of(&error, &model)),
-        };
+        let found = simulate::run_with(&model, options, &mut |_| {});
         match &found {
             Ok(outcome) => self.keep(run, outcome)?,
-            Err(failure) => {
-                let record = packed(failure).map_err(|source| self.failed(source))?;
+            Err(error) if error.may_pass() => {}
+            Err(error) => {
+                let record = packed(&NoOutcome::of(error, &model)).map_err(|source| self.failed(source))?;
                 self.store.put(failure_key(run), &record).map_err(|source| self.failed(source))?;
             }
         }
         self.store.release(run).map_err(|source| self.failed(source))?;
+        if matches!(found, Err(RunError::Cancelled)) {
+            return Err(EvaluationError::Cancelled);
+        }
         self.computed.fetch_add(1, Ordering::Relaxed);
-        Ok(Some(found))
+        Ok(Some(found.map_err(|error| NoOutcome::of(&error, &model))))
     }
 
     /// The same, which waits for another thread or process that computes it.
@@ -442,7 +443,7 @@ fn without_snapshots(model: &Model) -> Model {
 /// What decides a run of a model without snapshots, by this build.
 fn run_key(model: &Model) -> Result<Key, EvaluationError> {
     let identity = Identity::of(model).map_err(EvaluationError::Input)?;
-    Ok(Key::of(&[BUILD.as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
+    Ok(Key::of(&[build_name().as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
 }
 
 /// What a reference says: how it is read, and its file.
@@ -470,4 +471,47 @@ fn unpacked<T: DeserializeOwned>(content: &[u8]) -> Option<T> {
     let mut bytes = Vec::new();
     ZlibDecoder::new(content).take(MOST_BYTES).read_to_end(&mut bytes).ok()?;
     postcard::from_bytes(&bytes).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use scene::model;
+    use scene::scenario::{Assignment, Document};
+
+    /// A square of four elements, OBJ.
+    const FILM: &str = "v -0.2 -0.2 0\nv 0 -0.2 0\nv 0.2 -0.2 0\nv -0.2 0 0\nv 0 0 0\nv 0.2 0 0\nv -0.2 0.2 0\n\
+                        v 0 0.2 0\nv 0.2 0.2 0\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n";
+
+    /// A model whose film is in the file `mesh`, with a scenario in `folder`.
+    fn imported(folder: &Path, mesh: &Path) -> Model {
+        let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
+        let path = folder.join("film.toml");
+        fs::write(&path, format!("extends = \"{}\"\n", base.display())).unwrap();
+        let unset = ["reference", "post", "specimen.shape", "specimen.mesh"].map(|key| Assignment::unset(key, "test"));
+        let shape = format!("specimen.shape.mesh=\"{}\"", mesh.display());
+        let set = [shape.as_str(), "specimen.symmetry=none", "loading.impact.duration=1 ms"];
+        let set = set.map(|text| Assignment::from_argument(text).unwrap());
+        model::check(&Document::read(&path).unwrap().with(&unset).with(&set)).unwrap()
+    }
+
+    #[test]
+    fn a_mesh_that_could_not_be_read_is_no_record() {
+        let folder = tempfile::tempdir().unwrap();
+        let mesh = folder.path().join("film.obj");
+        fs::write(&mesh, FILM).unwrap();
+        let model = imported(folder.path(), &mesh);
+        let plan = Plan::prepare(&model).unwrap();
+        let keys = Evaluations::keys(&model, &plan).unwrap();
+        let evaluations = Evaluations::open(&folder.path().join("store")).unwrap();
+        let evaluate = || evaluations.evaluate(&model, &plan, keys, &Cancellation::default());
+        fs::remove_file(&mesh).unwrap();
+        let found = evaluate();
+        assert!(matches!(&found, Err(EvaluationError::Passing(cause)) if cause.contains("no such file")), "{found:?}");
+        assert!(evaluations.store().is_empty());
+        fs::write(&mesh, FILM).unwrap();
+        assert_eq!(evaluate().unwrap().evaluation.failure, None);
+    }
 }

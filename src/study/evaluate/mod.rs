@@ -1,8 +1,10 @@
 //! Runs that leave figures instead of a folder, each computed once, and what a search takes from them.
 
+mod build_name;
 mod evaluations;
 pub(crate) mod trial;
 
+pub use build_name::build_name;
 pub use evaluations::{
-    BUILD, Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, NoOutcome, is_cost,
+    Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, NoOutcome, is_cost,
 };

@@ -73,34 +73,3 @@ pub fn register_output(engine: &mut Engine, collector: &OutputCollector) {
     plots::register(collector, engine);
     files::register(collector, engine);
 }
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use rhai::{Map, Scope};
-
-    use super::REFERENCE;
-    use super::check::engine;
-    use crate::script::Script;
-
-    #[test]
-    fn the_examples_hold() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("r.csv");
-        std::fs::write(&path, "time [ms],acceleration [g]\n0,1\n1,2\n").unwrap();
-        let stresses = folder.path().join("rubber-ut.csv");
-        std::fs::write(&stresses, "stretch,stress_MPa\n1,0\n2,0.7\n3,1.1\n").unwrap();
-        let mut scope = Scope::new();
-        let args = [("recording", &path), ("stresses", &stresses)];
-        let args = args.map(|(name, path)| (name.into(), path.to_string_lossy().into_owned().into()));
-        scope.push_constant("args", Map::from(args));
-        let engine = engine();
-        for entry in REFERENCE.iter().flat_map(|chapter| chapter.entries) {
-            let script = Script::compile(&engine, &scope, Path::new("s.rhai"), entry.example);
-            let script = script.unwrap_or_else(|faults| panic!("{}: {faults:?}", entry.call));
-            let held = script.evaluate(&engine, &mut scope.clone()).map(|value| value.as_bool());
-            assert_eq!(held, Ok(Ok(true)), "{}", entry.call);
-        }
-    }
-}

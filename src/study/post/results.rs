@@ -127,6 +127,13 @@ pub enum EvaluateError {
     Script(#[from] Fault),
 }
 
+impl EvaluateError {
+    /// Whether the same run may be measured another time: its post script took too long or could not be started.
+    pub fn may_pass(&self) -> bool {
+        matches!(self, EvaluateError::Script(fault) if fault.may_pass)
+    }
+}
+
 impl Results {
     /// Everything but the post script.
     pub(super) fn measure(

@@ -28,6 +28,8 @@ pub struct Fault {
     pub hint: Option<String>,
     /// Whether a simulation failed numerically, which is no mistake of the script.
     pub numerical: bool,
+    /// Whether the same script may succeed another time: it took too long, was stopped, or could not be started.
+    pub may_pass: bool,
 }
 
 impl Fault {
@@ -50,7 +52,7 @@ impl Fault {
         let at = |message: String| Fault::at(file, position, message);
         match culprit {
             EvalAltResult::ErrorRuntime(value, _) => of_value(unit, position, value),
-            EvalAltResult::ErrorTerminated(reason, _) => at(reason.to_string()),
+            EvalAltResult::ErrorTerminated(reason, _) => Fault { may_pass: true, ..at(reason.to_string()) },
             EvalAltResult::ErrorFunctionNotFound(signature, _) => at(not_taken(signature)),
             EvalAltResult::ErrorPropertyNotFound(name, _) => {
                 let fields = Session::of_engine(engine).fields();
@@ -70,7 +72,8 @@ impl Fault {
     }
 
     pub(super) fn starting(file: &SourceText, error: &io::Error) -> Fault {
-        Fault::at(file, Position::NONE, format!("cannot start a thread for the script: {error}"))
+        let message = format!("cannot start a thread for the script: {error}");
+        Fault { may_pass: true, ..Fault::at(file, Position::NONE, message) }
     }
 
     pub(super) fn at(source: &SourceText, position: Position, message: String) -> Fault {
@@ -82,6 +85,7 @@ impl Fault {
             message: lower_first(&message),
             hint: None,
             numerical: false,
+            may_pass: false,
         }
     }
 

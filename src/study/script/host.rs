@@ -337,6 +337,9 @@ mod tests {
         let script = Script::compile(&engine, &scope, Path::new("s.rhai"), "loop {}").unwrap();
         let fault = script.run(&engine, scope).unwrap_err();
         assert_eq!(fault.message, "the script took longer than 0 s");
+        assert!(fault.may_pass);
+        let mistake = run("throw 1").unwrap_err();
+        assert!(!mistake.may_pass);
     }
 
     #[test]

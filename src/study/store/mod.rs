@@ -45,6 +45,14 @@ pub enum StoreError {
         /// The file.
         path: PathBuf,
     },
+    /// What is at the path cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable {
+        /// The folder.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
     /// A folder that holds no run has the name.
     #[error("{} is not a run folder of droptower and is not replaced; give another --out", path.display())]
     NotARun {
@@ -107,10 +115,20 @@ impl StoreError {
         StoreError::Write { path: path.into(), source }
     }
 
+    /// What is at `path` could not be listed.
+    fn list(path: &Path, source: io::Error) -> StoreError {
+        let path = path.to_owned();
+        match source.kind() {
+            // A link that leads nowhere is no folder either.
+            io::ErrorKind::NotADirectory | io::ErrorKind::NotFound => StoreError::NotAFolder { path },
+            _ => StoreError::Unreadable { path, source },
+        }
+    }
+
     /// Whether a folder is not replaced for what it holds.
     fn is_refusal(&self) -> bool {
-        use StoreError::{Foreign, NotAFolder, NotARun, OfAnother};
-        matches!(self, NotAFolder { .. } | NotARun { .. } | Foreign { .. } | OfAnother { .. })
+        use StoreError::{Foreign, NotAFolder, NotARun, OfAnother, Unreadable};
+        matches!(self, NotAFolder { .. } | Unreadable { .. } | NotARun { .. } | Foreign { .. } | OfAnother { .. })
     }
 }
 
@@ -321,9 +339,7 @@ fn check_moved(folder: &Path, target: &Path) -> Result<(), StoreError> {
     if fs::symlink_metadata(folder).is_err() {
         return Ok(());
     }
-    let Ok(entries) = fs::read_dir(folder) else {
-        return Err(StoreError::NotAFolder { path: path() });
-    };
+    let entries = fs::read_dir(folder).map_err(|source| StoreError::list(target, source))?;
     let names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     if !names.is_empty() && !names.iter().any(|name| run_files::MARKERS.contains(&name.as_str())) {
         return Err(StoreError::NotARun { path: path() });
@@ -404,6 +420,16 @@ mod tests {
         stored(&target, "2").unwrap();
         assert_eq!(fs::read_to_string(target.join("summary.json")).unwrap(), "2");
         assert_eq!(names(&root.path().join("drop")), ["1008"]);
+    }
+
+    #[test]
+    fn a_folder_that_may_not_be_read_is_a_folder() {
+        for (kind, expected) in [
+            (io::ErrorKind::PermissionDenied, "cannot read runs/a: permission denied"),
+            (io::ErrorKind::NotADirectory, "runs/a is not a folder"),
+        ] {
+            assert_eq!(StoreError::list(Path::new("runs/a"), kind.into()).to_string(), expected);
+        }
     }
 
     #[test]

@@ -87,15 +87,53 @@ impl SweepResults {
         entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
 
-    /// The runs with the largest values of a figure, from zero, the largest first; failed runs come before all.
+    /// The runs with the largest values of a figure, from zero, the largest first; failed runs come before all, those without
+    /// the figure after them.
     pub fn worst(&self, figure: &str, count: usize) -> Vec<usize> {
         let values = self.table.column(figure).map(|column| column.values.numbers()).unwrap_or_default();
         let of = |row: usize| match self.table.failure(row) {
             Some(_) => f64::INFINITY,
-            None => values.get(row).copied().flatten().map_or(f64::NEG_INFINITY, f64::abs),
+            None => values.get(row).copied().flatten().unwrap_or(f64::NEG_INFINITY),
         };
         let mut rows: Vec<usize> = (0..self.table.rows()).collect();
         rows.sort_by(|a, b| of(*b).total_cmp(&of(*a)).then(a.cmp(b)));
         rows.into_iter().take(count).map(|row| self.table.number(row) - 1).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::table::Values;
+
+    fn results(values: [Option<f64>; 5], failed: usize) -> SweepResults {
+        let column = |name: &str, values| Column { name: name.into(), values };
+        let failure = (0..5).map(|row| (row == failed).then(|| "lost".to_owned())).collect();
+        let columns = vec![
+            column("run", Values::Numbers((1..=5).map(|run| Some(f64::from(run))).collect())),
+            column("status", Values::Texts(vec![None; 5])),
+            column("depth_m", Values::Numbers(values.to_vec())),
+            column("failure", Values::Texts(failure)),
+        ];
+        let table = Table { columns, inputs: 0, figures: 1 };
+        SweepResults {
+            table,
+            reused: 0,
+            failed: 1,
+            missing: 0,
+            engine_s: 0.0,
+            statistics: vec![],
+            rupture: None,
+            effects: vec![],
+            findings: vec![],
+        }
+    }
+
+    #[test]
+    fn the_worst_runs_are_those_with_the_largest_values() {
+        let found = results([Some(-3.0), Some(1.0), None, Some(0.5), Some(2.0)], 3);
+        assert_eq!(found.worst("depth_m", 5), [3, 4, 1, 0, 2]);
+        let negative = results([Some(-1.0), Some(-3.0), Some(-2.0), Some(-4.0), None], 4);
+        assert_eq!(negative.worst("depth_m", 3), [4, 0, 2]);
     }
 }

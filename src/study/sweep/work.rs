@@ -10,6 +10,7 @@ use super::outlook::{Lookout, Outlook, Position};
 use super::{Case, CaseError, Sweep};
 use crate::evaluate::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
 use base::cancellation::Cancellation;
+use base::periodic;
 
 /// Time between two looks at the clock, at signals, and at what other processes did.
 const TICK: Duration = Duration::from_millis(100);
@@ -33,7 +34,7 @@ pub enum Event<'a> {
     Taken,
     /// It was evaluated now.
     Computed(&'a Evaluation),
-    /// Its values make no valid scenario.
+    /// Its values make no valid scenario, or it failed for a cause that may pass.
     Refused(&'a str),
     /// So much is left; told from time to time where there are records of other sweeps or processes.
     Left(Outlook),
@@ -59,7 +60,7 @@ pub struct Work<'a> {
 pub struct Done {
     /// Keys of the evaluations that have records, by place.
     pub keys: BTreeMap<usize, EvaluationKeys>,
-    /// Why runs could not start, by place.
+    /// Why runs have no evaluation, by place.
     pub refused: BTreeMap<usize, String>,
     /// Runs that were evaluated before.
     pub taken: usize,
@@ -97,8 +98,20 @@ struct State<'a> {
     error: Mutex<Option<EvaluationError>>,
     /// Longest time of a run so far, ms.
     longest: AtomicU64,
-    is_over: AtomicBool,
+    /// Whether a thread panicked: its run is never done, and whoever waited for it would never end.
+    has_panicked: AtomicBool,
     observer: &'a (dyn Fn(Event<'_>) + Sync),
+}
+
+/// Tells the other threads of a panic when dropped by one.
+struct PanicGuard<'a>(&'a AtomicBool);
+
+impl Drop for PanicGuard<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
 }
 
 impl Work<'_> {
@@ -106,6 +119,9 @@ impl Work<'_> {
     ///
     /// # Errors
     /// Records or inputs cannot be read or written.
+    ///
+    /// # Panics
+    /// Where a run or the observer does; no run begins then any more.
     pub fn run(&self, observer: &(dyn Fn(Event<'_>) + Sync)) -> Result<Done, EvaluationError> {
         let state = State {
             work: *self,
@@ -114,16 +130,14 @@ impl Work<'_> {
             done: Mutex::default(),
             error: Mutex::default(),
             longest: AtomicU64::new(0),
-            is_over: AtomicBool::new(false),
+            has_panicked: AtomicBool::new(false),
             observer,
         };
-        thread::scope(|scope| {
-            let watch = scope.spawn(|| state.watch());
-            let lookout = scope.spawn(|| state.look_out());
-            rayon::scope(|threads| (0..rayon::current_num_threads()).for_each(|_| threads.spawn(|_| state.take_all())));
-            state.is_over.store(true, Ordering::Relaxed);
-            [watch, lookout].iter().for_each(|waiting| waiting.thread().unpark());
-        });
+        let mut lookout = Lookout::new(self.evaluations);
+        let look_out = || state.look_out(&mut lookout);
+        let threads = 0..rayon::current_num_threads();
+        let take = || rayon::scope(|scope| threads.for_each(|_| scope.spawn(|_| state.take_all())));
+        periodic::during(TICK, || state.watch(), || periodic::during(LOOK, look_out, take));
         if !self.gather {
             let store = self.evaluations.store();
             store.close().and_then(|()| store.sync()).map_err(|error| self.evaluations.failed(error))?;
@@ -138,27 +152,23 @@ impl Work<'_> {
 impl State<'_> {
     /// Shows other processes that this one is at work, and ends runs at the deadline.
     fn watch(&self) {
-        while !self.is_over.load(Ordering::Relaxed) {
-            if self.work.stop.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                self.work.stop.requested.cancel();
-            }
-            if !self.work.gather {
-                // What cannot be written shows in the next record.
-                let _ = self.work.evaluations.store().keep_alive();
-            }
-            thread::park_timeout(TICK);
+        if self.work.stop.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            self.work.stop.requested.cancel();
+        }
+        if !self.work.gather {
+            // What cannot be written shows in the next record.
+            let _ = self.work.evaluations.store().keep_alive();
         }
     }
 
     /// Tells what is left.
-    fn look_out(&self) {
+    fn look_out(&self, lookout: &mut Lookout) {
         let Work { sweep, evaluations, gather, .. } = self.work;
-        let mut lookout = Lookout::new(evaluations);
-        while !gather && !self.is_over.load(Ordering::Relaxed) {
-            if let Some(outlook) = lookout.outlook(sweep, evaluations, self.position(), |most| self.sample(most)) {
-                (self.observer)(Event::Left(outlook));
-            }
-            thread::park_timeout(LOOK);
+        if gather {
+            return;
+        }
+        if let Some(outlook) = lookout.outlook(sweep, evaluations, self.position(), |most| self.sample(most)) {
+            (self.observer)(Event::Left(outlook));
         }
     }
 
@@ -177,6 +187,7 @@ impl State<'_> {
     }
 
     fn take_all(&self) {
+        let _guard = PanicGuard(&self.has_panicked);
         while !self.ends() {
             let next = lock(&self.queue).pop_front();
             let result = match next {
@@ -195,7 +206,8 @@ impl State<'_> {
         let longest = Duration::from_millis(self.longest.load(Ordering::Relaxed));
         let Stop { deadline, .. } = self.work.stop;
         let is_late = deadline.is_some_and(|deadline| Instant::now() + longest > deadline);
-        self.work.stop.is_requested() || is_late || lock(&self.error).is_some()
+        let has_panicked = self.has_panicked.load(Ordering::Relaxed);
+        self.work.stop.is_requested() || is_late || has_panicked || lock(&self.error).is_some()
     }
 
     /// Looks again for runs that other processes compute; `false` where there are none, or it is not this process that
@@ -216,8 +228,7 @@ impl State<'_> {
             Ok(case) => case,
             Err(CaseError::Evaluation(error)) => return Err(error),
             Err(CaseError::Refused(cause)) => {
-                (self.observer)(Event::Refused(&cause));
-                lock(&self.done).refused.insert(place, cause);
+                self.refuse(place, cause);
                 return Ok(());
             }
         };
@@ -245,6 +256,11 @@ impl State<'_> {
             Err(EvaluationError::Cancelled) => {
                 return store.release(keys.figures).map_err(|error| evaluations.failed(error));
             }
+            Err(EvaluationError::Passing(cause)) => {
+                store.release(keys.figures).map_err(|error| evaluations.failed(error))?;
+                self.refuse(place, cause);
+                return Ok(());
+            }
             evaluated => evaluated?,
         };
         self.longest.fetch_max(begin.elapsed().as_millis() as u64, Ordering::Relaxed);
@@ -254,6 +270,12 @@ impl State<'_> {
 }
 
 impl State<'_> {
+    /// Notes a run without an evaluation.
+    fn refuse(&self, place: usize, cause: String) {
+        (self.observer)(Event::Refused(&cause));
+        lock(&self.done).refused.insert(place, cause);
+    }
+
     /// Notes an evaluation.
     fn add(&self, place: usize, keys: EvaluationKeys, evaluated: &Evaluated) {
         let Evaluated { evaluation, is_new } = evaluated;
@@ -273,4 +295,39 @@ impl State<'_> {
 /// No lock is held where a panic could leave its content half changed.
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    use std::path::Path;
+    use std::sync::mpsc;
+
+    use super::*;
+    use scene::scenario::{Assignment, Document};
+
+    /// Two runs of one evaluation: a thread waits for the other, which panics.
+    #[test]
+    fn a_panic_ends_the_sweep() {
+        let set = [
+            "specimen.mesh.size=\"80 mm\"",
+            "loading.impact.duration=\"1 ms\"",
+            "variation={ \"impactor.mass\" = [10, 10, 11, 11] }",
+        ];
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
+        let unset = ["reference", "post"].map(|key| Assignment::unset(key, "test"));
+        let set: Vec<Assignment> = set.iter().map(|text| Assignment::from_argument(text).unwrap()).collect();
+        let sweep = Sweep::prepare(&Document::read(&path).unwrap().with(&unset).with(&set), None).unwrap();
+        let (told, ended) = mpsc::channel();
+        thread::spawn(move || {
+            let folder = tempfile::tempdir().unwrap();
+            let evaluations = Evaluations::open(folder.path()).unwrap();
+            let stop = Stop::default();
+            let work = Work { sweep: &sweep, evaluations: &evaluations, waits: true, stop: &stop, gather: false };
+            let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+            let run = || threads.install(|| work.run(&|_| panic!("of the observer")));
+            told.send(catch_unwind(AssertUnwindSafe(run)).is_err()).unwrap();
+        });
+        assert_eq!(ended.recv_timeout(Duration::from_secs(60)), Ok(true));
+    }
 }

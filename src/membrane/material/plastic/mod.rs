@@ -60,6 +60,11 @@ impl Plastic {
         &self.hardening
     }
 
+    /// Strain along MD at which slow flow begins.
+    pub fn yield_strain(&self) -> f64 {
+        self.hardening.initial() / self.elastic.young
+    }
+
     /// The yield function.
     pub fn hill(&self) -> &Hill {
         &self.hill

@@ -1,6 +1,7 @@
 //! Whether a polygon is the outline of a film.
 
 use nalgebra::Point2;
+use spade::InsertionError;
 use thiserror::Error;
 
 use super::Polygon;
@@ -65,6 +66,9 @@ pub enum PolygonFault {
         /// The loop.
         of: usize,
     },
+    /// A coordinate beyond those that can be triangulated.
+    #[error("the film cannot be triangulated: a coordinate is {}", refused(*.0))]
+    NotTriangulated(InsertionError),
     /// A corner in the part that symmetry leaves out.
     #[error("the corner {} lies beyond the mirror plane {axis} = 0; with symmetry the polygon is the part at {axis} >= 0", millimetres(.at))]
     BeyondMirror {
@@ -91,7 +95,10 @@ impl PolygonFault {
             | PolygonFault::Narrow { of, .. }
             | PolygonFault::HoleOutside { of }
             | PolygonFault::Crossing { of: [_, of], .. } => of.checked_sub(1),
-            PolygonFault::TooMany { .. } | PolygonFault::BeyondMirror { .. } | PolygonFault::NotOnMirror { .. } => None,
+            PolygonFault::TooMany { .. }
+            | PolygonFault::NotTriangulated(_)
+            | PolygonFault::BeyondMirror { .. }
+            | PolygonFault::NotOnMirror { .. } => None,
         }
     }
 }
@@ -100,6 +107,14 @@ fn crossing(of: &[usize; 2]) -> String {
     match of {
         [a, b] if a == b => format!("{} crosses itself", named(*a)),
         [a, b] => format!("{} and {} cross", named(*a), named(*b)),
+    }
+}
+
+fn refused(error: InsertionError) -> &'static str {
+    match error {
+        InsertionError::TooSmall => "too close to zero",
+        InsertionError::TooLarge => "too large",
+        InsertionError::NAN => "not a number",
     }
 }
 

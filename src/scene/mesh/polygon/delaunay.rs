@@ -4,7 +4,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use nalgebra::{Point2, Point3};
-use spade::{ConstrainedDelaunayTriangulation, Triangulation};
+use spade::{ConstrainedDelaunayTriangulation, InsertionError, Triangulation};
 
 use super::Polygon;
 use super::boundary::Boundary;
@@ -19,15 +19,18 @@ const DEEPEST: u32 = 6;
 const ROUNDS: usize = 300;
 
 /// Nodes (the boundary's first) and triangles, counter-clockwise, of at most about `most` nodes.
+///
+/// # Errors
+/// A coordinate cannot be triangulated.
 pub(super) fn refined(
     mut boundary: Boundary,
     polygon: &Polygon,
     wanted: &dyn Fn(Point2<f64>) -> f64,
     most: usize,
-) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+) -> Result<(Vec<Point3<f64>>, Vec<[u32; 3]>), InsertionError> {
     let mut inner: Vec<Point2<f64>> = vec![];
     for _ in 0..ROUNDS {
-        let (points, triangles) = triangulation(&boundary, &inner);
+        let (points, triangles) = triangulation(&boundary, &inner)?;
         let bad = bad(&points, &triangles, &boundary, wanted);
         let halved = improve(&boundary, polygon, &bad, &mut inner);
         if bad.is_empty() || halved.is_none() || points.len() > most {
@@ -35,8 +38,8 @@ pub(super) fn refined(
         }
         halved.into_iter().flatten().for_each(|segment| boundary.split(segment, polygon));
     }
-    let (points, triangles) = triangulation(&boundary, &inner);
-    (points.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect(), triangles)
+    let (points, triangles) = triangulation(&boundary, &inner)?;
+    Ok((points.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect(), triangles))
 }
 
 /// A triangle to be improved: how bad it is, the centre and the radius of its circumcircle.
@@ -132,17 +135,19 @@ impl Neighbours {
 type Cdt = ConstrainedDelaunayTriangulation<spade::Point2<f64>>;
 
 /// Nodes and triangles of the constrained Delaunay triangulation that the film covers.
-fn triangulation(boundary: &Boundary, inner: &[Point2<f64>]) -> (Vec<Point2<f64>>, Vec<[u32; 3]>) {
+fn triangulation(
+    boundary: &Boundary,
+    inner: &[Point2<f64>],
+) -> Result<(Vec<Point2<f64>>, Vec<[u32; 3]>), InsertionError> {
     let points: Vec<Point2<f64>> = boundary.points.iter().chain(inner).copied().collect();
     let as_spade = |p: &Point2<f64>| spade::mitigate_underflow(spade::Point2::new(p.x, p.y));
     let edges = boundary.segments.iter().map(|segment| segment.ends).collect();
-    // The coordinates were checked to be finite, the edges not to cross.
-    let loaded = Cdt::try_bulk_load_cdt(points.iter().map(as_spade).collect(), edges, |_| {});
-    let Ok(cdt) = loaded else { return (points, vec![]) };
+    // The edges were checked not to cross.
+    let cdt = Cdt::try_bulk_load_cdt(points.iter().map(as_spade).collect(), edges, |_| {})?;
     let is_covered = covered(&cdt);
     let covered = cdt.inner_faces().filter(|face| is_covered[face.fix().index()]);
     let triangles = covered.map(|face| face.vertices().map(|vertex| vertex.fix().index() as u32)).collect();
-    (points, triangles)
+    Ok((points, triangles))
 }
 
 /// Whether each face is inside the outline and in no hole: reached from outside across an odd number of edges of the
@@ -173,4 +178,20 @@ fn covered(cdt: &Cdt) -> Vec<bool> {
         }
     }
     is_covered.into_iter().map(|covers| covers == Some(true)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_triangulated_is_no_empty_mesh() {
+        let corners = |side: f64| vec![[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
+        for (side, expected) in [(1.0, Ok(2)), (1e250, Err(InsertionError::TooLarge))] {
+            let polygon = Polygon { outer: corners(side), holes: vec![] };
+            let wanted = |_| 2.0 * side;
+            let found = refined(Boundary::of(&polygon, &wanted), &polygon, &wanted, 100);
+            assert_eq!(found.map(|(_, triangles)| triangles.len()), expected);
+        }
+    }
 }

@@ -103,12 +103,11 @@ pub(crate) fn mesh(polygon: &Polygon, mirrored: [bool; 2], meshing: &Meshing) ->
     let mut mesh = Mesh::default();
     match meshing.element {
         Element::Tri3 => {
-            let (nodes, tris) = triangles(polygon, &wanted, most);
-            (mesh.nodes, mesh.tris) = (nodes, tris);
+            (mesh.nodes, mesh.tris) = triangles(polygon, &wanted, most)?;
         }
         Element::Quad4 | Element::Quad4Full => {
             // Every element is divided once more.
-            let (nodes, tris) = triangles(polygon, &|place| 2.0 * wanted(place), most);
+            let (nodes, tris) = triangles(polygon, &|place| 2.0 * wanted(place), most)?;
             (mesh.nodes, mesh.quads) = recombine::quadrilaterals(nodes, &tris, polygon);
             smooth(&mut mesh.nodes, &mesh.quads);
         }
@@ -118,11 +117,16 @@ pub(crate) fn mesh(polygon: &Polygon, mirrored: [bool; 2], meshing: &Meshing) ->
     Ok(mesh)
 }
 
-fn triangles(polygon: &Polygon, wanted: &dyn Fn(Point2<f64>) -> f64, most: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+fn triangles(
+    polygon: &Polygon,
+    wanted: &dyn Fn(Point2<f64>) -> f64,
+    most: f64,
+) -> Result<(Vec<Point3<f64>>, Vec<[u32; 3]>), PolygonFault> {
     let boundary = Boundary::of(polygon, wanted);
-    let (mut nodes, tris) = delaunay::refined(boundary, polygon, wanted, most as usize);
+    let refined = delaunay::refined(boundary, polygon, wanted, most as usize);
+    let (mut nodes, tris) = refined.map_err(PolygonFault::NotTriangulated)?;
     smooth(&mut nodes, &tris);
-    (nodes, tris)
+    Ok((nodes, tris))
 }
 
 /// Leaves the edges of holes, which no frame holds, out of the rim and the sides.

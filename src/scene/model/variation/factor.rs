@@ -79,7 +79,7 @@ impl Factor {
         match values {
             Ok(values) => Some(Factor { path: key.path.clone(), span: key.span.clone(), dimension, values }),
             Err(message) => {
-                mistakes.mistakes.push(Diagnostic::new(message).at(&key.node.span));
+                mistakes.found.0.push(Diagnostic::new(message).at(&key.node.span));
                 None
             }
         }

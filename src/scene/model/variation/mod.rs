@@ -53,18 +53,18 @@ pub fn variation(document: &Document) -> Result<Option<Variation>, Vec<Diagnosti
     let (written, mistakes) = document.scenario();
     let mut mistakes = Mistakes::new(document, mistakes);
     let found = written.and_then(|scenario| scenario.variation).and_then(|written| check(&written, &mut mistakes));
-    if mistakes.mistakes.is_empty() { Ok(found) } else { Err(mistakes.into_mistakes()) }
+    if mistakes.found.0.is_empty() { Ok(found) } else { Err(mistakes.into_mistakes()) }
 }
 
 /// Checks the table as written.
 pub(super) fn check(written: &scenario::Variation, mistakes: &mut Mistakes<'_>) -> Option<Variation> {
-    let before = mistakes.mistakes.len();
+    let before = mistakes.found.0.len();
     let keys = mistakes.document.varied_keys();
     let factors = match &written.method {
         Some(Method::Table(_)) => {
             if let Some(key) = keys.first() {
                 let mistake = Diagnostic::new(format!("`{}` varies by the table", key.path)).at(&key.span);
-                mistakes.mistakes.push(mistake.hint("leave it out, or leave `method` out"));
+                mistakes.found.0.push(mistake.hint("leave it out, or leave `method` out"));
             }
             let file = mistakes.file("variation.method.table")?;
             let span = mistakes.document.span("variation.method.table");
@@ -76,13 +76,13 @@ pub(super) fn check(written: &scenario::Variation, mistakes: &mut Mistakes<'_>) 
         }
     };
     repeated(&factors, mistakes);
-    if factors.is_empty() && keys.is_empty() && mistakes.mistakes.len() == before {
+    if factors.is_empty() && keys.is_empty() && mistakes.found.0.len() == before {
         mistakes.report_with("variation", "no key varies", "write one like \"impactor.mass\" = [\"10 kg\", \"12 kg\"]");
     }
     let method = method(written, &factors, mistakes);
     let correlation = written.correlation.as_ref().and_then(|written| correlation(written, &factors, mistakes));
     let samples = written.samples.map(|samples| samples as usize);
-    if mistakes.mistakes.len() > before {
+    if mistakes.found.0.len() > before {
         return None;
     }
     Some(Variation { factors, method, samples, seed: written.seed, correlation })
@@ -97,7 +97,7 @@ fn repeated(factors: &[Factor], mistakes: &mut Mistakes<'_>) {
         });
         if let Some(other) = other {
             let mistake = Diagnostic::new(format!("`{}` varies already", factor.path)).at(&factor.span);
-            mistakes.mistakes.push(mistake.label(&other.span, "here"));
+            mistakes.found.0.push(mistake.label(&other.span, "here"));
         }
     }
 }

@@ -15,12 +15,12 @@ const MOST_BYTES: u64 = 1 << 30;
 
 /// Reads the table in `path`, which the scenario names at `named`.
 pub(super) fn read(path: &Path, named: &Span, mistakes: &mut Mistakes<'_>) -> Vec<Factor> {
-    let before = mistakes.mistakes.len();
+    let before = mistakes.found.0.len();
     match columns(path, named, mistakes) {
-        Ok(_) if mistakes.mistakes.len() > before => vec![],
+        Ok(_) if mistakes.found.0.len() > before => vec![],
         Ok(factors) => factors,
         Err(mistake) => {
-            mistakes.mistakes.push(mistake);
+            mistakes.found.0.push(mistake);
             vec![]
         }
     }
@@ -50,10 +50,10 @@ fn columns(path: &Path, named: &Span, mistakes: &mut Mistakes<'_>) -> Result<Vec
         let node = Node::new(Value::List(items.collect()), head.clone());
         match key(label, &head, node) {
             Ok(key) => {
-                mistakes.mistakes.extend(key.validate());
+                mistakes.found.0.extend(key.validate());
                 factors.extend(Factor::read(&key, mistakes));
             }
-            Err(mistake) => mistakes.mistakes.push(mistake),
+            Err(mistake) => mistakes.found.0.push(mistake),
         }
     }
     Ok(factors)

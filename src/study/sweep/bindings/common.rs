@@ -42,11 +42,6 @@ pub(super) fn varied(study: &Study, options: &Options<'_>) -> HostResult<Documen
             changes.remove(0);
         }
     }
-    for name in ["samples", "seed", "method"] {
-        if let Some(value) = options.map.get(name) {
-            changes.push(assignment(&format!("variation.{name}"), &to_json(value)?)?);
-        }
-    }
     Ok(study.document().with(&changes))
 }
 

@@ -1,7 +1,7 @@
 //! Viridis (van der Walt and Smith, 2015): equal steps of the value look like equal steps.
 
 /// The map at equal distances from the lowest to the highest value, sRGB.
-const VIRIDIS: [[u8; 3]; 9] = [
+pub const VIRIDIS: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 45, 123],
     [59, 82, 139],
@@ -14,7 +14,7 @@ const VIRIDIS: [[u8; 3]; 9] = [
 ];
 
 /// The colour of a share of the range, from 0 to 255; the ends outside of it, the first of what is not a number.
-pub(super) fn viridis(share: f32) -> [f32; 3] {
+pub fn viridis(share: f32) -> [f32; 3] {
     let last = VIRIDIS.len() - 1;
     let place = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) } * last as f32;
     let below = (place as usize).min(last - 1);
@@ -26,7 +26,7 @@ pub(super) fn viridis(share: f32) -> [f32; 3] {
 }
 
 /// The colours of the map with their shares of the range, `#rrggbb`.
-pub(super) fn stops() -> impl Iterator<Item = (f64, String)> {
+pub fn stops() -> impl Iterator<Item = (f64, String)> {
     let last = (VIRIDIS.len() - 1) as f64;
     let stop = move |(at, [r, g, b]): (usize, [u8; 3])| (at as f64 / last, format!("#{r:02x}{g:02x}{b:02x}"));
     VIRIDIS.into_iter().enumerate().map(stop)
