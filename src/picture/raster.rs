@@ -82,7 +82,7 @@ struct Band {
 struct Plane([f32; 3]);
 
 impl Plane {
-    /// That with these values at three corners, whose doubled area is `area`.
+    /// The plane with these values at three corners, whose doubled area is `area`.
     fn through([a, b, c]: [[f32; 2]; 3], values: [f32; 3], area: f32) -> Plane {
         let [u, v] = [values[1] - values[0], values[2] - values[0]];
         let across = (u * (c[1] - a[1]) - v * (b[1] - a[1])) / area;
@@ -96,7 +96,7 @@ impl Plane {
 }
 
 impl Band {
-    /// That of so many columns and rows of pixels, from the row `first` on.
+    /// A band of so many columns and rows of pixels, from the row `first` on.
     fn new(pixels: [usize; 2], first: usize, samples: usize) -> Band {
         let [width, height] = pixels.map(|side| side * samples);
         let [solid, glass] = [(); 2].map(|()| Layer::new(width * height));

@@ -53,7 +53,7 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(0x5f, 0x3d, 0xc4),
 ];
 
-/// What is drawn on.
+/// The area that is drawn on.
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Where the parts of a picture are, in units of the drawing; all but its size are in proportion to its letters.
@@ -240,7 +240,7 @@ struct Along {
 }
 
 impl Along {
-    /// Those of x or y.
+    /// Ends and scale of x or y.
     fn of(plot: &Plot, index: usize) -> Along {
         let scale = [plot.x.scale, plot.y.scale][index];
         let points = plot.curves.iter().flat_map(|curve| &curve.points).filter(|point| plot.has_place(point));
@@ -311,7 +311,7 @@ struct Entry<'a> {
     place: [i32; 2],
 }
 
-/// Those of all curves, where there are several.
+/// The entries of all curves, where there are several.
 fn legend<'a>(plot: &'a Plot, layout: &Layout<'_>) -> Vec<Entry<'a>> {
     if plot.curves.len() < 2 {
         return vec![];

@@ -53,7 +53,7 @@ pub struct Confidence {
     pub shifts: Vec<(String, Vec<f64>)>,
     /// A Gauss–Newton step from the estimate, standard errors; zero at a minimum.
     pub gauss_newton_step: Vec<f64>,
-    /// What puts the intervals in doubt.
+    /// Doubts about the intervals.
     pub warnings: Vec<Warning>,
 }
 

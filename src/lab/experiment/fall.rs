@@ -71,7 +71,7 @@ pub(super) struct Motion<'a> {
     free: f64,
     /// Acceleration of the fall without the friction that is proportional to the speed, m/s², positive.
     net: f64,
-    /// That friction over mass and speed, 1/s.
+    /// Friction proportional to the speed, over mass and speed, 1/s.
     per_speed: f64,
     acceleration: &'a Series,
     displacement: &'a Series,
@@ -123,13 +123,13 @@ impl Motion<'_> {
     }
 }
 
-/// What is unknown of a fall.
+/// The unknowns of a fall.
 struct Solved {
     /// Time from the magnet's last force to contact, s.
     free: f64,
     /// Acceleration of the fall without the friction that is proportional to the speed, m/s², positive.
     net: f64,
-    /// That friction over mass and speed, 1/s.
+    /// Friction proportional to the speed, over mass and speed, 1/s.
     per_speed: f64,
 }
 

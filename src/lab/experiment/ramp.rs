@@ -68,7 +68,7 @@ impl GravityRamp {
         -self.depth * (2.0 * s - s * s)
     }
 
-    /// What is added at time `t` (s) where contact was at `contact` (s): −depth up to contact, then the release
+    /// Correction at time `t` (s) where contact was at `contact` (s): −depth up to contact, then the release
     /// mirrored, back to zero after its duration or after [`ADDED_OVER`].
     pub fn mirrored(&self, t: f64, contact: f64) -> f64 {
         let since = (t - contact).max(0.0);

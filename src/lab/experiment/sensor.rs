@@ -123,7 +123,7 @@ const OVERSAMPLING: usize = 10;
 /// Most samples of a recording; more are a mistake.
 pub const MOST_SAMPLES: usize = 1_000_000;
 
-/// What the `sensors` read in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward)
+/// Readings of the `sensors` in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward)
 /// and `displacement` (m) from contact on. The same `seed` gives the same recording, bit for bit.
 pub fn virtual_drop(
     acceleration: &Series,

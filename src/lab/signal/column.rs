@@ -17,7 +17,7 @@ pub struct Column {
     pub axis_unit: &'static str,
     /// From the unit of the values to that of the axis.
     pub factor: f64,
-    /// What it is, as one or more lines.
+    /// Its explanation, as one or more lines.
     pub sentence: &'static [&'static str],
     /// Of which runs it is.
     pub when: &'static str,
@@ -192,7 +192,7 @@ pub fn of(name: &str) -> Option<(&str, &'static Column)> {
     COLUMNS.iter().filter_map(beginning).min_by_key(|(prefix, _)| prefix.len())
 }
 
-/// What the values of a column or a figure are, by the end of its name; none of a number without unit.
+/// Dimension of a column or a figure, by the end of its name; none of a number without unit.
 pub fn dimension(name: &str) -> Option<Dimension> {
     let of_column = of(name).map(|(_, column)| column.unit);
     let fits = |dimension: &&Dimension| match of_column {

@@ -47,7 +47,7 @@ fn converged(acceleration: impl Fn(f64) -> Series, laser: &Series, mut assumed: 
     Err(ContactError::NotSettled)
 }
 
-/// What the laser measured about the assumed contact.
+/// Samples of the laser about the assumed contact.
 fn pass(laser: &Series, assumed: f64) -> Vec<[f64; 2]> {
     let near = laser.window(LASER_SPAN.map(|span| assumed + span));
     near.samples().filter(|[_, place]| place.is_finite()).collect()

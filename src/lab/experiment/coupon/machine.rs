@@ -40,7 +40,7 @@ impl LoadCell {
         if fits { Ok(()) } else { Err(MachineError::LoadCell(*self)) }
     }
 
-    /// What the cell reads of a `force` (N) that is linear between the times `time` (s), from rest under the first:
+    /// Readings of a `force` (N) that is linear between the times `time` (s), from rest under the first:
     /// exact for that force (Nigam and Jennings, Bull. Seismol. Soc. Am. 59, 1969).
     pub fn read(&self, time: &[f64], force: &[f64]) -> Vec<f64> {
         let natural = (self.stiffness / self.jaw_mass).sqrt();
@@ -66,7 +66,7 @@ impl LoadCell {
     }
 }
 
-/// What the machine recorded: as many times (s) as displacements (m) and forces (N).
+/// A recording of the machine: as many times (s) as displacements (m) and forces (N).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TensileRecord {
     /// s.

@@ -171,7 +171,7 @@ impl Reduction {
         Ok(Reduction { directions, modulus })
     }
 
-    /// What was measured along `direction`.
+    /// Means along `direction`.
     pub fn along(&self, direction: Direction) -> Option<&DirectionMeans> {
         self.directions.iter().find(|along| along.direction == direction)
     }

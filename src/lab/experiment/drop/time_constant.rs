@@ -62,11 +62,11 @@ pub(super) enum Disagreement {
     Friction { constant: f64 },
 }
 
-/// What is known of a fall beside the laser.
+/// Knowledge of a fall beside the laser.
 pub(super) struct Known<'a> {
     /// The reading from the end of the rest on, without the sensor's zero, m/s².
     pub reading: &'a Series,
-    /// That zero.
+    /// Zero of the sensor.
     pub zero: ZeroOffset,
     /// Height of the fall, m, where it is known.
     pub height: Option<f64>,

@@ -10,7 +10,7 @@ pub struct Quality {
     pub r_squared: f64,
     /// Root mean square of P − P̂, Pa.
     pub rms: f64,
-    /// The same over the root mean square of P.
+    /// Root mean square of P − P̂ over that of P.
     pub relative_rms: f64,
     /// Largest |P − P̂|, Pa.
     pub largest_error: f64,
@@ -21,7 +21,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Those of the stresses `predicted` (Pa), in the order of the measured ones.
+    /// Figures of the stresses `predicted` (Pa), in the order of the measured ones.
     pub fn of(measured: &Measured, predicted: &[f64]) -> Quality {
         let (stresses, stretches) = (measured.stresses(), measured.stretches());
         let count = stresses.len() as f64;

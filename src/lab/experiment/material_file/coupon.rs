@@ -207,7 +207,7 @@ fn counted(recordings: usize, virtual_ones: usize) -> String {
     }
 }
 
-/// What a method supposes, for the remark.
+/// Assumption of a method, for the remark.
 fn described(method: ShearMethod) -> &'static str {
     match method {
         ShearMethod::Free => "as a strip with free sides whose fibres have the curves above",
@@ -248,7 +248,7 @@ fn rising_shear(sheared: &Shear, end: f64) -> Result<Vec<[f64; 2]>, CouponMateri
     if points.len() > 1 { Ok(points) } else { Err(CurveError::TooShort.into()) }
 }
 
-/// Those of the points that a polyline needs to stay within [`SHEAR_TOLERANCE`] of all of them, first and last included, as
+/// The points that a polyline needs to stay within [`SHEAR_TOLERANCE`] of all of them, first and last included, as
 /// far as its pieces are not shorter than [`SHEAR_PIECE`] (Ramer, 1972; Douglas and Peucker, 1973).
 fn straight_pieces(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let last = points.len() - 1;

@@ -31,7 +31,7 @@ pub struct PronyFit {
     pub largest_error: f64,
     /// Time at which it is, s.
     pub at_time: f64,
-    /// What the fit reports.
+    /// Reports of the fit.
     pub warnings: Vec<Warning>,
 }
 

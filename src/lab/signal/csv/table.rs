@@ -22,7 +22,7 @@ pub struct Column {
     pub name: String,
     /// As the file writes it.
     pub label: String,
-    /// That of the file, or the one that the caller gave.
+    /// Unit that the file or the caller states.
     pub unit: Option<Unit>,
     /// SI where the unit is known, as written where it is not; `NaN` where nothing was measured.
     pub values: Vec<f64>,

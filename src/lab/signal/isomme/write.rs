@@ -91,7 +91,7 @@ pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Res
 /// The bytes of a zip archive with `measurement` as [`rewrite`] writes it, in a folder of the archive's name; `path` is that
 /// of the archive, and is not written.
 ///
-/// The same measurement gives the same bytes: files have the earliest time of the format.
+/// Equal measurements give equal bytes: files have the earliest time of the format.
 pub fn zipped(path: &Path, measurement: &Measurement, headers: &Headers) -> Result<Vec<u8>, WriteError> {
     let texts = Texts::of(path, measurement, headers)?;
     packed(&texts).map_err(|source| WriteError::Write { path: path.into(), source })
@@ -109,7 +109,7 @@ struct Texts<'a> {
 }
 
 impl<'a> Texts<'a> {
-    /// Those of a container called as the file at `path`.
+    /// Files of a container called as the file at `path`.
     fn of(path: &Path, measurement: &'a Measurement, headers: &'a Headers) -> Result<Texts<'a>, WriteError> {
         let stem = path.file_stem().filter(|stem| !stem.is_empty());
         let stem = stem.ok_or_else(|| WriteError::NoName { path: path.into() })?.to_string_lossy().into_owned();
@@ -222,7 +222,7 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
     sheets
 }
 
-/// What a channel is called: as a comment of the table states, or without the unit that a table writes behind the name,
+/// Name of a channel: as a comment of the table states, or without the unit that a table writes behind the name,
 /// where no other channel has that name.
 fn long_name(channel: &MeasuredChannel, measurement: &Measurement) -> String {
     let MeasuredChannel { name, label, .. } = channel;

@@ -25,7 +25,7 @@ pub enum TextError {
     NotText,
 }
 
-/// What is wrong with a file, and where.
+/// A fault of a file, and its place.
 #[derive(Debug, Error)]
 pub struct ReadError<F> {
     /// The file.
@@ -34,7 +34,7 @@ pub struct ReadError<F> {
     pub line: usize,
     /// In characters, counted from one.
     pub column: usize,
-    /// What is wrong.
+    /// The fault.
     pub fault: F,
 }
 
@@ -62,7 +62,7 @@ pub struct Mistake<F> {
     pub line: usize,
     /// In characters, counted from one.
     pub column: usize,
-    /// What is wrong.
+    /// The fault.
     pub fault: F,
 }
 

@@ -99,7 +99,7 @@ pub(in crate::experiment::law_fit) fn fit(
     })
 }
 
-/// What is to be said of the stability of the best minimum.
+/// Reports on the stability of the best minimum.
 fn stability_warnings(best: &Minimum, lowest: f64, stable_to: f64) -> Vec<Warning> {
     let unstable = best.law.instability_up_to(stable_to);
     match (best.stability, unstable) {

@@ -68,7 +68,7 @@ impl FromStr for PlasticDirection {
 /// The measured curve of one coupon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlasticCoupon {
-    /// What figures call it: the name of its file.
+    /// Name in figures: that of its file.
     pub name: String,
     /// Its direction.
     pub direction: PlasticDirection,

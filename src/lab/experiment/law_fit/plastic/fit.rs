@@ -64,7 +64,7 @@ pub struct PlasticFit {
     pub coupons: Vec<CouponQuality>,
     /// Largest difference between coupons of one direction over their mean stress, by direction where there are several.
     pub scatter: Vec<(PlasticDirection, f64)>,
-    /// What is assumed.
+    /// Assumptions.
     pub warnings: Vec<Warning>,
 }
 
