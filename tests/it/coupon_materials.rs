@@ -13,7 +13,7 @@ fn reduction(points: &[[f64; 2]]) -> Reduction {
     let stress = strain.iter().map(|strain| law.at(*strain).unwrap()).collect();
     let curve = Curve::new(strain, stress).unwrap();
     let sample = |direction| Sample::new(direction, 0.02, &curve, &Rules::default()).unwrap();
-    Reduction::of(&[Direction::Md, Direction::Td, Direction::D3].map(sample), &Rules::default()).unwrap()
+    Reduction::from_samples(&[Direction::Md, Direction::Td, Direction::D3].map(sample), &Rules::default()).unwrap()
 }
 
 fn texts(reduction: &Reduction) -> Result<Texts, CouponMaterialError> {

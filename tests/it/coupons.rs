@@ -140,7 +140,7 @@ fn the_virtual_coupons_reduce_to_the_figures_of_the_paper() {
         assert_prints(recorded.sample.modulus.slope / 1e6, number(&row, "young_MPa"), 1.0, &row);
     }
     let samples: Vec<Sample> = coupons.into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
     let along = |direction: &str| reduction.along(direction.parse().unwrap()).unwrap();
     for row in paper("table-6-means") {
         let mean = match (row["direction"].as_str(), row["velocity_m_s"].parse::<f64>()) {
@@ -172,7 +172,7 @@ fn the_virtual_coupons_reduce_to_the_figures_of_the_paper() {
 #[test]
 fn the_skewed_curves_lie_between_those_of_both_directions() {
     let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
     let stress = |direction, strain| reduction.along(direction).unwrap().curve.at(strain).unwrap();
     for strain in [0.4, 0.6, 0.8, 1.0, 1.2] {
         let [md, td] = [Direction::Md, Direction::Td].map(|direction| stress(direction, strain));
@@ -389,7 +389,7 @@ fn real_aluminium_has_its_modulus_in_every_direction() {
         let curves = pair.map(|name| aluminium(&format!("cleaned_CA-{name}.csv")));
         let samples: Vec<Sample> =
             curves.iter().map(|curve| Sample::new(direction, 1e-3, curve, &rules).unwrap()).collect();
-        let reduction = Reduction::of(&samples, &rules).unwrap();
+        let reduction = Reduction::from_samples(&samples, &rules).unwrap();
         let along = &reduction.directions[0];
         let shortest = samples.iter().map(|sample| sample.rupture.strain).fold(f64::INFINITY, f64::min);
         assert_eq!(along.curve.range()[1], shortest);
@@ -508,7 +508,7 @@ fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
     let (material, out) = (folder.path().join("film.toml"), folder.path().join("run"));
     assert!(reduce("data/virtual/coupons/*.csv", &["-q", "-o", material.to_str().unwrap()]).status.success());
     let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
     let assignment = format!("specimen.material={:?}", material.to_str().unwrap());
     for (direction, scenario) in [(Direction::Md, "md-0.2"), (Direction::Td, "td-0.2")] {
         let scenario = format!("scenarios/stretch/{scenario}.toml");
@@ -566,7 +566,7 @@ fn a_shear_curve_gives_its_coupon_back_by_the_default_alone() {
 fn a_simulated_coupon_at_45_degrees_follows_the_recordings() {
     let folder = tempfile::tempdir().unwrap();
     let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
     let measured = &reduction.along(Direction::D3).unwrap().curve;
     let strains: Vec<f64> = (1..=60).map(|i| 0.01 * f64::from(i)).collect();
     let simulated = |method: &str, across: Across| {
