@@ -57,15 +57,15 @@ fn table_6_is_the_mean_of_means_that_were_not_rounded() {
         let groups = if row["direction"] == "MD" { &md } else { &td };
         let speed = ["0.0002", "0.02", "0.2"].iter().position(|speed| row["velocity_m_s"] == *speed);
         let mean = match (row["direction"].as_str(), speed) {
-            ("", _) => SampleStatistics::of(&[md_mean, td_mean]).unwrap().mean,
-            (_, Some(speed)) => SampleStatistics::of(&groups[speed]).unwrap().mean,
+            ("", _) => SampleStatistics::from_figures(&[md_mean, td_mean]).unwrap().mean,
+            (_, Some(speed)) => SampleStatistics::from_figures(&groups[speed]).unwrap().mean,
             (_, None) => mean_of_means(groups).unwrap(),
         };
         assert_prints(mean, number(&row, "young_MPa"), 1.0, &row);
     }
     // Had the paper rounded before it averaged on, TD would read 45.
     let rounded: Vec<f64> = [53.0, 52.0, 31.0].into();
-    assert_eq!(SampleStatistics::of(&rounded).unwrap().mean.round(), 45.0);
+    assert_eq!(SampleStatistics::from_figures(&rounded).unwrap().mean.round(), 45.0);
 }
 
 #[test]
@@ -107,11 +107,11 @@ fn table_7_is_averaged_per_height_first() {
         .into();
     let printed: Vec<f64> = paper("table-7-means").iter().map(|row| number(row, "absorption_percent")).collect();
     for (group, printed) in groups.iter().zip(&printed) {
-        assert_prints(SampleStatistics::of(group).unwrap().mean, *printed, 0.01, group);
+        assert_prints(SampleStatistics::from_figures(group).unwrap().mean, *printed, 0.01, group);
     }
     assert_prints(mean_of_means(&groups).unwrap(), printed[2], 0.01, &groups);
     // The mean of all five alike would be printed as 88.89.
-    assert!((SampleStatistics::of(&groups.concat()).unwrap().mean - 88.89).abs() < 0.005);
+    assert!((SampleStatistics::from_figures(&groups.concat()).unwrap().mean - 88.89).abs() < 0.005);
 }
 
 fn lldpe() -> Coupon {

@@ -44,7 +44,7 @@ pub(super) fn register(engine: &mut Engine) {
             Ok::<_, Box<EvalAltResult>>(relative_difference(number(&measured, "a figure")?, reference))
         })
         .register_fn("spread", |figures: Array| {
-            let spread = SampleStatistics::of(&numbers(&figures, "a figure")?).map_err(refuse)?;
+            let spread = SampleStatistics::from_figures(&numbers(&figures, "a figure")?).map_err(refuse)?;
             Ok::<_, Box<EvalAltResult>>(spread_map(&spread))
         });
 }

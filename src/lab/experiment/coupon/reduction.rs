@@ -226,10 +226,10 @@ fn at_speed(velocity: f64, samples: &[&Sample]) -> Result<SpeedMeans, AverageErr
     let curves: Vec<Curve> = samples.iter().map(|sample| sample.curve.clone()).collect();
     Ok(SpeedMeans {
         velocity,
-        modulus: SampleStatistics::of(&moduli)?,
+        modulus: SampleStatistics::from_figures(&moduli)?,
         moduli,
-        strength: SampleStatistics::of(&figures(samples, |sample| sample.rupture.strength))?,
-        elongation: SampleStatistics::of(&figures(samples, |sample| sample.rupture.strain))?,
+        strength: SampleStatistics::from_figures(&figures(samples, |sample| sample.rupture.strength))?,
+        elongation: SampleStatistics::from_figures(&figures(samples, |sample| sample.rupture.strain))?,
         curve: mean_curve(&curves)?,
     })
 }
@@ -242,7 +242,7 @@ fn over_speeds(
 ) -> Result<DirectionMeans, AverageError> {
     let spread = |figure: fn(&Sample) -> f64| {
         let groups: Vec<Vec<f64>> = groups.iter().map(|group| figures(group, figure)).collect();
-        SampleStatistics::of_groups(&groups)
+        SampleStatistics::from_groups(&groups)
     };
     let curves: Vec<Curve> = speeds.iter().map(|speed| speed.curve.clone()).collect();
     let curve = mean_curve(&curves)?;
