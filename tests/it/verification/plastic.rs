@@ -204,7 +204,7 @@ fn aluminium_goes_from_its_recordings_to_a_simulated_coupon() {
     let coupons = aluminium();
     for form in [HardeningForm::Voce, HardeningForm::Table] {
         let rules = PlasticRules { form, window: [0.001, 0.003], offset: 0.002 };
-        let fit = PlasticFit::of(&coupons, &rules).unwrap_or_else(|error| panic!("{error}"));
+        let fit = PlasticFit::from_coupons(&coupons, &rules).unwrap_or_else(|error| panic!("{error}"));
         claims.near(&format!("{form}, modulus of handbooks, Pa"), fit.young, 68.9e9, 0.03);
         let [td, _, nd]: [Ratio; 3] = fit.ratios;
         claims.near(&format!("{form}, yield stress along TD over MD"), td.value, 0.95, 0.02);

@@ -99,7 +99,7 @@ impl PlasticFit {
     ///
     /// # Errors
     /// [`PlasticFitError`].
-    pub fn of(coupons: &[PlasticCoupon], rules: &PlasticRules) -> Result<PlasticFit, PlasticFitError> {
+    pub fn from_coupons(coupons: &[PlasticCoupon], rules: &PlasticRules) -> Result<PlasticFit, PlasticFitError> {
         let along: Vec<Vec<usize>> = PlasticDirection::ALL
             .map(|direction| (0..coupons.len()).filter(|k| coupons[*k].direction == direction).collect())
             .to_vec();
@@ -300,7 +300,7 @@ mod tests {
             PlasticCoupon { name: direction.to_string(), direction, curve: Curve::new(strain, stress).unwrap() }
         };
         let all = PlasticDirection::ALL.map(coupon);
-        let fit = PlasticFit::of(&all, &RULES).unwrap();
+        let fit = PlasticFit::from_coupons(&all, &RULES).unwrap();
         let Hardening::Voce(found) = fit.hardening else { panic!("{:?}", fit.hardening) };
         // The slope of the window is that of nominal stress.
         assert!((fit.young / young - 1.0).abs() < 0.01, "{}", fit.young);
@@ -314,7 +314,7 @@ mod tests {
         }
         assert!((fit.hill().stress_ratio(std::f64::consts::FRAC_PI_4) - fit.ratios[1].value).abs() < 1e-12);
         assert!(fit.coupons.iter().all(|coupon| coupon.largest < 2e-3 * coupon.strength), "{:?}", fit.coupons);
-        let table = PlasticFit::of(&all, &PlasticRules { form: HardeningForm::Table, ..RULES }).unwrap();
+        let table = PlasticFit::from_coupons(&all, &PlasticRules { form: HardeningForm::Table, ..RULES }).unwrap();
         for direction in PlasticDirection::ALL {
             let plastic = |e: f64| e.ln_1p() - truth.stress(direction, e) * (1.0 + e) / young;
             // Beyond the shortest recording a table is constant.
@@ -326,9 +326,9 @@ mod tests {
                 assert!(error.abs() < 4e-3, "{direction} at {e}: {error}");
             }
         }
-        let alone = PlasticFit::of(&all[..1], &RULES).unwrap();
+        let alone = PlasticFit::from_coupons(&all[..1], &RULES).unwrap();
         let assumed = alone.warnings.iter().filter(|warning| matches!(warning, Warning::RatioAssumed { .. }));
         assert_eq!((alone.hill(), assumed.count()), (Hill::default(), 3));
-        assert!(matches!(PlasticFit::of(&all[1..], &RULES), Err(PlasticFitError::NoMachineDirection)));
+        assert!(matches!(PlasticFit::from_coupons(&all[1..], &RULES), Err(PlasticFitError::NoMachineDirection)));
     }
 }
