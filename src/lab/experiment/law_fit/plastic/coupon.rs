@@ -172,7 +172,7 @@ pub struct TrueCurve {
 impl TrueCurve {
     /// `count` points of `curve` at equal intervals of engineering strain, from the plastic strain `offset` on, with
     /// Young's modulus `young` (Pa); none where fewer than two flow.
-    pub(super) fn of(curve: &Curve, young: f64, offset: f64, count: usize) -> Option<TrueCurve> {
+    pub(super) fn from_engineering(curve: &Curve, young: f64, offset: f64, count: usize) -> Option<TrueCurve> {
         let plastic = |[strain, stress]: [f64; 2]| strain.ln_1p() - stress * (1.0 + strain) / young;
         let samples: Vec<[f64; 2]> = curve.samples().collect();
         let top = samples.iter().enumerate().max_by(|a, b| a.1[1].total_cmp(&b.1[1])).map(|(place, _)| place)?;

@@ -111,7 +111,7 @@ impl PlasticFit {
             along.iter().filter(|g| !g.is_empty()).map(|g| g.iter().map(|k| moduli[*k].0).collect()).collect();
         let young = mean_of_means(&groups).map_err(|_| PlasticFitError::NoModulus)?;
         let curves = coupons.iter().zip(&moduli).map(|(coupon, (_, curve))| {
-            let flow = TrueCurve::of(curve, young, rules.offset, POINTS);
+            let flow = TrueCurve::from_engineering(curve, young, rules.offset, POINTS);
             flow.ok_or_else(|| CouponError::NoFlow { name: coupon.name.clone(), offset: rules.offset })
         });
         let curves = curves.collect::<Result<Vec<_>, _>>()?;
