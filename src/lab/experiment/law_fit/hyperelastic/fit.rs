@@ -80,7 +80,7 @@ pub(in crate::experiment::law_fit) fn fit(
             Measured::Tension(tension, _) => curve(&best.law, tension, range(std::slice::from_ref(set))),
             Measured::Biaxial(_) => vec![],
         };
-        TestFit { set: set.clone(), quality: Quality::of(&set.measured, &found), predicted: found, curve }
+        TestFit { set: set.clone(), quality: Quality::from_stresses(&set.measured, &found), predicted: found, curve }
     };
     Ok(LawFit {
         choice: match energy {
