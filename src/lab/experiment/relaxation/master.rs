@@ -76,7 +76,7 @@ impl Master {
         let found = relaxations.iter().map(of).collect::<Result<Vec<_>, _>>()?;
         let zero = found.iter().min_by(|a, b| a.log_shift.abs().total_cmp(&b.log_shift.abs()));
         let reference = zero.map_or(f64::NAN, |factor| factor.temperature);
-        Ok(Master::of(relaxations, found, reference))
+        Ok(Master::from_shifted(relaxations, found, reference))
     }
 
     /// The curve by overlap: from one temperature to the next the shift is the mean distance along log₁₀ t at equal
@@ -104,10 +104,10 @@ impl Master {
             .zip(&logs)
             .map(|(relaxation, log)| ShiftFactor { temperature: relaxation.temperature, log_shift: log - logs[zero] });
         let owned: Vec<Relaxation> = sorted.iter().map(|relaxation| (*relaxation).clone()).collect();
-        Ok(Master::of(&owned, factors.collect(), sorted[zero].temperature))
+        Ok(Master::from_shifted(&owned, factors.collect(), sorted[zero].temperature))
     }
 
-    fn of(relaxations: &[Relaxation], mut factors: Vec<ShiftFactor>, reference: f64) -> Master {
+    fn from_shifted(relaxations: &[Relaxation], mut factors: Vec<ShiftFactor>, reference: f64) -> Master {
         let shifted = relaxations.iter().zip(&factors).flat_map(|(relaxation, factor)| {
             let shift = 10.0_f64.powf(factor.log_shift);
             relaxation.points.iter().map(move |[time, modulus]| [time / shift, *modulus])
