@@ -67,7 +67,7 @@ pub enum Grade {
 
 impl Grade {
     /// The grade of an overall rating.
-    pub fn of(overall: f64) -> Grade {
+    pub fn from_rating(overall: f64) -> Grade {
         match overall {
             r if r > 0.94 => Grade::Excellent,
             r if r > 0.80 => Grade::Good,
@@ -177,7 +177,7 @@ fn rate_curves(reference: &[f64], comparison: &[f64]) -> Rating {
         magnitude,
         slope,
         overall,
-        grade: Grade::of(overall),
+        grade: Grade::from_rating(overall),
         shift: shift.samples() as f64 / RATE,
         samples: reference.len(),
         warnings: Vec::new(),
