@@ -325,7 +325,7 @@ mod tests {
         let problem = Problem { on_failure: search.on_failure, ..Problem::new(&counted) };
         let found: Result<Vec<Profile>, ProfileError> = with_evaluator(problem, 2, |evaluator| {
             let linearization = linearize_at_start(search, evaluator)?;
-            let confidence = Confidence::of(&linearization, options)?;
+            let confidence = Confidence::from_linearization(&linearization, options)?;
             profiles(search, &linearization, &confidence, 3, evaluator, &mut |_| {})
         });
         (found.unwrap(), trials.into_inner())
