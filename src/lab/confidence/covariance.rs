@@ -83,7 +83,7 @@ impl PartNoise {
         rank: usize,
         colour: Colour,
     ) -> Result<PartNoise, CovarianceError> {
-        let noise = Noise::of(residuals, colour);
+        let noise = Noise::from_residuals(residuals, colour);
         let samples = residuals.len() as f64;
         let parameters = trace(&Noise::white(), left, rank);
         if samples - parameters < MIN_LEFT {
