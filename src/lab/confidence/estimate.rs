@@ -86,7 +86,7 @@ impl Confidence {
         let (linearization, mut disturbances) = linearization.without(&held);
         let (linearization, fitted) = (&linearization, options.of_fitted());
         disturbances.column_iter_mut().zip(&deviations).for_each(|(mut column, deviation)| column *= *deviation);
-        let sandwich = Covariance::of(linearization, &disturbances, &fitted)?;
+        let sandwich = Covariance::from_linearization(linearization, &disturbances, &fitted)?;
         let shift = |column: usize, index: usize| {
             (options.names[index].clone(), sandwich.step(&disturbances.column(column).into_owned()))
         };
