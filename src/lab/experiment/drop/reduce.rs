@@ -29,7 +29,7 @@ pub fn reduce(
     if let (Some(class), Some(step)) = (reduction.class, resample::common_step(reading.time())) {
         ChannelFilter::new(class, step, Standard::Iso6487)?;
     }
-    let cleaned = laser.map(Cleaned::of);
+    let cleaned = laser.map(Cleaned::from_laser);
     let levelled = Levelled::find(&reading, cleaned.as_ref().map(|cleaned| &cleaned.series), tower, reduction)?;
     let evaluated = match reduction.correction {
         Correction::Coupling { time_constant } => levelled.by_coupling(time_constant),

@@ -19,7 +19,7 @@ pub(super) struct Screened {
 impl Screened {
     /// Screens a drop by the `reading` (m/s²) that it was reduced from.
     pub(super) fn new(evaluated: Evaluated, reading: &Series, laser: Option<Warning>) -> Screened {
-        let clipping = Clipping::of(reading, evaluated.contact().time);
+        let clipping = Clipping::find(reading, evaluated.contact().time);
         Screened { evaluated, clipping, laser }
     }
 
