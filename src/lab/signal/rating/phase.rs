@@ -41,7 +41,7 @@ impl Shift {
 /// The shift of at most a fifth of the length with the largest Pearson correlation; the smallest of several, left
 /// before right.
 pub(super) fn best_shift(reference: &[f64], comparison: &[f64]) -> Shift {
-    let (r, c) = (Moments::of(reference), Moments::of(comparison));
+    let (r, c) = (Moments::from_curve(reference), Moments::from_curve(comparison));
     let correlation = |shift: Shift| {
         let [left, right] = shift.cut(&r.values, &c.values);
         match shift {
@@ -72,7 +72,7 @@ struct Moments {
 }
 
 impl Moments {
-    fn of(curve: &[f64]) -> Moments {
+    fn from_curve(curve: &[f64]) -> Moments {
         let mean = curve.iter().sum::<f64>() / curve.len() as f64;
         let values: Vec<f64> = curve.iter().map(|value| value - mean).collect();
         let running = values.iter().scan([0.0, 0.0], |[sum, squares], value| {
