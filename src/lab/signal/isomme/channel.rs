@@ -72,7 +72,7 @@ impl ChannelHead {
         let unit = Unit::parse(symbol).ok().filter(|unit| unit.measures(Time::DIMENSION));
         let unit = unit.ok_or_else(|| {
             let fault = ChannelFault::TimeUnit { name: self.name.clone(), unit: symbol.to_owned() };
-            self.at("Unit", fault.into())
+            self.fault_at("Unit", fault.into())
         })?;
         times.iter_mut().for_each(|time| *time = unit.to_si(*time));
         Ok(times)
@@ -84,7 +84,7 @@ impl ChannelHead {
     }
 
     /// A mistake in the line of a key.
-    pub fn at(&self, key: &str, fault: Fault) -> ReadError {
+    pub fn fault_at(&self, key: &str, fault: Fault) -> ReadError {
         Mistake { line: self.header.line(key), column: 1, fault }.of(&self.file.path)
     }
 

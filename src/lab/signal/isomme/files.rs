@@ -57,7 +57,7 @@ pub(super) struct Files {
 
 impl Files {
     pub fn locate(path: &Path) -> Result<Files, ReadError> {
-        let place = Place::of(path).map_err(|fault| Mistake::whole(fault).of(path))?;
+        let place = Place::from_path(path).map_err(|fault| Mistake::whole(fault).of(path))?;
         let test = if place.is_folder(path) { place.test_in(path)? } else { path.to_owned() };
         let fail = |fault| Mistake::whole(fault).of(&test);
         if !place.is_file(&test) {
@@ -89,7 +89,7 @@ enum Place {
 }
 
 impl Place {
-    fn of(path: &Path) -> Result<Place, Fault> {
+    fn from_path(path: &Path) -> Result<Place, Fault> {
         if path.is_file() && has_extension(path, "zip") {
             return Ok(Place::Archive(Arc::new(Archive::open(path)?), path.to_owned()));
         }
