@@ -106,7 +106,7 @@ fn with_lines<T>(
     path: &Path,
     read: impl FnOnce(&mut Lines<BufReader<File>>) -> Result<T, Mistake>,
 ) -> Result<T, ReadError> {
-    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|mistake| mistake.of(path))
+    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|mistake| mistake.locate(path))
 }
 
 /// Places of the wanted columns; the time is none of them unless it is asked for by name.

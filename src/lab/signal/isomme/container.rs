@@ -20,7 +20,7 @@ use base::units::Unit;
 ///
 /// Where a header does not state how its time is given, an implicit time axis is assumed, with a warning.
 pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError> {
-    let failed = |fault| Mistake::whole(fault).of(path);
+    let failed = |fault| Mistake::whole(fault).locate(path);
     if options.time.is_some() || !options.names.is_empty() {
         return Err(failed(Fault::NoTable));
     }
@@ -120,7 +120,7 @@ impl Container {
         let listed: Vec<(&str, Option<&str>)> =
             names.filter_map(|entry| entry.value.as_deref()).map(code_and_name).collect();
         let stated = header.number("Number of channels");
-        let stated = stated.map_err(|(line, fault)| Mistake { line, column: 1, fault }.of(&list.path))?;
+        let stated = stated.map_err(|(line, fault)| Mistake { line, column: 1, fault }.locate(&list.path))?;
         if let Some(stated) = stated.filter(|stated| *stated != listed.len() as f64) {
             self.warnings.push(Warning::ChannelCountDiffers { stated, listed: listed.len() });
         }

@@ -73,7 +73,7 @@ impl<F> Mistake<F> {
     }
 
     /// The mistake as one of the file at `path`.
-    pub fn of(self, path: &Path) -> ReadError<F> {
+    pub fn locate(self, path: &Path) -> ReadError<F> {
         ReadError { path: path.into(), line: self.line, column: self.column, fault: self.fault }
     }
 }
