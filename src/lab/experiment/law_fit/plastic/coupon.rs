@@ -195,7 +195,7 @@ impl TrueCurve {
     }
 
     /// True stress (Pa) at the plastic strain `p`; none outside.
-    pub fn at(&self, p: f64) -> Option<f64> {
+    pub fn stress_at(&self, p: f64) -> Option<f64> {
         let after = self.points.iter().position(|point| point[0] >= p)?;
         let [to, high] = self.points[after];
         if to == p {

@@ -232,7 +232,7 @@ fn table(coupons: &[PlasticCoupon], curves: &[TrueCurve], ratios: &[Ratio; 3], e
         let of_direction = |direction: &PlasticDirection| {
             let own = coupons.iter().zip(curves).filter(|(coupon, _)| coupon.direction == *direction);
             let ratio = ratio(ratios, *direction);
-            let stresses: Vec<f64> = own.filter_map(|(_, curve)| Some(curve.at(p / ratio)? / ratio)).collect();
+            let stresses: Vec<f64> = own.filter_map(|(_, curve)| Some(curve.stress_at(p / ratio)? / ratio)).collect();
             (!stresses.is_empty()).then(|| stresses.iter().sum::<f64>() / stresses.len() as f64)
         };
         let means: Vec<f64> = PlasticDirection::ALL.iter().filter_map(of_direction).collect();
@@ -268,7 +268,7 @@ fn scatter(along: &[Vec<usize>], curves: &[TrueCurve]) -> Vec<(PlasticDirection,
             return None;
         }
         let spread = |p: f64| {
-            let stresses: Vec<f64> = own.iter().filter_map(|k| curves[*k].at(p)).collect();
+            let stresses: Vec<f64> = own.iter().filter_map(|k| curves[*k].stress_at(p)).collect();
             let (low, high) = stresses.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
             (stresses.len() > 1).then_some(2.0 * (high - low) / (high + low))
         };
