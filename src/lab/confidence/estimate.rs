@@ -101,7 +101,7 @@ impl Confidence {
             names: fitted.names,
             shifts: held.iter().enumerate().map(|(column, index)| shift(column, *index)).collect(),
             x: linearization.x.clone(),
-            intervals: intervals.map(|interval| [interval.at(-1.0), interval.at(1.0)]).collect(),
+            intervals: intervals.map(|interval| [interval.value_at(-1.0), interval.value_at(1.0)]).collect(),
             relative: options.relative,
             correlation: sandwich.correlation(),
             samples: linearization.residuals.len(),
