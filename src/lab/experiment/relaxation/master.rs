@@ -129,7 +129,7 @@ fn distance(colder: &Relaxation, warmer: &Relaxation) -> Option<f64> {
         return None;
     }
     let level = |k: usize| low + (high - low) * k as f64 / (LEVELS - 1) as f64;
-    let sum: f64 = (0..LEVELS).map(|k| at(&warmer, level(k)) - at(&colder, level(k))).sum();
+    let sum: f64 = (0..LEVELS).map(|k| log_time_at(&warmer, level(k)) - log_time_at(&colder, level(k))).sum();
     Some(sum / LEVELS as f64)
 }
 
@@ -145,7 +145,7 @@ fn falling(relaxation: &Relaxation) -> Vec<[f64; 2]> {
 }
 
 /// log₁₀ t at a modulus within a falling curve.
-fn at(curve: &[[f64; 2]], modulus: f64) -> f64 {
+fn log_time_at(curve: &[[f64; 2]], modulus: f64) -> f64 {
     let below = curve.iter().position(|point| point[0] <= modulus).unwrap_or(curve.len() - 1);
     let Some(before) = below.checked_sub(1) else { return curve[0][1] };
     let ([m0, t0], [m1, t1]) = (curve[before], curve[below]);
