@@ -173,7 +173,7 @@ fn the_virtual_coupons_reduce_to_the_figures_of_the_paper() {
 fn the_skewed_curves_lie_between_those_of_both_directions() {
     let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
     let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
-    let stress = |direction, strain| reduction.along(direction).unwrap().curve.at(strain).unwrap();
+    let stress = |direction, strain| reduction.along(direction).unwrap().curve.stress_at(strain).unwrap();
     for strain in [0.4, 0.6, 0.8, 1.0, 1.2] {
         let [md, td] = [Direction::Md, Direction::Td].map(|direction| stress(direction, strain));
         for skewed in [Direction::D3, Direction::D4] {
@@ -430,7 +430,7 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
     for ((found, own), tolerance) in curves.iter().zip([1e-4, 0.016]) {
         assert!(found.merged() > 0, "an extensometer jitters");
         for strain in [0.01, 0.1, 0.3, 0.5] {
-            let ratio = found.at(strain).unwrap() / own.at(strain).unwrap();
+            let ratio = found.stress_at(strain).unwrap() / own.stress_at(strain).unwrap();
             assert!((ratio - 1.0).abs() < tolerance, "{ratio} at {strain}");
         }
         let rupture = found.rupture(0.5).unwrap();
@@ -440,11 +440,11 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
         );
     }
     // Faster is stronger.
-    let [slow, fast] = [0, 1].map(|i| curves[i].0.at(0.02).unwrap());
+    let [slow, fast] = [0, 1].map(|i| curves[i].0.stress_at(0.02).unwrap());
     assert!(fast > 1.05 * slow, "{fast} and {slow}");
     let both: Vec<Curve> = curves.iter().map(|(curve, _)| curve.clone()).collect();
     let mean = mean_curve(&both).unwrap();
-    assert!((mean.at(0.02).unwrap() - 0.5 * (slow + fast)).abs() < 1e-3 * slow);
+    assert!((mean.stress_at(0.02).unwrap() - 0.5 * (slow + fast)).abs() < 1e-3 * slow);
     // Handbooks give 193 GPa. The slow recording jitters by a tenth of the whole elastic strain (its slope is 250 GPa),
     // so only the fast one tells.
     let modulus = curves[1].0.modulus([0.0, 0.0005]).unwrap();
@@ -519,7 +519,7 @@ fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
         let DirectionMeans { curve, elongation, .. } = reduction.along(direction).unwrap();
         let shared = curve.range()[1];
         for part in [0.3, 0.5, 0.7, 0.9, 1.0] {
-            let [found, measured] = [&simulated, curve].map(|curve| curve.at(part * shared).unwrap());
+            let [found, measured] = [&simulated, curve].map(|curve| curve.stress_at(part * shared).unwrap());
             assert!((found / measured - 1.0).abs() < 0.01, "{direction} at {}: {found} for {measured}", part * shared);
         }
         assert!((simulated.rupture(0.5).unwrap().strain - elongation.mean).abs() < 0.02);
@@ -576,7 +576,11 @@ fn a_simulated_coupon_at_45_degrees_follows_the_recordings() {
         simulate::pull(&skewed(&[format!("specimen.material={path:?}")]), &strains, across).unwrap()
     };
     let errors = |stresses: &[f64]| -> Vec<f64> {
-        strains.iter().zip(stresses).map(|(strain, stress)| stress / measured.at(*strain).unwrap() - 1.0).collect()
+        strains
+            .iter()
+            .zip(stresses)
+            .map(|(strain, stress)| stress / measured.stress_at(*strain).unwrap() - 1.0)
+            .collect()
     };
     let free = errors(&simulated("free", Across::Free));
     assert!(free.iter().all(|error| error.abs() < 0.01), "{free:?}");

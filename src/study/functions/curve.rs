@@ -94,7 +94,7 @@ fn describe(curve: &mut Curve) -> String {
 
 fn at(curve: &mut Curve, strain: Dynamic) -> HostResult<f64> {
     let strain = number(&strain, "a strain")?;
-    curve.at(strain).ok_or_else(|| refuse(format!("the curve has no stress at the strain {strain}")))
+    curve.stress_at(strain).ok_or_else(|| refuse(format!("the curve has no stress at the strain {strain}")))
 }
 
 fn slice(curve: &mut Curve, from: Dynamic, to: Dynamic) -> HostResult<Curve> {

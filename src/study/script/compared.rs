@@ -58,7 +58,7 @@ impl Compared {
     /// `curve` over the samples of `reference`.
     pub fn curves(curve: &Curve, reference: &Curve) -> Compared {
         let samples = reference.strain().iter().zip(reference.stress()).map(|(strain, stress)| [*strain, *stress]);
-        Compared::sampled(Over::Strain, samples, |strain| curve.at(strain))
+        Compared::sampled(Over::Strain, samples, |strain| curve.stress_at(strain))
     }
 
     fn sampled(over: Over, samples: impl Iterator<Item = [f64; 2]>, found: impl Fn(f64) -> Option<f64>) -> Compared {

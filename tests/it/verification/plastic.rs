@@ -192,7 +192,7 @@ fn aluminium() -> Vec<PlasticCoupon> {
 /// Nominal stress of a coupon from where its elastic line meets zero, Pa.
 fn recorded(coupon: &PlasticCoupon, strain: f64) -> f64 {
     let (_, curve) = coupon.modulus([0.001, 0.003]).expect("a modulus");
-    curve.at(strain).expect("a strain within the recording")
+    curve.stress_at(strain).expect("a strain within the recording")
 }
 
 /// From the files to a law to a coupon: one element whose width is free, and a meshed strip between jaws, both against the

@@ -86,7 +86,7 @@ pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
     let [start, end] = common_strain(curves)?;
     let last = AXIS - 1;
     let place = |i: usize| if i == last { end } else { start + (end - start) * (i as f64 / last as f64).powi(2) };
-    let mean = mean_at((0..AXIS).map(place).collect(), curves, Curve::at);
+    let mean = mean_at((0..AXIS).map(place).collect(), curves, Curve::stress_at);
     mean.ok_or(AverageError::NoCommonStrain { start, end })
 }
 

@@ -353,5 +353,5 @@ fn thinned(along: &DirectionMeans) -> Vec<[f64; 2]> {
     let place = |i: usize| {
         if i == CURVE_POINTS { end } else { start + (end - start) * (i as f64 / CURVE_POINTS as f64).powi(2) }
     };
-    (1..=CURVE_POINTS).filter_map(|i| Some([place(i), along.curve.at(place(i))?])).collect()
+    (1..=CURVE_POINTS).filter_map(|i| Some([place(i), along.curve.stress_at(place(i))?])).collect()
 }

@@ -184,7 +184,7 @@ impl TrueCurve {
         let mut out = TrueCurve { points: vec![], engineering: vec![] };
         for k in 0..count {
             let strain = from + (to - from) * k as f64 / (count - 1) as f64;
-            let sample = [strain, curve.at(strain)?];
+            let sample = [strain, curve.stress_at(strain)?];
             let p = plastic(sample);
             if p >= offset && out.points.last().is_none_or(|last| p > last[0]) {
                 out.points.push([p, sample[1] * (1.0 + strain)]);
