@@ -261,12 +261,12 @@ mod tests {
         let reading = drop.recording.series(ACCELEROMETER).unwrap();
         let back = restored(&reading, 0.15);
         let place = integrate::twice(&back, 0.0, FALL.height);
-        let velocity = integrate::once(&back, 0.0).at(drop.contact_time).unwrap();
+        let velocity = integrate::once(&back, 0.0).value_at(drop.contact_time).unwrap();
         assert!((velocity + FALL.speed).abs() < 1e-3, "{velocity}");
         let laser = drop.recording.channel(LASER).unwrap();
         let gap = place.values().iter().zip(laser).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(gap < 2e-4, "{gap}");
-        assert!(place.at(drop.contact_time).unwrap().abs() < 1e-4);
+        assert!(place.value_at(drop.contact_time).unwrap().abs() < 1e-4);
     }
 
     #[test]

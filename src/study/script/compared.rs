@@ -52,7 +52,7 @@ impl Compared {
     /// `signal` over the samples of `reference` with `from <= time <= to`.
     pub fn signals(signal: &Series, reference: &Series, window: [f64; 2]) -> Compared {
         let samples = reference.window(window);
-        Compared::sampled(Over::Time, samples.samples(), |time| signal.at(time))
+        Compared::sampled(Over::Time, samples.samples(), |time| signal.value_at(time))
     }
 
     /// `curve` over the samples of `reference`.

@@ -67,7 +67,7 @@ pub fn by_fall(
     zero: ZeroOffset,
 ) -> Result<ClosedFall, ContactError> {
     let integral = |offset: f64| known.integral(&acceleration(offset));
-    let reached_at = |offset: f64, time: f64| integral(offset).at(time).ok_or(known.not_met());
+    let reached_at = |offset: f64, time: f64| integral(offset).value_at(time).ok_or(known.not_met());
     let fallen = falls_to(&integral(0.0), known.level()).ok_or(known.not_met())?;
     let rate = (reached_at(0.0, fallen)? - reached_at(0.0, fallen - RATE_OVER)?) / RATE_OVER;
     // The integral is linear in the offset.
@@ -89,7 +89,7 @@ pub fn by_fall(
             if beyond(REFUSED) {
                 return Err(ContactError::NotClosed { known, offset, error: zero.error() });
             }
-            let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(known.not_met())?;
+            let velocity = integrate::once(&acceleration(offset), 0.0).value_at(time).ok_or(known.not_met())?;
             let speed_from = known.speed_from();
             let contact = Contact { time, velocity, iterations, laser_residual: None, speed_error: None, speed_from };
             return Ok(ClosedFall { contact, offset, doubtful: beyond(DOUBTFUL) });

@@ -78,7 +78,8 @@ impl FittedMotion {
         let place = integrate::once(&velocity, 0.0);
         let origin = place.time().first().copied().unwrap_or(assumed);
         let length = span[1] - span[0];
-        let rows = pass.iter().filter_map(|[t, laser]| Some(([1.0, (t - origin) / length], laser - place.at(*t)?)));
+        let rows =
+            pass.iter().filter_map(|[t, laser]| Some(([1.0, (t - origin) / length], laser - place.value_at(*t)?)));
         let fitted = least_squares(rows.clone()).ok_or(ContactError::NoCrossing { near: assumed })?;
         let ([at_origin, rise], left) = fitted;
         let speed = rise / length;
@@ -99,6 +100,6 @@ impl FittedMotion {
             Some(velocity) if *velocity > 0.0 => ContactError::LaserReversed,
             _ => missing(),
         })?;
-        Ok((time, self.velocity.at(time).ok_or_else(missing)?))
+        Ok((time, self.velocity.value_at(time).ok_or_else(missing)?))
     }
 }

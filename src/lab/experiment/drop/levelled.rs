@@ -214,7 +214,7 @@ impl<'a> Levelled<'a> {
     /// A restored acceleration that, integrated from rest, covers another height than the stated one.
     fn other_height(&self, motion: &Integrated) -> Option<Warning> {
         let height = self.tower.height.metres();
-        let covered = -integrate::twice(motion.acceleration(), 0.0, 0.0).at(motion.contact().time)?;
+        let covered = -integrate::twice(motion.acceleration(), 0.0, 0.0).value_at(motion.contact().time)?;
         let differs = (covered / height - 1.0).abs() > OTHER_HEIGHT;
         differs.then_some(Warning::DropHeightDiffers { covered, height })
     }
@@ -238,7 +238,7 @@ impl<'a> Levelled<'a> {
 
 /// An impact speed that is known and that the `restored` acceleration, integrated from rest, does not reach.
 fn other_speed(restored: &Series, KnownContact { time, speed }: KnownContact) -> Option<Warning> {
-    let reached = -integrate::once(restored, 0.0).at(time)?;
+    let reached = -integrate::once(restored, 0.0).value_at(time)?;
     let differs = (reached / speed - 1.0).abs() > OTHER_SPEED;
     differs.then_some(Warning::ImpactSpeedDiffers { reached, speed })
 }

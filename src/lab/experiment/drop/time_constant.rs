@@ -178,7 +178,7 @@ impl Known<'_> {
         let end = self.reading.time().get(after).ok_or(missing)?;
         let velocity = integrate::once(&restored(&self.reading.window([f64::NEG_INFINITY, *end]), coupling), 0.0);
         let place = integrate::once(&velocity, 0.0);
-        Ok([-velocity.at(time).ok_or(missing)?, -place.at(time).ok_or(missing)?])
+        Ok([-velocity.value_at(time).ok_or(missing)?, -place.value_at(time).ok_or(missing)?])
     }
 
     /// Change of that state with the inverse time constant and with the zero.

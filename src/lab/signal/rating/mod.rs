@@ -217,7 +217,7 @@ fn sampled(series: &Series, start: f64, count: usize) -> Vec<f64> {
         return values[first..].iter().copied().take(count).collect();
     }
     let last = time[time.len() - 1];
-    let at = |index| series.at((start + index as f64 / RATE).min(last));
+    let at = |index| series.value_at((start + index as f64 / RATE).min(last));
     (0..count).map_while(at).collect()
 }
 
