@@ -90,7 +90,7 @@ impl Plane {
         Plane([values[0] - across * a[0] - down * a[1], across, down])
     }
 
-    fn at(&self, x: f32, y: f32) -> f32 {
+    fn value_at(&self, x: f32, y: f32) -> f32 {
         self.0[0] + self.0[1] * x + self.0[2] * y
     }
 }
@@ -126,14 +126,14 @@ impl Band {
                 (left - 0.5).ceil().max(0.0) as usize..(right - 0.5).ceil().clamp(0.0, self.width as f32) as usize;
             for column in columns {
                 let x = column as f32 + 0.5;
-                let (at, near) = (row * self.width + column, depth.at(x, y));
+                let (at, near) = (row * self.width + column, depth.value_at(x, y));
                 if near <= layer.depths[at] {
                     continue;
                 }
-                let is_inside = edges.iter().all(|edge| edge.at(x, y) > 0.0);
+                let is_inside = edges.iter().all(|edge| edge.value_at(x, y) > 0.0);
                 let light = if is_inside { 1.0 } else { EDGE };
                 layer.depths[at] = near;
-                layer.colours[at] = colour.map(|part| (light * part.at(x, y)).round() as u8);
+                layer.colours[at] = colour.map(|part| (light * part.value_at(x, y)).round() as u8);
             }
         }
     }
