@@ -37,7 +37,7 @@ pub enum Rule {
         /// Its bounds.
         range: Range,
     },
-    /// A text; `path` where it names a file.
+    /// A string; `path` where it names a file.
     Text {
         /// Whether it names a file.
         path: bool,
@@ -256,7 +256,7 @@ impl fmt::Display for Rule {
             Rule::Number { whole: true, .. } => f.write_str("a whole number"),
             Rule::Number { .. } => f.write_str("a number"),
             Rule::Text { path: true, .. } => f.write_str("a path"),
-            Rule::Text { .. } => f.write_str("a text"),
+            Rule::Text { .. } => f.write_str("a string"),
             Rule::Flag => f.write_str("true or false"),
             Rule::Either(rules) => {
                 let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
@@ -271,7 +271,7 @@ fn plural(rule: &Rule) -> String {
     match rule {
         Rule::Table(_) => "tables".to_owned(),
         Rule::Number { .. } => "numbers".to_owned(),
-        Rule::Text { path: false, .. } => "texts".to_owned(),
+        Rule::Text { path: false, .. } => "strings".to_owned(),
         Rule::Quantity(dimension, _) => {
             let name = dimension.name;
             let noun = name.split_once(' ').map_or(name, |(_, noun)| noun);

@@ -92,7 +92,7 @@ impl Kind {
             Kind::Number => "a number".into(),
             Kind::Numbers(count) => format!("{count} numbers separated by commas"),
             Kind::Flag => "true or false".into(),
-            Kind::Text => "a text".into(),
+            Kind::Text => "a string".into(),
             Kind::Any => "a value".into(),
         }
     }

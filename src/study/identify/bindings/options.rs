@@ -65,7 +65,7 @@ impl ScriptSearch {
             };
             let text = || {
                 let text = value.clone().into_immutable_string();
-                text.map_err(|found| refuse(format!("`{option}` is a text, not {found}")))
+                text.map_err(|found| refuse(format!("`{option}` must be a string, not {found}")))
             };
             match option.as_str() {
                 "tol_x" => search.tol_x = number(value, option)?,
