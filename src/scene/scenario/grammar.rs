@@ -44,7 +44,7 @@ pub enum Rule {
         /// Whether the content of that file replaces it.
         included: bool,
     },
-    /// A truth value.
+    /// A Boolean.
     Flag,
     /// Any one of these.
     Either(Vec<Rule>),

@@ -55,7 +55,7 @@ pub struct EvaluationKeys {
 /// What is kept of every evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
-    /// The figures of `summary.json` that are numbers, truth values or texts, in its order, without those of the machine.
+    /// The figures of `summary.json` that are numbers, Booleans or strings, in its order, without those of the machine.
     pub figures: Vec<(String, Figure)>,
     /// Codes of the findings, each once.
     pub findings: Vec<String>,

@@ -46,7 +46,7 @@ pub struct ComparedRun {
 pub struct ComparedFigure {
     /// As `summary.json` calls it.
     pub name: String,
-    /// Number, text or truth value; none where a run has none.
+    /// Number, string or Boolean; none where a run has none.
     pub values: Vec<Option<Value>>,
 }
 

@@ -98,7 +98,7 @@ impl Kind {
     }
 }
 
-/// The value of a text on the command line: a number, a truth value, or the text.
+/// The value of a text on the command line: a number, a Boolean, or the text.
 pub fn argument_value(text: &str) -> Dynamic {
     let integer = text.parse::<i64>().map(Dynamic::from);
     let float = || text.parse::<f64>().map(Dynamic::from);

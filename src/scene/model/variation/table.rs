@@ -72,7 +72,7 @@ fn key(label: &str, head: &Span, node: Node) -> Result<VariedKey, Diagnostic> {
     without_unit.ok_or(mistake)
 }
 
-/// A cell: a number, a truth value, or a text.
+/// A cell: a number, a Boolean, or a string.
 fn value(cell: &str) -> Value {
     if let Ok(whole) = cell.parse::<i64>() {
         return Value::Whole(whole);
