@@ -51,10 +51,10 @@ impl<'d> Mistakes<'d> {
         self.report_with(path, format!("missing key `{path}`"), hint);
     }
 
-    /// A key that has no meaning together with another.
+    /// A key that is not allowed beside another.
     pub fn out_of_place(&mut self, path: &str, why: impl Into<String>) {
         let span = self.document.key_span(path);
-        let message = format!("`{path}` has no meaning here");
+        let message = format!("`{path}` is not allowed here");
         self.mistakes.push(Diagnostic::new(message).at(&span).hint(why));
     }
 
