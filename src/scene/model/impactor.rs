@@ -328,13 +328,13 @@ fn one(written: &BodyShape, path: &str, mistakes: &mut Mistakes<'_>) -> Option<I
     })
 }
 
-/// Refuses a radius of the edges that leaves nothing of the flat faces.
+/// Refuses a radius of the edges beside which no flat face remains.
 fn rounded(edge: f64, largest: f64, path: &str, mistakes: &mut Mistakes<'_>) -> Option<()> {
     if edge < largest {
         return Some(());
     }
     let hint = format!("it must be below {} mm", significant(1e3 * largest, 4));
-    mistakes.report_with(path, "this radius leaves nothing of the flat faces", hint);
+    mistakes.report_with(path, "this radius is too large", hint);
     None
 }
 
