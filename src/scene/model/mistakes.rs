@@ -39,7 +39,7 @@ impl<'d> Mistakes<'d> {
         }
     }
 
-    /// The value at the key path, whose number is hardly meant, in the unit that is, as a hint; none where it is
+    /// The value at the key path, whose number is implausible, in the unit that is, as a hint; none where it is
     /// likely.
     pub fn meant(&self, path: &str) -> Option<String> {
         let found = self.document.implausible().into_iter().find(|value| value.key == path)?;

@@ -59,7 +59,7 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     }
 }
 
-/// Reports a mesh that is too large, at the sizes that are hardly meant where there are any: they are its cause.
+/// Reports a mesh that is too large, at the sizes that are implausible where there are any: they are its cause.
 fn too_large(path: &str, message: String, mistakes: &mut Mistakes<'_>) {
     let is_size = |value: &Implausible| value.key.starts_with("specimen.shape.") || value.key.ends_with("mesh.size");
     let sizes: Vec<Implausible> = mistakes.document.implausible().into_iter().filter(is_size).collect();

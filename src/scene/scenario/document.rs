@@ -163,7 +163,7 @@ impl Document {
         }
     }
 
-    /// Values that are hardly meant, although a run could use them.
+    /// Values that are implausible, although a run could use them.
     pub fn implausible(&self) -> Vec<Implausible> {
         plausible::implausible(&self.root, self.rule)
     }

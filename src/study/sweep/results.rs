@@ -28,7 +28,7 @@ pub struct SweepResults {
     pub rupture: Option<(f64, [f64; 2])>,
     /// Main effects on the figures that vary.
     pub effects: Vec<Effects>,
-    /// What is hardly meant in what varies.
+    /// Implausible variations.
     pub findings: Vec<Finding>,
 }
 
