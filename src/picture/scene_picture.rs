@@ -68,7 +68,7 @@ pub struct ScenePicture<'a> {
     pub state: &'a Snapshot,
     /// The field that colours the film.
     pub field: &'a Field,
-    /// Ends of the colours, in the unit of the field.
+    /// Colour range, in the unit of the field.
     pub range: [f32; 2],
     /// From where it is seen.
     pub view: View,
