@@ -52,10 +52,10 @@ pub(super) struct SweepArgs {
     /// Compute nothing: gather what all processes have done
     #[arg(long, conflicts_with_all = ["shard", "stop_after"])]
     pub merge: bool,
-    /// Let tasks of a computing centre compute the runs: submit them, wait, gather
+    /// Let tasks of a cluster compute the runs: submit them, wait, gather
     #[arg(long, value_name = "SCHEDULER", value_enum, conflicts_with_all = ["shard", "stop_after", "merge"])]
     pub on: Option<On>,
-    /// The file about the computing centre
+    /// The file about the cluster
     #[arg(long, value_name = "FILE", default_value = "cluster.toml", requires = "on")]
     pub cluster: PathBuf,
     /// Compute only if this is the digest of the study: tasks of a job give it

@@ -135,7 +135,7 @@ pub fn figure() -> &'static Rule {
     &RULE
 }
 
-/// The rule of a file about a computing centre.
+/// The rule of a file about a cluster.
 pub fn cluster() -> &'static Rule {
     static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Cluster>()));
     &RULE
