@@ -13,7 +13,7 @@ use rhai::{Dynamic, Engine, Scope};
 use serde_json::{Map, Value, json};
 
 use super::complete;
-use super::farm::{self, FarmArgs};
+use super::farm::{self, ShardArgs};
 use super::faults::{reading, script, storing};
 use super::given::Given;
 use super::scenarios::both;
@@ -64,7 +64,7 @@ pub(super) struct ScriptArgs {
     #[arg(long)]
     pub parquet: bool,
     #[command(flatten)]
-    pub farm: FarmArgs,
+    pub farm: ShardArgs,
     /// Folder of the evaluations that are never computed twice
     #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
     pub store: PathBuf,

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 
 use super::changes::Changes;
 use super::complete;
-use super::farm::{self, FarmArgs};
+use super::farm::{self, ShardArgs};
 use super::faults::{preparing, storing};
 use super::scenarios::both;
 use super::{Failure, Shared, print_figures};
@@ -48,7 +48,7 @@ pub(super) struct SweepArgs {
     #[arg(long, value_name = "FIGURE")]
     pub figure: Option<String>,
     #[command(flatten)]
-    pub farm: FarmArgs,
+    pub farm: ShardArgs,
     /// Compute nothing: gather what all processes have done
     #[arg(long, conflicts_with_all = ["shard", "stop_after"])]
     pub merge: bool,
