@@ -60,18 +60,18 @@ pub struct TableRule {
     /// Whether it must have one of them.
     pub group_required: bool,
     /// Keys that are reserved for later versions, each with what there is instead.
-    pub future: Vec<Future>,
+    pub reserved: Vec<ReservedKey>,
     /// Whether its other keys are paths of keys that vary.
     pub varied: bool,
     /// The rule of its other keys, which may have any name.
     pub others: Option<Box<Rule>>,
 }
 
-/// What is reserved for later versions.
+/// A key that is reserved for later versions.
 #[derive(Clone, Debug)]
-pub struct Future {
-    /// The name of a key.
-    pub what: String,
+pub struct ReservedKey {
+    /// Its name.
+    pub name: String,
     /// What there is instead; may be empty.
     pub hint: String,
 }
@@ -292,8 +292,8 @@ impl TableRule {
     }
 
     /// What there is in place of the reserved key `name`; none where the key is not reserved.
-    pub fn future(&self, name: &str) -> Option<&str> {
-        self.future.iter().find(|future| future.what == name).map(|future| future.hint.as_str())
+    pub fn reserved(&self, name: &str) -> Option<&str> {
+        self.reserved.iter().find(|key| key.name == name).map(|key| key.hint.as_str())
     }
 
     /// Which of the groups the key belongs to.
@@ -381,13 +381,13 @@ fn texts(list: &Json) -> Vec<String> {
     items.filter_map(Json::as_str).map(str::to_owned).collect()
 }
 
-fn future(entries: &Json) -> Vec<Future> {
+fn reserved(entries: &Json) -> Vec<ReservedKey> {
     let entries = entries.as_object().into_iter().flatten();
-    let future = |(what, hint): (&String, &Json)| Future {
-        what: what.clone(),
+    let reserved = |(name, hint): (&String, &Json)| ReservedKey {
+        name: name.clone(),
         hint: hint.as_str().unwrap_or_default().to_owned(),
     };
-    entries.map(future).collect()
+    entries.map(reserved).collect()
 }
 
 fn range(schema: &Json) -> Range {
@@ -435,7 +435,7 @@ fn words_and_tables(schema: &Json) -> Option<(Words, Vec<&Json>)> {
 
 /// The rule of the `branches` of an enumeration whose variants are keys.
 fn tagged<'a>(branches: impl Iterator<Item = &'a Json>, schema: &Json) -> TableRule {
-    let mut table = TableRule { group_required: true, future: future(&schema["x-future"]), ..TableRule::default() };
+    let mut table = TableRule { group_required: true, reserved: reserved(&schema["x-future"]), ..TableRule::default() };
     for branch in branches {
         for mut key in keys(branch) {
             key.required = false;
@@ -457,7 +457,7 @@ fn table(schema: &Json) -> TableRule {
         keys: keys(schema),
         groups,
         group_required: one_of.is_some(),
-        future: future(&schema["x-future"]),
+        reserved: reserved(&schema["x-future"]),
         varied: schema["x-varied"].as_bool().unwrap_or(false),
         others: schema.get("additionalProperties").filter(|rule| rule.is_object()).map(|rule| Box::new(compile(rule))),
     }

@@ -286,7 +286,7 @@ fn first_of<'t>(table: &'t Table, group: &[String]) -> Option<&'t Entry> {
 
 fn has_future(table: &Table, rule: &TableRule) -> bool {
     let entries = &mut table.entries.iter();
-    entries.any(|entry| rule.future(&entry.key).is_some())
+    entries.any(|entry| rule.reserved(&entry.key).is_some())
 }
 
 fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
@@ -322,7 +322,7 @@ fn unknown_word(text: &str, rule: &Rule) -> Diagnostic {
 }
 
 fn unknown_key(entry: &Entry, table: &Table, rule: &TableRule, place: &Place) -> Diagnostic {
-    if let Some(hint) = rule.future(&entry.key) {
+    if let Some(hint) = rule.reserved(&entry.key) {
         return not_yet(&format!("`{}`", place.name(&entry.key)), hint).at(&entry.key_span);
     }
     // Who gives a value beside this one knows its key.
