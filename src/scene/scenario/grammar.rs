@@ -20,9 +20,9 @@ pub enum Rule {
         /// Rule of each item.
         item: Box<Rule>,
         /// Fewest items.
-        shortest: usize,
+        min_items: usize,
         /// Most items.
-        longest: usize,
+        max_items: usize,
     },
     /// A list with a rule for each place.
     Tuple(Vec<Rule>),
@@ -488,7 +488,7 @@ fn list(schema: &Json) -> Rule {
     }
     Rule::List {
         item: Box::new(item),
-        shortest: length("minItems").unwrap_or(0),
-        longest: length("maxItems").unwrap_or(usize::MAX),
+        min_items: length("minItems").unwrap_or(0),
+        max_items: length("maxItems").unwrap_or(usize::MAX),
     }
 }
