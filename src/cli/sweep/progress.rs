@@ -11,7 +11,7 @@ use crate::Shared;
 use base::diagnostic::printable;
 use base::number::{figure, wall_time};
 use study::cluster::Tasks;
-use study::sweep::{Event, Outlook};
+use study::sweep::{Event, RemainingWork};
 
 /// Time between two events.
 const EVERY: Duration = Duration::from_millis(500);
@@ -98,7 +98,7 @@ impl Progress {
                 state.computed += 1;
                 state.failed += usize::from(evaluation.failure.is_some());
             }
-            Event::Left(Outlook { left, elsewhere }) => {
+            Event::Left(RemainingWork { left, elsewhere }) => {
                 state.left = Some([*left, state.computed]);
                 state.elsewhere = *elsewhere;
             }

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::outlook::{Lookout, Outlook, Position};
+use super::remaining::{Estimator, Position, RemainingWork};
 use super::{Case, CaseError, Sweep};
 use crate::evaluate::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
 use base::cancellation::Cancellation;
@@ -36,7 +36,7 @@ pub enum Event<'a> {
     /// Its values make no valid scenario.
     Refused(&'a str),
     /// So much is left; told from time to time where there are records of other sweeps or processes.
-    Left(Outlook),
+    Left(RemainingWork),
 }
 
 /// A sweep and how a process works on it.
@@ -119,10 +119,10 @@ impl Work<'_> {
         };
         thread::scope(|scope| {
             let watch = scope.spawn(|| state.watch());
-            let lookout = scope.spawn(|| state.look_out());
+            let estimator = scope.spawn(|| state.estimate_remaining());
             rayon::scope(|threads| (0..rayon::current_num_threads()).for_each(|_| threads.spawn(|_| state.take_all())));
             state.is_over.store(true, Ordering::Relaxed);
-            [watch, lookout].iter().for_each(|waiting| waiting.thread().unpark());
+            [watch, estimator].iter().for_each(|waiting| waiting.thread().unpark());
         });
         if !self.gather {
             let store = self.evaluations.store();
@@ -151,12 +151,14 @@ impl State<'_> {
     }
 
     /// Tells what is left.
-    fn look_out(&self) {
+    fn estimate_remaining(&self) {
         let Work { sweep, evaluations, gather, .. } = self.work;
-        let mut lookout = Lookout::new(evaluations);
+        let mut estimator = Estimator::new(evaluations);
         while !gather && !self.is_over.load(Ordering::Relaxed) {
-            if let Some(outlook) = lookout.outlook(sweep, evaluations, self.position(), |most| self.sample(most)) {
-                (self.observer)(Event::Left(outlook));
+            if let Some(remaining) =
+                estimator.remaining_work(sweep, evaluations, self.position(), |most| self.sample(most))
+            {
+                (self.observer)(Event::Left(remaining));
             }
             thread::park_timeout(LOOK);
         }
