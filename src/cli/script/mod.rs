@@ -140,8 +140,8 @@ fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure
 
 /// What a process says that computed a part of a study.
 fn part(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result<(), Failure> {
-    let [taken, computed] = evaluations.counts();
-    let figures = json!({ "script": shown_path(args.path()), "reused": taken, "computed": computed });
+    let [cache_hits, computed] = evaluations.counts();
+    let figures = json!({ "script": shown_path(args.path()), "reused": cache_hits, "computed": computed });
     print_figures(shared, &figures, || format!("{}: {computed} runs computed here", shown_path(args.path())))
 }
 
@@ -205,10 +205,10 @@ fn run_script(
         Err(_) if cancellation.is_cancelled() => return Ok(None),
         ran => ran.map_err(stopped)?,
     }
-    let [taken, computed] = evaluations.counts();
-    if taken > 0 {
-        let all = taken + computed;
-        print_line(&format!("note: {taken} of {all} runs were computed before ({})", shown_path(&args.store)));
+    let [cache_hits, computed] = evaluations.counts();
+    if cache_hits > 0 {
+        let all = cache_hits + computed;
+        print_line(&format!("note: {cache_hits} of {all} runs were computed before ({})", shown_path(&args.store)));
     }
     let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
     let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));

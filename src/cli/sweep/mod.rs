@@ -99,7 +99,7 @@ pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     let done = work.run(&|event| progress.show(&event));
     progress.finish();
     let mut done = done.map_err(|error| failed(&error))?;
-    done.taken = before.unwrap_or(done.taken);
+    done.cache_hits = before.unwrap_or(done.cache_hits);
     if done.len() < sweep.len() {
         return unfinished(&task, &done, args, shared);
     }
@@ -199,7 +199,7 @@ fn partly(done: &Done, sweep: &Sweep) -> serde_json::Value {
     serde_json::json!({
         "scenario": sweep.model().name,
         "runs": sweep.len(),
-        "reused": done.taken,
+        "reused": done.cache_hits,
         "computed": done.computed,
         "missing": sweep.len() - done.len(),
         "engine_s": done.engine_s,

@@ -39,7 +39,7 @@ const MOST_BYTES: u64 = 1 << 30;
 pub struct Evaluations {
     store: EvaluationStore,
     share: Share,
-    taken: AtomicUsize,
+    cache_hits: AtomicUsize,
     computed: AtomicUsize,
 }
 
@@ -208,7 +208,7 @@ impl Evaluations {
     }
 
     fn of(store: EvaluationStore) -> Evaluations {
-        Evaluations { store, share: Share::WHOLE, taken: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
+        Evaluations { store, share: Share::WHOLE, cache_hits: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
     }
 
     /// The same for a process that takes this part of the runs first.
@@ -228,7 +228,7 @@ impl Evaluations {
 
     /// How many evaluations were taken from records, and how many were computed.
     pub fn counts(&self) -> [usize; 2] {
-        [&self.taken, &self.computed].map(|count| count.load(Ordering::Relaxed))
+        [&self.cache_hits, &self.computed].map(|count| count.load(Ordering::Relaxed))
     }
 
     /// What identifies the evaluation of `model` by `plan`.
@@ -278,7 +278,7 @@ impl Evaluations {
         cancellation: &Cancellation,
     ) -> Result<Evaluated, EvaluationError> {
         if let Some(evaluation) = self.record(keys)? {
-            self.taken.fetch_add(1, Ordering::Relaxed);
+            self.cache_hits.fetch_add(1, Ordering::Relaxed);
             return Ok(Evaluated { evaluation, is_new: false });
         }
         let begin = std::time::Instant::now();
@@ -313,7 +313,7 @@ impl Evaluations {
             Err(error) => Evaluation::failed(NoOutcome::of(&error, model).cause),
         };
         self.add(keys, &evaluation)?;
-        let count = if is_kept { &self.taken } else { &self.computed };
+        let count = if is_kept { &self.cache_hits } else { &self.computed };
         count.fetch_add(1, Ordering::Relaxed);
         Ok(Evaluated { evaluation, is_new: !is_kept })
     }
@@ -333,7 +333,7 @@ impl Evaluations {
         // Before the look for what is known: a claim that ends in between still holds, and the next look finds the run.
         self.store.refresh().map_err(|source| self.failed(source))?;
         if let Some(known) = self.known(run)? {
-            self.taken.fetch_add(1, Ordering::Relaxed);
+            self.cache_hits.fetch_add(1, Ordering::Relaxed);
             return Ok(Some(known));
         }
         if !self.store.claim(run).map_err(|source| self.failed(source))? {

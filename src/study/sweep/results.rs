@@ -52,7 +52,7 @@ impl SweepResults {
         };
         let effects = figures.iter().filter(varies).filter_map(|column| statistics::effects(&table, column)).collect();
         Ok(SweepResults {
-            reused: done.taken,
+            reused: done.cache_hits,
             failed,
             missing: sweep.len() - done.len(),
             engine_s: done.engine_s,

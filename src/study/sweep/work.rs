@@ -62,7 +62,7 @@ pub struct Done {
     /// Why runs could not start, by place.
     pub refused: BTreeMap<usize, String>,
     /// Runs that were evaluated before.
-    pub taken: usize,
+    pub cache_hits: usize,
     /// Runs that were evaluated now.
     pub computed: usize,
     /// Time that the engine took for them, s.
@@ -229,7 +229,7 @@ impl State<'_> {
         }
         if store.contains(keys.figures) {
             let mut done = lock(&self.done);
-            done.taken += 1;
+            done.cache_hits += 1;
             done.keys.insert(place, keys);
             drop(done);
             (self.observer)(Event::Taken);
@@ -265,7 +265,7 @@ impl State<'_> {
             done.computed += 1;
             done.engine_s += evaluation.engine_s;
         } else {
-            done.taken += 1;
+            done.cache_hits += 1;
         }
         drop(done);
         (self.observer)(if *is_new { Event::Computed(evaluation) } else { Event::Taken });
