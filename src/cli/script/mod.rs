@@ -131,8 +131,12 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 /// Finds mistakes without running anything; no store of evaluations is opened.
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(None, |_| {}), OutputCollector::new(Vec::new()));
-    let engine =
-        engine(args.given.changes.assignments()?, &Arc::new(Evaluations::unread(&args.store)), &host, &collector);
+    let engine = engine(
+        args.given.changes.assignments()?,
+        &Arc::new(Evaluations::without_loading(&args.store)),
+        &host,
+        &collector,
+    );
     compiled(args, &engine, place)?;
     let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
     print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))

@@ -202,9 +202,9 @@ impl Evaluations {
         EvaluationStore::open(folder, BUILD).map_err(failed).map(Evaluations::of)
     }
 
-    /// Those in `folder`, which is not read: for scripts that do not run.
-    pub fn unread(folder: &Path) -> Evaluations {
-        Evaluations::of(EvaluationStore::unread(folder, BUILD))
+    /// Evaluations in `folder`, which is not read: for scripts that do not run.
+    pub fn without_loading(folder: &Path) -> Evaluations {
+        Evaluations::of(EvaluationStore::without_loading(folder, BUILD))
     }
 
     fn of(store: EvaluationStore) -> Evaluations {
