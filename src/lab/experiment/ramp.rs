@@ -55,9 +55,11 @@ impl GravityRamp {
         let ([c, b, a], _) = least_squares(rows.iter().copied()).ok_or(RampError::TooFew { from, to })?;
         let vertex = -b / (2.0 * a);
         let depth = a * vertex * vertex - c;
+        // Only a flank that bends upward has its vertex at the bottom, where the magnet lets go.
         if a.is_nan() || a <= 0.0 || depth <= 0.0 || vertex <= 0.0 {
             return Err(RampError::NotParabolic { from, to });
         }
+        // Equation 44 in the form a (u − vertex)² − depth, which is zero a width before its vertex.
         let width = (depth / a).sqrt();
         Ok(GravityRamp { start: from + length * (vertex - width), duration: length * width, depth })
     }

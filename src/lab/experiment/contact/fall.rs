@@ -82,6 +82,7 @@ pub fn by_fall(
         let time = time.ok_or(ContactError::NoOnset { near: assumed, known })?;
         let (without, with) = (reached_at(0.0, time)?, reached_at(1.0, time)?);
         offset = (known.level() - without) / (with - without);
+        // Between two samples all onsets are equal, so that the iterations may alternate between neighbours.
         if (time - assumed).abs() <= 1.01 * step(&corrected) {
             let beyond = |[errors, share]: [f64; 2]| {
                 offset.abs() > errors * zero.error() && (offset * per_offset / known.level()).abs() > share

@@ -37,6 +37,8 @@ fn converged(acceleration: impl Fn(f64) -> Series, laser: &Series, mut assumed: 
         }
         let motion = FittedMotion::fit(&acceleration(assumed), &pass, assumed)?;
         let (time, velocity) = motion.contact(assumed)?;
+        // The window moves with the contact: at convergence the laser that decides is the one about contact, and the
+        // correction by the ramp (equation 44) begins there.
         if (time - assumed).abs() < CONVERGED {
             let (laser_residual, speed_error) = (Some(motion.residual), Some(motion.speed_error));
             let speed_from = SpeedSource::Laser;
@@ -74,6 +76,8 @@ struct FittedMotion {
 impl FittedMotion {
     fn fit(acceleration: &Series, pass: &[[f64; 2]], assumed: f64) -> Result<FittedMotion, ContactError> {
         let span = LASER_SPAN.map(|span| assumed + span);
+        // The acceleration gives the shape of the motion: in equation 45 only place and speed at its beginning are
+        // unknown, both linear, and the laser need not be differentiated.
         let velocity = integrate::once(&acceleration.window(span), 0.0);
         let place = integrate::once(&velocity, 0.0);
         let origin = place.time().first().copied().unwrap_or(assumed);
@@ -85,6 +89,7 @@ impl FittedMotion {
         let speed = rise / length;
         let residual = (left / rows.clone().count() as f64).sqrt();
         let count = rows.clone().count() as f64;
+        // Variance of a slope: that of a sample over the sum of squares of the times about their mean.
         let mean = rows.clone().map(|([_, s], _)| s).sum::<f64>() / count;
         let spread = rows.map(|([_, s], _)| (s - mean).powi(2)).sum::<f64>();
         let speed_error = residual / spread.sqrt() / length;

@@ -168,6 +168,7 @@ pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, RatingErr
 fn rate_curves(reference: &[f64], comparison: &[f64]) -> Rating {
     let shift = phase::best_shift(reference, comparison);
     let [r, c] = shift.cut(reference, comparison);
+    // Corridor and phase are of the whole curves, magnitude and slope of what the shift leaves.
     let (corridor, phase) = (corridor::rating(reference, comparison), shift.rating(reference.len()));
     let (magnitude, slope) = (magnitude::rating(r, c), slope::rating(r, c));
     let overall = 0.4 * corridor + 0.2 * phase + 0.2 * magnitude + 0.2 * slope;

@@ -54,6 +54,7 @@ pub(in crate::experiment::law_fit) fn fit(
     let stable_to = options.stable_to.unwrap_or_else(|| range(sets)[1].max(1.0));
     let minima = minima(&problem, sets, stable_to);
     let lowest = minima.iter().map(|minimum| minimum.squares).fold(f64::INFINITY, f64::min);
+    // Stability counts before residuals: a run with a law that is unstable in its range has no solution.
     let best =
         minima.iter().min_by(|a, b| (a.stability, a.squares).partial_cmp(&(b.stability, b.squares)).expect("finite"));
     let best = best.ok_or(FitError::NoValue)?;

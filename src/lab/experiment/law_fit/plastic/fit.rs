@@ -163,6 +163,8 @@ impl PlasticFit {
     /// with T = R σ_y(R E_p).
     pub fn stress(&self, direction: PlasticDirection, strain: f64) -> f64 {
         let (ratio, total) = (ratio(&self.ratios, direction), strain.ln_1p());
+        // Elastic stress falls with E_p and flow stress does not, so that they cross once; bisection also passes the
+        // corners of a table, where Newton's method may cycle.
         let (mut low, mut high) = (0.0, total);
         for _ in 0..100 {
             let plastic = 0.5 * (low + high);
@@ -217,6 +219,7 @@ fn points(coupons: &[PlasticCoupon], curves: &[TrueCurve], along: &[Vec<usize>],
     let of_coupon = |(coupon, curve): (&PlasticCoupon, &TrueCurve)| {
         let place = PlasticDirection::ALL.iter().position(|direction| *direction == coupon.direction).unwrap_or(0);
         let ratio = others.iter().position(|other| *other == place);
+        // A direction with more coupons, or a coupon with more points, must not decide the common law.
         let weight = 1.0 / (along[place].len() as f64 * curve.points.len() as f64).sqrt();
         let points =
             curve.points.iter().map(move |[strain, stress]| Point { ratio, strain: *strain, stress: *stress, weight });
