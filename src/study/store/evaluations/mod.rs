@@ -227,6 +227,7 @@ impl EvaluationStore {
     /// # Errors
     /// The claim cannot be written.
     pub fn claim(&self, key: Key) -> io::Result<bool> {
+        // The lock is not held while the claim is written, so that threads with other keys go on.
         {
             let mut state = self.state();
             if state.rivals(key).next().is_some() || !state.under_way.insert(key) {
