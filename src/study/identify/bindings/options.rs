@@ -104,7 +104,7 @@ impl ScriptSearch {
 fn check_labels(names: &[String], labels: &Labels, signals: &[String]) -> HostResult<()> {
     let mut all = names.iter().chain(signals).chain(&labels.title);
     let fits = |text: &String| !text.trim().is_empty() && text.chars().count() <= MAX_LENGTH;
-    let message = || format!("`title`, `names` and `signals` of a search are texts of 1 to {MAX_LENGTH} characters");
+    let message = || format!("`title`, `names` and `signals` of a search must be strings of 1 to {MAX_LENGTH} characters");
     if all.all(fits) { Ok(()) } else { Err(refuse(message())) }
 }
 
