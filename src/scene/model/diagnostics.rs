@@ -1,19 +1,19 @@
-//! Mistakes found by the checks, each at the place of a key path.
+//! Diagnostics of the checks, each at the place of a key path.
 
 use std::path::PathBuf;
 
 use crate::scenario::{Document, MeshFile};
 use base::diagnostic::{Diagnostic, Span, shown_path};
 
-/// The mistakes found so far, and the document that says where they are.
-pub struct Mistakes<'d> {
+/// The diagnostics found so far, and the document that says where they are.
+pub struct ModelDiagnostics<'d> {
     pub document: &'d Document,
     pub mistakes: Vec<Diagnostic>,
 }
 
-impl<'d> Mistakes<'d> {
-    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Mistakes<'d> {
-        Mistakes { document, mistakes }
+impl<'d> ModelDiagnostics<'d> {
+    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> ModelDiagnostics<'d> {
+        ModelDiagnostics { document, mistakes }
     }
 
     /// A mistake in the value at the key path.
