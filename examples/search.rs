@@ -65,7 +65,7 @@ pub fn fit(objective: &dyn Objective, names: &[&str], start: Vec<f64>) -> Result
     let options = ConfidenceOptions { colour: Colour::White, relative: true, ..ConfidenceOptions::new(names) };
     let estimate = Search { start: result.best.x.clone(), ..search };
     let confidence = with_evaluator(Problem::new(objective), 2, |evaluator| {
-        Ok::<_, ProfileError>(Confidence::of(&linearize_at_start(&estimate, evaluator)?, &options)?)
+        Ok::<_, ProfileError>(Confidence::from_linearization(&linearize_at_start(&estimate, evaluator)?, &options)?)
     })?;
     let parameters = confidence.names.iter().zip(&confidence.x).zip(&confidence.intervals);
     let parameters =

@@ -81,7 +81,7 @@ function keyPages(ask) {
   const under = (root) => keys.filter(({ key }) => key === root || key.startsWith(`${root}.`));
   const seen = new Map();
   const pages = [];
-  const index = ["# Keys", "", "Keys of a scenario. A value is a number in the SI unit, or a text with its unit: `\"12 um\"`.", ""];
+  const index = ["# Keys", "", "Keys of a scenario. A value is a number in the SI unit, or a string with its unit: `\"12 um\"`.", ""];
   index.push(row(["Key", "Value", "Meaning"]), row(["---", "---", "---"]));
   for (const top of tops) {
     const held = under(top.key);

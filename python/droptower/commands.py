@@ -64,7 +64,7 @@ def sweep(
 
     Runs that were computed before are taken from the records in `store`. `keep` ("worst:3", "all", "4,17") also writes
     run folders (`Sweep.runs`); the worst have the largest `figure`. `merge` computes nothing and gathers what other
-    processes have done. `on` ("slurm", "hyperqueue") lets the computing centre that the file `cluster` describes
+    processes have done. `on` ("slurm", "hyperqueue") lets the cluster that the file `cluster` describes
     compute the runs. Runs that failed are rows of the table (`Sweep.table`), and raise NumericalFailure once it is
     written.
     """

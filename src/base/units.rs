@@ -429,7 +429,7 @@ quantities! {
     Strain: "a strain", "1", "0.02 1", [0, 0, 0, 0, 0, 0];
 }
 
-/// Reads a number as SI and a text with its unit.
+/// Reads a number as SI and a string with its unit.
 struct Written(Dimension);
 
 impl de::Visitor<'_> for Written {

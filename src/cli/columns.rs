@@ -39,7 +39,7 @@ pub(super) fn find(name: &str) -> Option<(&str, Known)> {
     if let Some(term) = energy_columns().find(|term| term.name == name) {
         return Some(("", Known::Energy(term)));
     }
-    let (prefix, column) = column::of(name)?;
+    let (prefix, column) = column::find(name)?;
     (prefix.is_empty() || column.is_of_each_impactor()).then_some((prefix, Known::Signal(column)))
 }
 

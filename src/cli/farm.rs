@@ -15,9 +15,9 @@ use study::store::evaluations::Share;
 /// Time between two looks at the clock.
 const TICK: Duration = Duration::from_millis(100);
 
-/// What one of several processes does.
+/// Part of the runs that one of several processes takes, and when it stops.
 #[derive(Debug, Args)]
-pub(super) struct FarmArgs {
+pub(super) struct ShardArgs {
     /// Take this part of the runs first, then what no other process has begun: 3/16
     #[arg(long, value_name = "K/N")]
     pub shard: Option<String>,
@@ -26,7 +26,7 @@ pub(super) struct FarmArgs {
     pub stop_after: Option<String>,
 }
 
-impl FarmArgs {
+impl ShardArgs {
     /// Whether the process must end in good order.
     pub(super) fn is_given(&self) -> bool {
         self.shard.is_some() || self.stop_after.is_some()

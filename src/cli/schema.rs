@@ -22,7 +22,7 @@ enum Kind {
     Material,
     /// `expect.toml`: what a run must give
     Expect,
-    /// `cluster.toml`: resources of a computing centre
+    /// `cluster.toml`: resources of a cluster
     Cluster,
     /// `figure.toml`: a curve in a picture
     Figure,

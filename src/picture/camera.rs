@@ -48,7 +48,7 @@ impl Camera {
         Some(camera)
     }
 
-    /// The same projection on a picture `factor` times as large.
+    /// The projection on a picture `factor` times as large.
     pub(super) fn scaled(&self, factor: f64) -> Camera {
         Camera { scale: factor * self.scale, origin: self.origin.map(|place| factor * place), ..*self }
     }

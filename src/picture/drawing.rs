@@ -7,7 +7,7 @@ use super::png::{self, PictureError};
 use super::raster::Pixels;
 use plot::{Plot, Style, svg_in};
 
-/// What stands for the scene in the document.
+/// Placeholder of the scene in the document.
 pub(super) const SCENE: &str = "<g id=\"scene\"/>";
 
 /// A picture that is drawn and can be written.

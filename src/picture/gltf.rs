@@ -56,7 +56,7 @@ struct File {
 
 impl File {
     fn add(&mut self, surface: &Surface) {
-        let Vertices { positions, normals, points, indices } = Vertices::of(surface);
+        let Vertices { positions, normals, points, indices } = Vertices::from_surface(surface);
         if indices.is_empty() {
             return;
         }
@@ -175,7 +175,7 @@ struct Vertices {
 }
 
 impl Vertices {
-    fn of(surface: &Surface) -> Vertices {
+    fn from_surface(surface: &Surface) -> Vertices {
         let points: Vec<[f32; 3]> = surface.points.iter().map(|[x, y, z]| [*x, *z, -*y]).collect();
         let at = |point: u32| Vector3::from(points[point as usize]);
         // Their lengths are twice the areas. A triangle without one shows nothing.

@@ -82,7 +82,7 @@ struct Band {
 struct Plane([f32; 3]);
 
 impl Plane {
-    /// That with these values at three corners, whose doubled area is `area`.
+    /// The plane with these values at three corners, whose doubled area is `area`.
     fn through([a, b, c]: [[f32; 2]; 3], values: [f32; 3], area: f32) -> Plane {
         let [u, v] = [values[1] - values[0], values[2] - values[0]];
         let across = (u * (c[1] - a[1]) - v * (b[1] - a[1])) / area;
@@ -90,13 +90,13 @@ impl Plane {
         Plane([values[0] - across * a[0] - down * a[1], across, down])
     }
 
-    fn at(&self, x: f32, y: f32) -> f32 {
+    fn value_at(&self, x: f32, y: f32) -> f32 {
         self.0[0] + self.0[1] * x + self.0[2] * y
     }
 }
 
 impl Band {
-    /// That of so many columns and rows of pixels, from the row `first` on.
+    /// A band of so many columns and rows of pixels, from the row `first` on.
     fn new(pixels: [usize; 2], first: usize, samples: usize) -> Band {
         let [width, height] = pixels.map(|side| side * samples);
         let [solid, glass] = [(); 2].map(|()| Layer::new(width * height));
@@ -126,14 +126,14 @@ impl Band {
                 (left - 0.5).ceil().max(0.0) as usize..(right - 0.5).ceil().clamp(0.0, self.width as f32) as usize;
             for column in columns {
                 let x = column as f32 + 0.5;
-                let (at, near) = (row * self.width + column, depth.at(x, y));
+                let (at, near) = (row * self.width + column, depth.value_at(x, y));
                 if near <= layer.depths[at] {
                     continue;
                 }
-                let is_inside = edges.iter().all(|edge| edge.at(x, y) > 0.0);
+                let is_inside = edges.iter().all(|edge| edge.value_at(x, y) > 0.0);
                 let light = if is_inside { 1.0 } else { EDGE };
                 layer.depths[at] = near;
-                layer.colours[at] = colour.map(|part| (light * part.at(x, y)).round() as u8);
+                layer.colours[at] = colour.map(|part| (light * part.value_at(x, y)).round() as u8);
             }
         }
     }

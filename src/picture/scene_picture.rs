@@ -47,7 +47,7 @@ const LIGHT: Vector3<f64> = Vector3::new(0.35, 0.5, 0.79);
 /// Colour of the held edges of film.
 const FRAME: [f32; 3] = [48.0, 54.0, 60.0];
 
-/// What of a film with planes of symmetry is drawn.
+/// Drawn part of a film with planes of symmetry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Part {
     /// The whole film.
@@ -55,7 +55,7 @@ pub enum Part {
     Whole,
     /// The half behind the plane y = 0, or x = 0 where that is the only one.
     Half,
-    /// What was computed.
+    /// The computed part.
     Computed,
 }
 
@@ -66,15 +66,15 @@ pub struct ScenePicture<'a> {
     pub scene: &'a RunScene,
     /// The state.
     pub state: &'a Snapshot,
-    /// What colours the film.
+    /// The field that colours the film.
     pub field: &'a Field,
-    /// Ends of the colours, in the unit of the field.
+    /// Colour range, in the unit of the field.
     pub range: [f32; 2],
     /// From where it is seen.
     pub view: View,
     /// Whether what is nearer is larger.
     pub in_perspective: bool,
-    /// What of the film is drawn.
+    /// Drawn part of the film.
     pub part: Part,
     /// Heading.
     pub title: &'a str,

@@ -26,7 +26,7 @@ pub(super) struct Setting<'a> {
     pub(super) scene: [f64; 4],
 }
 
-/// What is written around a scene.
+/// Texts around a scene.
 pub(super) struct Words<'a> {
     pub(super) title: &'a str,
     pub(super) caption: &'a str,

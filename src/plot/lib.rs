@@ -29,7 +29,7 @@ pub struct Plot {
     pub window: Option<Window>,
 }
 
-/// What an axis shows.
+/// Quantity and scale of an axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
     /// Quantity and unit, e.g. `time (ms)`.
@@ -51,7 +51,7 @@ pub enum Scale {
 /// Points in their order; one that is not finite interrupts the curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What a legend calls it.
+    /// Name in the legend.
     pub name: String,
     /// x and y, in the units of the axes.
     pub points: Vec<[f64; 2]>,
@@ -65,7 +65,7 @@ pub enum Look {
     /// A solid line through the points.
     #[default]
     Line,
-    /// What others are compared with, such as a measured curve.
+    /// A dashed line, for a curve that others are compared with, such as a measured one.
     Dashed,
     /// Points without a line.
     Points,
@@ -121,12 +121,12 @@ impl Curve {
         Curve { name: name.into(), points: points.into_iter().collect(), look: Look::Line }
     }
 
-    /// The same, dashed.
+    /// The curve, dashed.
     pub fn dashed(self) -> Curve {
         Curve { look: Look::Dashed, ..self }
     }
 
-    /// The same through the [outline] of its points.
+    /// The curve through the [outline] of its points.
     pub fn thinned(&self, most: usize) -> Curve {
         Curve { name: self.name.clone(), points: outline(&self.points, most), look: self.look }
     }
@@ -153,7 +153,7 @@ pub fn thinned(plots: Vec<Plot>, most: usize) -> Vec<Plot> {
     plots.into_iter().map(thin).collect()
 }
 
-/// What each may have so that all together have `most`: those that have less leave the rest to the others.
+/// Share of each so that all together have `most`: those that have less leave the rest to the others.
 fn share(mut lengths: Vec<usize>, most: usize) -> usize {
     lengths.sort_unstable();
     let (mut left, count) = (most, lengths.len());

@@ -53,7 +53,7 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(0x5f, 0x3d, 0xc4),
 ];
 
-/// What is drawn on.
+/// The area that is drawn on.
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Where the parts of a picture are, in units of the drawing; all but its size are in proportion to its letters.
@@ -70,53 +70,53 @@ struct Layout<'a> {
 
 impl Layout<'_> {
     /// So many twelfths of the height of letters.
-    fn of(&self, twelfths: i32) -> i32 {
+    fn scale(&self, twelfths: i32) -> i32 {
         self.letters * twelfths / 12
     }
 
     /// Height of the title.
     fn top(&self) -> i32 {
-        self.of(if self.has_title { 34 } else { 10 })
+        self.scale(if self.has_title { 34 } else { 10 })
     }
 
     /// Width of the label and the numbers of the y axis, with what is beside them.
     fn left(&self) -> i32 {
-        self.of(62)
+        self.scale(62)
     }
 
     /// Height of the label and the numbers of the x axis.
     fn bottom(&self) -> i32 {
-        self.of(46)
+        self.scale(46)
     }
 
     /// Beside the field of the curves, on the right: half of the last number of the x axis.
     fn right(&self) -> i32 {
-        self.of(24)
+        self.scale(24)
     }
 
     /// Height of a line of the legend.
     fn row(&self) -> i32 {
-        self.of(18)
+        self.scale(18)
     }
 
     /// Width of axes and of the grid.
     fn hairline(&self) -> u32 {
-        self.of(1) as u32
+        self.scale(1) as u32
     }
 
     /// Radius of a point.
     fn radius(&self) -> i32 {
-        self.of(3)
+        self.scale(3)
     }
 
     fn dash(&self) -> [i32; 2] {
-        DASH.map(|length| self.of(length))
+        DASH.map(|length| self.scale(length))
     }
 
     /// Most ticks of both axes, so that numbers stay apart.
     fn ticks(&self) -> [usize; 2] {
         let [width, height] = [self.size[0] - self.left() - self.right(), self.size[1] - self.top() - self.bottom()];
-        let most = |length: i32, apart: i32| (length / self.of(apart).max(1)).clamp(2, TICKS as i32) as usize;
+        let most = |length: i32, apart: i32| (length / self.scale(apart).max(1)).clamp(2, TICKS as i32) as usize;
         [most(width, 36), most(height, 18)]
     }
 
@@ -186,17 +186,17 @@ fn draw(
 /// The field of the curves with its axes and the title.
 fn draw_field(plot: &Plot, layout: &Layout<'_>, area: &Area<'_>) -> Result<(), Box<dyn Error>> {
     if layout.has_title {
-        let title = layout.font().style(FontStyle::Bold).resize(f64::from(layout.of(14)) * FONT);
-        area.draw(&Text::new(plot.title.as_str(), (layout.left(), layout.of(10)), title.color(&INK)))?;
+        let title = layout.font().style(FontStyle::Bold).resize(f64::from(layout.scale(14)) * FONT);
+        area.draw(&Text::new(plot.title.as_str(), (layout.left(), layout.scale(10)), title.color(&INK)))?;
     }
-    let beside = layout.of(5);
+    let beside = layout.scale(5);
     let mut chart = ChartBuilder::on(area)
         .margin_top(layout.top())
         .margin_right(layout.right())
         .x_label_area_size(layout.bottom())
         .margin_left(beside)
         .y_label_area_size(layout.left() - beside)
-        .build_cartesian_2d(Along::of(plot, 0), Along::of(plot, 1))?;
+        .build_cartesian_2d(Along::from_plot(plot, 0), Along::from_plot(plot, 1))?;
     let [x, y] = [chart.x_range(), chart.y_range()];
     if let Some(window) = &plot.window {
         let [from, to] = window.range.map(|at| at.clamp(x.start, x.end));
@@ -209,7 +209,7 @@ fn draw_field(plot: &Plot, layout: &Layout<'_>, area: &Area<'_>) -> Result<(), B
         .x_labels(layout.ticks()[0])
         .y_labels(layout.ticks()[1])
         .light_line_style(TRANSPARENT)
-        .set_all_tick_mark_size(layout.of(4))
+        .set_all_tick_mark_size(layout.scale(4))
         .label_style(layout.text())
         .axis_desc_style(layout.text())
         .x_desc(plot.x.label.as_str())
@@ -240,8 +240,8 @@ struct Along {
 }
 
 impl Along {
-    /// Those of x or y.
-    fn of(plot: &Plot, index: usize) -> Along {
+    /// Ends and scale of x or y.
+    fn from_plot(plot: &Plot, index: usize) -> Along {
         let scale = [plot.x.scale, plot.y.scale][index];
         let points = plot.curves.iter().flat_map(|curve| &curve.points).filter(|point| plot.has_place(point));
         let ends = points.map(|point| point[index]).fold(None, |ends: Option<[f64; 2]>, value| {
@@ -311,18 +311,18 @@ struct Entry<'a> {
     place: [i32; 2],
 }
 
-/// Those of all curves, where there are several.
+/// The entries of all curves, where there are several.
 fn legend<'a>(plot: &'a Plot, layout: &Layout<'_>) -> Vec<Entry<'a>> {
     if plot.curves.len() < 2 {
         return vec![];
     }
-    let [mut x, mut y] = [layout.left(), layout.of(6)];
+    let [mut x, mut y] = [layout.left(), layout.scale(6)];
     let mut entries = vec![];
     for (curve, colour) in plot.curves.iter().zip(COLOURS.into_iter().cycle()) {
         // Letters of a sans-serif font are narrower than 0.57 of their height on average.
         let letters = (curve.name.chars().count() as f64 * 0.57 * f64::from(layout.letters)) as i32;
         // The mark of the curve comes before its name.
-        let width = layout.of(40) + letters;
+        let width = layout.scale(40) + letters;
         if x > layout.left() && x + width > layout.size[0] {
             (x, y) = (layout.left(), y + layout.row());
         }
@@ -342,14 +342,14 @@ fn draw_entry(
     area: &Area<'_>,
 ) -> Result<(), Box<dyn Error>> {
     let (line, middle) = (ShapeStyle::from(colour).stroke_width(layout.line), y + layout.row() / 2);
-    let ends = [(*x, middle), (x + layout.of(20), middle)];
+    let ends = [(*x, middle), (x + layout.scale(20), middle)];
     let [dash, gap] = layout.dash();
     match curve.look {
         Look::Line => area.draw(&PathElement::new(ends, line))?,
         Look::Dashed => area.draw(&DashedPathElement::new(ends, dash, gap, line))?,
-        Look::Points => area.draw(&Circle::new((x + layout.of(10), middle), layout.radius(), colour.filled()))?,
+        Look::Points => area.draw(&Circle::new((x + layout.scale(10), middle), layout.radius(), colour.filled()))?,
     }
-    let place = (x + layout.of(26), middle - layout.letters / 2);
+    let place = (x + layout.scale(26), middle - layout.letters / 2);
     Ok(area.draw(&Text::new(curve.name.as_str(), place, layout.text()))?)
 }
 
@@ -394,7 +394,7 @@ mod tests {
         let points = [[0.0, 0.0], [1.0, 2.0], [2.0, f64::NAN], [4.0, 1.0], [4.0, 2.0]];
         let curves = vec![Curve::line("a < b", points), Curve::line("b", [[0.0, 2.0], [4.0, 2.0]]).dashed()];
         let plot = Plot::new("A & B", ["time (s)", "force (N)"], curves);
-        assert_eq!([0, 1].map(|axis| Along::of(&plot, axis).range), [[0.0, 4.16], [0.0, 2.08]]);
+        assert_eq!([0, 1].map(|axis| Along::from_plot(&plot, axis).range), [[0.0, 4.16], [0.0, 2.08]]);
         let text = svg(&plot);
         let [left, top, right, bottom] =
             [62 * UNITS, 34 * UNITS, SIZE[0] - 24 * UNITS, SIZE[1] - 46 * UNITS].map(f64::from);
@@ -445,8 +445,8 @@ mod tests {
     fn a_logarithmic_axis_has_no_place_for_zero() {
         let mut plot = Plot::new("t", ["x", "y"], vec![Curve::line("c", [[0.0, 1.0], [1.0, 2.0], [100.0, 3.0]])]);
         plot.x.scale = Scale::Logarithmic;
-        assert_eq!(Along::of(&plot, 0).range, [1.0, 100.0]);
-        assert_eq!(Along::of(&plot, 0).map(&10.0, (0, 200)), 100);
+        assert_eq!(Along::from_plot(&plot, 0).range, [1.0, 100.0]);
+        assert_eq!(Along::from_plot(&plot, 0).map(&10.0, (0, 200)), 100);
         let text = svg(&plot);
         assert!(polylines(&text, "#1F77B4").iter().all(|line| line.len() == 2), "{text}");
         assert!(!text.contains("NaN") && !text.contains("inf"));

@@ -173,7 +173,7 @@ impl Shown {
     /// The unit is that of the table of columns, or the one in the name of a column that is not in the table.
     fn of(name: &str) -> Shown {
         let (words, unit) = figure::named(name);
-        match column::of(name) {
+        match column::find(name) {
             Some((_, known)) => Shown { words, unit: known.axis_unit.into(), factor: known.factor },
             None => Shown { words, unit, factor: 1.0 },
         }

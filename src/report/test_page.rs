@@ -41,7 +41,7 @@ fn plots(verdict: &Verdict) -> Vec<Plot> {
 }
 
 fn plot(verdict: &Verdict, name: &str) -> Option<Plot> {
-    let (axis, factor) = column::of(name).map_or((name, 1.0), |(_, column)| (column.axis, column.factor));
+    let (axis, factor) = column::find(name).map_or((name, 1.0), |(_, column)| (column.axis, column.factor));
     let curve = |label: &str, recording: Option<&lab::signal::Recording>| {
         let series = recording?.series(name)?;
         Some(Curve::line(label, series.samples().map(|[time, value]| [1e3 * time, factor * value])))

@@ -10,10 +10,10 @@ fn reduction(points: &[[f64; 2]]) -> Reduction {
     let law = Curve::new(law.0, law.1).unwrap();
     let end = law.range()[1];
     let strain: Vec<f64> = (0..=700).map(|i| (end * f64::from(i) / 700.0).min(end)).collect();
-    let stress = strain.iter().map(|strain| law.at(*strain).unwrap()).collect();
+    let stress = strain.iter().map(|strain| law.stress_at(*strain).unwrap()).collect();
     let curve = Curve::new(strain, stress).unwrap();
     let sample = |direction| Sample::new(direction, 0.02, &curve, &Rules::default()).unwrap();
-    Reduction::of(&[Direction::Md, Direction::Td, Direction::D3].map(sample), &Rules::default()).unwrap()
+    Reduction::from_samples(&[Direction::Md, Direction::Td, Direction::D3].map(sample), &Rules::default()).unwrap()
 }
 
 fn texts(reduction: &Reduction) -> Result<Texts, CouponMaterialError> {

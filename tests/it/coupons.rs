@@ -57,15 +57,15 @@ fn table_6_is_the_mean_of_means_that_were_not_rounded() {
         let groups = if row["direction"] == "MD" { &md } else { &td };
         let speed = ["0.0002", "0.02", "0.2"].iter().position(|speed| row["velocity_m_s"] == *speed);
         let mean = match (row["direction"].as_str(), speed) {
-            ("", _) => SampleStatistics::of(&[md_mean, td_mean]).unwrap().mean,
-            (_, Some(speed)) => SampleStatistics::of(&groups[speed]).unwrap().mean,
+            ("", _) => SampleStatistics::from_figures(&[md_mean, td_mean]).unwrap().mean,
+            (_, Some(speed)) => SampleStatistics::from_figures(&groups[speed]).unwrap().mean,
             (_, None) => mean_of_means(groups).unwrap(),
         };
         assert_prints(mean, number(&row, "young_MPa"), 1.0, &row);
     }
     // Had the paper rounded before it averaged on, TD would read 45.
     let rounded: Vec<f64> = [53.0, 52.0, 31.0].into();
-    assert_eq!(SampleStatistics::of(&rounded).unwrap().mean.round(), 45.0);
+    assert_eq!(SampleStatistics::from_figures(&rounded).unwrap().mean.round(), 45.0);
 }
 
 #[test]
@@ -107,11 +107,11 @@ fn table_7_is_averaged_per_height_first() {
         .into();
     let printed: Vec<f64> = paper("table-7-means").iter().map(|row| number(row, "absorption_percent")).collect();
     for (group, printed) in groups.iter().zip(&printed) {
-        assert_prints(SampleStatistics::of(group).unwrap().mean, *printed, 0.01, group);
+        assert_prints(SampleStatistics::from_figures(group).unwrap().mean, *printed, 0.01, group);
     }
     assert_prints(mean_of_means(&groups).unwrap(), printed[2], 0.01, &groups);
     // The mean of all five alike would be printed as 88.89.
-    assert!((SampleStatistics::of(&groups.concat()).unwrap().mean - 88.89).abs() < 0.005);
+    assert!((SampleStatistics::from_figures(&groups.concat()).unwrap().mean - 88.89).abs() < 0.005);
 }
 
 fn lldpe() -> Coupon {
@@ -140,7 +140,7 @@ fn the_virtual_coupons_reduce_to_the_figures_of_the_paper() {
         assert_prints(recorded.sample.modulus.slope / 1e6, number(&row, "young_MPa"), 1.0, &row);
     }
     let samples: Vec<Sample> = coupons.into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
     let along = |direction: &str| reduction.along(direction.parse().unwrap()).unwrap();
     for row in paper("table-6-means") {
         let mean = match (row["direction"].as_str(), row["velocity_m_s"].parse::<f64>()) {
@@ -172,8 +172,8 @@ fn the_virtual_coupons_reduce_to_the_figures_of_the_paper() {
 #[test]
 fn the_skewed_curves_lie_between_those_of_both_directions() {
     let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
-    let stress = |direction, strain| reduction.along(direction).unwrap().curve.at(strain).unwrap();
+    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
+    let stress = |direction, strain| reduction.along(direction).unwrap().curve.stress_at(strain).unwrap();
     for strain in [0.4, 0.6, 0.8, 1.0, 1.2] {
         let [md, td] = [Direction::Md, Direction::Td].map(|direction| stress(direction, strain));
         for skewed in [Direction::D3, Direction::D4] {
@@ -389,7 +389,7 @@ fn real_aluminium_has_its_modulus_in_every_direction() {
         let curves = pair.map(|name| aluminium(&format!("cleaned_CA-{name}.csv")));
         let samples: Vec<Sample> =
             curves.iter().map(|curve| Sample::new(direction, 1e-3, curve, &rules).unwrap()).collect();
-        let reduction = Reduction::of(&samples, &rules).unwrap();
+        let reduction = Reduction::from_samples(&samples, &rules).unwrap();
         let along = &reduction.directions[0];
         let shortest = samples.iter().map(|sample| sample.rupture.strain).fold(f64::INFINITY, f64::min);
         assert_eq!(along.curve.range()[1], shortest);
@@ -430,7 +430,7 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
     for ((found, own), tolerance) in curves.iter().zip([1e-4, 0.016]) {
         assert!(found.merged() > 0, "an extensometer jitters");
         for strain in [0.01, 0.1, 0.3, 0.5] {
-            let ratio = found.at(strain).unwrap() / own.at(strain).unwrap();
+            let ratio = found.stress_at(strain).unwrap() / own.stress_at(strain).unwrap();
             assert!((ratio - 1.0).abs() < tolerance, "{ratio} at {strain}");
         }
         let rupture = found.rupture(0.5).unwrap();
@@ -440,11 +440,11 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
         );
     }
     // Faster is stronger.
-    let [slow, fast] = [0, 1].map(|i| curves[i].0.at(0.02).unwrap());
+    let [slow, fast] = [0, 1].map(|i| curves[i].0.stress_at(0.02).unwrap());
     assert!(fast > 1.05 * slow, "{fast} and {slow}");
     let both: Vec<Curve> = curves.iter().map(|(curve, _)| curve.clone()).collect();
     let mean = mean_curve(&both).unwrap();
-    assert!((mean.at(0.02).unwrap() - 0.5 * (slow + fast)).abs() < 1e-3 * slow);
+    assert!((mean.stress_at(0.02).unwrap() - 0.5 * (slow + fast)).abs() < 1e-3 * slow);
     // Handbooks give 193 GPa. The slow recording jitters by a tenth of the whole elastic strain (its slope is 250 GPa),
     // so only the fast one tells.
     let modulus = curves[1].0.modulus([0.0, 0.0005]).unwrap();
@@ -508,7 +508,7 @@ fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
     let (material, out) = (folder.path().join("film.toml"), folder.path().join("run"));
     assert!(reduce("data/virtual/coupons/*.csv", &["-q", "-o", material.to_str().unwrap()]).status.success());
     let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
     let assignment = format!("specimen.material={:?}", material.to_str().unwrap());
     for (direction, scenario) in [(Direction::Md, "md-0.2"), (Direction::Td, "td-0.2")] {
         let scenario = format!("scenarios/stretch/{scenario}.toml");
@@ -519,7 +519,7 @@ fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
         let DirectionMeans { curve, elongation, .. } = reduction.along(direction).unwrap();
         let shared = curve.range()[1];
         for part in [0.3, 0.5, 0.7, 0.9, 1.0] {
-            let [found, measured] = [&simulated, curve].map(|curve| curve.at(part * shared).unwrap());
+            let [found, measured] = [&simulated, curve].map(|curve| curve.stress_at(part * shared).unwrap());
             assert!((found / measured - 1.0).abs() < 0.01, "{direction} at {}: {found} for {measured}", part * shared);
         }
         assert!((simulated.rupture(0.5).unwrap().strain - elongation.mean).abs() < 0.02);
@@ -566,7 +566,7 @@ fn a_shear_curve_gives_its_coupon_back_by_the_default_alone() {
 fn a_simulated_coupon_at_45_degrees_follows_the_recordings() {
     let folder = tempfile::tempdir().unwrap();
     let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
     let measured = &reduction.along(Direction::D3).unwrap().curve;
     let strains: Vec<f64> = (1..=60).map(|i| 0.01 * f64::from(i)).collect();
     let simulated = |method: &str, across: Across| {
@@ -576,7 +576,11 @@ fn a_simulated_coupon_at_45_degrees_follows_the_recordings() {
         simulate::pull(&skewed(&[format!("specimen.material={path:?}")]), &strains, across).unwrap()
     };
     let errors = |stresses: &[f64]| -> Vec<f64> {
-        strains.iter().zip(stresses).map(|(strain, stress)| stress / measured.at(*strain).unwrap() - 1.0).collect()
+        strains
+            .iter()
+            .zip(stresses)
+            .map(|(strain, stress)| stress / measured.stress_at(*strain).unwrap() - 1.0)
+            .collect()
     };
     let free = errors(&simulated("free", Across::Free));
     assert!(free.iter().all(|error| error.abs() < 0.01), "{free:?}");

@@ -99,7 +99,7 @@ fn the_series_of_a_drop_agree_with_its_signals() {
         for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
             close(extreme(axis, sign), 0.2, 1e-6);
         }
-        let value = |name: &str| signals.series(name).expect("a channel").at(*time);
+        let value = |name: &str| signals.series(name).expect("a channel").value_at(*time);
         if let (Some(largest), Some(travel)) = (value("max_strain_md"), value("displacement_m")) {
             let most = strain[0].iter().copied().fold(0.0, f64::max);
             assert!((most - largest).abs() < 2e-3, "{most} at {time} s, {largest} in the signals");

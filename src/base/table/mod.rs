@@ -1,4 +1,4 @@
-//! Tables as values: named columns of numbers, truth values or texts with gaps, as CSV and as Apache Parquet.
+//! Tables as values: named columns of numbers, Booleans or strings with gaps, as CSV and as Apache Parquet.
 
 mod parquet;
 
@@ -22,7 +22,7 @@ pub struct Column {
 pub enum Values {
     /// Numbers, SI.
     Numbers(Vec<Option<f64>>),
-    /// Truth values.
+    /// Booleans.
     Flags(Vec<Option<bool>>),
     /// Texts.
     Texts(Vec<Option<String>>),
@@ -35,7 +35,7 @@ impl Column {
         Column { name: name.into(), values: Values::Numbers(values.collect()) }
     }
 
-    /// A column of JSON values: of numbers or truth values where all are such, and else of texts.
+    /// A column of JSON values: of numbers or Booleans where all are such, and else of strings.
     pub fn of_json(name: impl Into<String>, values: &[Option<&Value>]) -> Column {
         let there = || values.iter().flatten().filter(|value| !value.is_null());
         let values = if there().all(|value| value.is_number()) {

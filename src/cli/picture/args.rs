@@ -27,13 +27,13 @@ pub(crate) struct PictureArgs {
     /// What colours the film: largest, md, td, shear; with --again also thickness, plastic, damage
     #[arg(long, value_name = "FIELD", default_value = "largest")]
     pub field: String,
-    /// Ends of the colours, in the unit of the field: 0..40 [default: of all kept states]
+    /// Colour range, in the unit of the field: 0..40 [default: of all kept states]
     #[arg(long, value_name = "FROM..TO", value_parser = ends, allow_hyphen_values = true)]
     pub range: Option<[f32; 2]>,
     /// iso, front, side, top, bottom, below, or azimuth/elevation in degrees [default: iso]
     #[arg(long, value_name = "VIEW", value_parser = |text: &str| text.parse::<View>(), allow_hyphen_values = true)]
     pub view: Option<View>,
-    /// Draw what is nearer larger
+    /// Use perspective
     #[arg(long)]
     pub perspective: bool,
     /// What is drawn of a film with planes of symmetry

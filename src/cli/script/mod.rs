@@ -13,7 +13,7 @@ use rhai::{Dynamic, Engine, Scope};
 use serde_json::{Map, Value, json};
 
 use super::complete;
-use super::farm::{self, FarmArgs};
+use super::farm::{self, ShardArgs};
 use super::faults::{reading, script, storing};
 use super::given::Given;
 use super::scenarios::both;
@@ -64,7 +64,7 @@ pub(super) struct ScriptArgs {
     #[arg(long)]
     pub parquet: bool,
     #[command(flatten)]
-    pub farm: FarmArgs,
+    pub farm: ShardArgs,
     /// Folder of the evaluations that are never computed twice
     #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
     pub store: PathBuf,
@@ -75,7 +75,7 @@ const RESERVED: [&str; 9] =
     ["script", "droptower", "study", "warning", "warnings", "findings", "tables", "plots", "files"];
 
 /// A script that was run, and its output.
-struct Studied {
+struct ScriptRun {
     /// The script's name.
     name: String,
     /// Script, scenario, changes and arguments, which run the study again.
@@ -115,15 +115,15 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let evaluations = Evaluations::open(&args.store).map_err(|error| unkept(&error))?.with_share(share);
     let evaluations = Arc::new(evaluations);
-    let studied = studied(args, name, &place, (&evaluations, deadline), shared.quiet);
+    let ran = run_script(args, name, &place, (&evaluations, deadline), shared.quiet);
     evaluations.store().close().map_err(|error| unkept(&evaluations.failed(error)))?;
-    let Some(studied) = studied? else { return unfinished(args, &evaluations, shared) };
+    let Some(run) = ran? else { return unfinished(args, &evaluations, shared) };
     if share != Share::WHOLE {
         return part(args, &evaluations, shared);
     }
-    let files = store_results(&studied, args, &place, origin).map_err(|error| Failure::output(storing(&error)))?;
-    print_figures(shared, &summary(&studied), || {
-        let Studied { name, output, .. } = &studied;
+    let files = store_results(&run, args, &place, origin).map_err(|error| Failure::output(storing(&error)))?;
+    print_figures(shared, &summary(&run), || {
+        let ScriptRun { name, output, .. } = &run;
         format!("{name}\n{}{}", table::script_output(output), digest::folder(&place, &files))
     })
 }
@@ -131,8 +131,12 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 /// Finds mistakes without running anything; no store of evaluations is opened.
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(None, |_| {}), OutputCollector::new(Vec::new()));
-    let engine =
-        engine(args.given.changes.assignments()?, &Arc::new(Evaluations::unread(&args.store)), &host, &collector);
+    let engine = engine(
+        args.given.changes.assignments()?,
+        &Arc::new(Evaluations::without_loading(&args.store)),
+        &host,
+        &collector,
+    );
     compiled(args, &engine, place)?;
     let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
     print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
@@ -140,8 +144,8 @@ fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure
 
 /// What a process says that computed a part of a study.
 fn part(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result<(), Failure> {
-    let [taken, computed] = evaluations.counts();
-    let figures = json!({ "script": shown_path(args.path()), "reused": taken, "computed": computed });
+    let [cache_hits, computed] = evaluations.counts();
+    let figures = json!({ "script": shown_path(args.path()), "reused": cache_hits, "computed": computed });
     print_figures(shared, &figures, || format!("{}: {computed} runs computed here", shown_path(args.path())))
 }
 
@@ -159,13 +163,13 @@ pub(super) fn unkept(error: &EvaluationError) -> Failure {
 }
 
 /// Runs the script, whose results go to `place`; its messages are printed at once. None where it was stopped.
-fn studied(
+fn run_script(
     args: &ScriptArgs,
     name: String,
     place: &Path,
     (evaluations, deadline): (&Arc<Evaluations>, Option<Instant>),
     quiet: bool,
-) -> Result<Option<Studied>, Failure> {
+) -> Result<Option<ScriptRun>, Failure> {
     let print_line = move |line: &str| {
         if !quiet {
             // The report has every message, so one that cannot be printed is dropped.
@@ -205,10 +209,10 @@ fn studied(
         Err(_) if cancellation.is_cancelled() => return Ok(None),
         ran => ran.map_err(stopped)?,
     }
-    let [taken, computed] = evaluations.counts();
-    if taken > 0 {
-        let all = taken + computed;
-        print_line(&format!("note: {taken} of {all} runs were computed before ({})", shown_path(&args.store)));
+    let [cache_hits, computed] = evaluations.counts();
+    if cache_hits > 0 {
+        let all = cache_hits + computed;
+        print_line(&format!("note: {cache_hits} of {all} runs were computed before ({})", shown_path(&args.store)));
     }
     let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
     let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));
@@ -217,7 +221,7 @@ fn studied(
     }
     let mut output = collector.output();
     output.findings.splice(..0, virtual_recordings.clone());
-    Ok(Some(Studied { name, call, program, output, virtual_recordings }))
+    Ok(Some(ScriptRun { name, call, program, output, virtual_recordings }))
 }
 
 /// The interpreter with all functions of studies, whose scenarios have these changes.
@@ -341,8 +345,8 @@ fn spaced(list: &str) -> String {
     list.trim().replace(',', ", ")
 }
 
-fn summary(studied: &Studied) -> Map<String, Value> {
-    let Studied { name, call, output, virtual_recordings, .. } = studied;
+fn summary(run: &ScriptRun) -> Map<String, Value> {
+    let ScriptRun { name, call, output, virtual_recordings, .. } = run;
     let mut summary = Map::new();
     summary.insert("script".into(), json!(name));
     summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
@@ -359,17 +363,12 @@ fn summary(studied: &Studied) -> Map<String, Value> {
     summary
 }
 
-fn store_results(
-    studied: &Studied,
-    args: &ScriptArgs,
-    place: &Path,
-    origin: Origin,
-) -> Result<Vec<String>, StoreError> {
-    let Studied { name, call, program, output, .. } = studied;
+fn store_results(run: &ScriptRun, args: &ScriptArgs, place: &Path, origin: Origin) -> Result<Vec<String>, StoreError> {
+    let ScriptRun { name, call, program, output, .. } = run;
     let draft = Draft::begin(place, origin, args.force)?;
     let modules: Vec<(&str, &str)> = program.modules().map(|(name, source)| (name, &*source.text)).collect();
     let page = StudyPage { name, call, output, script: program.text(), modules: &modules };
-    let files = folder::fill_study(&draft, &page, &summary(studied), args.parquet)?;
+    let files = folder::fill_study(&draft, &page, &summary(run), args.parquet)?;
     draft.publish()?;
     Ok(files)
 }
@@ -412,7 +411,7 @@ mod tests {
 
     #[test]
     fn every_field_of_the_summary_is_reserved() {
-        let studied = Studied {
+        let run = ScriptRun {
             name: "study".into(),
             call: Map::new(),
             program: Script::compile(&script::engine(Limits::STUDY), &Scope::new(), Path::new("s.rhai"), "")
@@ -420,7 +419,7 @@ mod tests {
             output: ScriptOutput::default(),
             virtual_recordings: Some(Finding::of_script("virtual-recording", "a recording is virtual")),
         };
-        let fields: BTreeSet<String> = summary(&studied).into_iter().map(|(name, _)| name).collect();
+        let fields: BTreeSet<String> = summary(&run).into_iter().map(|(name, _)| name).collect();
         assert_eq!(fields, RESERVED.map(String::from).into());
         let refused = OutputCollector::new(RESERVED.map(String::from).into()).measure("warnings", json!(["none"]));
         let message = refused.unwrap_err().to_string();

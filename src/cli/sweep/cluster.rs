@@ -1,4 +1,4 @@
-//! `droptower sweep --on`: runs computed by tasks of a computing centre.
+//! `droptower sweep --on`: runs computed by tasks of a cluster.
 
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -24,7 +24,7 @@ const MOST_FAILURES: usize = 60;
 /// Submissions one after the other that compute nothing after which nothing more is submitted.
 const MOST_IDLE: usize = 3;
 
-/// A computing centre, and what a task on it may use.
+/// A cluster, and what a task on it may use.
 pub(super) struct Centre {
     scheduler: Scheduler,
     resources: Resources,

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 
 use super::changes::Changes;
 use super::complete;
-use super::farm::{self, FarmArgs};
+use super::farm::{self, ShardArgs};
 use super::faults::{preparing, storing};
 use super::scenarios::both;
 use super::{Failure, Shared, print_figures};
@@ -48,14 +48,14 @@ pub(super) struct SweepArgs {
     #[arg(long, value_name = "FIGURE")]
     pub figure: Option<String>,
     #[command(flatten)]
-    pub farm: FarmArgs,
+    pub farm: ShardArgs,
     /// Compute nothing: gather what all processes have done
     #[arg(long, conflicts_with_all = ["shard", "stop_after"])]
     pub merge: bool,
-    /// Let tasks of a computing centre compute the runs: submit them, wait, gather
+    /// Let tasks of a cluster compute the runs: submit them, wait, gather
     #[arg(long, value_name = "SCHEDULER", value_enum, conflicts_with_all = ["shard", "stop_after", "merge"])]
     pub on: Option<On>,
-    /// The file about the computing centre
+    /// The file about the cluster
     #[arg(long, value_name = "FILE", default_value = "cluster.toml", requires = "on")]
     pub cluster: PathBuf,
     /// Compute only if this is the digest of the study: tasks of a job give it
@@ -99,7 +99,7 @@ pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     let done = work.run(&|event| progress.show(&event));
     progress.finish();
     let mut done = done.map_err(|error| failed(&error))?;
-    done.taken = before.unwrap_or(done.taken);
+    done.cache_hits = before.unwrap_or(done.cache_hits);
     if done.len() < sweep.len() {
         return unfinished(&task, &done, args, shared);
     }
@@ -199,7 +199,7 @@ fn partly(done: &Done, sweep: &Sweep) -> serde_json::Value {
     serde_json::json!({
         "scenario": sweep.model().name,
         "runs": sweep.len(),
-        "reused": done.taken,
+        "reused": done.cache_hits,
         "computed": done.computed,
         "missing": sweep.len() - done.len(),
         "engine_s": done.engine_s,

@@ -11,7 +11,7 @@ use crate::Shared;
 use base::diagnostic::printable;
 use base::number::{figure, wall_time};
 use study::cluster::Tasks;
-use study::sweep::{Event, Outlook};
+use study::sweep::{Event, RemainingWork};
 
 /// Time between two events.
 const EVERY: Duration = Duration::from_millis(500);
@@ -30,7 +30,7 @@ pub(super) struct Progress {
 
 /// What was done so far.
 struct State {
-    taken: usize,
+    cache_hits: usize,
     computed: usize,
     failed: usize,
     refused: usize,
@@ -45,7 +45,7 @@ struct State {
 
 impl State {
     fn done(&self) -> usize {
-        self.taken + self.computed + self.refused
+        self.cache_hits + self.computed + self.refused
     }
 
     /// Runs per second, here and elsewhere, and seconds to go.
@@ -71,8 +71,16 @@ impl Progress {
             bar.set_style(style);
         }
         let now = Instant::now();
-        let state =
-            State { taken: 0, computed: 0, failed: 0, refused: 0, elsewhere: 0, left: None, began: now, reported: now };
+        let state = State {
+            cache_hits: 0,
+            computed: 0,
+            failed: 0,
+            refused: 0,
+            elsewhere: 0,
+            left: None,
+            began: now,
+            reported: now,
+        };
         Progress {
             bar,
             events: shared.json,
@@ -89,7 +97,7 @@ impl Progress {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         match event {
             Event::Taken => {
-                state.taken += 1;
+                state.cache_hits += 1;
                 if state.computed == 0 {
                     state.began = Instant::now();
                 }
@@ -98,7 +106,7 @@ impl Progress {
                 state.computed += 1;
                 state.failed += usize::from(evaluation.failure.is_some());
             }
-            Event::Left(Outlook { left, elsewhere }) => {
+            Event::Left(RemainingWork { left, elsewhere }) => {
                 state.left = Some([*left, state.computed]);
                 state.elsewhere = *elsewhere;
             }
@@ -124,7 +132,7 @@ impl Progress {
                 "event": "progress",
                 "done": state.done(),
                 "of": self.total,
-                "reused": state.taken,
+                "reused": state.cache_hits,
                 "failed": state.failed + state.refused,
                 "elapsed_s": self.started.elapsed().as_secs_f64(),
                 "runs_per_s": pace.map(|[rate, _]| rate),
@@ -153,7 +161,7 @@ impl Progress {
         if state.computed == 0 {
             state.began = Instant::now();
         }
-        (state.taken, state.computed) = (before, done.saturating_sub(before));
+        (state.cache_hits, state.computed) = (before, done.saturating_sub(before));
         self.report(&state);
     }
 

@@ -27,7 +27,7 @@ fn reduced(args: &ReduceArgs) -> Result<Reduced, Vec<Diagnostic>> {
     let reader = reader(args, coupon).map_err(|mistake| vec![mistake])?;
     let tests = all(paths(&args.recordings)?.iter().map(|path| reader.read(path).map_err(|error| fault(&error))))?;
     let samples: Vec<_> = tests.iter().map(|test| test.sample.clone()).collect();
-    let reduction = Reduction::of(&samples, &reader.rules).map_err(|error| one(error.to_string()))?;
+    let reduction = Reduction::from_samples(&samples, &reader.rules).map_err(|error| one(error.to_string()))?;
     Ok(Reduced { coupon, tests, reduction })
 }
 

@@ -83,7 +83,7 @@ impl PartNoise {
         rank: usize,
         colour: Colour,
     ) -> Result<PartNoise, CovarianceError> {
-        let noise = Noise::of(residuals, colour);
+        let noise = Noise::from_residuals(residuals, colour);
         let samples = residuals.len() as f64;
         let parameters = trace(&Noise::white(), left, rank);
         if samples - parameters < MIN_LEFT {
@@ -154,7 +154,7 @@ struct Decomposition {
 }
 
 impl Decomposition {
-    fn of(matrix: DMatrix<f64>) -> Result<Decomposition, CovarianceError> {
+    fn from_matrix(matrix: DMatrix<f64>) -> Result<Decomposition, CovarianceError> {
         if matrix.ncols() == 0 {
             let (left, right) = (matrix, DMatrix::zeros(0, 0));
             return Ok(Decomposition { singular: DVector::zeros(0), left, right, rank: 0 });
@@ -191,7 +191,7 @@ pub(super) struct Covariance {
 impl Covariance {
     /// The covariance of the estimate at `linearization`, whose noise and priors `options` give. A column of
     /// `disturbances` is the change of the residuals by one standard deviation of a parameter that the fit held.
-    pub(super) fn of(
+    pub(super) fn from_linearization(
         linearization: &Linearization,
         disturbances: &DMatrix<f64>,
         options: &ConfidenceOptions,
@@ -203,7 +203,7 @@ impl Covariance {
         let known: Vec<(usize, f64)> = (0..scale.len()).filter_map(|index| Some((index, prior(index)?))).collect();
         // The fit that left the residuals held the parameters with a prior at their values.
         let fitted: Vec<usize> = (0..scale.len()).filter(|index| prior(*index).is_none()).collect();
-        let fit = Decomposition::of(scaled.select_columns(&fitted))?;
+        let fit = Decomposition::from_matrix(scaled.select_columns(&fitted))?;
         let noise = noise(linearization, options, &fit)?;
         let weight = if known.is_empty() { 0.0 } else { power(&noise, linearization, &fit).sqrt() };
         let Decomposition { singular, left, right, rank } = match known.is_empty() {
@@ -214,7 +214,7 @@ impl Covariance {
                 for (row, (index, deviation)) in known.iter().enumerate() {
                     rows[(samples + row, *index)] = weight * scale[*index] / deviation;
                 }
-                Decomposition::of(rows)?
+                Decomposition::from_matrix(rows)?
             }
         };
         let mut parts = Vec::new();

@@ -53,7 +53,7 @@ pub struct Confidence {
     pub shifts: Vec<(String, Vec<f64>)>,
     /// A Gauss–Newton step from the estimate, standard errors; zero at a minimum.
     pub gauss_newton_step: Vec<f64>,
-    /// What puts the intervals in doubt.
+    /// Doubts about the intervals.
     pub warnings: Vec<Warning>,
 }
 
@@ -78,12 +78,15 @@ impl Confidence {
     ///
     /// # Errors
     /// The Jacobian has no singular value decomposition, or the fit absorbs all samples of a part.
-    pub fn of(linearization: &Linearization, options: &ConfidenceOptions) -> Result<Confidence, ConfidenceError> {
+    pub fn from_linearization(
+        linearization: &Linearization,
+        options: &ConfidenceOptions,
+    ) -> Result<Confidence, ConfidenceError> {
         let (held, deviations): (Vec<usize>, Vec<f64>) = options.held().unzip();
         let (linearization, mut disturbances) = linearization.without(&held);
         let (linearization, fitted) = (&linearization, options.of_fitted());
         disturbances.column_iter_mut().zip(&deviations).for_each(|(mut column, deviation)| column *= *deviation);
-        let sandwich = Covariance::of(linearization, &disturbances, &fitted)?;
+        let sandwich = Covariance::from_linearization(linearization, &disturbances, &fitted)?;
         let shift = |column: usize, index: usize| {
             (options.names[index].clone(), sandwich.step(&disturbances.column(column).into_owned()))
         };
@@ -98,7 +101,7 @@ impl Confidence {
             names: fitted.names,
             shifts: held.iter().enumerate().map(|(column, index)| shift(column, *index)).collect(),
             x: linearization.x.clone(),
-            intervals: intervals.map(|interval| [interval.at(-1.0), interval.at(1.0)]).collect(),
+            intervals: intervals.map(|interval| [interval.value_at(-1.0), interval.value_at(1.0)]).collect(),
             relative: options.relative,
             correlation: sandwich.correlation(),
             samples: linearization.residuals.len(),
@@ -155,7 +158,8 @@ mod tests {
 
     fn confidence(linearization: &Linearization, colour: Colour) -> Confidence {
         let names = ["a", "b", "c"].iter().take(linearization.x.len()).map(|name| (*name).to_owned()).collect();
-        Confidence::of(linearization, &ConfidenceOptions { colour, ..ConfidenceOptions::new(names) }).unwrap()
+        Confidence::from_linearization(linearization, &ConfidenceOptions { colour, ..ConfidenceOptions::new(names) })
+            .unwrap()
     }
 
     fn linearization(x: &[f64], residuals: &[f64], jacobian: DMatrix<f64>) -> Linearization {
@@ -335,7 +339,7 @@ mod tests {
         let found = linearization(&[1.0, 2.0], &residuals, jacobian).joined_from(&[5, 1]).unwrap();
         let question =
             ConfidenceOptions { colour: Colour::White, ..ConfidenceOptions::new(vec!["a".into(), "b".into()]) };
-        let error = Confidence::of(&found, &question).unwrap_err().to_string();
+        let error = Confidence::from_linearization(&found, &question).unwrap_err().to_string();
         assert!(error.starts_with("part 2 of the residuals has 1, of which the fit absorbs 1:"), "{error}");
     }
 
@@ -374,17 +378,17 @@ mod tests {
         let expected = &inverse * jacobian.transpose() * noise * jacobian * &inverse;
         let misfit = [(error[0], 20.0), (error[1], 3.0)].map(|(error, correlation)| Misfit { error, correlation });
         let options = ConfidenceOptions { misfit: Some(misfit.into()), ..abc() };
-        let confidence = Confidence::of(&found, &options).unwrap();
+        let confidence = Confidence::from_linearization(&found, &options).unwrap();
         assert!((&confidence.covariance - &expected).amax() < 1e-12 * expected.amax(), "{confidence:?}");
         // The normal distribution's, since the noise is known.
         assert!((confidence.quantile - 1.959_964).abs() < 1e-6 && confidence.freedom == f64::INFINITY);
         let half_width = confidence.quantile * expected[(2, 2)].sqrt();
         assert!((confidence.intervals[2][1] - 0.5 - half_width).abs() < 1e-12);
         let white = ConfidenceOptions { misfit: Some(vec![Misfit { error: 0.3, correlation: 0.0 }]), ..abc() };
-        let white = Confidence::of(&found, &white).unwrap();
+        let white = Confidence::from_linearization(&found, &white).unwrap();
         assert!(confidence.standard_errors[0] > 4.0 * white.standard_errors[0]);
         let three = ConfidenceOptions { misfit: Some(vec![misfit[0]; 3]), ..abc() };
-        let refused = Confidence::of(&found, &three).unwrap_err().to_string();
+        let refused = Confidence::from_linearization(&found, &three).unwrap_err().to_string();
         assert!(refused.starts_with("`misfit` has 3 errors for 2 parts of the residuals"), "{refused}");
     }
 
@@ -403,7 +407,7 @@ mod tests {
             let expected = schur.try_inverse().unwrap() * variance;
             let options =
                 ConfidenceOptions { misfit: misfit.clone(), prior: vec![None, None, Some(deviation)], ..abc() };
-            let confidence = Confidence::of(&found, &options).unwrap();
+            let confidence = Confidence::from_linearization(&found, &options).unwrap();
             let marginal = confidence.covariance.view((0, 0), (2, 2)).into_owned();
             assert!((&marginal - &expected).amax() < 1e-9 * expected.amax(), "{deviation}: {marginal} {expected}");
             assert!(confidence.standard_errors[2] <= deviation * (1.0 + 1e-9), "{deviation}");
@@ -430,7 +434,7 @@ mod tests {
         let expected = &inverse * rows.transpose() * all * rows * &inverse;
         let misfit = Some(vec![Misfit { error: 0.2, correlation: 20.0 }]);
         let options = ConfidenceOptions { misfit, prior: vec![None, None, Some(deviation)], ..abc() };
-        let confidence = Confidence::of(&found, &options).unwrap();
+        let confidence = Confidence::from_linearization(&found, &options).unwrap();
         assert!((&confidence.covariance - &expected).amax() < 1e-9 * expected.amax(), "{confidence:?} {expected}");
     }
 
@@ -445,7 +449,7 @@ mod tests {
         let expected = &inverse * columns.transpose() * noise * &columns * &inverse;
         let misfit = Some(vec![Misfit { error: 0.2, correlation: 20.0 }]);
         let options = ConfidenceOptions { misfit, held: vec![None, None, Some(deviation)], ..abc() };
-        let confidence = Confidence::of(&found, &options).unwrap();
+        let confidence = Confidence::from_linearization(&found, &options).unwrap();
         assert_eq!((confidence.names.len(), confidence.x.len()), (2, 2));
         assert!((&confidence.covariance - &expected).amax() < 1e-9 * expected.amax(), "{confidence:?}");
         let shift = -deviation * &inverse * columns.transpose() * &g;
@@ -454,7 +458,7 @@ mod tests {
         // Of an exact fit, only what is not known of c.
         let exact = Linearization { residuals: DVector::zeros(200), ..found };
         let options = ConfidenceOptions { held: vec![None, None, Some(deviation)], ..abc() };
-        let exact = Confidence::of(&exact, &options).unwrap();
+        let exact = Confidence::from_linearization(&exact, &options).unwrap();
         assert!((exact.standard_errors[1] / shift[1].abs() - 1.0).abs() < 1e-9, "{exact:?}");
     }
 
@@ -463,7 +467,8 @@ mod tests {
     fn a_prior_beside_noise_of_the_residuals_widens_intervals() {
         let (found, _) = parabola(&[(200, 1.0)]);
         let at = |prior: Vec<Option<f64>>| {
-            Confidence::of(&found, &ConfidenceOptions { colour: Colour::White, prior, ..abc() }).unwrap()
+            Confidence::from_linearization(&found, &ConfidenceOptions { colour: Colour::White, prior, ..abc() })
+                .unwrap()
         };
         let held = linearization(&[1.0, -2.0], found.residuals.as_slice(), found.jacobian.columns(0, 2).into_owned());
         let held = confidence(&held, Colour::White);

@@ -15,7 +15,7 @@ impl Interval {
     }
 
     /// The value `share` half-widths above the estimate.
-    pub fn at(&self, share: f64) -> f64 {
+    pub fn value_at(&self, share: f64) -> f64 {
         let Interval { x, half_width, .. } = *self;
         if share == 0.0 || half_width == 0.0 {
             x
@@ -35,9 +35,9 @@ mod tests {
     fn relative_intervals_are_symmetric_in_the_logarithm() {
         for x in [0.5, -0.5] {
             let interval = Interval::new(x, 1.0, true);
-            let [lower, upper] = [interval.at(-1.0), interval.at(1.0)];
+            let [lower, upper] = [interval.value_at(-1.0), interval.value_at(1.0)];
             assert!(lower < x && upper > x && (lower * upper - x * x).abs() < 1e-12 && lower * x > 0.0);
         }
-        assert_eq!(Interval::new(0.0, 1.0, true).at(1.0), 1.0);
+        assert_eq!(Interval::new(0.0, 1.0, true).value_at(1.0), 1.0);
     }
 }

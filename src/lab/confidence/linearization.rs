@@ -38,7 +38,7 @@ pub struct PartsError {
 }
 
 impl Linearization {
-    /// The same for residuals that are joined from parts of these lengths, in their order.
+    /// The linearization for residuals that are joined from parts of these lengths, in their order.
     ///
     /// # Errors
     /// The lengths do not add up to the number of residuals.

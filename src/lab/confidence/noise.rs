@@ -46,7 +46,7 @@ impl Noise {
     }
 
     /// The noise of `residuals`. Their mean is part of it.
-    pub fn of(residuals: &[f64], colour: Colour) -> Noise {
+    pub fn from_residuals(residuals: &[f64], colour: Colour) -> Noise {
         match colour {
             Colour::White => Noise::white(),
             Colour::Coloured => autoregression(residuals),
@@ -179,7 +179,7 @@ pub(super) mod tests {
     #[test]
     fn the_correlation_of_neighbours_is_found() {
         for phi in [-0.5, 0.3, 0.9] {
-            let noise = Noise::of(&neighbours(7, 20_000, phi), Colour::Coloured);
+            let noise = Noise::from_residuals(&neighbours(7, 20_000, phi), Colour::Coloured);
             for (lag, found) in correlations(&noise, 5).into_iter().enumerate() {
                 assert!((found - phi.powi(lag as i32)).abs() < 0.03, "{found} at lag {lag} for {phi}");
             }
@@ -190,7 +190,7 @@ pub(super) mod tests {
     fn the_correlation_of_a_moving_mean_is_found() {
         let drawn = normals(3, 20_004);
         let mean: Vec<f64> = drawn.windows(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
-        let noise = Noise::of(&mean, Colour::Coloured);
+        let noise = Noise::from_residuals(&mean, Colour::Coloured);
         for (lag, found) in correlations(&noise, 8).into_iter().enumerate() {
             let expected = (1.0 - 0.2 * lag as f64).max(0.0);
             assert!((found - expected).abs() < 0.03, "{found} at lag {lag} for {expected}");
@@ -218,7 +218,7 @@ pub(super) mod tests {
     fn the_covariance_is_that_of_the_correlation_matrix() {
         let moving_mean = normals(3, 404).windows(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
         for (drawn, least_order) in [(neighbours(1, 60, 0.7), 1), (moving_mean, 5)] {
-            let noise = Noise::of(&drawn, Colour::Coloured);
+            let noise = Noise::from_residuals(&drawn, Colour::Coloured);
             assert!(noise.order() >= least_order, "{noise:?}");
             let columns = DMatrix::from_fn(drawn.len(), 2, |row, column| (0.1 * (row * (column + 1)) as f64).sin());
             let expected = columns.transpose() * whole(&noise, drawn.len()) * &columns;
@@ -231,7 +231,7 @@ pub(super) mod tests {
     #[test]
     fn correlations_of_very_smooth_noise_stay_bounded() {
         let smooth = |x: Vec<f64>| x.windows(20).map(|some| some.iter().sum::<f64>()).collect::<Vec<_>>();
-        let noise = Noise::of(&smooth(smooth(smooth(normals(4, 20_057)))), Colour::Coloured);
+        let noise = Noise::from_residuals(&smooth(smooth(smooth(normals(4, 20_057)))), Colour::Coloured);
         assert!(noise.order() > 10);
         let found = correlations(&noise, 20_000);
         assert!(found.iter().all(|rho| rho.abs() <= 1.0 + 1e-9));
@@ -256,7 +256,7 @@ pub(super) mod tests {
         for index in 1..fit.len() {
             fit[index] += fit[index - 1];
         }
-        let noise = Noise::of(&fit, Colour::Coloured);
+        let noise = Noise::from_residuals(&fit, Colour::Coloured);
         let ones = DMatrix::from_element(fit.len(), 1, 1.0);
         let samples = fit.len() as f64;
         assert!(noise.covariance(&ones)[(0, 0)] > 1e3 * samples, "{noise:?}");
@@ -273,8 +273,8 @@ pub(super) mod tests {
     #[test]
     fn zero_and_very_few_residuals_are_white() {
         for residuals in [vec![0.0; 50], vec![1.0], vec![]] {
-            assert_eq!(Noise::of(&residuals, Colour::Coloured), Noise::white());
+            assert_eq!(Noise::from_residuals(&residuals, Colour::Coloured), Noise::white());
         }
-        assert_eq!(Noise::of(&neighbours(1, 60, 0.7), Colour::White), Noise::white());
+        assert_eq!(Noise::from_residuals(&neighbours(1, 60, 0.7), Colour::White), Noise::white());
     }
 }

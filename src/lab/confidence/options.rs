@@ -39,7 +39,7 @@ impl ConfidenceOptions {
         self.held.iter().enumerate().filter_map(|(index, deviation)| Some((index, (*deviation)?)))
     }
 
-    /// The same without the parameters that the fit held.
+    /// The options without the parameters that the fit held.
     pub(super) fn of_fitted(&self) -> ConfidenceOptions {
         let is_fitted = |index: usize| self.held.get(index).copied().flatten().is_none();
         let names = self.names.iter().enumerate().filter(|(index, _)| is_fitted(*index));

@@ -43,7 +43,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    fn at(&self, u: &[f64]) -> DVector<f64> {
+    fn residuals_at(&self, u: &[f64]) -> DVector<f64> {
         let finite = |r: f64| if r.is_finite() { r } else { WORST };
         DVector::from_vec((self.residuals)(u).into_iter().map(finite).collect())
     }
@@ -63,7 +63,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.at(self.u.as_slice()))
+        Some(self.residuals_at(self.u.as_slice()))
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
@@ -72,7 +72,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
             let beside = |step: f64| {
                 let mut u = self.u.clone();
                 u[index] += step;
-                self.at(u.as_slice())
+                self.residuals_at(u.as_slice())
             };
             (beside(step) - beside(-step)) / (2.0 * step)
         };

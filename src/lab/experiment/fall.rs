@@ -71,7 +71,7 @@ pub(super) struct Motion<'a> {
     free: f64,
     /// Acceleration of the fall without the friction that is proportional to the speed, m/s², positive.
     net: f64,
-    /// That friction over mass and speed, 1/s.
+    /// Friction proportional to the speed, over mass and speed, 1/s.
     per_speed: f64,
     acceleration: &'a Series,
     displacement: &'a Series,
@@ -89,7 +89,7 @@ impl Motion<'_> {
         let ends = [acceleration, displacement].map(|series| series.time().last().copied().unwrap_or(f64::NAN));
         let last = ends[0].min(ends[1]);
         for (series, channel) in [(acceleration, "acceleration"), (displacement, "displacement")] {
-            if series.at(0.0).is_none() || last.is_nan() || last <= 0.0 {
+            if series.value_at(0.0).is_none() || last.is_nan() || last <= 0.0 {
                 return Err(FallError::NoImpact { channel, time: 0.0 });
             }
         }
@@ -105,7 +105,7 @@ impl Motion<'_> {
     pub(super) fn acceleration(&self, t: f64) -> Option<f64> {
         let since_contact = t - self.fall_time();
         if since_contact >= 0.0 {
-            return self.acceleration.at(since_contact.min(self.last));
+            return self.acceleration.value_at(since_contact.min(self.last));
         }
         let s = (t / self.fall.release_duration).clamp(0.0, 1.0);
         let [_, speed] = self.fall.fallen(t.max(0.0), self.net, self.per_speed);
@@ -116,20 +116,20 @@ impl Motion<'_> {
     pub(super) fn place(&self, t: f64) -> Option<f64> {
         let since_contact = t - self.fall_time();
         if since_contact >= 0.0 {
-            return self.displacement.at(since_contact.min(self.last));
+            return self.displacement.value_at(since_contact.min(self.last));
         }
         let [fallen, _] = self.fall.fallen(t.max(0.0), self.net, self.per_speed);
         Some(self.fall.height - fallen)
     }
 }
 
-/// What is unknown of a fall.
+/// The unknowns of a fall.
 struct Solved {
     /// Time from the magnet's last force to contact, s.
     free: f64,
     /// Acceleration of the fall without the friction that is proportional to the speed, m/s², positive.
     net: f64,
-    /// That friction over mass and speed, 1/s.
+    /// Friction proportional to the speed, over mass and speed, 1/s.
     per_speed: f64,
 }
 

@@ -24,6 +24,7 @@ pub(super) fn nonnegative_least_squares(a: &DMatrix<f64>, b: &DVector<f64>) -> O
     let mut passive: Vec<usize> = Vec::new();
     // Each round lowers |A x − b|, so that no set comes twice; the limit is that of rounding.
     for _ in 0..3 * count {
+        // Minus the gradient: at the solution no unknown at zero could lower |A x − b| by growing (Kuhn and Tucker).
         let slope = a.tr_mul(&(b - &a * &x));
         let steepest = (0..count).filter(|j| !passive.contains(j)).max_by(|i, j| slope[*i].total_cmp(&slope[*j]));
         let Some(next) = steepest.filter(|j| slope[*j] > NO_SLOPE * b.norm()) else { break };
@@ -40,6 +41,7 @@ pub(super) fn nonnegative_least_squares(a: &DMatrix<f64>, b: &DVector<f64>) -> O
             let share = pairs.map(|(j, value)| x[*j] / (x[*j] - value)).fold(1.0, f64::min);
             passive.iter().zip(free.iter()).for_each(|(j, value)| x[*j] += share * (value - x[*j]));
             let least = passive.iter().map(|j| x[*j]).fold(f64::INFINITY, f64::min);
+            // The one that reached zero first leaves even where rounding keeps it above, so that the inner loop ends.
             let left: Vec<usize> = passive.iter().copied().filter(|j| x[*j] > least.max(0.0)).collect();
             (0..count).filter(|j| !left.contains(j)).for_each(|j| x[j] = 0.0);
             passive = left;

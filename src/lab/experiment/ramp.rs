@@ -55,24 +55,26 @@ impl GravityRamp {
         let ([c, b, a], _) = least_squares(rows.iter().copied()).ok_or(RampError::TooFew { from, to })?;
         let vertex = -b / (2.0 * a);
         let depth = a * vertex * vertex - c;
+        // Only a flank that bends upward has its vertex at the bottom, where the magnet lets go.
         if a.is_nan() || a <= 0.0 || depth <= 0.0 || vertex <= 0.0 {
             return Err(RampError::NotParabolic { from, to });
         }
+        // Equation 44 in the form a (u − vertex)² − depth, which is zero a width before its vertex.
         let width = (depth / a).sqrt();
         Ok(GravityRamp { start: from + length * (vertex - width), duration: length * width, depth })
     }
 
     /// Reading of the release at time `t` (s): zero before it, −depth from its vertex on.
-    pub fn at(&self, t: f64) -> f64 {
+    pub fn reading_at(&self, t: f64) -> f64 {
         let s = ((t - self.start) / self.duration).clamp(0.0, 1.0);
         -self.depth * (2.0 * s - s * s)
     }
 
-    /// What is added at time `t` (s) where contact was at `contact` (s): −depth up to contact, then the release
+    /// Correction at time `t` (s) where contact was at `contact` (s): −depth up to contact, then the release
     /// mirrored, back to zero after its duration or after [`ADDED_OVER`].
     pub fn mirrored(&self, t: f64, contact: f64) -> f64 {
         let since = (t - contact).max(0.0);
-        if since > ADDED_OVER { 0.0 } else { self.at(self.start + self.duration - since) }
+        if since > ADDED_OVER { 0.0 } else { self.reading_at(self.start + self.duration - since) }
     }
 }
 
@@ -84,7 +86,7 @@ mod tests {
 
     fn reading() -> Series {
         let time: Vec<f64> = (0..4000).map(|i| 1e-4 * f64::from(i)).collect();
-        let values: Vec<f64> = time.iter().map(|t| RAMP.at(*t)).collect();
+        let values: Vec<f64> = time.iter().map(|t| RAMP.reading_at(*t)).collect();
         Series::new(time, values)
     }
 
@@ -103,7 +105,7 @@ mod tests {
         assert_eq!(RAMP.mirrored(contact, contact), -8.7);
         for share in [0.25, 0.5, 0.75] {
             let mirrored = RAMP.mirrored(contact + share * RAMP.duration, contact);
-            assert!((mirrored - RAMP.at(RAMP.start + (1.0 - share) * RAMP.duration)).abs() < 1e-9);
+            assert!((mirrored - RAMP.reading_at(RAMP.start + (1.0 - share) * RAMP.duration)).abs() < 1e-9);
         }
         assert!(RAMP.mirrored(contact + RAMP.duration, contact).abs() < 1e-9);
         let slow = GravityRamp { duration: 0.2, ..RAMP };

@@ -123,7 +123,7 @@ const OVERSAMPLING: usize = 10;
 /// Most samples of a recording; more are a mistake.
 pub const MOST_SAMPLES: usize = 1_000_000;
 
-/// What the `sensors` read in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward)
+/// Readings of the `sensors` in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward)
 /// and `displacement` (m) from contact on. The same `seed` gives the same recording, bit for bit.
 pub fn virtual_drop(
     acceleration: &Series,
@@ -261,12 +261,12 @@ mod tests {
         let reading = drop.recording.series(ACCELEROMETER).unwrap();
         let back = restored(&reading, 0.15);
         let place = integrate::twice(&back, 0.0, FALL.height);
-        let velocity = integrate::once(&back, 0.0).at(drop.contact_time).unwrap();
+        let velocity = integrate::once(&back, 0.0).value_at(drop.contact_time).unwrap();
         assert!((velocity + FALL.speed).abs() < 1e-3, "{velocity}");
         let laser = drop.recording.channel(LASER).unwrap();
         let gap = place.values().iter().zip(laser).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(gap < 2e-4, "{gap}");
-        assert!(place.at(drop.contact_time).unwrap().abs() < 1e-4);
+        assert!(place.value_at(drop.contact_time).unwrap().abs() < 1e-4);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use base::finding::Finding;
 pub struct Annotations {
     comments: Vec<String>,
     virtual_mark: Option<String>,
-    /// What was assumed while the file was read, and what puts it in doubt.
+    /// Assumptions of the reading, and doubts about the file.
     pub warnings: Vec<Warning>,
 }
 
@@ -19,7 +19,7 @@ impl Annotations {
         Annotations { comments, virtual_mark, warnings: Vec::new() }
     }
 
-    /// What the file itself states: its comments, and lines before its numbers. They hold as long as the numbers do.
+    /// Statements of the file itself: its comments, and lines before its numbers. They hold as long as the numbers do.
     pub fn comments(&self) -> &[String] {
         &self.comments
     }

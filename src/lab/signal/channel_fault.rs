@@ -8,7 +8,7 @@ use base::diagnostic::listed;
 /// Most values that are held of a file; more is a mistake or an attack.
 pub const MOST_VALUES: usize = 50_000_000;
 
-/// What is wrong with a channel of a file.
+/// A fault of a channel of a file.
 #[derive(Debug, Error)]
 pub enum ChannelFault {
     /// A channel that is named does not exist, or is not the only one of its name.
@@ -25,7 +25,7 @@ pub enum ChannelFault {
     NotANumber {
         /// The channel.
         name: String,
-        /// What stands in place of the number.
+        /// Text in place of the number.
         found: String,
     },
     /// A value is infinite or `NaN`.

@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn one_interval_holds_the_highest_of_its_lowest_values() {
         let wave = sampled(1e-4, |t| (300.0 * t).sin() + 0.4 * (1111.0 * t).sin() - 0.2 * (2500.0 * t).cos());
-        let fine: Vec<f64> = (0..=60_000).map(|i| wave.at(1e-6 * i as f64).unwrap_or(-9.0)).collect();
+        let fine: Vec<f64> = (0..=60_000).map(|i| wave.value_at(1e-6 * i as f64).unwrap_or(-9.0)).collect();
         let lowest = fine.windows(3001).map(|window| window.iter().copied().fold(f64::INFINITY, f64::min));
         let expected = lowest.fold(f64::NEG_INFINITY, f64::max);
         let found = clip(&wave, 0.003, Counting::Contiguous).unwrap().level;

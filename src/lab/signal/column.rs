@@ -17,7 +17,7 @@ pub struct Column {
     pub axis_unit: &'static str,
     /// From the unit of the values to that of the axis.
     pub factor: f64,
-    /// What it is, as one or more lines.
+    /// Its explanation, as one or more lines.
     pub sentence: &'static [&'static str],
     /// Of which runs it is.
     pub when: &'static str,
@@ -183,7 +183,7 @@ impl Column {
 }
 
 /// The column `name`, which may begin with the name of one of several impactors and an underscore, and that beginning.
-pub fn of(name: &str) -> Option<(&str, &'static Column)> {
+pub fn find(name: &str) -> Option<(&str, &'static Column)> {
     let beginning = |column: &'static Column| {
         let prefix = name.strip_suffix(column.name)?;
         (prefix.is_empty() || prefix.ends_with('_')).then_some((prefix, column))
@@ -192,9 +192,9 @@ pub fn of(name: &str) -> Option<(&str, &'static Column)> {
     COLUMNS.iter().filter_map(beginning).min_by_key(|(prefix, _)| prefix.len())
 }
 
-/// What the values of a column or a figure are, by the end of its name; none of a number without unit.
+/// Dimension of a column or a figure, by the end of its name; none of a number without unit.
 pub fn dimension(name: &str) -> Option<Dimension> {
-    let of_column = of(name).map(|(_, column)| column.unit);
+    let of_column = find(name).map(|(_, column)| column.unit);
     let fits = |dimension: &&Dimension| match of_column {
         Some(unit) => dimension.unit == unit,
         None => !dimension.suffix().is_empty() && name.ends_with(&format!("_{}", dimension.suffix())),
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn names_may_begin_with_that_of_an_impactor() {
-        let found = |name| of(name).map(|(prefix, column)| (prefix, column.name));
+        let found = |name| find(name).map(|(prefix, column)| (prefix, column.name));
         assert_eq!(found("contact_force_N"), Some(("", "contact_force_N")));
         assert_eq!(found("left_hand_contact_force_N"), Some(("left_hand_", "contact_force_N")));
         assert_eq!(found("head_displacement_x_m"), Some(("head_", "displacement_x_m")));

@@ -13,7 +13,7 @@ pub struct ColumnName {
     /// As it was written.
     pub label: String,
     pub unit: Option<Unit>,
-    /// What stands where a unit stands and is none that is known.
+    /// Text in the place of a unit that is none that is known.
     pub unknown_unit: Option<String>,
 }
 

@@ -38,7 +38,7 @@ impl ReadError {
         matches!(self, ReadError::Csv(error) if matches!(error.fault, Empty | NoRows | NoNumbers { .. }))
     }
 
-    /// What is wrong, without file and place.
+    /// The fault without file and place.
     pub fn fault(&self) -> String {
         match self {
             ReadError::Csv(error) => error.fault.to_string(),

@@ -80,6 +80,7 @@ impl ChannelFilter {
             return Err(FilterError::RateTooLow { class, rate });
         }
         let wd = 2.0 * PI * class * standard.corner_over_class();
+        // The tangent undoes the warping of frequencies by the bilinear transform: the corner is the same at any rate.
         let wa = (wd * interval / 2.0).tan();
         let denominator = 1.0 + SQRT_2 * wa + wa * wa;
         let b0 = wa * wa / denominator;
@@ -99,14 +100,15 @@ impl ChannelFilter {
         if values.len() < 2 {
             return values.to_vec();
         }
-        let chord = Chord::of(values);
+        let chord = Chord::through_ends(values);
         let padding = self.padding.min(values.len() - 1);
         let mut rest = chord.reflected_rest(values, padding);
+        // Backward too, so that the phases cancel (ISO 6487, Annex A).
         self.pass(mean(rest.iter()), rest.iter_mut());
         self.pass(mean(rest.iter().rev()), rest.iter_mut().rev());
         rest.truncate(padding + values.len());
         rest.drain(..padding);
-        rest.iter_mut().enumerate().for_each(|(index, value)| *value += chord.at(index));
+        rest.iter_mut().enumerate().for_each(|(index, value)| *value += chord.value_at(index));
         rest
     }
 
@@ -138,20 +140,21 @@ struct Chord {
 }
 
 impl Chord {
-    fn of(values: &[f64]) -> Chord {
+    fn through_ends(values: &[f64]) -> Chord {
         let last = values.len() - 1;
         Chord { first: values[0], slope: (values[last] - values[0]) / last as f64 }
     }
 
-    fn at(&self, index: usize) -> f64 {
+    fn value_at(&self, index: usize) -> f64 {
         self.first + self.slope * index as f64
     }
 
     /// The difference from the line, with `padding` samples before and after, reflected through the end points.
     fn reflected_rest(&self, values: &[f64], padding: usize) -> Vec<f64> {
         let last = values.len() - 1;
-        let rest = |index: usize| values[index] - self.at(index);
+        let rest = |index: usize| values[index] - self.value_at(index);
         let mut padded = Vec::with_capacity(values.len() + 2 * padding);
+        // Point reflection continues value and slope, a mirror only the value.
         padded.extend((1..=padding).rev().map(|i| 2.0 * rest(0) - rest(i)));
         padded.extend((0..=last).map(rest));
         padded.extend((1..=padding).map(|i| 2.0 * rest(last) - rest(last - i)));

@@ -61,7 +61,7 @@ fn compare(signal: &Series, reference: &Series, [from, to]: [f64; 2]) -> Result<
     let mut compared = Compared { time: vec![], difference: vec![], size: 0.0 };
     let window = reference.window([from, to]);
     for [time, expected] in window.samples().filter(|[_, value]| value.is_finite()) {
-        let found = signal.at(time).ok_or(NormError::NotCovered { time })?;
+        let found = signal.value_at(time).ok_or(NormError::NotCovered { time })?;
         compared.time.push(time);
         compared.difference.push(found - expected);
         compared.size += expected.powi(2);

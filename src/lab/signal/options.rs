@@ -24,7 +24,7 @@ pub enum ChannelSelection {
     /// All of them.
     #[default]
     All,
-    /// Those with these names; a missing one is an error.
+    /// The channels with these names; a missing one is an error.
     Named(Vec<String>),
     /// The only one of the file; several are an error.
     Only,

@@ -38,7 +38,7 @@ pub enum ResampleError {
 
 /// The series at other `times`; `NaN` where it has no value.
 pub fn onto(series: &Series, times: &[f64]) -> Vec<f64> {
-    times.iter().map(|t| series.at(*t).unwrap_or(f64::NAN)).collect()
+    times.iter().map(|t| series.value_at(*t).unwrap_or(f64::NAN)).collect()
 }
 
 /// The series on equal steps (s) from its first sample to its last.
@@ -86,12 +86,12 @@ mod tests {
     #[test]
     fn there_are_no_values_outside_the_samples_or_beside_gaps() {
         let gap = Series::new(vec![0.0, 1.0, 2.0, 3.0], vec![0.0, f64::NAN, 2.0, 3.0]);
-        assert_eq!(gap.at(-0.1), None);
-        assert_eq!(gap.at(3.1), None);
-        assert_eq!(gap.at(0.5), None);
-        assert_eq!(gap.at(1.0), None);
-        assert_eq!(gap.at(2.0), Some(2.0));
-        assert_eq!(gap.at(3.0), Some(3.0));
+        assert_eq!(gap.value_at(-0.1), None);
+        assert_eq!(gap.value_at(3.1), None);
+        assert_eq!(gap.value_at(0.5), None);
+        assert_eq!(gap.value_at(1.0), None);
+        assert_eq!(gap.value_at(2.0), Some(2.0));
+        assert_eq!(gap.value_at(3.0), Some(3.0));
     }
 
     #[test]

@@ -78,7 +78,7 @@ impl Series {
     }
 
     /// Value at `time`, linear between samples; `None` outside the samples or beside an unmeasured one.
-    pub fn at(&self, time: f64) -> Option<f64> {
+    pub fn value_at(&self, time: f64) -> Option<f64> {
         interpolated(&self.time, &self.values, time)
     }
 }

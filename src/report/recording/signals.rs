@@ -197,7 +197,7 @@ impl Pane {
     ) -> Option<Chart> {
         let own = self.channels.iter().flat_map(|shown| {
             signals.channels.iter().filter_map(move |channel| {
-                let (prefix, _) = column::of(&channel.name).filter(|(_, column)| column.name == shown.channel)?;
+                let (prefix, _) = column::find(&channel.name).filter(|(_, column)| column.name == shown.channel)?;
                 Some((shown, prefix, &channel.values))
             })
         });

@@ -287,7 +287,7 @@ mod tests {
             (Some(FigureBounds::Flag(false)), Some(FigureBounds::Number(8.0)))
         );
         let with_corridor = checked("[signals.force_N]\ncorridor = \"corridor.csv\"").unwrap();
-        assert_eq!(with_corridor.signal("force_N").unwrap().corridor.as_ref().unwrap()[1].at(0.5), Some(1.5));
+        assert_eq!(with_corridor.signal("force_N").unwrap().corridor.as_ref().unwrap()[1].value_at(0.5), Some(1.5));
         assert!(with_corridor.signal("displacement_m").is_none());
     }
 

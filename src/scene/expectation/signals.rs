@@ -127,7 +127,7 @@ fn at(series: &Series, time: f64) -> f64 {
     let place = series.time().partition_point(|own| *own < time - SAME_TIME);
     match series.time().get(place) {
         Some(own) if (own - time).abs() <= SAME_TIME => series.values()[place],
-        _ => series.at(time).unwrap_or(f64::NAN),
+        _ => series.value_at(time).unwrap_or(f64::NAN),
     }
 }
 
@@ -156,7 +156,7 @@ fn outside(name: &str, bounds: &SignalBounds, corridor: &[Series; 2], found: &Se
         return Some(Difference::NothingWithin { signal: name.into(), window: expected });
     }
     let beyond = |(time, value): (&f64, &f64)| {
-        let [low, high] = [corridor[0].at(*time)?, corridor[1].at(*time)?];
+        let [low, high] = [corridor[0].value_at(*time)?, corridor[1].value_at(*time)?];
         let distance = if value.is_nan() { f64::INFINITY } else { (low - value).max(value - high) };
         (distance > 0.0).then_some((distance, *time, *value, [low, high]))
     };

@@ -218,6 +218,7 @@ impl<'a> Forest<'a> {
             of([p(0), p(1), p(2)]).min(of([p(0), p(2), p(3)]))
         };
         let [a, b, c, d] = quad;
+        // Beyond rounding, so that squares of one row are divided alike.
         if least(1) > least(0) + 1e-9 { [b, c, d, a] } else { quad }
     }
 }

@@ -77,6 +77,7 @@ impl fmt::Display for Quality {
 
 /// Normal of an element, as long as its area (m²); for a twisted one that of its mean plane.
 pub fn area_vector(points: &[Point3<f64>]) -> Vector3<f64> {
+    // The sum does not depend on the corner that the fan starts from, as the fan of a twisted element itself does.
     let origin = points[0];
     let fan = points.windows(2).map(|w| (w[0] - origin).cross(&(w[1] - origin)));
     fan.sum::<Vector3<f64>>() / 2.0
@@ -94,6 +95,7 @@ pub fn edge_range(points: &[Point3<f64>]) -> [f64; 2] {
 pub fn scaled_jacobian(points: &[Point3<f64>]) -> f64 {
     let normal = area_vector(points).normalize();
     let sine = |[before, here, next]: [Point3<f64>; 3]| {
+        // Of unit vectors, so that only the angle counts; by the sign a re-entrant corner is worse than any other.
         let (out, back) = ((next - here).normalize(), (before - here).normalize());
         out.cross(&back).dot(&normal)
     };

@@ -38,6 +38,7 @@ pub(crate) fn undirected([from, to]: [u32; 2]) -> Edge {
 
 /// Every edge once, ascending, with the number of elements that share it.
 pub(crate) fn uses(mesh: &Mesh) -> impl Iterator<Item = (Edge, u32)> {
+    // Sorted and not hashed: the order of nodes that follows from it is that of every run.
     let mut edges: Vec<Edge> = outlines(mesh).flat_map(directed).map(undirected).collect();
     edges.sort_unstable();
     let mut rest = 0;
@@ -51,6 +52,7 @@ pub(crate) fn uses(mesh: &Mesh) -> impl Iterator<Item = (Edge, u32)> {
 
 /// Edges of the film's own outline, not on a mirror plane, ascending.
 pub fn outer_edges(mesh: &Mesh) -> impl Iterator<Item = Edge> + '_ {
+    // Edges on a mirror plane belong to one element too, but the film goes on behind it.
     let on = |plane: &[u32], node: &u32| plane.binary_search(node).is_ok();
     let mirror = move |edge: &Edge| {
         let holds = |plane: &Vec<u32>| edge.iter().all(|node| on(plane, node));

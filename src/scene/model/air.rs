@@ -1,6 +1,6 @@
 //! The air around the film.
 
-use super::{Air, Cushion, Face, Frame, Hold, Loading, Mistakes};
+use super::{Air, Cushion, Face, Frame, Hold, Loading, ModelDiagnostics};
 use crate::scenario::{Compression, Scenario};
 
 /// Exponent of air that exchanges no heat.
@@ -12,7 +12,7 @@ pub fn check(
     loading: &Loading,
     faces: Option<&[Face]>,
     frame: &Frame,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Air> {
     let written = scenario.air.as_ref()?;
     if !matches!(loading, Loading::Impact { .. }) {

@@ -1,13 +1,13 @@
 //! Contact between faces of film.
 
-use super::{Contact, Face, Mistakes, layers};
+use super::{Contact, Face, ModelDiagnostics, layers};
 use crate::scenario::{self, Scenario};
 use base::number::significant;
 
 /// Share of a distance that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-pub(super) fn check(scenario: &Scenario, faces: Option<&[Face]>, mistakes: &mut Mistakes<'_>) -> Contact {
+pub(super) fn check(scenario: &Scenario, faces: Option<&[Face]>, mistakes: &mut ModelDiagnostics<'_>) -> Contact {
     let scenario::Contact { film, film_friction } = scenario.contact;
     let layers = scenario.layers.as_ref().map_or(1, |layers| layers.faces.len());
     let under_pressure = matches!(scenario.loading, scenario::Loading::Pressure(_));

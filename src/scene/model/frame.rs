@@ -4,7 +4,7 @@ mod bars;
 mod clamp;
 
 use super::specimen::symmetry;
-use super::{Face, Frame, Hold, Mistakes, Specimen};
+use super::{Face, Frame, Hold, ModelDiagnostics, Specimen};
 use crate::mesh::Side;
 use crate::scenario::{self, EdgeChoice, Loading, Scenario, Shape};
 
@@ -16,7 +16,7 @@ pub fn check(
     loading: &super::Loading,
     specimen: Option<&Specimen>,
     faces: Option<&[Face]>,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Frame {
     let hold = held(scenario, mistakes);
     let shape = specimen.map(|specimen| &specimen.shape);
@@ -28,7 +28,7 @@ pub fn check(
 }
 
 /// The clamped edges; under a stretch the jaws.
-fn held(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Hold {
+fn held(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Hold {
     let hold = match &scenario.frame.hold {
         Some(scenario::Hold::Word(EdgeChoice::All)) => Hold::All,
         Some(scenario::Hold::Word(EdgeChoice::None)) => Hold::None,
@@ -55,7 +55,7 @@ impl Hold {
 }
 
 /// Edges that a slow loading needs to be held.
-fn unheld(hold: &Hold, scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+fn unheld(hold: &Hold, scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
     match scenario.loading {
         Loading::Indent(_) if !is_spanned(hold) => {
             let hint = "hold \"all\", or at least two opposite sides";
@@ -90,7 +90,7 @@ fn is_jaws(hold: &Hold) -> bool {
     sides.len() == 2 && sides.contains(&Side::XMinus) && sides.contains(&Side::XPlus)
 }
 
-fn sides(written: &[scenario::Side], scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Hold {
+fn sides(written: &[scenario::Side], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Hold {
     let round = matches!(scenario.specimen.shape, Shape::Circle(_));
     if round {
         let hint = if may_be_free(scenario) { "hold \"all\" or \"none\"" } else { "hold \"all\"" };

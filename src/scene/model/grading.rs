@@ -1,6 +1,6 @@
 //! Where the elements of a face are small.
 
-use super::{Face, Guide, Impactor, ImpactorShape, Loading, Mistakes};
+use super::{Face, Guide, Impactor, ImpactorShape, Loading, ModelDiagnostics};
 use crate::mesh::{Grading, Outline, Zone, import};
 use crate::scenario::{Around, AroundChoice, Meshing, Scenario, Shape};
 
@@ -14,7 +14,7 @@ pub fn check(
     faces: &mut [Face],
     impactors: &[Impactor],
     shape: Option<&Outline>,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) {
     let shared = &scenario.specimen.mesh;
     for (place, face) in faces.iter_mut().enumerate() {
@@ -69,7 +69,7 @@ impl Keys<'_> {
     }
 
     /// Keys that have a meaning with `fine` only.
-    fn without_fine(&self, mistakes: &mut Mistakes<'_>) {
+    fn without_fine(&self, mistakes: &mut ModelDiagnostics<'_>) {
         let written = |meshing: &Meshing| {
             [
                 ("around", meshing.around.is_some()),
@@ -90,7 +90,7 @@ impl Keys<'_> {
         loading: &Loading,
         height: f64,
         impactors: &[Impactor],
-        mistakes: &mut Mistakes<'_>,
+        mistakes: &mut ModelDiagnostics<'_>,
     ) -> Option<Vec<Zone>> {
         let (own, shared) = (self.own, self.shared);
         let around = own.around.or(shared.around);

@@ -1,6 +1,6 @@
 //! `[specimen.material.hyperelastic]`: coefficients of a law that has a stiffness.
 
-use super::Mistakes;
+use super::ModelDiagnostics;
 use crate::scenario::{self, Energy, Moduli};
 use base::units::Pressure;
 use membrane::material::{
@@ -11,7 +11,7 @@ use membrane::material::{
 type Keys = [(&'static str, bool); 9];
 
 /// The law written at `path`; none where it is invalid.
-pub(super) fn check(written: &scenario::Hyperelastic, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Law> {
+pub(super) fn check(written: &scenario::Hyperelastic, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Law> {
     let own = keys(written.law);
     let keys: Keys = [
         ("mu", written.mu.is_some()),
@@ -96,7 +96,7 @@ fn word(law: Energy) -> &'static str {
 }
 
 /// The one shear modulus of `law`, Pa.
-fn modulus(written: &Moduli, law: &str, path: &str, mistakes: &mut Mistakes<'_>) -> Option<f64> {
+fn modulus(written: &Moduli, law: &str, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
     let path = format!("{path}.mu");
     match written {
         Moduli::One(Pressure(mu)) if *mu > 0.0 => Some(*mu),
@@ -113,7 +113,7 @@ fn modulus(written: &Moduli, law: &str, path: &str, mistakes: &mut Mistakes<'_>)
 }
 
 /// Ogden's energy, of which μ_k α_k must add up to a positive modulus.
-fn ogden(mu: &Moduli, alpha: &[f64], path: &str, mistakes: &mut Mistakes<'_>) -> Option<Ogden> {
+fn ogden(mu: &Moduli, alpha: &[f64], path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Ogden> {
     let mu = match mu {
         Moduli::One(mu) => std::slice::from_ref(mu),
         Moduli::Terms(terms) => terms,

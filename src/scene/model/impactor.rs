@@ -5,7 +5,7 @@ mod several;
 use nalgebra::Vector3;
 
 use super::specimen::symmetry;
-use super::{Guide, Impactor, ImpactorShape, Loading, Mistakes, Part, Symmetry};
+use super::{Guide, Impactor, ImpactorShape, Loading, ModelDiagnostics, Part, Symmetry};
 use crate::scenario::{self, BodyShape, FrictionPoint, Orientation, Scenario};
 use base::number::significant;
 use membrane::engine::GuideFriction;
@@ -43,14 +43,14 @@ impl std::ops::Deref for Written<'_> {
 }
 
 /// All impactors as written: one table, or a list of them.
-pub(super) fn written<'s>(scenario: &'s Scenario, mistakes: &Mistakes<'_>) -> Vec<Written<'s>> {
+pub(super) fn written<'s>(scenario: &'s Scenario, mistakes: &ModelDiagnostics<'_>) -> Vec<Written<'s>> {
     let is_list = mistakes.is_written("impactor.0");
     let path = |place: usize| if is_list { format!("impactor.{place}") } else { "impactor".to_owned() };
     scenario.impactor.iter().enumerate().map(|(place, body)| Written { body, path: path(place) }).collect()
 }
 
 /// The impactors, where the `loading` needs any; empty where it needs none.
-pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<Vec<Impactor>> {
+pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Impactor>> {
     let why = match scenario.loading {
         scenario::Loading::Impact(_) => "`loading.impact` needs an impactor",
         scenario::Loading::Indent(_) => "`loading.indent` needs an impactor",
@@ -77,7 +77,7 @@ fn check_one(
     written: &Written<'_>,
     scenario: &Scenario,
     loading: &Loading,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Impactor> {
     mirrored(written, symmetry(&scenario.specimen), mistakes);
     indented(written, &scenario.loading, mistakes);
@@ -106,7 +106,7 @@ fn check_one(
 }
 
 /// Keys without a meaning where the motion of the impactor is prescribed.
-fn indented(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) {
+fn indented(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut ModelDiagnostics<'_>) {
     if !matches!(loading, scenario::Loading::Indent(_)) {
         return;
     }
@@ -126,7 +126,7 @@ fn indented(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut M
 }
 
 /// Mass of an impactor that falls; infinite where its motion is prescribed or it is fixed.
-fn mass(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) -> Option<f64> {
+fn mass(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
     let key = written.key("mass");
     if matches!(loading, scenario::Loading::Indent(_)) {
         return Some(f64::INFINITY);
@@ -143,7 +143,7 @@ fn mass(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut Mista
     written.mass.map(|mass| mass.0)
 }
 
-fn guide(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<Guide> {
+fn guide(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<Guide> {
     Some(match &written.guide {
         scenario::Guide::Z => Guide::Z,
         scenario::Guide::Free => Guide::Free,
@@ -157,7 +157,7 @@ fn guide(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<Guide> {
 }
 
 /// The unit vector along `written`.
-fn direction(written: [f64; 3], path: &str, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3]> {
+fn direction(written: [f64; 3], path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<[f64; 3]> {
     let unit = Vector3::from(written).try_normalize(0.0);
     if unit.is_none() {
         mistakes.report_with(path, "a direction of no length", "along z it is [0, 0, 1]");
@@ -166,14 +166,14 @@ fn direction(written: [f64; 3], path: &str, mistakes: &mut Mistakes<'_>) -> Opti
 }
 
 /// A rotation as an axis times an angle, rad.
-fn rotation(written: Option<&Orientation>, path: &str, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3]> {
+fn rotation(written: Option<&Orientation>, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<[f64; 3]> {
     let Some(written) = written else { return Some([0.0; 3]) };
     let axis = direction(written.axis, &format!("{path}.axis"), mistakes)?;
     Some(axis.map(|component| component * written.angle.0))
 }
 
 /// Velocity of the centre of mass at the start, which the guide must admit, m/s.
-fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
+fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 3] {
     let key = &written.key("velocity");
     let Loading::Impact { velocity: downward, .. } = loading else { return [0.0; 3] };
     let velocity = written.velocity.map_or([0.0, 0.0, -downward], |velocity| velocity.map(|component| component.0));
@@ -213,7 +213,7 @@ fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &m
 }
 
 /// Moments of inertia, none of which a body can have above the sum of the other two, kg m².
-fn inertia(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3]> {
+fn inertia(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<[f64; 3]> {
     let key = &written.key("inertia");
     let moments = written.inertia?.map(|moment| moment.0);
     if !matches!(written.guide, scenario::Guide::Free | scenario::Guide::Hinge(_)) {
@@ -228,7 +228,7 @@ fn inertia(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3
 }
 
 /// Angular velocity at the start, rad/s.
-fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
+fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 3] {
     let key = &written.key("spin");
     let Some(spin) = written.spin else { return [0.0; 3] };
     let spin = Vector3::from(spin.map(|component| component.0));
@@ -250,7 +250,11 @@ fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f6
 }
 
 /// Friction of the guide of a falling impactor.
-fn guide_friction(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) -> GuideFriction {
+fn guide_friction(
+    written: &Written<'_>,
+    loading: &scenario::Loading,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> GuideFriction {
     let (key, guide) = (&written.key("guide_friction"), &written.key("guide"));
     let Some(friction) = &written.guide_friction else {
         return GuideFriction::default();
@@ -276,7 +280,7 @@ fn guide_friction(written: &Written<'_>, loading: &scenario::Loading, mistakes: 
     GuideFriction { constant: friction.constant.0, per_speed: friction.per_speed.0, curve }
 }
 
-fn shape(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {
+fn shape(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<ImpactorShape> {
     let key = &written.key("shape");
     let parts = match &written.shape {
         scenario::ImpactorShape::One(shape) => return one(shape, key, mistakes),
@@ -296,7 +300,7 @@ fn shape(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<ImpactorS
 }
 
 /// A shape whose table has the key path `path`.
-fn one(written: &BodyShape, path: &str, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {
+fn one(written: &BodyShape, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<ImpactorShape> {
     Some(match written {
         BodyShape::Sphere { radius } => ImpactorShape::Sphere { radius: radius.0 },
         BodyShape::Hemisphere { radius, length } => {
@@ -328,18 +332,18 @@ fn one(written: &BodyShape, path: &str, mistakes: &mut Mistakes<'_>) -> Option<I
     })
 }
 
-/// Refuses a radius of the edges that leaves nothing of the flat faces.
-fn rounded(edge: f64, largest: f64, path: &str, mistakes: &mut Mistakes<'_>) -> Option<()> {
+/// Refuses a radius of the edges beside which no flat face remains.
+fn rounded(edge: f64, largest: f64, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<()> {
     if edge < largest {
         return Some(());
     }
     let hint = format!("it must be below {} mm", significant(1e3 * largest, 4));
-    mistakes.report_with(path, "this radius leaves nothing of the flat faces", hint);
+    mistakes.report_with(path, "this radius is too large", hint);
     None
 }
 
 /// With mirror planes, the impactor lies in them, is guided and symmetric.
-fn mirrored(written: &Written<'_>, symmetry: Symmetry, mistakes: &mut Mistakes<'_>) {
+fn mirrored(written: &Written<'_>, symmetry: Symmetry, mistakes: &mut ModelDiagnostics<'_>) {
     if symmetry == Symmetry::None {
         return;
     }

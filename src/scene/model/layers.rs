@@ -3,7 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::specimen::{is_along_axes, symmetry};
-use super::{Face, Loading, Mistakes, Symmetry, material};
+use super::{Face, Loading, ModelDiagnostics, Symmetry, material};
 use crate::mesh::{Element, Meshing};
 use crate::scenario::{self, Layer, Layers, MountingCurve, Scale, Scenario};
 use base::number::significant;
@@ -11,7 +11,7 @@ use membrane::lane::splat;
 use membrane::material::{Curve, Law, LayerBreaks, Material};
 
 /// The faces; none where a material is missing or no material.
-pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<Vec<Face>> {
+pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Face>> {
     let own = scenario.specimen.material.as_ref();
     let shared = own.map(|written| film(written, "specimen.material", mistakes));
     let mut faces = if scenario.layer.is_empty() {
@@ -79,7 +79,7 @@ fn layer_breaks(scatter: f64, layers: u32) -> LayerBreaks {
     LayerBreaks::new(factors).unwrap_or_default()
 }
 
-fn film(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Film> {
+fn film(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Film> {
     let material = material::check(written, path, mistakes)?;
     let break_scatter = written.fabric.as_ref().map_or(0.0, |fabric| fabric.break_scatter);
     let relaxed = relaxed(written, path, mistakes);
@@ -87,7 +87,7 @@ fn film(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -
 }
 
 /// The curves without multipliers where film relaxes to them; those with them were checked before.
-fn relaxed(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<[Curve; 2]> {
+fn relaxed(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<[Curve; 2]> {
     let fabric = written.fabric.as_ref().filter(|fabric| fabric.mounting == MountingCurve::QuasiStatic)?;
     if fabric.md.rates.is_some() || fabric.td.rates.is_some() {
         let why = "film with `rates` is mounted at the slowest of them";
@@ -110,7 +110,7 @@ fn relaxed(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>
 }
 
 /// The faces of `[layers]`, which differ in height only.
-fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Mistakes<'_>) -> Option<Vec<Face>> {
+fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Face>> {
     if film.is_none() {
         mistakes.missing("specimen.material", "what one layer is made of");
     }
@@ -137,7 +137,7 @@ fn single(
     layer: &Layer,
     place: usize,
     shared: Option<&Option<Film>>,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Face> {
     let path = |key: &str| format!("layer.{place}.{key}");
     let film = match (&layer.material, shared) {
@@ -163,7 +163,12 @@ fn single(
 }
 
 /// The meshing of a face: its own keys, then those of the specimen.
-fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Meshing> {
+fn meshing(
+    scenario: &Scenario,
+    layer: Option<&Layer>,
+    path: &str,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Meshing> {
     let shared = &scenario.specimen.mesh;
     let own = layer.map_or(shared, |layer| &layer.mesh);
     let element = own.element.or(shared.element);
@@ -205,7 +210,7 @@ fn face_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") }
 }
 
-fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
     let single = match scenario.loading {
         scenario::Loading::Stretch(_) => Some("a stretch test has one face"),
         scenario::Loading::Volume(_) => Some("gas is let in under one face; `loading.pressure` acts on several"),
@@ -231,7 +236,7 @@ fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
 }
 
 /// Under pressure, film with negative pre-strain has no equilibrium near its flat shape.
-fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
     if !matches!(scenario.loading, scenario::Loading::Pressure(_) | scenario::Loading::Volume(_)) {
         return;
     }
@@ -247,7 +252,7 @@ fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
 }
 
 /// Lets viscous film rest between mounting and loading.
-fn rested(faces: &mut [Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+fn rested(faces: &mut [Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
     let Some(rest) = scenario.specimen.rest else { return };
     if faces.iter().all(|face| face.material.viscosity.is_none()) {
         mistakes.out_of_place("specimen.rest", "no film has `prony`, by which its stress would relax");
@@ -258,7 +263,7 @@ fn rested(faces: &mut [Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) 
 }
 
 /// Pre-strain must not break the film.
-fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
     for (place, face) in faces.iter().enumerate() {
         let path = face_path(scenario, place);
         let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
@@ -306,7 +311,7 @@ fn scaled_break(written: &scenario::Material, key: &str) -> Option<String> {
 }
 
 /// With mirror planes, fibres lie along the axes.
-fn mirrored(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+fn mirrored(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
     if symmetry(&scenario.specimen) == Symmetry::None {
         return;
     }

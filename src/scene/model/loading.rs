@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::impactor::{self, Written};
-use super::{Impactor, Loading, Mistakes, Model};
+use super::{Impactor, Loading, Model, ModelDiagnostics};
 use crate::mesh::Outline;
 use crate::scenario::{self, Axis, Direction, Scenario};
 
@@ -61,7 +61,7 @@ const VOLUME: [(&str, &str); 4] =
     [("impactor", "`loading.volume` has no impactor"), NOT_COMPARED, NOT_FILTERED, DAMPED];
 
 /// The loading in SI values.
-pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
+pub fn check(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Loading {
     match &scenario.loading {
         scenario::Loading::Impact(impact) => self::impact(impact, &impactor::written(scenario, mistakes), mistakes),
         scenario::Loading::Stretch(written) => {
@@ -83,7 +83,7 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
     }
 }
 
-fn impact(written: &scenario::Impact, impactors: &[Written<'_>], mistakes: &mut Mistakes<'_>) -> Loading {
+fn impact(written: &scenario::Impact, impactors: &[Written<'_>], mistakes: &mut ModelDiagnostics<'_>) -> Loading {
     const KEY: &str = "loading.impact";
     let gravity = written.gravity.0;
     let is_given = written.velocity.is_some() || written.drop_height.is_some();
@@ -149,7 +149,7 @@ fn direction(written: Direction) -> f64 {
 }
 
 /// Jaws hold a rectangle of unstrained film, whose orientation the loading gives.
-fn stretched_specimen(scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+fn stretched_specimen(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
     if !matches!(scenario.specimen.shape, scenario::Shape::Rectangle(_)) {
         mistakes.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
         mistakes.label("loading.stretch", "the loading");
@@ -171,7 +171,7 @@ fn stretched_specimen(scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     }
 }
 
-fn out_of_place(keys: &[(&str, &str)], mistakes: &mut Mistakes<'_>) {
+fn out_of_place(keys: &[(&str, &str)], mistakes: &mut ModelDiagnostics<'_>) {
     for (path, why) in keys {
         if mistakes.is_written(path) {
             mistakes.out_of_place(path, *why);

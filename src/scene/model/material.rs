@@ -1,6 +1,6 @@
 //! The material of a layer: valid curves with their multipliers.
 
-use super::{Mistakes, hyperelastic, plastic, rupture, viscous};
+use super::{ModelDiagnostics, hyperelastic, plastic, rupture, viscous};
 use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
 use base::number::significant;
 use base::units::Rate;
@@ -9,7 +9,7 @@ use membrane::material::{
 };
 
 /// The material written at `path`, which is empty for that of a material file; none where it is invalid.
-pub fn check(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Material> {
+pub fn check(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Material> {
     let of = |table: &str| if path.is_empty() { table.to_owned() } else { format!("{path}.{table}") };
     let (law, rates, place) = match (&written.fabric, &written.elastic, &written.hyperelastic, &written.plastic) {
         (Some(fabric), ..) => {
@@ -44,7 +44,7 @@ fn elastic(written: &scenario::Elastic) -> Law {
     if written.wrinkling { Law::TensionField(TensionField(elastic)) } else { Law::Elastic(elastic) }
 }
 
-fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Law> {
+fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Law> {
     let md = fibre(&written.md, written, &format!("{path}.md"), mistakes);
     let td = fibre(&written.td, written, &format!("{path}.td"), mistakes);
     let shear_path = format!("{path}.shear.curve");
@@ -118,7 +118,12 @@ struct Scaling {
 }
 
 /// The curves of one fibre set with their own multipliers, those of the set or else those of the fabric.
-fn fibre(written: &Fibre, fabric: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Curves> {
+fn fibre(
+    written: &Fibre,
+    fabric: &scenario::Fabric,
+    path: &str,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Curves> {
     let of_fabric = path.rsplit_once('.').map_or(String::new(), |(fabric, _)| format!("{fabric}.scale"));
     let (multipliers, place) = written.scale.map_or((fabric.scale, of_fabric), |own| (own, format!("{path}.scale")));
     let scale = Scaling { multipliers, path: place, moves_break: fabric.scale_break };
@@ -144,7 +149,7 @@ fn by_rate(
     memory: f64,
     scale: &Scaling,
     path: &str,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<RateCurves> {
     let mut curves = Vec::with_capacity(written.len());
     for (index, written) in written.iter().enumerate() {
@@ -180,7 +185,7 @@ fn by_rate(
 }
 
 /// One curve with its multipliers.
-fn written(written: &Written<'_>, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Curve> {
+fn written(written: &Written<'_>, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Curve> {
     let (curve, yields) = match (written.curve, written.yield_points, written.break_point) {
         (Some(points), _, _) => general(written, points, path, mistakes)?,
         (None, Some([first, second]), Some(end)) => {
@@ -205,7 +210,7 @@ fn general(
     written: &Written<'_>,
     points: &[Point],
     path: &str,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<(Curve, Option<[f64; 2]>)> {
     let curve_path = format!("{path}.curve");
     let place = |index: usize| format!("{curve_path}.{index}");
@@ -230,7 +235,7 @@ fn scaled(
     yields: Option<[f64; 2]>,
     scale: &Scaling,
     path: &str,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Curve> {
     let Scale { k1, ke, ky } = scale.multipliers;
     if scale.multipliers == Scale::default() {
@@ -273,7 +278,12 @@ fn scaled(
 }
 
 /// The curve through `points`; a mistake is reported at the `place` of its point.
-fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, mistakes: &mut Mistakes<'_>) -> Option<Curve> {
+fn curve(
+    points: &[Point],
+    path: &str,
+    place: impl Fn(usize) -> String,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Curve> {
     let pairs = points.iter().map(|Point(strain, stress)| [*strain, stress.0]);
     if points.is_empty() {
         return None; // the length was checked before

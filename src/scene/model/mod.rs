@@ -2,7 +2,7 @@
 
 mod air;
 mod contact;
-mod mistakes;
+mod diagnostics;
 mod frame;
 mod grading;
 mod hyperelastic;
@@ -31,10 +31,10 @@ use serde::{Deserialize, Serialize};
 use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
 use base::diagnostic::Diagnostic;
+use diagnostics::ModelDiagnostics;
 pub use identity::Identity;
 use membrane::engine::GuideFriction;
 use membrane::material::Material;
-use mistakes::Mistakes;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 pub use variation::{Factor, Input, Level, Point, PointsError, Values, Variation, variation};
 pub use warning::ABSORPTION_NOT_GIVEN;
@@ -46,7 +46,7 @@ pub use warning::{CODES, Warning, warnings};
 /// All mistakes of the scenario, at once.
 pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
     let (scenario, mistakes) = document.scenario();
-    let mut mistakes = Mistakes::new(document, mistakes);
+    let mut mistakes = ModelDiagnostics::new(document, mistakes);
     let model = scenario.and_then(|scenario| model(&scenario, &mut mistakes));
     match model {
         Some(model) if mistakes.found.0.is_empty() => Ok(model),
@@ -60,7 +60,7 @@ pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
 /// All mistakes of the file, at once.
 pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> {
     let (written, mistakes) = document.material();
-    let mut mistakes = Mistakes::new(document, mistakes);
+    let mut mistakes = ModelDiagnostics::new(document, mistakes);
     let material = written.and_then(|written| material::check(&written, "", &mut mistakes));
     match material {
         Some(material) if mistakes.found.0.is_empty() => Ok(material),
@@ -69,7 +69,7 @@ pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> 
 }
 
 /// Every part is checked before the first missing one ends it.
-fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
+fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Model> {
     let name = mistakes.document.name();
     let specimen = specimen::check(&scenario.specimen, mistakes);
     let loading = loading::check(scenario, mistakes);

@@ -1,6 +1,6 @@
 //! What a run records.
 
-use super::{Loading, Mistakes, Output, Specimen};
+use super::{Loading, ModelDiagnostics, Output, Specimen};
 use crate::scenario::{Filter, Scenario};
 use base::units::Time;
 
@@ -21,7 +21,7 @@ pub fn check(
     scenario: &Scenario,
     loading: &Loading,
     specimen: Option<&Specimen>,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Output {
     let written = &scenario.output;
     let filter = match loading {
@@ -44,7 +44,7 @@ pub fn check(
 }
 
 /// Refuses too few and too many samples.
-fn samples(loading: &Loading, time: f64, sample_rate: f64, mistakes: &mut Mistakes<'_>) {
+fn samples(loading: &Loading, time: f64, sample_rate: f64, mistakes: &mut ModelDiagnostics<'_>) {
     let samples = time * sample_rate;
     let path = if mistakes.is_written(PATH) { PATH } else { pace(loading) };
     let hint = format!("the run takes {}", Time(time));

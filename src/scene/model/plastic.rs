@@ -1,6 +1,6 @@
 //! `[specimen.material.plastic]`: a flow curve that does not fall and a yield surface that is closed.
 
-use super::Mistakes;
+use super::ModelDiagnostics;
 use crate::scenario::{self, HillRatios, Point};
 use base::number::significant;
 use base::units::Rate;
@@ -10,7 +10,7 @@ use membrane::material::{
 };
 
 /// The law written at `path`; none where it is invalid.
-pub(super) fn check(written: &scenario::Plastic, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Law> {
+pub(super) fn check(written: &scenario::Plastic, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Law> {
     let hill = match &written.hill {
         Some(ratios) => hill(ratios, &format!("{path}.hill"), mistakes),
         None => Some(Hill::default()),
@@ -22,7 +22,7 @@ pub(super) fn check(written: &scenario::Plastic, path: &str, mistakes: &mut Mist
 }
 
 /// Hill's function. Which ratios are written was checked before.
-fn hill(written: &HillRatios, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Hill> {
+fn hill(written: &HillRatios, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Hill> {
     let HillRatios { r0, r45, r90, r11, r22, r33, r12 } = *written;
     let hill = match (r0, r11) {
         (Some(r0), _) => Hill::from_strain_ratios([r0, r45?, r90?]),
@@ -38,7 +38,7 @@ fn hill(written: &HillRatios, path: &str, mistakes: &mut Mistakes<'_>) -> Option
 }
 
 /// Hardening and dependence on the rate.
-fn flow(written: &scenario::Plastic, path: &str, mistakes: &mut Mistakes<'_>) -> Option<(Hardening, FlowRate)> {
+fn flow(written: &scenario::Plastic, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<(Hardening, FlowRate)> {
     let place = format!("{path}.hardening");
     let cowper_symonds = written.rate.map(|rate| {
         let scenario::CowperSymonds { d, p } = rate.cowper_symonds;
@@ -66,7 +66,11 @@ fn flow(written: &scenario::Plastic, path: &str, mistakes: &mut Mistakes<'_>) ->
     by_rate(rates, &format!("{place}.rates"), mistakes)
 }
 
-fn by_rate(written: &[scenario::FlowCurve], path: &str, mistakes: &mut Mistakes<'_>) -> Option<(Hardening, FlowRate)> {
+fn by_rate(
+    written: &[scenario::FlowCurve],
+    path: &str,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<(Hardening, FlowRate)> {
     let mut curves = Vec::with_capacity(written.len());
     for (index, scenario::FlowCurve { rate, curve }) in written.iter().enumerate() {
         curves.push(self::curve(curve, &format!("{path}.{index}.curve"), mistakes).map(|curve| (rate.0, curve)));
@@ -90,7 +94,7 @@ fn by_rate(written: &[scenario::FlowCurve], path: &str, mistakes: &mut Mistakes<
 }
 
 /// The flow curve through `points`.
-fn curve(points: &[Point], path: &str, mistakes: &mut Mistakes<'_>) -> Option<FlowCurve> {
+fn curve(points: &[Point], path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<FlowCurve> {
     let pairs: Vec<[f64; 2]> = points.iter().map(|Point(strain, stress)| [*strain, stress.0]).collect();
     let place = |index: usize| format!("{path}.{index}");
     let error = match FlowCurve::new(&pairs) {

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::Mistakes;
+use super::ModelDiagnostics;
 use crate::scenario::Scenario;
 
 /// The script that adds to the summary.
-pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<PathBuf> {
+pub fn check(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<PathBuf> {
     scenario.post.as_ref()?;
     mistakes.file("post.script")
 }

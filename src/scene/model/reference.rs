@@ -1,7 +1,7 @@
 //! The recording that a run is compared with.
 
 use super::impactor::{self, Written};
-use super::{Mistakes, Reference, Window};
+use super::{ModelDiagnostics, Reference, Window};
 use crate::scenario::{self, Guide, Loading, Phase, Scenario};
 use base::diagnostic::closest;
 use base::units::Time;
@@ -9,7 +9,7 @@ use base::units::Time;
 const WINDOW: &str = "reference.window";
 
 /// The recording and the window of the errors.
-pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Reference> {
+pub fn check(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
     let impactors = impactor::written(scenario, mistakes);
     let place = recorded(written.impactor.as_deref(), &impactors, mistakes);
@@ -38,7 +38,7 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Referen
 }
 
 /// Index of the impactor called `name`, the first where none is named.
-fn recorded(name: Option<&str>, impactors: &[Written<'_>], mistakes: &mut Mistakes<'_>) -> usize {
+fn recorded(name: Option<&str>, impactors: &[Written<'_>], mistakes: &mut ModelDiagnostics<'_>) -> usize {
     const KEY: &str = "reference.impactor";
     let Some(name) = name else { return 0 };
     let names = || impactors.iter().filter_map(|impactor| impactor.name.as_deref());
@@ -53,7 +53,7 @@ fn recorded(name: Option<&str>, impactors: &[Written<'_>], mistakes: &mut Mistak
     place.unwrap_or(0)
 }
 
-fn range([from, to]: [Time; 2], scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> [f64; 2] {
+fn range([from, to]: [Time; 2], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 2] {
     if from.0 < 0.0 {
         mistakes.report(&format!("{WINDOW}.0"), "the window starts before first contact");
     }

@@ -1,6 +1,6 @@
 //! `[specimen.material.rupture]`: a limit in the unit of its criterion, which a law can have.
 
-use super::Mistakes;
+use super::ModelDiagnostics;
 use crate::scenario::{self, Level, RatePoint, TriaxialPoint};
 use base::number::significant;
 use base::units::Rate;
@@ -11,7 +11,7 @@ pub(super) fn check(
     written: &scenario::Material,
     law: &Law,
     path: &str,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Rupture> {
     let rupture = written.rupture.as_ref()?;
     let place = if path.is_empty() { "rupture".to_owned() } else { format!("{path}.rupture") };
@@ -59,7 +59,7 @@ struct Limits<'a> {
 
 impl Limits<'_> {
     /// The value of a limit, in SI.
-    fn value(&self, level: Level, key: &str, mistakes: &mut Mistakes<'_>) -> Option<f64> {
+    fn value(&self, level: Level, key: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
         let is_strain = matches!(self.criterion, Criterion::Strain | Criterion::FibreStrain);
         if is_strain && matches!(level, Level::Quantity(_)) {
             let message = "the limit of a strain is a number without unit";
@@ -71,7 +71,7 @@ impl Limits<'_> {
         Some(level.value())
     }
 
-    fn by_triaxiality(&self, points: &[TriaxialPoint], mistakes: &mut Mistakes<'_>) -> Option<Vec<[f64; 2]>> {
+    fn by_triaxiality(&self, points: &[TriaxialPoint], mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<[f64; 2]>> {
         let mut out: Vec<[f64; 2]> = vec![];
         for (index, TriaxialPoint(at, level)) in points.iter().enumerate() {
             let value = self.value(*level, &format!("triaxiality.{index}.1"), mistakes)?;
@@ -86,7 +86,7 @@ impl Limits<'_> {
         Some(out)
     }
 
-    fn by_rate(&self, points: &[RatePoint], mistakes: &mut Mistakes<'_>) -> Option<Vec<[f64; 2]>> {
+    fn by_rate(&self, points: &[RatePoint], mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<[f64; 2]>> {
         let mut out: Vec<[f64; 2]> = vec![];
         for (index, RatePoint(at, level)) in points.iter().enumerate() {
             let value = self.value(*level, &format!("rate.{index}.1"), mistakes)?;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use super::{Face, Mistakes, Model, Warning};
+use super::{Face, Model, ModelDiagnostics, Warning};
 use crate::mesh::{Element, Outline};
 use crate::scenario::Implausible;
 use base::number::{grouped, rounded, significant};
@@ -30,7 +30,7 @@ pub const DETAIL_BYTES: f64 = 12.0 + 56.0;
 pub const SNAPSHOT_MEMORY: f64 = 4e8;
 
 /// Refuses runs that do not fit into memory and elements larger than the film.
-pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
+pub fn check(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
     files(model, mistakes);
     let (mut total, mut film, mut memory) = (0.0, 0.0, 0.0);
     for (place, face) in model.faces.iter().enumerate() {
@@ -59,8 +59,8 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     }
 }
 
-/// Reports a mesh that is too large, at the sizes that are hardly meant where there are any: they are its cause.
-fn too_large(path: &str, message: String, mistakes: &mut Mistakes<'_>) {
+/// Reports a mesh that is too large, at the sizes that are implausible where there are any: they are its cause.
+fn too_large(path: &str, message: String, mistakes: &mut ModelDiagnostics<'_>) {
     let is_size = |value: &Implausible| value.key.starts_with("specimen.shape.") || value.key.ends_with("mesh.size");
     let sizes: Vec<Implausible> = mistakes.document.implausible().into_iter().filter(is_size).collect();
     let hint = format!("a run may take {} GB", MOST_MEMORY / 1e9);
@@ -74,7 +74,7 @@ fn too_large(path: &str, message: String, mistakes: &mut Mistakes<'_>) {
 }
 
 /// Refuses mesh files that are too large to be read.
-fn files(model: &Model, mistakes: &mut Mistakes<'_>) {
+fn files(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
     for mesh in model.meshes() {
         let length = length(mesh.path);
         if length > LONGEST_FILE {
@@ -85,7 +85,7 @@ fn files(model: &Model, mistakes: &mut Mistakes<'_>) {
 }
 
 /// Refuses recordings that do not fit into memory beside the `film`, bytes.
-fn samples(model: &Model, film: f64, mistakes: &mut Mistakes<'_>) {
+fn samples(model: &Model, film: f64, mistakes: &mut ModelDiagnostics<'_>) {
     let samples = model.run_time() * model.output.sample_rate;
     let memory = film + samples * PER_SAMPLE;
     if memory > MOST_MEMORY {
@@ -95,7 +95,7 @@ fn samples(model: &Model, film: f64, mistakes: &mut Mistakes<'_>) {
 }
 
 /// Key path of the element size of a face.
-fn mesh_path(model: &Model, place: usize, mistakes: &Mistakes<'_>) -> String {
+fn mesh_path(model: &Model, place: usize, mistakes: &ModelDiagnostics<'_>) -> String {
     let own = format!("layer.{place}.mesh.size");
     match model.specimen.shape {
         Outline::Mesh { .. } => "specimen.shape.mesh".to_owned(),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Mistakes, Specimen, Symmetry};
+use super::{ModelDiagnostics, Specimen, Symmetry};
 use crate::mesh::import::{self, DrawingFault};
 use crate::mesh::{Outline, Polygon};
 use crate::scenario;
@@ -10,7 +10,7 @@ use base::diagnostic::shown_path;
 use base::units::Length;
 
 /// The specimen in SI values; none where the file of its mesh is missing.
-pub fn check(specimen: &scenario::Specimen, mistakes: &mut Mistakes<'_>) -> Option<Specimen> {
+pub fn check(specimen: &scenario::Specimen, mistakes: &mut ModelDiagnostics<'_>) -> Option<Specimen> {
     let shape = match &specimen.shape {
         scenario::Shape::Rectangle([x, y]) => Outline::Rectangle { x: x.0, y: y.0 },
         scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius.0 },
@@ -25,7 +25,7 @@ pub fn check(specimen: &scenario::Specimen, mistakes: &mut Mistakes<'_>) -> Opti
 }
 
 /// The outline with its holes, from corners or a drawing.
-fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut Mistakes<'_>) -> Option<Polygon> {
+fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut ModelDiagnostics<'_>) -> Option<Polygon> {
     const KEY: &str = "specimen.shape.polygon";
     let key = |name: &str| format!("{KEY}.{name}");
     let (path, polygon) = match (&written.file, &written.points) {

@@ -1,6 +1,6 @@
 //! `[[specimen.material.prony]]`: a Prony series on a law that can have one, at the film's temperature.
 
-use super::Mistakes;
+use super::ModelDiagnostics;
 use crate::scenario::{self, PronyOf, Shift};
 use base::number::significant;
 use membrane::material::{Arrhenius, Law, PronyTerm, ShiftFactor, Viscosity, ViscosityError, Wlf, Written};
@@ -10,7 +10,7 @@ pub(super) fn check(
     written: &scenario::Material,
     law: &Law,
     path: &str,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Viscosity> {
     let of = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
     if written.prony.is_empty() {
@@ -81,7 +81,7 @@ fn shifted(
     viscosity: Viscosity,
     written: &scenario::Material,
     of: &dyn Fn(&str) -> String,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Viscosity> {
     let (temperature, shift) = match (written.temperature, written.shift) {
         (None, None) => return Some(viscosity),

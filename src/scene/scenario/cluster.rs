@@ -1,4 +1,4 @@
-//! `cluster.toml`: a computing centre, as `droptower sweep --on` uses it.
+//! `cluster.toml`: a cluster, as `droptower sweep --on` uses it.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use base::units::Time;
 
-/// A computing centre.
+/// A cluster.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Cluster {
     /// A file of the same kind whose keys hold where this one has none.

@@ -45,7 +45,7 @@ impl Document {
         Document::read_by(path, grammar::material())
     }
 
-    /// Reads the file about a computing centre at `path`.
+    /// Reads the file about a cluster at `path`.
     ///
     /// # Errors
     /// The file, or one that it extends, cannot be read or is not TOML.
@@ -135,7 +135,7 @@ impl Document {
         self.written()
     }
 
-    /// The computing centre as its struct, likewise; only of what was read as one.
+    /// The cluster as its struct, likewise; only of what was read as one.
     pub fn cluster(&self) -> (Option<Cluster>, Vec<Diagnostic>) {
         self.written()
     }
@@ -163,7 +163,7 @@ impl Document {
         }
     }
 
-    /// Values that are hardly meant, although a run could use them.
+    /// Values that are implausible, although a run could use them.
     pub fn implausible(&self) -> Vec<Implausible> {
         plausible::implausible(&self.root, self.rule)
     }

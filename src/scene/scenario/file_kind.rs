@@ -13,7 +13,7 @@ pub enum FileKind {
     Material,
     /// What a run must give: `expect.toml`.
     Expectations,
-    /// The resources of a computing centre: `cluster.toml`.
+    /// The resources of a cluster: `cluster.toml`.
     Cluster,
     /// A curve in a picture: `figure.toml`.
     Figure,

@@ -20,9 +20,9 @@ pub enum Rule {
         /// Rule of each item.
         item: Box<Rule>,
         /// Fewest items.
-        shortest: usize,
+        min_items: usize,
         /// Most items.
-        longest: usize,
+        max_items: usize,
     },
     /// A list with a rule for each place.
     Tuple(Vec<Rule>),
@@ -37,14 +37,14 @@ pub enum Rule {
         /// Its bounds.
         range: Range,
     },
-    /// A text; `path` where it names a file.
+    /// A string; `path` where it names a file.
     Text {
         /// Whether it names a file.
         path: bool,
         /// Whether the content of that file replaces it.
         included: bool,
     },
-    /// A truth value.
+    /// A Boolean.
     Flag,
     /// Any one of these.
     Either(Vec<Rule>),
@@ -60,18 +60,18 @@ pub struct TableRule {
     /// Whether it must have one of them.
     pub group_required: bool,
     /// Keys that are reserved for later versions, each with what there is instead.
-    pub future: Vec<Future>,
+    pub reserved: Vec<ReservedKey>,
     /// Whether its other keys are paths of keys that vary.
     pub varied: bool,
     /// The rule of its other keys, which may have any name.
     pub others: Option<Box<Rule>>,
 }
 
-/// What is reserved for later versions.
+/// A key that is reserved for later versions.
 #[derive(Clone, Debug)]
-pub struct Future {
-    /// The name of a key.
-    pub what: String,
+pub struct ReservedKey {
+    /// Its name.
+    pub name: String,
     /// What there is instead; may be empty.
     pub hint: String,
 }
@@ -135,7 +135,7 @@ pub fn figure() -> &'static Rule {
     &RULE
 }
 
-/// The rule of a file about a computing centre.
+/// The rule of a file about a cluster.
 pub fn cluster() -> &'static Rule {
     static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Cluster>()));
     &RULE
@@ -256,7 +256,7 @@ impl fmt::Display for Rule {
             Rule::Number { whole: true, .. } => f.write_str("a whole number"),
             Rule::Number { .. } => f.write_str("a number"),
             Rule::Text { path: true, .. } => f.write_str("a path"),
-            Rule::Text { .. } => f.write_str("a text"),
+            Rule::Text { .. } => f.write_str("a string"),
             Rule::Flag => f.write_str("true or false"),
             Rule::Either(rules) => {
                 let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
@@ -271,7 +271,7 @@ fn plural(rule: &Rule) -> String {
     match rule {
         Rule::Table(_) => "tables".to_owned(),
         Rule::Number { .. } => "numbers".to_owned(),
-        Rule::Text { path: false, .. } => "texts".to_owned(),
+        Rule::Text { path: false, .. } => "strings".to_owned(),
         Rule::Quantity(dimension, _) => {
             let name = dimension.name;
             let noun = name.split_once(' ').map_or(name, |(_, noun)| noun);
@@ -292,8 +292,8 @@ impl TableRule {
     }
 
     /// What there is in place of the reserved key `name`; none where the key is not reserved.
-    pub fn future(&self, name: &str) -> Option<&str> {
-        self.future.iter().find(|future| future.what == name).map(|future| future.hint.as_str())
+    pub fn reserved(&self, name: &str) -> Option<&str> {
+        self.reserved.iter().find(|key| key.name == name).map(|key| key.hint.as_str())
     }
 
     /// Which of the groups the key belongs to.
@@ -381,13 +381,13 @@ fn texts(list: &Json) -> Vec<String> {
     items.filter_map(Json::as_str).map(str::to_owned).collect()
 }
 
-fn future(entries: &Json) -> Vec<Future> {
+fn reserved(entries: &Json) -> Vec<ReservedKey> {
     let entries = entries.as_object().into_iter().flatten();
-    let future = |(what, hint): (&String, &Json)| Future {
-        what: what.clone(),
+    let reserved = |(name, hint): (&String, &Json)| ReservedKey {
+        name: name.clone(),
         hint: hint.as_str().unwrap_or_default().to_owned(),
     };
-    entries.map(future).collect()
+    entries.map(reserved).collect()
 }
 
 fn range(schema: &Json) -> Range {
@@ -435,7 +435,7 @@ fn words_and_tables(schema: &Json) -> Option<(Words, Vec<&Json>)> {
 
 /// The rule of the `branches` of an enumeration whose variants are keys.
 fn tagged<'a>(branches: impl Iterator<Item = &'a Json>, schema: &Json) -> TableRule {
-    let mut table = TableRule { group_required: true, future: future(&schema["x-future"]), ..TableRule::default() };
+    let mut table = TableRule { group_required: true, reserved: reserved(&schema["x-future"]), ..TableRule::default() };
     for branch in branches {
         for mut key in keys(branch) {
             key.required = false;
@@ -457,7 +457,7 @@ fn table(schema: &Json) -> TableRule {
         keys: keys(schema),
         groups,
         group_required: one_of.is_some(),
-        future: future(&schema["x-future"]),
+        reserved: reserved(&schema["x-future"]),
         varied: schema["x-varied"].as_bool().unwrap_or(false),
         others: schema.get("additionalProperties").filter(|rule| rule.is_object()).map(|rule| Box::new(compile(rule))),
     }
@@ -488,7 +488,7 @@ fn list(schema: &Json) -> Rule {
     }
     Rule::List {
         item: Box::new(item),
-        shortest: length("minItems").unwrap_or(0),
-        longest: length("maxItems").unwrap_or(usize::MAX),
+        min_items: length("minItems").unwrap_or(0),
+        max_items: length("maxItems").unwrap_or(usize::MAX),
     }
 }

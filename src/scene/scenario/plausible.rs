@@ -1,4 +1,4 @@
-//! Values that can be computed with but are hardly meant: a film of 12 mm, a modulus of 10 Pa, a drop of 120 s. The
+//! Values that can be computed with but are implausible: a film of 12 mm, a modulus of 10 Pa, a drop of 120 s. The
 //! likely ranges stand beside the keys (`x-likely`).
 
 use base::number;

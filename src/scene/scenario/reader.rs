@@ -38,7 +38,7 @@ impl Reader {
     pub fn read(&mut self, path: &Path, rule: Option<&Rule>, named: Option<&Span>) -> Option<Node> {
         let identity = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.chain.iter().any(|(file, _)| *file == identity) {
-            self.report(self.circle(&identity), named);
+            self.report(self.cycle(&identity), named);
             return None;
         }
         if self.chain.len() == LONGEST_CHAIN {
@@ -169,13 +169,13 @@ impl Reader {
         }
     }
 
-    fn circle(&self, again: &Path) -> Diagnostic {
+    fn cycle(&self, again: &Path) -> Diagnostic {
         let start = self.chain.iter().position(|(file, _)| file == again).unwrap_or(0);
-        let circle = &self.chain[start..];
-        let files = circle.iter().map(|(file, _)| file.as_path());
+        let cycle = &self.chain[start..];
+        let files = cycle.iter().map(|(file, _)| file.as_path());
         let names: Vec<String> = files.chain([again]).map(shown_path).collect();
-        let mistake = Diagnostic::new(format!("files extend in a circle: {}", names.join(" → ")));
-        let links = circle.iter().skip(1).filter_map(|(_, named)| named.as_ref());
+        let mistake = Diagnostic::new(format!("cyclic `extends`: {}", names.join(" → ")));
+        let links = cycle.iter().skip(1).filter_map(|(_, named)| named.as_ref());
         links.fold(mistake, |mistake, link| mistake.label(link, "this file extends the next"))
     }
 

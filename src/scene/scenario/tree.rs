@@ -31,7 +31,7 @@ pub enum Value {
     Whole(i64),
     /// A number with a fraction or an exponent.
     Number(f64),
-    /// A truth value.
+    /// A Boolean.
     Flag(bool),
     /// A date or time.
     Time(String),

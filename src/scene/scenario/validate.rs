@@ -72,8 +72,8 @@ impl Walk {
     fn node(&mut self, node: &Node, rule: &Rule, place: &Place) {
         match (rule, &node.value) {
             (Rule::Table(rule), Value::Table(table)) => self.table(table, rule, place),
-            (Rule::List { item, shortest, longest }, Value::List(items)) => {
-                self.length(items.len(), *shortest, *longest, &node.span);
+            (Rule::List { item, min_items, max_items }, Value::List(items)) => {
+                self.length(items.len(), *min_items, *max_items, &node.span);
                 for (index, child) in items.iter().enumerate() {
                     self.node(child, item, &place.at(index, child));
                 }
@@ -168,11 +168,11 @@ impl Walk {
         }
     }
 
-    fn length(&mut self, found: usize, shortest: usize, longest: usize, span: &Span) {
-        if (shortest..=longest).contains(&found) {
+    fn length(&mut self, found: usize, min_items: usize, max_items: usize, span: &Span) {
+        if (min_items..=max_items).contains(&found) {
             return;
         }
-        let expected = match (shortest, longest) {
+        let expected = match (min_items, max_items) {
             (least, most) if least == most => format!("{least} items"),
             (least, _) if found < least => {
                 format!("at least {least} item{}", if least == 1 { "" } else { "s" })
@@ -286,7 +286,7 @@ fn first_of<'t>(table: &'t Table, group: &[String]) -> Option<&'t Entry> {
 
 fn has_future(table: &Table, rule: &TableRule) -> bool {
     let entries = &mut table.entries.iter();
-    entries.any(|entry| rule.future(&entry.key).is_some())
+    entries.any(|entry| rule.reserved(&entry.key).is_some())
 }
 
 fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
@@ -322,7 +322,7 @@ fn unknown_word(text: &str, rule: &Rule) -> Diagnostic {
 }
 
 fn unknown_key(entry: &Entry, table: &Table, rule: &TableRule, place: &Place) -> Diagnostic {
-    if let Some(hint) = rule.future(&entry.key) {
+    if let Some(hint) = rule.reserved(&entry.key) {
         return not_yet(&format!("`{}`", place.name(&entry.key)), hint).at(&entry.key_span);
     }
     // Who gives a value beside this one knows its key.

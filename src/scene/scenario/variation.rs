@@ -137,7 +137,7 @@ impl VariedKey {
     /// As those of [`VariedKey::rule`].
     pub(super) fn choices(&self) -> Result<Rule, Diagnostic> {
         let rule = self.rule()?;
-        let list = Rule::List { item: Box::new(rule.clone()), shortest: 1, longest: 1_000_000 };
+        let list = Rule::List { item: Box::new(rule.clone()), min_items: 1, max_items: 1_000_000 };
         Ok(match rule.number() {
             Some(number) => Rule::Either(vec![list, Rule::Table(choice(number))]),
             None => list,

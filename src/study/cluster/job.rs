@@ -17,7 +17,7 @@ const FILE: &str = "job.json";
 /// Most bytes of that file.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// A study on a computing centre.
+/// A study on a cluster.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// Who runs it.

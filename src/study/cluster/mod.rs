@@ -1,4 +1,4 @@
-//! Jobs of computing centres: many tasks of one command, submitted to a scheduler and watched.
+//! Jobs of clusters: many tasks of one command, submitted to a scheduler and watched.
 //!
 //! Queueing, placing and requeueing are the scheduler's work. Nothing here knows what the command computes.
 
@@ -20,7 +20,7 @@ use base::shell::quoted;
 pub use job::{Job, JobError, Submission};
 pub use resources::Resources;
 
-/// A scheduler of a computing centre.
+/// A scheduler of a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scheduler {

@@ -33,7 +33,7 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// Those that the file about a computing centre says, for a scheduler.
+    /// The resources that the file about a cluster states, for a scheduler.
     ///
     /// # Errors
     /// All mistakes of the file, at once.

@@ -37,7 +37,7 @@ const MOST_BYTES: u64 = 1 << 30;
 pub struct Evaluations {
     store: EvaluationStore,
     share: Share,
-    taken: AtomicUsize,
+    cache_hits: AtomicUsize,
     computed: AtomicUsize,
 }
 
@@ -53,7 +53,7 @@ pub struct EvaluationKeys {
 /// What is kept of every evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
-    /// The figures of `summary.json` that are numbers, truth values or texts, in its order, without those of the machine.
+    /// The figures of `summary.json` that are numbers, Booleans or strings, in its order, without those of the machine.
     pub figures: Vec<(String, Figure)>,
     /// Codes of the findings, each once.
     pub findings: Vec<String>,
@@ -204,13 +204,13 @@ impl Evaluations {
         EvaluationStore::open(folder, build_name()).map_err(failed).map(Evaluations::of)
     }
 
-    /// Those in `folder`, which is not read: for scripts that do not run.
-    pub fn unread(folder: &Path) -> Evaluations {
-        Evaluations::of(EvaluationStore::unread(folder, build_name()))
+    /// Evaluations in `folder`, which is not read: for scripts that do not run.
+    pub fn without_loading(folder: &Path) -> Evaluations {
+        Evaluations::of(EvaluationStore::without_loading(folder, build_name()))
     }
 
     fn of(store: EvaluationStore) -> Evaluations {
-        Evaluations { store, share: Share::WHOLE, taken: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
+        Evaluations { store, share: Share::WHOLE, cache_hits: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
     }
 
     /// The same for a process that takes this part of the runs first.
@@ -230,7 +230,7 @@ impl Evaluations {
 
     /// How many evaluations were taken from records, and how many were computed.
     pub fn counts(&self) -> [usize; 2] {
-        [&self.taken, &self.computed].map(|count| count.load(Ordering::Relaxed))
+        [&self.cache_hits, &self.computed].map(|count| count.load(Ordering::Relaxed))
     }
 
     /// What identifies the evaluation of `model` by `plan`.
@@ -280,7 +280,7 @@ impl Evaluations {
         cancellation: &Cancellation,
     ) -> Result<Evaluated, EvaluationError> {
         if let Some(evaluation) = self.record(keys)? {
-            self.taken.fetch_add(1, Ordering::Relaxed);
+            self.cache_hits.fetch_add(1, Ordering::Relaxed);
             return Ok(Evaluated { evaluation, is_new: false });
         }
         let begin = std::time::Instant::now();
@@ -317,7 +317,7 @@ impl Evaluations {
             Err(error) => Evaluation::failed(NoOutcome::of(&error, model).cause),
         };
         self.add(keys, &evaluation)?;
-        let count = if is_kept { &self.taken } else { &self.computed };
+        let count = if is_kept { &self.cache_hits } else { &self.computed };
         count.fetch_add(1, Ordering::Relaxed);
         Ok(Evaluated { evaluation, is_new: !is_kept })
     }
@@ -337,7 +337,7 @@ impl Evaluations {
         // Before the look for what is known: a claim that ends in between still holds, and the next look finds the run.
         self.store.refresh().map_err(|source| self.failed(source))?;
         if let Some(known) = self.known(run)? {
-            self.taken.fetch_add(1, Ordering::Relaxed);
+            self.cache_hits.fetch_add(1, Ordering::Relaxed);
             return Ok(Some(known));
         }
         if !self.store.claim(run).map_err(|source| self.failed(source))? {

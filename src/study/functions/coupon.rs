@@ -152,7 +152,7 @@ fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machi
 fn reduce(samples: &[Dynamic], given: &Map) -> HostResult<Reduced> {
     let rules = rules(&Options { of: "reduce_coupons", map: given })?;
     let samples = samples.iter().map(|item| sample(item, &rules)).collect::<HostResult<Vec<_>>>()?;
-    Reduction::of(&samples, &rules).map(|reduction| Reduced(Arc::new(reduction))).map_err(refuse)
+    Reduction::from_samples(&samples, &rules).map(|reduction| Reduced(Arc::new(reduction))).map_err(refuse)
 }
 
 fn sample(item: &Dynamic, rules: &Rules) -> HostResult<Sample> {

@@ -44,7 +44,7 @@ pub(super) fn register(engine: &mut Engine) {
             Ok::<_, Box<EvalAltResult>>(relative_difference(number(&measured, "a figure")?, reference))
         })
         .register_fn("spread", |figures: Array| {
-            let spread = SampleStatistics::of(&numbers(&figures, "a figure")?).map_err(refuse)?;
+            let spread = SampleStatistics::from_figures(&numbers(&figures, "a figure")?).map_err(refuse)?;
             Ok::<_, Box<EvalAltResult>>(spread_map(&spread))
         });
 }
@@ -94,7 +94,7 @@ fn describe(curve: &mut Curve) -> String {
 
 fn at(curve: &mut Curve, strain: Dynamic) -> HostResult<f64> {
     let strain = number(&strain, "a strain")?;
-    curve.at(strain).ok_or_else(|| refuse(format!("the curve has no stress at the strain {strain}")))
+    curve.stress_at(strain).ok_or_else(|| refuse(format!("the curve has no stress at the strain {strain}")))
 }
 
 fn slice(curve: &mut Curve, from: Dynamic, to: Dynamic) -> HostResult<Curve> {

@@ -178,7 +178,7 @@ fn label(options: &Options<'_>, name: &str) -> HostResult<Option<String>> {
     let Some(value) = options.map.get(name) else { return Ok(None) };
     match value.read_lock::<ImmutableString>() {
         Some(text) => Ok(Some(text.to_string())),
-        None => Err(refuse(format!("`{name}` is a text, not {}", value.type_name()))),
+        None => Err(refuse(format!("`{name}` must be a string, not {}", value.type_name()))),
     }
 }
 
@@ -302,8 +302,8 @@ mod tests {
             ("plot(\"a\", #{ x: \"mm\" }, [[0, 1], [1, 2], [3, 4]])", "a pair of a plot is [xs, ys], not a list of 3"),
             ("plot(\"a\", [[0, 1], [1, 2]])", "plot needs `x`"),
             ("plot(\"a\", #{ x: \"mm\" }, [[\"b\"], [1]])", "expected a number for a cell"),
-            ("plot(\"a\", #{ x: 1 }, signal([0], [1]))", "`x` is a text, not i64"),
-            ("plot(\"a\", #{ picture: 1 }, signal([0], [1]))", "`picture` is a text, not i64"),
+            ("plot(\"a\", #{ x: 1 }, signal([0], [1]))", "`x` must be a string, not i64"),
+            ("plot(\"a\", #{ picture: 1 }, signal([0], [1]))", "`picture` must be a string, not i64"),
             ("plot(\"a\", #{ picture: \"a.png\" }, signal([0], [1]))", "ends in .svg, not `a.png`"),
             ("plot(\"a\", #{ picture: \"../a.svg\" }, signal([0], [1]))", "`../a.svg` cannot name a file"),
             ("plot(\"a\", #{ x: \"time\" }, signal([0], [1]))", "`time` has no unit at its end: add (ms) or (s)"),

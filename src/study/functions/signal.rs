@@ -86,7 +86,7 @@ fn nothing() -> Box<EvalAltResult> {
 
 fn at(s: &mut Series, time: Dynamic) -> HostResult<f64> {
     let time = number(&time, "a time")?;
-    s.at(time).ok_or_else(|| refuse(format!("the signal has no value at {time} s")))
+    s.value_at(time).ok_or_else(|| refuse(format!("the signal has no value at {time} s")))
 }
 
 fn slice(s: &mut Series, from: Dynamic, to: Dynamic) -> HostResult<Series> {
@@ -111,7 +111,7 @@ fn map(s: &Series, f: impl Fn(f64) -> f64) -> Series {
 
 /// `f` of `a` and of `b`, interpolated at the times of `a`.
 fn pointwise(a: &Series, b: &Series, f: Operator) -> Series {
-    let values = a.samples().map(|[time, value]| f(value, b.at(time).unwrap_or(f64::NAN)));
+    let values = a.samples().map(|[time, value]| f(value, b.value_at(time).unwrap_or(f64::NAN)));
     a.with_values(values.collect())
 }
 

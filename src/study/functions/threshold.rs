@@ -16,7 +16,7 @@ pub(super) fn register(engine: &mut Engine) {
 /// which the condition changes, by bisection.
 ///
 /// # Errors
-/// The condition is the same at `from` and `to`, or is no truth value.
+/// The condition is the same at `from` and `to`, or is no Boolean.
 fn threshold(
     context: NativeCallContext,
     from: Dynamic,

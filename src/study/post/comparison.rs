@@ -46,7 +46,7 @@ pub struct ComparedRun {
 pub struct ComparedFigure {
     /// As `summary.json` calls it.
     pub name: String,
-    /// Number, text or truth value; none where a run has none.
+    /// Number, string or Boolean; none where a run has none.
     pub values: Vec<Option<Value>>,
 }
 
@@ -298,7 +298,7 @@ fn warnings<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Ite
 /// Whether it is the file of a recording none of whose channels has the name of a signal of a run.
 fn is_raw(run: &StoredRun) -> bool {
     let is_file = run.summary.is_empty() && run.scenario.is_empty() && run.failure.is_none();
-    is_file && !run.signals.channels.iter().any(|channel| column::of(&channel.name).is_some())
+    is_file && !run.signals.channels.iter().any(|channel| column::find(&channel.name).is_some())
 }
 
 /// Whether a run was compared with a virtual recording.

@@ -47,7 +47,7 @@ impl Indent {
         let slices = pairs().zip(pairs().skip(1));
         Indent {
             peak_force: peak.map(|[_, force]| force),
-            depth_at_peak_force: peak.and_then(|[time, _]| depth.at(time)),
+            depth_at_peak_force: peak.and_then(|[time, _]| depth.value_at(time)),
             work: slices.map(|((a, f), (b, g))| 0.5 * (f + g) * (b - a)).sum(),
             depth_at_break: outcome.rupture_time.map(|time| velocity * time),
             final_depth: depth.values().last().copied(),

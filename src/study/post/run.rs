@@ -111,7 +111,7 @@ impl ReferenceSignals {
 
 /// The name of a column in scripts; of one of several impactors with its name.
 fn short(name: &str) -> Option<String> {
-    let (prefix, column) = column::of(name)?;
+    let (prefix, column) = column::find(name)?;
     Some(format!("{prefix}{}", column.short))
 }
 

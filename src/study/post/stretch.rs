@@ -43,12 +43,12 @@ impl Stretch {
         let at_break = outcome.rupture_time.and_then(|rupture| {
             let before = strain.window([f64::NEG_INFINITY, rupture]);
             let time = *before.time().last()?;
-            Some((strain.at(rupture).or(strain.at(time))?, stress.at(time)?))
+            Some((strain.value_at(rupture).or(strain.value_at(time))?, stress.value_at(time)?))
         });
         Stretch {
             peak_force: channel(column::FORCE.name).largest().map(|[_, force]| force),
             peak_stress: peak.map(|[_, value]| value),
-            strain_at_peak_stress: peak.and_then(|[time, _]| strain.at(time)),
+            strain_at_peak_stress: peak.and_then(|[time, _]| strain.value_at(time)),
             strain_at_break: at_break.map(|(strain, _)| strain),
             stress_at_break: at_break.map(|(_, stress)| stress),
             final_strain: strain.values().last().copied(),

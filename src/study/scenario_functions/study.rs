@@ -374,7 +374,7 @@ pub fn register(engine: &mut Engine, changes: Vec<Assignment>, evaluations: Opti
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "args.<name>",
-        gives: "the arguments of --scenario and --arg: numbers, truth values and text",
+        gives: "the arguments of --scenario and --arg: numbers, Booleans and strings",
         example: r#""scenario" in args"#,
     },
     Entry {

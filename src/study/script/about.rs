@@ -92,13 +92,13 @@ impl Kind {
             Kind::Number => "a number".into(),
             Kind::Numbers(count) => format!("{count} numbers separated by commas"),
             Kind::Flag => "true or false".into(),
-            Kind::Text => "a text".into(),
+            Kind::Text => "a string".into(),
             Kind::Any => "a value".into(),
         }
     }
 }
 
-/// The value of a text on the command line: a number, a truth value, or the text.
+/// The value of a text on the command line: a number, a Boolean, or the text.
 pub fn argument_value(text: &str) -> Dynamic {
     let integer = text.parse::<i64>().map(Dynamic::from);
     let float = || text.parse::<f64>().map(Dynamic::from);

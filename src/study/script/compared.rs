@@ -52,13 +52,13 @@ impl Compared {
     /// `signal` over the samples of `reference` with `from <= time <= to`.
     pub fn signals(signal: &Series, reference: &Series, window: [f64; 2]) -> Compared {
         let samples = reference.window(window);
-        Compared::sampled(Over::Time, samples.samples(), |time| signal.at(time))
+        Compared::sampled(Over::Time, samples.samples(), |time| signal.value_at(time))
     }
 
     /// `curve` over the samples of `reference`.
     pub fn curves(curve: &Curve, reference: &Curve) -> Compared {
         let samples = reference.strain().iter().zip(reference.stress()).map(|(strain, stress)| [*strain, *stress]);
-        Compared::sampled(Over::Strain, samples, |strain| curve.at(strain))
+        Compared::sampled(Over::Strain, samples, |strain| curve.stress_at(strain))
     }
 
     fn sampled(over: Over, samples: impl Iterator<Item = [f64; 2]>, found: impl Fn(f64) -> Option<f64>) -> Compared {

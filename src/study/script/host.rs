@@ -100,6 +100,7 @@ pub fn stop_after(engine: &mut Engine, time: Duration, cancellation: &Cancellati
         if cancellation.is_cancelled() {
             return Some("stopped".into());
         }
+        // The clock costs more than an operation of the interpreter.
         let late = operations % 256 == 0 && start.elapsed() > time;
         late.then(|| format!("the script took longer than {} s", time.as_secs()).into())
     });

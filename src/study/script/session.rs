@@ -122,6 +122,7 @@ impl Session {
 
     /// The same session within an evaluation of an objective, which may be cancelled.
     pub fn with_trial(&self, cancellation: &Cancellation) -> Session {
+        // A trial of its own, since evaluations run side by side; files and recordings are those of the script.
         Session { trial: Some(Arc::default()), cancellation: cancellation.clone(), ..self.clone() }
     }
 
@@ -168,6 +169,7 @@ impl Session {
     /// Records that the script read the file at `path`, with its fingerprint at the first read.
     pub fn add_input(&self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
+        // The results rest on what was read first, whatever the file becomes while the script runs.
         lock(&self.inputs).entry(path).or_insert_with_key(|path| fingerprint(path));
     }
 

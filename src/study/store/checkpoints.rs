@@ -94,12 +94,14 @@ impl CheckpointStore {
     }
 
     fn write(&self, path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        // Under another name until it is whole: a process that is killed here leaves the checkpoints before it.
         let unfinished = self.folder.join(UNFINISHED);
         let file = Summed { inner: File::create(&unfinished)?, sum: Crc32::new() };
         let mut buffered = BufWriter::with_capacity(BUFFER, file);
         content(&mut buffered)?;
         let Summed { inner: mut file, sum } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
         file.write_all(&sum.finalize().to_le_bytes())?;
+        // Before the rename, or the name could reach the disk without the content.
         file.sync_all()?;
         fs::rename(&unfinished, path)?;
         // The name has to reach the disk as well; systems that cannot open a folder write it themselves.

@@ -259,6 +259,7 @@ impl Draft {
             self.check(target, target, force)?;
             let former = sibling(target)?;
             let former_run = former.path().join("former");
+            // A rename is the only step that cannot be half done, and of two processes it lets one come first.
             let replaced = match rename(target.into(), former_run.clone()) {
                 Ok(()) => true,
                 Err(error) if error.kind() == io::ErrorKind::NotFound => false,

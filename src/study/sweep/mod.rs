@@ -1,7 +1,7 @@
 //! Sweeps: many runs of a scenario whose keys vary, each evaluated once, by any number of processes.
 
 mod bindings;
-mod outlook;
+mod remaining;
 mod results;
 mod statistics;
 mod table;
@@ -16,7 +16,7 @@ use crate::store::evaluations::Key;
 use base::diagnostic::Diagnostic;
 use base::finding::Finding;
 pub use bindings::{REFERENCE, register};
-pub use outlook::Outlook;
+pub use remaining::RemainingWork;
 pub use results::SweepResults;
 use scene::model::{self, Factor, Input, Model, Point, PointsError, Variation};
 use scene::scenario::Document;

@@ -28,7 +28,7 @@ pub struct SweepResults {
     pub rupture: Option<(f64, [f64; 2])>,
     /// Main effects on the figures that vary.
     pub effects: Vec<Effects>,
-    /// What is hardly meant in what varies.
+    /// Implausible variations.
     pub findings: Vec<Finding>,
 }
 
@@ -52,7 +52,7 @@ impl SweepResults {
         };
         let effects = figures.iter().filter(varies).filter_map(|column| statistics::effects(&table, column)).collect();
         Ok(SweepResults {
-            reused: done.taken,
+            reused: done.cache_hits,
             failed,
             missing: sweep.len() - done.len(),
             engine_s: done.engine_s,

@@ -60,7 +60,7 @@ pub(super) fn of_column(column: &Column) -> Option<Quantiles> {
     Some(Quantiles { mean: mean(&values)?, deviation: deviation(&values), p05, p50, p95, count: values.len() })
 }
 
-/// Probability of what a column of truth values states, and its interval (Wilson 1927).
+/// Probability of what a column of Booleans states, and its interval (Wilson 1927).
 pub(super) fn probability(column: &Column) -> Option<(f64, Interval)> {
     let Values::Flags(values) = &column.values else { return None };
     let known: Vec<bool> = values.iter().flatten().copied().collect();

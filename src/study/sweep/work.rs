@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::outlook::{Lookout, Outlook, Position};
+use super::remaining::{Estimator, Position, RemainingWork};
 use super::{Case, CaseError, Sweep};
 use crate::evaluate::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
 use base::cancellation::Cancellation;
@@ -37,7 +37,7 @@ pub enum Event<'a> {
     /// Its values make no valid scenario, or it failed for a cause that may pass.
     Refused(&'a str),
     /// So much is left; told from time to time where there are records of other sweeps or processes.
-    Left(Outlook),
+    Left(RemainingWork),
 }
 
 /// A sweep and how a process works on it.
@@ -63,7 +63,7 @@ pub struct Done {
     /// Why runs have no evaluation, by place.
     pub refused: BTreeMap<usize, String>,
     /// Runs that were evaluated before.
-    pub taken: usize,
+    pub cache_hits: usize,
     /// Runs that were evaluated now.
     pub computed: usize,
     /// Time that the engine took for them, s.
@@ -133,11 +133,11 @@ impl Work<'_> {
             has_panicked: AtomicBool::new(false),
             observer,
         };
-        let mut lookout = Lookout::new(self.evaluations);
-        let look_out = || state.look_out(&mut lookout);
+        let mut estimator = Estimator::new(self.evaluations);
+        let estimate = || state.estimate_remaining(&mut estimator);
         let threads = 0..rayon::current_num_threads();
         let take = || rayon::scope(|scope| threads.for_each(|_| scope.spawn(|_| state.take_all())));
-        periodic::during(TICK, || state.watch(), || periodic::during(LOOK, look_out, take));
+        periodic::during(TICK, || state.watch(), || periodic::during(LOOK, estimate, take));
         if !self.gather {
             let store = self.evaluations.store();
             store.close().and_then(|()| store.sync()).map_err(|error| self.evaluations.failed(error))?;
@@ -162,13 +162,14 @@ impl State<'_> {
     }
 
     /// Tells what is left.
-    fn look_out(&self, lookout: &mut Lookout) {
+    fn estimate_remaining(&self, estimator: &mut Estimator) {
         let Work { sweep, evaluations, gather, .. } = self.work;
         if gather {
             return;
         }
-        if let Some(outlook) = lookout.outlook(sweep, evaluations, self.position(), |most| self.sample(most)) {
-            (self.observer)(Event::Left(outlook));
+        let remaining = estimator.remaining_work(sweep, evaluations, self.position(), |most| self.sample(most));
+        if let Some(remaining) = remaining {
+            (self.observer)(Event::Left(remaining));
         }
     }
 
@@ -238,7 +239,7 @@ impl State<'_> {
         }
         if store.contains(keys.figures) {
             let mut done = lock(&self.done);
-            done.taken += 1;
+            done.cache_hits += 1;
             done.keys.insert(place, keys);
             drop(done);
             (self.observer)(Event::Taken);
@@ -285,7 +286,7 @@ impl State<'_> {
             done.computed += 1;
             done.engine_s += evaluation.engine_s;
         } else {
-            done.taken += 1;
+            done.cache_hits += 1;
         }
         drop(done);
         (self.observer)(if *is_new { Event::Computed(evaluation) } else { Event::Taken });

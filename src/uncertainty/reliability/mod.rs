@@ -62,7 +62,7 @@ pub enum ReliabilityError {
         evaluations: usize,
     },
     /// A level of subset simulation cannot be divided into its chains.
-    #[error("{samples} samples a level are no positive multiple of {chain}")]
+    #[error("the samples of a level must be a positive multiple of {chain}, found {samples}")]
     Level {
         /// Samples of a level.
         samples: usize,

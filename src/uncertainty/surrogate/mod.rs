@@ -66,7 +66,7 @@ pub enum SurrogateError {
         q: f64,
     },
     /// Cross-validation needs two folds.
-    #[error("{folds} folds are no cross-validation: at least 2 are needed")]
+    #[error("cross-validation needs at least 2 folds, found {folds}")]
     Folds {
         /// Number of folds.
         folds: usize,

@@ -235,7 +235,7 @@ fn aluminium() -> Vec<PlasticCoupon> {
 /// Nominal stress of a coupon from where its elastic line meets zero, Pa.
 fn recorded(coupon: &PlasticCoupon, strain: f64) -> f64 {
     let (_, curve) = coupon.modulus([0.001, 0.003]).expect("a modulus");
-    curve.at(strain).expect("a strain within the recording")
+    curve.stress_at(strain).expect("a strain within the recording")
 }
 
 /// From the files to a law to a coupon: one element whose width is free, and a meshed strip between jaws, both against the
@@ -247,7 +247,7 @@ fn aluminium_goes_from_its_recordings_to_a_simulated_coupon() {
     let coupons = aluminium();
     for form in [HardeningForm::Voce, HardeningForm::Table] {
         let rules = PlasticRules { form, window: [0.001, 0.003], offset: 0.002 };
-        let fit = PlasticFit::of(&coupons, &rules).unwrap_or_else(|error| panic!("{error}"));
+        let fit = PlasticFit::from_coupons(&coupons, &rules).unwrap_or_else(|error| panic!("{error}"));
         claims.near(&format!("{form}, modulus of handbooks, Pa"), fit.young, 68.9e9, 0.03);
         let [td, _, nd]: [Ratio; 3] = fit.ratios;
         claims.near(&format!("{form}, yield stress along TD over MD"), td.value, 0.95, 0.02);

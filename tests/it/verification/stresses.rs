@@ -30,7 +30,7 @@ fn the_stress_of_a_fibre_is_that_of_the_jaws() {
         let held = outcome.snapshots.iter().filter(|snapshot| !snapshot.films[0].failed[0]);
         let off = held.filter_map(|snapshot| {
             let stress = detail(&snapshot.films[0]).stresses[0][fibre];
-            Some((f64::from(stress) - signal.at(snapshot.time)?).abs() / largest)
+            Some((f64::from(stress) - signal.value_at(snapshot.time)?).abs() / largest)
         });
         let off: Vec<f64> = off.collect();
         claims.at_most(&format!("{name}: states without one, of 60"), 60.0 - off.len() as f64, 2.0);

@@ -75,7 +75,7 @@ pub(super) fn run(form: HardeningForm, args: &FitArgs, shared: &Shared) -> Resul
         .map(|(path, direction)| PlasticCoupon::read(path, *direction, &options).map_err(|error| coupon_fault(&error)));
     let coupons = coupons.collect::<Result<Vec<_>, _>>()?;
     let rules = PlasticRules { form, window: [window[0], window[1]], offset: *offset };
-    let fit = PlasticFit::of(&coupons, &rules).map_err(|error| match &error {
+    let fit = PlasticFit::from_coupons(&coupons, &rules).map_err(|error| match &error {
         PlasticFitError::Coupon(error) => coupon_fault(error),
         PlasticFitError::NoMachineDirection => Diagnostic::new(error.to_string()).hint("mark one: --directions MD,…"),
         other => Diagnostic::new(format!("no law: {other}")),

@@ -67,7 +67,7 @@ pub fn by_fall(
     zero: ZeroOffset,
 ) -> Result<ClosedFall, ContactError> {
     let integral = |offset: f64| known.integral(&acceleration(offset));
-    let reached_at = |offset: f64, time: f64| integral(offset).at(time).ok_or(known.not_met());
+    let reached_at = |offset: f64, time: f64| integral(offset).value_at(time).ok_or(known.not_met());
     let fallen = falls_to(&integral(0.0), known.level()).ok_or(known.not_met())?;
     let rate = (reached_at(0.0, fallen)? - reached_at(0.0, fallen - RATE_OVER)?) / RATE_OVER;
     // The integral is linear in the offset.
@@ -82,6 +82,7 @@ pub fn by_fall(
         let time = time.ok_or(ContactError::NoOnset { near: assumed, known })?;
         let (without, with) = (reached_at(0.0, time)?, reached_at(1.0, time)?);
         offset = (known.level() - without) / (with - without);
+        // Between two samples all onsets are equal, so that the iterations may alternate between neighbours.
         if (time - assumed).abs() <= 1.01 * step(&corrected) {
             let beyond = |[errors, share]: [f64; 2]| {
                 offset.abs() > errors * zero.error() && (offset * per_offset / known.level()).abs() > share
@@ -89,7 +90,7 @@ pub fn by_fall(
             if beyond(REFUSED) {
                 return Err(ContactError::NotClosed { known, offset, error: zero.error() });
             }
-            let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(known.not_met())?;
+            let velocity = integrate::once(&acceleration(offset), 0.0).value_at(time).ok_or(known.not_met())?;
             let speed_from = known.speed_from();
             let contact = Contact { time, velocity, iterations, laser_residual: None, speed_error: None, speed_from };
             return Ok(ClosedFall { contact, offset, doubtful: beyond(DOUBTFUL) });

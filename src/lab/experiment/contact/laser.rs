@@ -37,6 +37,8 @@ fn converged(acceleration: impl Fn(f64) -> Series, laser: &Series, mut assumed: 
         }
         let motion = FittedMotion::fit(&acceleration(assumed), &pass, assumed)?;
         let (time, velocity) = motion.contact(assumed)?;
+        // The window moves with the contact: at convergence the laser that decides is the one about contact, and the
+        // correction by the ramp (equation 44) begins there.
         if (time - assumed).abs() < CONVERGED {
             let (laser_residual, speed_error) = (Some(motion.residual), Some(motion.speed_error));
             let speed_from = SpeedSource::Laser;
@@ -47,7 +49,7 @@ fn converged(acceleration: impl Fn(f64) -> Series, laser: &Series, mut assumed: 
     Err(ContactError::NotSettled)
 }
 
-/// What the laser measured about the assumed contact.
+/// Samples of the laser about the assumed contact.
 fn pass(laser: &Series, assumed: f64) -> Vec<[f64; 2]> {
     let near = laser.window(LASER_SPAN.map(|span| assumed + span));
     near.samples().filter(|[_, place]| place.is_finite()).collect()
@@ -74,16 +76,20 @@ struct FittedMotion {
 impl FittedMotion {
     fn fit(acceleration: &Series, pass: &[[f64; 2]], assumed: f64) -> Result<FittedMotion, ContactError> {
         let span = LASER_SPAN.map(|span| assumed + span);
+        // The acceleration gives the shape of the motion: in equation 45 only place and speed at its beginning are
+        // unknown, both linear, and the laser need not be differentiated.
         let velocity = integrate::once(&acceleration.window(span), 0.0);
         let place = integrate::once(&velocity, 0.0);
         let origin = place.time().first().copied().unwrap_or(assumed);
         let length = span[1] - span[0];
-        let rows = pass.iter().filter_map(|[t, laser]| Some(([1.0, (t - origin) / length], laser - place.at(*t)?)));
+        let rows =
+            pass.iter().filter_map(|[t, laser]| Some(([1.0, (t - origin) / length], laser - place.value_at(*t)?)));
         let fitted = least_squares(rows.clone()).ok_or(ContactError::NoCrossing { near: assumed })?;
         let ([at_origin, rise], left) = fitted;
         let speed = rise / length;
         let residual = (left / rows.clone().count() as f64).sqrt();
         let count = rows.clone().count() as f64;
+        // Variance of a slope: that of a sample over the sum of squares of the times about their mean.
         let mean = rows.clone().map(|([_, s], _)| s).sum::<f64>() / count;
         let spread = rows.map(|([_, s], _)| (s - mean).powi(2)).sum::<f64>();
         let speed_error = residual / spread.sqrt() / length;
@@ -99,6 +105,6 @@ impl FittedMotion {
             Some(velocity) if *velocity > 0.0 => ContactError::LaserReversed,
             _ => missing(),
         })?;
-        Ok((time, self.velocity.at(time).ok_or_else(missing)?))
+        Ok((time, self.velocity.value_at(time).ok_or_else(missing)?))
     }
 }

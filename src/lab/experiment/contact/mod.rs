@@ -49,7 +49,7 @@ pub struct Contact {
     pub speed_from: SpeedSource,
 }
 
-/// What is known of a fall that was recorded without a laser.
+/// Known height or speed of a fall that was recorded without a laser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FallCondition {
     /// Height that it covers, m.

@@ -40,8 +40,10 @@ pub(super) fn onset(acceleration: &Series, near: f64, penalty: impl Fn(f64) -> f
         let sum = |split: &Split| split.squares + penalty(time[split.from]);
         sum(a).total_cmp(&sum(b))
     })?;
+    // One constant and four coefficients of the cubic are fitted.
     let variance = best.squares / (time.len() - 5) as f64;
     let is_significant = splits.line - best.squares > SIGNIFICANT * variance;
+    // At the first or last place that is tried the sum still falls: that is a bound of the search and no onset.
     let is_inside = best.from > first && best.from + 1 < last;
     (is_significant && is_inside && best.rise > 0.0).then(|| 0.5 * (time[best.from - 1] + time[best.from]))
 }

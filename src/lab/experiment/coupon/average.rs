@@ -39,7 +39,7 @@ impl SampleStatistics {
     ///
     /// # Errors
     /// [`AverageError::Nothing`] where there is no figure.
-    pub fn of(figures: &[f64]) -> Result<SampleStatistics, AverageError> {
+    pub fn from_figures(figures: &[f64]) -> Result<SampleStatistics, AverageError> {
         if figures.is_empty() {
             return Err(AverageError::Nothing);
         }
@@ -54,8 +54,8 @@ impl SampleStatistics {
     ///
     /// # Errors
     /// [`AverageError::Nothing`] where there is no group, or a group without figures.
-    pub fn of_groups(groups: &[Vec<f64>]) -> Result<SampleStatistics, AverageError> {
-        let all = SampleStatistics::of(&groups.concat())?;
+    pub fn from_groups(groups: &[Vec<f64>]) -> Result<SampleStatistics, AverageError> {
+        let all = SampleStatistics::from_figures(&groups.concat())?;
         Ok(SampleStatistics { mean: mean_of_means(groups)?, ..all })
     }
 }
@@ -68,8 +68,9 @@ impl SampleStatistics {
 /// # Errors
 /// [`AverageError::Nothing`] where there is no group, or a group without figures.
 pub fn mean_of_means(groups: &[Vec<f64>]) -> Result<f64, AverageError> {
-    let means = groups.iter().map(|group| Ok(SampleStatistics::of(group)?.mean)).collect::<Result<Vec<_>, _>>()?;
-    Ok(SampleStatistics::of(&means)?.mean)
+    let means =
+        groups.iter().map(|group| Ok(SampleStatistics::from_figures(group)?.mean)).collect::<Result<Vec<_>, _>>()?;
+    Ok(SampleStatistics::from_figures(&means)?.mean)
 }
 
 /// How far `measured` is from a `reference`, as a share of the reference (the errors of Table 4).
@@ -85,7 +86,7 @@ pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
     let [start, end] = common_strain(curves)?;
     let last = AXIS - 1;
     let place = |i: usize| if i == last { end } else { start + (end - start) * (i as f64 / last as f64).powi(2) };
-    let mean = mean_at((0..AXIS).map(place).collect(), curves, Curve::at);
+    let mean = mean_at((0..AXIS).map(place).collect(), curves, Curve::stress_at);
     mean.ok_or(AverageError::NoCommonStrain { start, end })
 }
 
@@ -136,10 +137,10 @@ mod tests {
 
     #[test]
     fn spread_is_mean_and_deviation_of_a_sample() {
-        let spread = SampleStatistics::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
+        let spread = SampleStatistics::from_figures(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
         assert!((spread.mean - 5.0).abs() < 1e-15 && (spread.deviation - (32.0_f64 / 7.0).sqrt()).abs() < 1e-14);
-        assert_eq!(SampleStatistics::of(&[3.0]).unwrap().deviation, 0.0);
-        assert_eq!(SampleStatistics::of(&[]), Err(AverageError::Nothing));
+        assert_eq!(SampleStatistics::from_figures(&[3.0]).unwrap().deviation, 0.0);
+        assert_eq!(SampleStatistics::from_figures(&[]), Err(AverageError::Nothing));
     }
 
     #[test]

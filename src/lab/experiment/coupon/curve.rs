@@ -101,7 +101,7 @@ impl Curve {
     }
 
     /// Stress (Pa) at `strain`, linear between samples; none outside of them.
-    pub fn at(&self, strain: f64) -> Option<f64> {
+    pub fn stress_at(&self, strain: f64) -> Option<f64> {
         interpolated(&self.strain, &self.stress, strain)
     }
 
@@ -111,7 +111,7 @@ impl Curve {
         let last = self.strain.len() - 1;
         let beyond = strain - self.strain[last];
         if beyond <= 0.0 {
-            return self.at(strain);
+            return self.stress_at(strain);
         }
         let slope = (self.stress[last] - self.stress[last - 1]) / (self.strain[last] - self.strain[last - 1]);
         Some(self.stress[last] + beyond * slope)
@@ -218,7 +218,7 @@ mod tests {
     fn slack_is_compensated() {
         let curve = Curve::new(vec![0.1, 0.2, 0.3], vec![0.0, 5.0, 10.0]).unwrap();
         let taut = curve.toe_compensated(50.0, -5.0);
-        assert!((taut.at(0.1).unwrap() - 5.0).abs() < 1e-12);
+        assert!((taut.stress_at(0.1).unwrap() - 5.0).abs() < 1e-12);
     }
 
     #[test]

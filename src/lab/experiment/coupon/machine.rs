@@ -40,7 +40,7 @@ impl LoadCell {
         if fits { Ok(()) } else { Err(MachineError::LoadCell(*self)) }
     }
 
-    /// What the cell reads of a `force` (N) that is linear between the times `time` (s), from rest under the first:
+    /// Readings of a `force` (N) that is linear between the times `time` (s), from rest under the first:
     /// exact for that force (Nigam and Jennings, Bull. Seismol. Soc. Am. 59, 1969).
     pub fn read(&self, time: &[f64], force: &[f64]) -> Vec<f64> {
         let natural = (self.stiffness / self.jaw_mass).sqrt();
@@ -66,7 +66,7 @@ impl LoadCell {
     }
 }
 
-/// What the machine recorded: as many times (s) as displacements (m) and forces (N).
+/// A recording of the machine: as many times (s) as displacements (m) and forces (N).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TensileRecord {
     /// s.
@@ -149,7 +149,7 @@ fn stress(curve: &Curve, strain: f64, rounded: f64) -> Result<f64, MachineError>
     if strain > end {
         return Ok(0.0);
     }
-    let inside = if strain >= start { curve.at(rounded.clamp(start, end)) } else { None };
+    let inside = if strain >= start { curve.stress_at(rounded.clamp(start, end)) } else { None };
     inside.ok_or(MachineError::BeforeStart(strain))
 }
 
@@ -180,7 +180,7 @@ mod tests {
         let found = coupon.curve(&series(pull.force.clone()), &series(pull.displacement.clone())).unwrap();
         for [strain, stress] in found.samples().take(4) {
             // Half of the last decimal of the force, on the cross-section.
-            assert!((stress - curve.at(strain.min(1.0)).unwrap()).abs() <= 0.51e-6 / coupon.area());
+            assert!((stress - curve.stress_at(strain.min(1.0)).unwrap()).abs() <= 0.51e-6 / coupon.area());
         }
     }
 

@@ -47,12 +47,12 @@ pub enum RecordingError {
     Content {
         /// File of the recording.
         path: PathBuf,
-        /// What is wrong with its channels, its label or its curve.
+        /// Fault of its channels, its label or its curve.
         fault: Box<RecordingFault>,
     },
 }
 
-/// What is wrong with a recording that could be read.
+/// A fault of a recording that could be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RecordingFault {
     /// The channel of force or displacement is missing.

@@ -159,7 +159,7 @@ pub enum ReductionError {
 
 impl Reduction {
     /// Averages `samples` per direction and speed, then over the speeds of each direction, as the paper does.
-    pub fn of(samples: &[Sample], rules: &Rules) -> Result<Reduction, ReductionError> {
+    pub fn from_samples(samples: &[Sample], rules: &Rules) -> Result<Reduction, ReductionError> {
         if samples.is_empty() {
             return Err(ReductionError::Nothing);
         }
@@ -171,7 +171,7 @@ impl Reduction {
         Ok(Reduction { directions, modulus })
     }
 
-    /// What was measured along `direction`.
+    /// Means along `direction`.
     pub fn along(&self, direction: Direction) -> Option<&DirectionMeans> {
         self.directions.iter().find(|along| along.direction == direction)
     }
@@ -226,10 +226,10 @@ fn at_speed(velocity: f64, samples: &[&Sample]) -> Result<SpeedMeans, AverageErr
     let curves: Vec<Curve> = samples.iter().map(|sample| sample.curve.clone()).collect();
     Ok(SpeedMeans {
         velocity,
-        modulus: SampleStatistics::of(&moduli)?,
+        modulus: SampleStatistics::from_figures(&moduli)?,
         moduli,
-        strength: SampleStatistics::of(&figures(samples, |sample| sample.rupture.strength))?,
-        elongation: SampleStatistics::of(&figures(samples, |sample| sample.rupture.strain))?,
+        strength: SampleStatistics::from_figures(&figures(samples, |sample| sample.rupture.strength))?,
+        elongation: SampleStatistics::from_figures(&figures(samples, |sample| sample.rupture.strain))?,
         curve: mean_curve(&curves)?,
     })
 }
@@ -242,7 +242,7 @@ fn over_speeds(
 ) -> Result<DirectionMeans, AverageError> {
     let spread = |figure: fn(&Sample) -> f64| {
         let groups: Vec<Vec<f64>> = groups.iter().map(|group| figures(group, figure)).collect();
-        SampleStatistics::of_groups(&groups)
+        SampleStatistics::from_groups(&groups)
     };
     let curves: Vec<Curve> = speeds.iter().map(|speed| speed.curve.clone()).collect();
     let curve = mean_curve(&curves)?;
@@ -281,7 +281,7 @@ mod tests {
     fn directions_are_means_of_the_means_of_their_speeds() {
         let md = |velocity, modulus, elongation| sample(Direction::Md, velocity, modulus, elongation);
         let samples = [md(0.2, 30e6, 1.0), md(0.02, 50e6, 0.8), md(0.02, 60e6, 1.2), md(0.02, 70e6, 1.3)];
-        let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+        let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
         let along = reduction.along(Direction::Md).unwrap();
         let velocities: Vec<f64> = along.speeds.iter().map(|speed| speed.velocity).collect();
         assert_eq!(velocities, [0.02, 0.2]);
@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn both_fibre_directions_have_a_common_modulus() {
         let samples = [sample(Direction::Td, 0.02, 40e6, 1.0), sample(Direction::Md, 0.02, 60e6, 1.0)];
-        let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+        let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
         assert!((reduction.modulus.unwrap() / 50e6 - 1.0).abs() < 1e-9);
         assert_eq!(reduction.directions[0].direction, Direction::Md);
     }
@@ -306,7 +306,7 @@ mod tests {
         let pulled = sample(Direction::Md, 0.02, 40e6, 1.0);
         let made_up = |direction| Sample { is_virtual: true, ..sample(direction, 0.2, 60e6, 1.0) };
         let samples = [pulled, made_up(Direction::Md), made_up(Direction::Td)];
-        let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+        let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
         assert_eq!((reduction.recordings(), reduction.virtual_recordings()), (3, 2));
         assert_eq!(reduction.along(Direction::Md).unwrap().virtual_recordings, 1);
     }
@@ -329,6 +329,6 @@ mod tests {
             "45".parse::<Direction>().unwrap_err().to_string(),
             "`45` is not a direction of the film: expected MD, TD, D3 or D4"
         );
-        assert_eq!(Reduction::of(&[], &Rules::default()), Err(ReductionError::Nothing));
+        assert_eq!(Reduction::from_samples(&[], &Rules::default()), Err(ReductionError::Nothing));
     }
 }

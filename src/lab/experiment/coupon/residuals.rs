@@ -26,7 +26,7 @@ pub fn relative_residuals(curve: &Curve, reference: &Curve) -> Result<Vec<f64>, 
         return Err(ResidualError::ZeroReference);
     }
     let residual = |([strain, expected], w): ([f64; 2], &f64)| {
-        let found = curve.at(strain).ok_or(ResidualError::NotCovered { strain })?;
+        let found = curve.stress_at(strain).ok_or(ResidualError::NotCovered { strain })?;
         Ok((w / size).sqrt() * (found - expected))
     };
     reference.samples().zip(&weights).map(residual).collect()

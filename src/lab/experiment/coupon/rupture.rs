@@ -14,11 +14,11 @@ pub struct Rupture {
     pub stress: f64,
     /// Tensile strength: the largest nominal stress, Pa.
     pub strength: f64,
-    /// What ended it.
+    /// Its end.
     pub ending: CurveEnd,
 }
 
-/// What ended a curve.
+/// The end of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveEnd {
     /// The force fell below the share of its largest value.

@@ -106,7 +106,7 @@ impl Fibres<'_> {
         sheared((along / fibre).powi(2) - 1.0, 0.5 * stress * across)
     }
 
-    /// The same of a coupon whose width is held, by equation 183.
+    /// Shear angle and stress of a coupon whose width is held, by equation 183.
     pub fn held(&self, strain: f64, stress: f64) -> Option<[f64; 2]> {
         let along = 1.0 + strain;
         let squared = 0.5 * (along * along + 1.0);
@@ -128,7 +128,7 @@ impl Coupon {
     /// and counted.
     ///
     /// # Errors
-    /// What makes no [`Curve`].
+    /// Samples that make no [`Curve`].
     pub fn shear_by(&self, method: ShearMethod, curve: &Curve, fibres: Fibres) -> Result<Shear, CurveError> {
         let state = match method {
             ShearMethod::Rhombus => return self.shear(curve),

@@ -102,7 +102,7 @@ impl Coupon {
     /// the coupon.
     ///
     /// # Errors
-    /// What makes no [`Curve`].
+    /// Samples that make no [`Curve`].
     pub fn shear(&self, curve: &Curve) -> Result<shear::Shear, CurveError> {
         let square = shear::Square::with_diagonal(self.gauge.min(self.width), self.thickness);
         let force = self.area() * square.diagonal() / self.width;

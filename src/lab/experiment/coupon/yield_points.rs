@@ -220,7 +220,7 @@ mod tests {
         let line = Curve::new(nodes.0, nodes.1).unwrap();
         let end = line.range()[1];
         let strain: Vec<f64> = (0..=count).map(|i| (end * f64::from(i) / f64::from(count)).min(end)).collect();
-        let stress = strain.iter().zip(0..).map(|(e, i)| line.at(*e).unwrap() + noise(i)).collect();
+        let stress = strain.iter().zip(0..).map(|(e, i)| line.stress_at(*e).unwrap() + noise(i)).collect();
         Curve::new(strain, stress).unwrap()
     }
 
@@ -267,7 +267,7 @@ mod tests {
     fn dense_sampling_has_no_more_weight() {
         let even = sampled(&TD, 500, |_| 0.0);
         let strain: Vec<f64> = (0..=500).map(|i| 7.01 * (f64::from(i) / 500.0).powi(2)).collect();
-        let stress = strain.iter().map(|e| even.at(*e).unwrap()).collect();
+        let stress = strain.iter().map(|e| even.stress_at(*e).unwrap()).collect();
         let found = yield_points(&Curve::new(strain, stress).unwrap(), ELASTIC).unwrap();
         assert_near(found.first, TD[0], 0.02);
         assert_near(found.second, TD[1], 0.02);

@@ -18,7 +18,7 @@ struct Gap {
 pub struct Bridged {
     /// On the times of the reading and, where rows were missing, on times at its usual step between them.
     pub series: Series,
-    /// What was bridged.
+    /// Report of the gaps that were bridged.
     pub warning: Option<Warning>,
 }
 

@@ -27,7 +27,7 @@ pub(super) struct Clipping {
 impl Clipping {
     /// The clipping of an evenly sampled `reading` (m/s²) from `contact` (s) on: a largest value that stays for longer
     /// than the steps of the reading explain.
-    pub(super) fn of(reading: &Series, contact: f64) -> Option<Clipping> {
+    pub(super) fn find(reading: &Series, contact: f64) -> Option<Clipping> {
         let impact = reading.window([contact, f64::INFINITY]);
         let [start, level] = impact.largest()?;
         let (time, values) = (impact.time(), impact.values());
@@ -89,8 +89,8 @@ mod tests {
     #[test]
     fn short_pulses_and_long_ones_are_clipped_alike() {
         for duration in [0.005, 0.02, 0.06] {
-            assert_eq!(Clipping::of(&pulse(duration, 200.0, 0.25), CONTACT), None, "{duration} s");
-            let clipped = Clipping::of(&pulse(duration, 90.0, 0.25), CONTACT).unwrap();
+            assert_eq!(Clipping::find(&pulse(duration, 200.0, 0.25), CONTACT), None, "{duration} s");
+            let clipped = Clipping::find(&pulse(duration, 90.0, 0.25), CONTACT).unwrap();
             assert!(clipped.level == 90.0 && (clipped.duration / duration - 0.287).abs() < 0.03, "{clipped:?}");
         }
     }
@@ -99,10 +99,10 @@ mod tests {
     fn the_steps_of_a_coarse_converter_are_not_the_end_of_its_range() {
         for (duration, step) in [(0.06, 1.0), (0.06, 4.0), (0.02, 5.0), (0.15, 0.5)] {
             let whole = pulse(duration, 200.0, step);
-            assert_eq!(Clipping::of(&whole, CONTACT), None, "{duration} s in steps of {step} m/s²");
+            assert_eq!(Clipping::find(&whole, CONTACT), None, "{duration} s in steps of {step} m/s²");
         }
         for (duration, step) in [(0.06, 1.0), (0.06, 2.0), (0.02, 2.0), (0.15, 0.5)] {
-            let clipped = Clipping::of(&pulse(duration, 70.0, step), CONTACT).unwrap();
+            let clipped = Clipping::find(&pulse(duration, 70.0, step), CONTACT).unwrap();
             assert!(clipped.level == 70.0 && clipped.start > CONTACT, "{clipped:?}");
         }
     }
@@ -113,7 +113,7 @@ mod tests {
         let clipped = pulse(0.02, 90.0, 0.25);
         let knock = |[t, value]: [f64; 2]| if (0.05..0.051).contains(&t) { 90.0 } else { value };
         let knocked = clipped.with_values(clipped.samples().map(knock).collect());
-        assert_eq!(Clipping::of(&knocked, CONTACT), Clipping::of(&clipped, CONTACT));
-        assert!(Clipping::of(&knocked, CONTACT).is_some());
+        assert_eq!(Clipping::find(&knocked, CONTACT), Clipping::find(&clipped, CONTACT));
+        assert!(Clipping::find(&knocked, CONTACT).is_some());
     }
 }

@@ -33,7 +33,7 @@ pub struct Figures {
     /// Largest work done on the film (W of equation 10).
     #[serde(rename = "peak_absorbed_energy_J")]
     pub peak_absorbed_energy: Option<f64>,
-    /// That work at the end.
+    /// Work done on the film at the end.
     #[serde(rename = "final_absorbed_energy_J")]
     pub final_absorbed_energy: Option<f64>,
     /// D of the paper's equation 11; none without rebound.
@@ -54,15 +54,15 @@ pub struct Figures {
     pub time_constant_interval_s: Option<[f64; 2]>,
     /// Interval of the impact speed by that of the time constant and the scatter of the laser.
     pub impact_velocity_interval_m_s: Option<[f64; 2]>,
-    /// The same of the largest travel.
+    /// Interval of the largest travel by that of the time constant.
     pub peak_displacement_interval_m: Option<[f64; 2]>,
-    /// The same of the energy absorption.
+    /// Interval of the energy absorption by that of the time constant.
     pub energy_absorption_interval: Option<[f64; 2]>,
     /// Friction of the guide in the fall; none with the ramp.
     pub guide_friction: Option<GuideFriction>,
     /// Of the correction by the gravity ramp; none with coupling.
     pub ramp_duration_s: Option<f64>,
-    /// What the sensor reads at rest.
+    /// Reading of the sensor at rest.
     pub offset_m_s2: f64,
     /// The warnings as texts.
     pub notes: Vec<String>,

@@ -11,7 +11,7 @@ const CHANGES: f64 = 0.05;
 /// The friction of `body` between the times `[from, to]` (s) of the fall, from each of the `restored` accelerations
 /// (m/s², from rest on) that the time constant admits, the best of them first. It depends on the speed where it does
 /// so with each of them.
-pub(super) fn fit(restored: &[Series], [from, to]: [f64; 2], body: Body) -> Option<GuideFriction> {
+pub(super) fn fit(restored: &[&Series], [from, to]: [f64; 2], body: Body) -> Option<GuideFriction> {
     let falls: Vec<(Series, Series)> = restored.iter().map(|series| fall(series, [from, to])).collect();
     let force = |a: f64| body.mass * (a + body.gravity);
     let lines = falls.iter().map(|(acceleration, speed)| {

@@ -15,8 +15,8 @@ pub(super) struct Cleaned {
 }
 
 impl Cleaned {
-    /// Of the recorded `laser`.
-    pub(super) fn of(laser: &Series) -> Cleaned {
+    /// The samples of the recorded `laser`, without those that it held.
+    pub(super) fn from_laser(laser: &Series) -> Cleaned {
         let runs = || laser.values().chunk_by(|a, b| a == b);
         let is_held = |run: &&[f64]| run.len() >= HELD;
         let values = runs().flat_map(|run| run.iter().map(move |value| if is_held(&run) { f64::NAN } else { *value }));

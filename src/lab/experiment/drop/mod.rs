@@ -3,14 +3,19 @@
 mod bridge;
 mod channels;
 mod clipping;
+mod corrected;
 mod error;
+mod evaluated;
 mod figures;
 mod friction;
+mod integrated;
 mod laser;
+mod levelled;
 mod motion;
 mod plausibility;
 mod reduce;
 mod result;
+mod screened;
 #[cfg(test)]
 mod tests;
 mod time_constant;

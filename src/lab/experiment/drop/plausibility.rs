@@ -1,9 +1,9 @@
 //! Checks of a reduced drop. They change no figure.
 
-use super::result::Drop;
 use crate::experiment::Warning;
+use crate::experiment::contact::Contact;
 use crate::experiment::fit::least_squares;
-use crate::signal::{Series, column};
+use crate::signal::{Recording, Series, column};
 
 /// Distance of laser and integrated acceleration (m) beyond which they show different motions.
 const LASER_APART: f64 = 1e-3;
@@ -13,33 +13,45 @@ const SLOW: f64 = 0.5;
 const ZERO_MOVES: f64 = 0.1;
 const STANDARD_ERRORS: f64 = 5.0;
 
-/// What puts `drop` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at rest until
-/// `rest_end` (s).
-pub(super) fn warnings(drop: &Drop, reading: &Series, rest_end: f64) -> Vec<Warning> {
-    [absorption(drop), laser(drop), slow(drop), late_peak(drop), moving_zero(reading, rest_end)]
+/// The figures of a drop that are checked.
+pub(super) struct Impact<'a> {
+    /// First contact.
+    pub contact: &'a Contact,
+    /// Speed of the ideal fall, m/s.
+    pub ideal_speed: f64,
+    /// Signals from contact on.
+    pub signals: &'a Recording,
+    /// D of equation 26.
+    pub energy_absorption: Option<f64>,
+}
+
+/// Reports that put an `impact` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at
+/// rest until `rest_end` (s).
+pub(super) fn warnings(impact: &Impact<'_>, reading: &Series, rest_end: f64) -> Vec<Warning> {
+    [absorption(impact), laser(impact), slow(impact), late_peak(impact), moving_zero(reading, rest_end)]
         .into_iter()
         .flatten()
         .collect()
 }
 
-fn absorption(drop: &Drop) -> Option<Warning> {
-    let absorption = drop.energy_absorption.filter(|d| !(0.0..=1.0).contains(d))?;
+fn absorption(impact: &Impact<'_>) -> Option<Warning> {
+    let absorption = impact.energy_absorption.filter(|d| !(0.0..=1.0).contains(d))?;
     Some(Warning::ImpossibleAbsorption { absorption })
 }
 
-fn laser(drop: &Drop) -> Option<Warning> {
-    let residual = drop.contact.laser_residual.filter(|residual| *residual > LASER_APART)?;
+fn laser(impact: &Impact<'_>) -> Option<Warning> {
+    let residual = impact.contact.laser_residual.filter(|residual| *residual > LASER_APART)?;
     Some(Warning::LaserMismatch { residual })
 }
 
-fn slow(drop: &Drop) -> Option<Warning> {
-    let share = -drop.contact.velocity / drop.ideal_speed;
+fn slow(impact: &Impact<'_>) -> Option<Warning> {
+    let share = -impact.contact.velocity / impact.ideal_speed;
     (share < SLOW).then_some(Warning::SlowImpact { share })
 }
 
-fn late_peak(drop: &Drop) -> Option<Warning> {
-    let [lowest_point, _] = drop.signals.series(column::DISPLACEMENT.name)?.smallest()?;
-    let [peak, _] = drop.signals.series(column::ACCELERATION_FILTERED.name)?.largest()?;
+fn late_peak(impact: &Impact<'_>) -> Option<Warning> {
+    let [lowest_point, _] = impact.signals.series(column::DISPLACEMENT.name)?.smallest()?;
+    let [peak, _] = impact.signals.series(column::ACCELERATION_FILTERED.name)?.largest()?;
     (peak > 1.2 * lowest_point).then_some(Warning::LatePeak { peak, lowest_point })
 }
 

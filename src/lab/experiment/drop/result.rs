@@ -34,7 +34,7 @@ pub struct Drop {
     pub guide_friction: Option<GuideFriction>,
     /// Of the correction by the gravity ramp.
     pub ramp: Option<GravityRamp>,
-    /// What the sensor reads at rest, m/s².
+    /// Reading of the sensor at rest, m/s².
     pub offset: f64,
     /// Time from contact on (s): `displacement_m`, `velocity_m_s`, `acceleration_m_s2`, `acceleration_filtered_m_s2`,
     /// `kinetic_energy_J`, `potential_energy_J`, `absorbed_energy_J`, `total_energy_J`.
@@ -49,6 +49,6 @@ pub struct Drop {
     /// First time from contact on (s) at which the accelerometer is at the end of its range: what rests on the signals
     /// from there on is no figure of the drop.
     pub clipped_from: Option<f64>,
-    /// What was assumed, and what puts the figures in doubt.
+    /// Assumptions, and doubts about the figures.
     pub warnings: Vec<Warning>,
 }

@@ -41,7 +41,7 @@ fn recorded(sensors: &Sensors, seed: u64) -> (Recording, f64, f64) {
     recorded_after(0.0, sensors, seed)
 }
 
-/// The same after a fall in which this share of the guide's friction at contact is proportional to the speed.
+/// The recording after a fall in which this share of the guide's friction at contact is proportional to the speed.
 fn recorded_after(speed_share: f64, sensors: &Sensors, seed: u64) -> (Recording, f64, f64) {
     let [acceleration, displacement] = impact();
     let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, release_duration: 0.032, speed_share };
@@ -193,7 +193,7 @@ fn without_laser_and_height_a_known_speed_gives_the_contact() {
     }
 }
 
-/// What a laser holds, or writes, out of its range.
+/// Values that a laser holds, or writes, out of its range.
 #[test]
 fn constant_samples_of_a_laser_count_as_not_measured() {
     let (recording, contact_time, _) = recorded(&Sensors::default(), 5);
@@ -242,7 +242,13 @@ fn doubtful_figures_have_warnings() {
     let filtered =
         hit.signals.channels.iter_mut().find(|channel| channel.name == "acceleration_filtered_m_s2").unwrap();
     *filtered.values.last_mut().unwrap() = 1e3;
-    let warnings = plausibility::warnings(&hit, &reading, 0.1);
+    let impact = plausibility::Impact {
+        contact: &hit.contact,
+        ideal_speed: hit.ideal_speed,
+        signals: &hit.signals,
+        energy_absorption: hit.energy_absorption,
+    };
+    let warnings = plausibility::warnings(&impact, &reading, 0.1);
     assert!(matches!(warnings[0], Warning::LatePeak { .. }), "{warnings:?}");
     let wavy = laser.with_values(laser.samples().map(|[t, v]| v + 0.0025 * (3000.0 * t).sin()).collect());
     assert!(noted(&reading, &wavy, Reduction::default()).ends_with("mm apart"));

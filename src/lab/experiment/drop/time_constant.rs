@@ -62,11 +62,11 @@ pub(super) enum Disagreement {
     Friction { constant: f64 },
 }
 
-/// What is known of a fall beside the laser.
+/// Knowledge of a fall beside the laser.
 pub(super) struct Known<'a> {
     /// The reading from the end of the rest on, without the sensor's zero, m/s².
     pub reading: &'a Series,
-    /// That zero.
+    /// Zero of the sensor.
     pub zero: ZeroOffset,
     /// Height of the fall, m, where it is known.
     pub height: Option<f64>,
@@ -178,7 +178,7 @@ impl Known<'_> {
         let end = self.reading.time().get(after).ok_or(missing)?;
         let velocity = integrate::once(&restored(&self.reading.window([f64::NEG_INFINITY, *end]), coupling), 0.0);
         let place = integrate::once(&velocity, 0.0);
-        Ok([-velocity.at(time).ok_or(missing)?, -place.at(time).ok_or(missing)?])
+        Ok([-velocity.value_at(time).ok_or(missing)?, -place.value_at(time).ok_or(missing)?])
     }
 
     /// Change of that state with the inverse time constant and with the zero.
@@ -195,6 +195,8 @@ impl Known<'_> {
         let first = self.reading.time().first().copied().unwrap_or(time);
         let (t, x) = (time - first, coupling.inverse);
         let step = t / self.reading.window([first, time]).len().max(1) as f64;
+        // Variance of equation 50 for white noise of r: the speed weighs a reading at the time s by 1 + x (t − s), the
+        // height by the integral of that.
         let speed = t + x * t * t + x * x * t.powi(3) / 3.0;
         let height = t.powi(3) / 3.0 + x * t.powi(4) / 4.0 + x * x * t.powi(5) / 20.0;
         [speed, height].map(|square| self.zero.deviation * (step * square).sqrt())
@@ -247,6 +249,7 @@ impl Known<'_> {
                 }
             }
         }
+        // Two unknowns: the normal equations are solved by hand, and their inverse is the covariance.
         let [[a, b], [_, c]] = normal;
         let determinant = a * c - b * b;
         let [inverse, zero] =

@@ -8,7 +8,7 @@ use membrane::material::Tension;
 /// The measured stresses of one test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSet {
-    /// What figures and legends call it: the name of its file.
+    /// Name in figures and legends: that of its file.
     pub name: String,
     /// Stretches and stresses.
     pub measured: Measured,
@@ -87,7 +87,7 @@ impl DataSet {
         Ok(DataSet { name: name.into(), measured, weight: 1.0, is_virtual: false })
     }
 
-    /// The same with another weight.
+    /// The test with another weight.
     ///
     /// # Errors
     /// A weight below zero or not finite.

@@ -37,5 +37,5 @@ pub(super) fn intervals(
     let jacobian = DMatrix::from_columns(&columns.collect::<Vec<_>>());
     let parts = sets.iter().filter(|set| set.weight > 0.0).map(|set| set.measured.stresses().len()).collect();
     let linearization = Linearization { x: x.to_vec(), residuals: here, parts, jacobian, roughness, one_sided: vec![] };
-    Confidence::of(&linearization, &ConfidenceOptions::new(names.to_vec()))
+    Confidence::from_linearization(&linearization, &ConfidenceOptions::new(names.to_vec()))
 }

@@ -7,7 +7,7 @@ use super::Weighting;
 /// How a law is fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FitOptions {
-    /// What residuals are relative to.
+    /// Reference of the residuals.
     pub weighting: Weighting,
     /// Stretch up to which the law is to be stable in every kind of tension; the largest of the tests where none is
     /// given.

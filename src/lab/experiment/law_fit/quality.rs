@@ -10,7 +10,7 @@ pub struct Quality {
     pub r_squared: f64,
     /// Root mean square of P − P̂, Pa.
     pub rms: f64,
-    /// The same over the root mean square of P.
+    /// Root mean square of P − P̂ over that of P.
     pub relative_rms: f64,
     /// Largest |P − P̂|, Pa.
     pub largest_error: f64,
@@ -21,8 +21,8 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Those of the stresses `predicted` (Pa), in the order of the measured ones.
-    pub fn of(measured: &Measured, predicted: &[f64]) -> Quality {
+    /// Figures of the stresses `predicted` (Pa), in the order of the measured ones.
+    pub fn from_stresses(measured: &Measured, predicted: &[f64]) -> Quality {
         let (stresses, stretches) = (measured.stresses(), measured.stretches());
         let count = stresses.len() as f64;
         let mean = stresses.iter().sum::<f64>() / count;
@@ -54,12 +54,12 @@ mod tests {
     #[test]
     fn figures_are_those_of_their_definition() {
         let measured = Measured::Tension(Tension::Uniaxial, vec![[1.0, 0.0], [2.0, 3.0], [3.0, 6.0]]);
-        let found = Quality::of(&measured, &[0.0, 4.0, 5.0]);
+        let found = Quality::from_stresses(&measured, &[0.0, 4.0, 5.0]);
         assert!((found.r_squared - (1.0 - 2.0 / 18.0)).abs() < 1e-15, "{found:?}");
         assert!((found.rms - (2.0_f64 / 3.0).sqrt()).abs() < 1e-15 && found.samples == 3);
         assert!((found.relative_rms - (2.0_f64 / 45.0).sqrt()).abs() < 1e-15);
         assert_eq!((found.largest_error, found.at_stretch), (1.0, 3.0));
-        let beyond = Quality::of(&measured, &[0.0, f64::NAN, 6.0]);
+        let beyond = Quality::from_stresses(&measured, &[0.0, f64::NAN, 6.0]);
         assert!(beyond.rms.is_nan() && beyond.largest_error.is_nan() && beyond.at_stretch == 2.0);
     }
 }

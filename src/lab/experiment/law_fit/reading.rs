@@ -29,12 +29,12 @@ pub enum StressReadingError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Its fault.
         fault: Box<StressFault>,
     },
 }
 
-/// What is wrong with a file that could be read.
+/// A fault of a file that could be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum StressFault {
     /// The kind of test is not known.

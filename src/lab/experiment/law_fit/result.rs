@@ -18,7 +18,7 @@ pub struct LawFit {
     pub tests: Vec<TestFit>,
     /// Tests that it was not fitted to, predicted.
     pub predictions: Vec<TestFit>,
-    /// What residuals are relative to.
+    /// Reference of the residuals.
     pub weighting: Weighting,
     /// The stretch up to which the law was to be stable.
     pub stable_to: f64,
@@ -26,7 +26,7 @@ pub struct LawFit {
     pub unstable_from: Option<(Tension, f64)>,
     /// Intervals and correlation of the coefficients, where there are any.
     pub confidence: Option<Confidence>,
-    /// What the fit reports.
+    /// Reports of the fit.
     pub warnings: Vec<Warning>,
 }
 
@@ -59,7 +59,7 @@ pub struct TestFit {
 }
 
 impl LawFit {
-    /// What the fit and its intervals report, as findings.
+    /// Reports of the fit and its intervals, as findings.
     pub fn findings(&self) -> Vec<Finding> {
         let doubts = self.confidence.iter().flat_map(|confidence| &confidence.warnings);
         self.warnings.iter().map(Finding::new).chain(doubts.map(Finding::new)).collect()

@@ -11,7 +11,7 @@ use super::data_set::DataSet;
 /// machine.
 const FLOOR: f64 = 0.02;
 
-/// What differences of stresses are divided by.
+/// Reference of differences of stresses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weighting {
     /// The largest stress of all tests.

@@ -207,7 +207,7 @@ fn counted(recordings: usize, virtual_ones: usize) -> String {
     }
 }
 
-/// What a method supposes, for the remark.
+/// Assumption of a method, for the remark.
 fn described(method: ShearMethod) -> &'static str {
     match method {
         ShearMethod::Free => "as a strip with free sides whose fibres have the curves above",
@@ -248,7 +248,7 @@ fn rising_shear(sheared: &Shear, end: f64) -> Result<Vec<[f64; 2]>, CouponMateri
     if points.len() > 1 { Ok(points) } else { Err(CurveError::TooShort.into()) }
 }
 
-/// Those of the points that a polyline needs to stay within [`SHEAR_TOLERANCE`] of all of them, first and last included, as
+/// The points that a polyline needs to stay within [`SHEAR_TOLERANCE`] of all of them, first and last included, as
 /// far as its pieces are not shorter than [`SHEAR_PIECE`] (Ramer, 1972; Douglas and Peucker, 1973).
 fn straight_pieces(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let last = points.len() - 1;
@@ -353,5 +353,5 @@ fn thinned(along: &DirectionMeans) -> Vec<[f64; 2]> {
     let place = |i: usize| {
         if i == CURVE_POINTS { end } else { start + (end - start) * (i as f64 / CURVE_POINTS as f64).powi(2) }
     };
-    (1..=CURVE_POINTS).filter_map(|i| Some([place(i), along.curve.at(place(i))?])).collect()
+    (1..=CURVE_POINTS).filter_map(|i| Some([place(i), along.curve.stress_at(place(i))?])).collect()
 }

@@ -17,7 +17,7 @@ const FIGURE: usize = 4;
 /// Poisson's ratio of film where the user gives none: that of LDPE, assumed.
 pub const ASSUMED_POISSON: f64 = 0.44;
 
-/// What a material file needs beside its law.
+/// Keys that a material file needs beside its law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmKeys {
     /// kg/m³.

@@ -76,7 +76,7 @@ impl Master {
         let found = relaxations.iter().map(of).collect::<Result<Vec<_>, _>>()?;
         let zero = found.iter().min_by(|a, b| a.log_shift.abs().total_cmp(&b.log_shift.abs()));
         let reference = zero.map_or(f64::NAN, |factor| factor.temperature);
-        Ok(Master::of(relaxations, found, reference))
+        Ok(Master::from_shifted(relaxations, found, reference))
     }
 
     /// The curve by overlap: from one temperature to the next the shift is the mean distance along log₁₀ t at equal
@@ -104,10 +104,10 @@ impl Master {
             .zip(&logs)
             .map(|(relaxation, log)| ShiftFactor { temperature: relaxation.temperature, log_shift: log - logs[zero] });
         let owned: Vec<Relaxation> = sorted.iter().map(|relaxation| (*relaxation).clone()).collect();
-        Ok(Master::of(&owned, factors.collect(), sorted[zero].temperature))
+        Ok(Master::from_shifted(&owned, factors.collect(), sorted[zero].temperature))
     }
 
-    fn of(relaxations: &[Relaxation], mut factors: Vec<ShiftFactor>, reference: f64) -> Master {
+    fn from_shifted(relaxations: &[Relaxation], mut factors: Vec<ShiftFactor>, reference: f64) -> Master {
         let shifted = relaxations.iter().zip(&factors).flat_map(|(relaxation, factor)| {
             let shift = 10.0_f64.powf(factor.log_shift);
             relaxation.points.iter().map(move |[time, modulus]| [time / shift, *modulus])
@@ -129,7 +129,7 @@ fn distance(colder: &Relaxation, warmer: &Relaxation) -> Option<f64> {
         return None;
     }
     let level = |k: usize| low + (high - low) * k as f64 / (LEVELS - 1) as f64;
-    let sum: f64 = (0..LEVELS).map(|k| at(&warmer, level(k)) - at(&colder, level(k))).sum();
+    let sum: f64 = (0..LEVELS).map(|k| log_time_at(&warmer, level(k)) - log_time_at(&colder, level(k))).sum();
     Some(sum / LEVELS as f64)
 }
 
@@ -145,7 +145,7 @@ fn falling(relaxation: &Relaxation) -> Vec<[f64; 2]> {
 }
 
 /// log₁₀ t at a modulus within a falling curve.
-fn at(curve: &[[f64; 2]], modulus: f64) -> f64 {
+fn log_time_at(curve: &[[f64; 2]], modulus: f64) -> f64 {
     let below = curve.iter().position(|point| point[0] <= modulus).unwrap_or(curve.len() - 1);
     let Some(before) = below.checked_sub(1) else { return curve[0][1] };
     let ([m0, t0], [m1, t1]) = (curve[before], curve[below]);

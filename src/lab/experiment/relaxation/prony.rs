@@ -31,7 +31,7 @@ pub struct PronyFit {
     pub largest_error: f64,
     /// Time at which it is, s.
     pub at_time: f64,
-    /// What the fit reports.
+    /// Reports of the fit.
     pub warnings: Vec<Warning>,
 }
 
@@ -102,6 +102,7 @@ pub fn fit_prony(points: &[[f64; 2]], terms: usize) -> Result<PronyFit, PronyErr
     if first == last {
         return Err(PronyError::OneTime);
     }
+    // The times are fixed, since fitted ones make exponentials nearly dependent: the fit is linear, with one minimum.
     let step = (last / first).ln() / (terms.max(2) - 1) as f64;
     let times: Vec<f64> = match terms {
         1 => vec![(first * last).sqrt()],
@@ -169,6 +170,7 @@ fn checked(points: &[[f64; 2]], terms: usize) -> Result<Vec<[f64; 2]>, PronyErro
 
 /// E∞ and the moduli of the terms at these times; none where nothing would be left in the end.
 fn solved(measured: &[[f64; 2]], times: &[f64]) -> Option<Vec<f64>> {
+    // Rows over the measured modulus, so that the sum of squares is that of relative errors: moduli span decades.
     let entry = |row: usize, column: usize| {
         let [time, modulus] = measured[row];
         let left = if column == 0 { 1.0 } else { (-time / times[column - 1]).exp() };
@@ -176,6 +178,7 @@ fn solved(measured: &[[f64; 2]], times: &[f64]) -> Option<Vec<f64>> {
     };
     let matrix = DMatrix::from_fn(measured.len(), times.len() + 1, entry);
     let moduli = nonnegative_least_squares(&matrix, &DVector::from_element(measured.len(), 1.0))?;
+    // E∞ = 0 would say that film flows without end, which no measurement of finite duration shows.
     (moduli[0] > 0.0).then(|| moduli.as_slice().to_vec())
 }
 

@@ -12,7 +12,7 @@ use base::units::{Pressure, Time};
 /// Difference of temperatures of two rows, K, from which on they are of two relaxations.
 const NEXT_TEMPERATURE: f64 = 2.0;
 
-/// What a file of relaxation moduli holds.
+/// Content of a file of relaxation moduli.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RelaxationData {
     /// Time (s) and modulus (Pa): one relaxation, or a master curve.
@@ -32,12 +32,12 @@ pub enum RelaxationReadingError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Its fault.
         fault: Box<RelaxationFault>,
     },
 }
 
-/// What is wrong with a file that could be read.
+/// A fault of a file that could be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RelaxationFault {
     /// A column is missing.

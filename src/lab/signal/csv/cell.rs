@@ -7,7 +7,7 @@ use crate::signal::channel_fault::ChannelFault;
 use crate::signal::text::Line;
 use base::units::Unit;
 
-/// What stands between the cells of a line.
+/// Separator of the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Separator {
     Semicolon,

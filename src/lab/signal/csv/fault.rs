@@ -11,7 +11,7 @@ pub type ReadError = text::ReadError<Fault>;
 
 pub(super) type Mistake = text::Mistake<Fault>;
 
-/// What is wrong with a table.
+/// A fault of a table.
 #[derive(Debug, Error)]
 pub enum Fault {
     /// The file cannot be read as text.

@@ -22,7 +22,7 @@ pub struct Column {
     pub name: String,
     /// As the file writes it.
     pub label: String,
-    /// That of the file, or the one that the caller gave.
+    /// Unit that the file or the caller states.
     pub unit: Option<Unit>,
     /// SI where the unit is known, as written where it is not; `NaN` where nothing was measured.
     pub values: Vec<f64>,
@@ -106,7 +106,7 @@ fn with_lines<T>(
     path: &Path,
     read: impl FnOnce(&mut Lines<BufReader<File>>) -> Result<T, Mistake>,
 ) -> Result<T, ReadError> {
-    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|mistake| mistake.of(path))
+    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|mistake| mistake.locate(path))
 }
 
 /// Places of the wanted columns; the time is none of them unless it is asked for by name.

@@ -193,7 +193,7 @@ mod tests {
         assert!((found.end - found.start - 0.015).abs() < 1e-9, "{found:?}");
         let fine = Series::new(
             (0..=100_000).map(|i| i as f64 * 1e-6).filter(|t| *t < 0.0994).collect::<Vec<_>>(),
-            (0..=100_000).map(|i| triangle.at(i as f64 * 1e-6).unwrap_or(0.0)).collect::<Vec<_>>(),
+            (0..=100_000).map(|i| triangle.value_at(i as f64 * 1e-6).unwrap_or(0.0)).collect::<Vec<_>>(),
         );
         assert!((hic(&fine, 15.0).value / found.value - 1.0).abs() < 1e-6, "around {top:?}");
     }

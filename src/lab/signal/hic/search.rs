@@ -14,7 +14,7 @@ struct Block {
 }
 
 impl Block {
-    fn of(speed: &[f64], level: &[f64]) -> Block {
+    fn from_samples(speed: &[f64], level: &[f64]) -> Block {
         let lowest_speed = speed.iter().copied().fold(f64::INFINITY, f64::min);
         let highest_speed = speed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         Block { lowest_speed, highest_speed, highest_level: level.iter().copied().fold(0.0, f64::max) }
@@ -42,7 +42,7 @@ pub(super) struct Search<'a> {
 impl<'a> Search<'a> {
     pub(super) fn new(pulse: &'a Pulse<'a>, window: f64) -> Search<'a> {
         let leaves = pulse.speed.chunks(LEAF).zip(pulse.level.chunks(LEAF));
-        let mut levels = vec![leaves.map(|(speed, level)| Block::of(speed, level)).collect::<Vec<_>>()];
+        let mut levels = vec![leaves.map(|(speed, level)| Block::from_samples(speed, level)).collect::<Vec<_>>()];
         while let Some(below) = levels.last().filter(|blocks| blocks.len() > 1) {
             levels.push(below.chunks(2).map(|pair| pair[0].with(pair[pair.len() - 1])).collect());
         }

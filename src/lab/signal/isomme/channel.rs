@@ -23,7 +23,7 @@ pub struct ChannelHead {
 impl ChannelHead {
     /// Reads the header of `file`.
     pub fn read(file: &Member) -> Result<ChannelHead, ReadError> {
-        let header = head(file).map(|(header, ..)| header).map_err(|mistake| mistake.of(&file.path))?;
+        let header = head(file).map(|(header, ..)| header).map_err(|mistake| mistake.locate(&file.path))?;
         let name = header.text("Channel code").map_or_else(|| file.name(), str::to_owned);
         let label = header.text("Name of the channel").unwrap_or(&name).to_owned();
         Ok(ChannelHead { file: file.clone(), header, name, label })
@@ -72,7 +72,7 @@ impl ChannelHead {
         let unit = Unit::parse(symbol).ok().filter(|unit| unit.measures(Time::DIMENSION));
         let unit = unit.ok_or_else(|| {
             let fault = ChannelFault::TimeUnit { name: self.name.clone(), unit: symbol.to_owned() };
-            self.at("Unit", fault.into())
+            self.fault_at("Unit", fault.into())
         })?;
         times.iter_mut().for_each(|time| *time = unit.to_si(*time));
         Ok(times)
@@ -80,18 +80,18 @@ impl ChannelHead {
 
     /// A number of the header.
     pub fn number(&self, key: &str) -> Result<Option<f64>, ReadError> {
-        self.header.number(key).map_err(|(line, fault)| Mistake { line, column: 1, fault }.of(&self.file.path))
+        self.header.number(key).map_err(|(line, fault)| Mistake { line, column: 1, fault }.locate(&self.file.path))
     }
 
     /// A mistake in the line of a key.
-    pub fn at(&self, key: &str, fault: Fault) -> ReadError {
-        Mistake { line: self.header.line(key), column: 1, fault }.of(&self.file.path)
+    pub fn fault_at(&self, key: &str, fault: Fault) -> ReadError {
+        Mistake { line: self.header.line(key), column: 1, fault }.locate(&self.file.path)
     }
 
     fn read_values(&self, check: impl FnMut(f64) -> Result<(), Fault>) -> Result<Vec<f64>, ReadError> {
-        let (values, last) = self.rows(check).map_err(|mistake| mistake.of(&self.file.path))?;
+        let (values, last) = self.rows(check).map_err(|mistake| mistake.locate(&self.file.path))?;
         let (channel, found) = (self.name.clone(), values.len());
-        let at_end = |fault| Mistake { line: last, column: 1, fault }.of(&self.file.path);
+        let at_end = |fault| Mistake { line: last, column: 1, fault }.locate(&self.file.path);
         match self.number("Number of samples")? {
             Some(stated) if (found as f64) < stated => Err(at_end(Fault::Truncated { channel, stated, found })),
             Some(stated) if found as f64 > stated => Err(at_end(Fault::TooMany { channel, stated, found })),
@@ -170,7 +170,7 @@ pub fn read_header(file: &Member, warnings: &mut Vec<Warning>) -> Result<Header,
         }
         Ok(header)
     };
-    let header = read().map_err(|mistake: Mistake| mistake.of(&file.path))?;
+    let header = read().map_err(|mistake: Mistake| mistake.locate(&file.path))?;
     if others > 0 {
         warnings.push(Warning::SkippedHeaderLines { file: file.name(), count: others, first });
     }

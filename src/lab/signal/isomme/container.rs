@@ -20,7 +20,7 @@ use base::units::Unit;
 ///
 /// Where a header does not state how its time is given, an implicit time axis is assumed, with a warning.
 pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError> {
-    let failed = |fault| Mistake::whole(fault).of(path);
+    let failed = |fault| Mistake::whole(fault).locate(path);
     if options.time.is_some() || !options.names.is_empty() {
         return Err(failed(Fault::NoTable));
     }
@@ -59,7 +59,7 @@ impl Headers {
     }
 
     /// The header that `channel` was read with; none where it is of another container.
-    pub fn of(&self, channel: &MeasuredChannel) -> Option<&Header> {
+    pub fn find(&self, channel: &MeasuredChannel) -> Option<&Header> {
         let named = || self.channels.iter().filter(|head| head.name == channel.name);
         let head = named().find(|head| head.label == channel.label).or_else(|| named().next());
         head.map(|head| &head.header)
@@ -120,7 +120,7 @@ impl Container {
         let listed: Vec<(&str, Option<&str>)> =
             names.filter_map(|entry| entry.value.as_deref()).map(code_and_name).collect();
         let stated = header.number("Number of channels");
-        let stated = stated.map_err(|(line, fault)| Mistake { line, column: 1, fault }.of(&list.path))?;
+        let stated = stated.map_err(|(line, fault)| Mistake { line, column: 1, fault }.locate(&list.path))?;
         if let Some(stated) = stated.filter(|stated| *stated != listed.len() as f64) {
             self.warnings.push(Warning::ChannelCountDiffers { stated, listed: listed.len() });
         }
@@ -183,7 +183,7 @@ fn measured(
         warnings.push(Warning::SampleCountMissing { channel: head.name.clone() });
     }
     let filtered = head.class(warnings);
-    let time = axes.of(head, values.len(), warnings)?;
+    let time = axes.read_times(head, values.len(), warnings)?;
     check_extremes(head, &time, &values, warnings)?;
     if let Some(unit) = unit.as_ref().filter(|unit| !unit.is_si()) {
         values.iter_mut().for_each(|value| *value = unit.to_si(*value));
@@ -201,7 +201,7 @@ fn unit(head: &ChannelHead, options: &ReadOptions, warnings: &mut Vec<Warning>) 
     match (file, given) {
         (Some(file), Some(given)) if file != *given => {
             let [file, given] = [&file, given].map(|unit| unit.symbol().to_owned());
-            Err(head.at("Unit", ChannelFault::GivenUnit { name: head.name.clone(), file, given }.into()))
+            Err(head.fault_at("Unit", ChannelFault::GivenUnit { name: head.name.clone(), file, given }.into()))
         }
         (Some(file), _) => Ok(Some(file)),
         (None, Some(given)) => Ok(Some(given.clone())),
@@ -224,13 +224,18 @@ struct Axes<'a> {
 
 impl Axes<'_> {
     /// The times of the `samples` of a channel.
-    fn of(&mut self, head: &ChannelHead, samples: usize, warnings: &mut Vec<Warning>) -> Result<Arc<[f64]>, ReadError> {
+    fn read_times(
+        &mut self,
+        head: &ChannelHead,
+        samples: usize,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Arc<[f64]>, ReadError> {
         let kind = head.header.text("Reference channel").map(str::to_lowercase);
         let reference = head.header.text("Reference channel name");
         match (kind.as_deref(), reference) {
             (Some("explicit"), Some(reference)) => self.explicit(head, reference, samples, warnings),
             (Some("explicit"), None) => {
-                Err(head.at("Reference channel", Fault::NoTimeAxis { channel: head.name.clone() }))
+                Err(head.fault_at("Reference channel", Fault::NoTimeAxis { channel: head.name.clone() }))
             }
             (Some("implicit"), _) => implicit(head, samples, warnings),
             _ => {
@@ -253,7 +258,7 @@ impl Axes<'_> {
             None => {
                 let missing = || Fault::NoReference { channel: channel(), reference: reference.into() };
                 let axis = self.heads.iter().find(|axis| axis.name == reference);
-                let axis = axis.ok_or_else(|| head.at("Reference channel name", missing()))?;
+                let axis = axis.ok_or_else(|| head.fault_at("Reference channel name", missing()))?;
                 let time: Arc<[f64]> = axis.times(warnings)?.into();
                 self.known.insert(reference.into(), Arc::clone(&time));
                 time
@@ -264,7 +269,7 @@ impl Axes<'_> {
         }
         let fault =
             Fault::TimeLength { channel: channel(), reference: reference.into(), found: samples, times: time.len() };
-        Err(head.at("Reference channel name", fault))
+        Err(head.fault_at("Reference channel name", fault))
     }
 }
 
@@ -272,9 +277,10 @@ impl Axes<'_> {
 fn implicit(head: &ChannelHead, samples: usize, warnings: &mut Vec<Warning>) -> Result<Arc<[f64]>, ReadError> {
     let channel = || head.name.clone();
     let interval = head.number("Sampling interval")?;
-    let interval = interval.ok_or_else(|| head.at("Reference channel", Fault::NoTimeAxis { channel: channel() }))?;
+    let interval =
+        interval.ok_or_else(|| head.fault_at("Reference channel", Fault::NoTimeAxis { channel: channel() }))?;
     if interval <= 0.0 {
-        return Err(head.at("Sampling interval", Fault::Interval { channel: channel(), interval }));
+        return Err(head.fault_at("Sampling interval", Fault::Interval { channel: channel(), interval }));
     }
     let start = head.number("Time of first sample")?.unwrap_or_else(|| {
         warnings.push(Warning::FirstTimeAssumed { channel: channel() });
@@ -285,7 +291,7 @@ fn implicit(head: &ChannelHead, samples: usize, warnings: &mut Vec<Warning>) -> 
     if increases {
         Ok(times)
     } else {
-        Err(head.at("Sampling interval", Fault::Interval { channel: channel(), interval }))
+        Err(head.fault_at("Sampling interval", Fault::Interval { channel: channel(), interval }))
     }
 }
 

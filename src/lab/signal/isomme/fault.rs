@@ -13,7 +13,7 @@ pub type ReadError = text::ReadError<Fault>;
 
 pub(super) type Mistake = text::Mistake<Fault>;
 
-/// What is wrong with a container; channels are named by their codes.
+/// A fault of a container; channels are named by their codes.
 #[derive(Debug, Error)]
 pub enum Fault {
     /// A file cannot be read as text.
@@ -49,9 +49,9 @@ pub enum Fault {
     /// A header has text where a number is expected.
     #[error("`{key}` is not a number: `{found}`")]
     HeaderNumber {
-        /// What the number is of.
+        /// Key of the header.
         key: String,
-        /// What stands in its place.
+        /// Text in place of the number.
         found: String,
     },
     /// A channel has a header and no values.

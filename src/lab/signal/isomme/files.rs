@@ -57,9 +57,9 @@ pub(super) struct Files {
 
 impl Files {
     pub fn locate(path: &Path) -> Result<Files, ReadError> {
-        let place = Place::of(path).map_err(|fault| Mistake::whole(fault).of(path))?;
+        let place = Place::from_path(path).map_err(|fault| Mistake::whole(fault).locate(path))?;
         let test = if place.is_folder(path) { place.test_in(path)? } else { path.to_owned() };
-        let fail = |fault| Mistake::whole(fault).of(&test);
+        let fail = |fault| Mistake::whole(fault).locate(&test);
         if !place.is_file(&test) {
             let missing = io::Error::new(ErrorKind::NotFound, "no such file or folder");
             return Err(fail(Fault::Text(TextError::Open(FileError::Io(missing)))));
@@ -89,7 +89,7 @@ enum Place {
 }
 
 impl Place {
-    fn of(path: &Path) -> Result<Place, Fault> {
+    fn from_path(path: &Path) -> Result<Place, Fault> {
         if path.is_file() && has_extension(path, "zip") {
             return Ok(Place::Archive(Arc::new(Archive::open(path)?), path.to_owned()));
         }
@@ -125,7 +125,7 @@ impl Place {
 
     /// The test in a folder, or else its list of channels. An archive may have it in its only folder.
     fn test_in(&self, folder: &Path) -> Result<PathBuf, ReadError> {
-        let fail = |fault| Mistake::whole(fault).of(folder);
+        let fail = |fault| Mistake::whole(fault).locate(folder);
         let files = self.entries(folder)?;
         let of_kind = |kind| files.iter().filter(|file| has_extension(file, kind)).collect::<Vec<_>>();
         let (tests, lists) = (of_kind("mme"), of_kind("chn"));
@@ -144,13 +144,13 @@ impl Place {
     fn channel_folder(&self, test: &Path) -> Result<PathBuf, ReadError> {
         let is_it = |entry: &PathBuf| self.is_folder(entry) && name_of(entry).eq_ignore_ascii_case("channel");
         let found = self.entries(folder_of(test))?.into_iter().find(is_it);
-        found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).of(test))
+        found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).locate(test))
     }
 }
 
 /// The entries of a folder on the disk, in the order of their names.
 fn entries_on_disk(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
-    let failed = |error| Mistake::whole(Fault::Text(TextError::Open(FileError::from(error)))).of(folder);
+    let failed = |error| Mistake::whole(Fault::Text(TextError::Open(FileError::from(error)))).locate(folder);
     let entries = fs::read_dir(folder).map_err(failed)?;
     let mut paths =
         entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(failed)?;

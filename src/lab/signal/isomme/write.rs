@@ -76,7 +76,7 @@ pub fn write(path: &Path, measurement: &Measurement) -> Result<(), WriteError> {
 /// Writes `measurement` as [`write()`] does, with the `headers` of the container that it was read from, in
 /// their order, except for the entries that the SI units and the samples determine.
 pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Result<(), WriteError> {
-    let texts = Texts::of(path, measurement, headers)?;
+    let texts = Texts::from_measurement(path, measurement, headers)?;
     let folder = folder_of(path);
     let channels = folder.join(CHANNELS);
     for place in [path, &channels] {
@@ -91,9 +91,9 @@ pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Res
 /// The bytes of a zip archive with `measurement` as [`rewrite`] writes it, in a folder of the archive's name; `path` is that
 /// of the archive, and is not written.
 ///
-/// The same measurement gives the same bytes: files have the earliest time of the format.
+/// Equal measurements give equal bytes: files have the earliest time of the format.
 pub fn zipped(path: &Path, measurement: &Measurement, headers: &Headers) -> Result<Vec<u8>, WriteError> {
-    let texts = Texts::of(path, measurement, headers)?;
+    let texts = Texts::from_measurement(path, measurement, headers)?;
     packed(&texts).map_err(|source| WriteError::Write { path: path.into(), source })
 }
 
@@ -109,8 +109,12 @@ struct Texts<'a> {
 }
 
 impl<'a> Texts<'a> {
-    /// Those of a container called as the file at `path`.
-    fn of(path: &Path, measurement: &'a Measurement, headers: &'a Headers) -> Result<Texts<'a>, WriteError> {
+    /// Files of a container called as the file at `path`.
+    fn from_measurement(
+        path: &Path,
+        measurement: &'a Measurement,
+        headers: &'a Headers,
+    ) -> Result<Texts<'a>, WriteError> {
         let stem = path.file_stem().filter(|stem| !stem.is_empty());
         let stem = stem.ok_or_else(|| WriteError::NoName { path: path.into() })?.to_string_lossy().into_owned();
         if let Some(channel) = measurement.channels.iter().find(|channel| channel.series.is_empty()) {
@@ -214,7 +218,7 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
                 }))
             }
         };
-        let (header, label) = (headers.of(channel), long_name(channel, measurement));
+        let (header, label) = (headers.find(channel), long_name(channel, measurement));
         let converted = channel.unit.as_ref().is_some_and(|unit| !unit.is_si());
         let (unit, class, values) = (channel.value_unit(), channel.filtered, channel.series.values());
         sheets.push(Sheet { code, header, converted, label, unit, class, axis, time, values });
@@ -222,7 +226,7 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
     sheets
 }
 
-/// What a channel is called: as a comment of the table states, or without the unit that a table writes behind the name,
+/// Name of a channel: as a comment of the table states, or without the unit that a table writes behind the name,
 /// where no other channel has that name.
 fn long_name(channel: &MeasuredChannel, measurement: &Measurement) -> String {
     let MeasuredChannel { name, label, .. } = channel;

@@ -67,7 +67,7 @@ pub enum Grade {
 
 impl Grade {
     /// The grade of an overall rating.
-    pub fn of(overall: f64) -> Grade {
+    pub fn from_rating(overall: f64) -> Grade {
         match overall {
             r if r > 0.94 => Grade::Excellent,
             r if r > 0.80 => Grade::Good,
@@ -168,6 +168,7 @@ pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, RatingErr
 fn rate_curves(reference: &[f64], comparison: &[f64]) -> Rating {
     let shift = phase::best_shift(reference, comparison);
     let [r, c] = shift.cut(reference, comparison);
+    // Corridor and phase are of the whole curves, magnitude and slope of what the shift leaves.
     let (corridor, phase) = (corridor::rating(reference, comparison), shift.rating(reference.len()));
     let (magnitude, slope) = (magnitude::rating(r, c), slope::rating(r, c));
     let overall = 0.4 * corridor + 0.2 * phase + 0.2 * magnitude + 0.2 * slope;
@@ -177,7 +178,7 @@ fn rate_curves(reference: &[f64], comparison: &[f64]) -> Rating {
         magnitude,
         slope,
         overall,
-        grade: Grade::of(overall),
+        grade: Grade::from_rating(overall),
         shift: shift.samples() as f64 / RATE,
         samples: reference.len(),
         warnings: Vec::new(),
@@ -217,7 +218,7 @@ fn sampled(series: &Series, start: f64, count: usize) -> Vec<f64> {
         return values[first..].iter().copied().take(count).collect();
     }
     let last = time[time.len() - 1];
-    let at = |index| series.at((start + index as f64 / RATE).min(last));
+    let at = |index| series.value_at((start + index as f64 / RATE).min(last));
     (0..count).map_while(at).collect()
 }
 

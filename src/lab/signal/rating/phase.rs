@@ -41,7 +41,7 @@ impl Shift {
 /// The shift of at most a fifth of the length with the largest Pearson correlation; the smallest of several, left
 /// before right.
 pub(super) fn best_shift(reference: &[f64], comparison: &[f64]) -> Shift {
-    let (r, c) = (Moments::of(reference), Moments::of(comparison));
+    let (r, c) = (Moments::from_curve(reference), Moments::from_curve(comparison));
     let correlation = |shift: Shift| {
         let [left, right] = shift.cut(&r.values, &c.values);
         match shift {
@@ -51,6 +51,8 @@ pub(super) fn best_shift(reference: &[f64], comparison: &[f64]) -> Shift {
     };
     let mut best = Shift::Left(0);
     let mut largest = correlation(best).unwrap_or(-1.0);
+    // The order of ISO/TS 18571: small before large, left before right. Beyond rounding, so that shifts of equal
+    // correlation are not decided by the order of a sum.
     let shifts = (1..=reference.len() / 5).flat_map(|m| [Shift::Left(m), Shift::Right(m)]);
     for shift in shifts {
         if let Some(found) = correlation(shift).filter(|found| *found > largest + ROUNDING) {
@@ -72,7 +74,8 @@ struct Moments {
 }
 
 impl Moments {
-    fn of(curve: &[f64]) -> Moments {
+    fn from_curve(curve: &[f64]) -> Moments {
+        // Without the mean the differences of running sums lose no digits to a large offset.
         let mean = curve.iter().sum::<f64>() / curve.len() as f64;
         let values: Vec<f64> = curve.iter().map(|value| value - mean).collect();
         let running = values.iter().scan([0.0, 0.0], |[sum, squares], value| {

@@ -77,7 +77,7 @@ fn opposite_curves_are_rated_zero() {
 #[test]
 fn grades_are_those_of_the_specification() {
     use Grade::*;
-    let found = [1.0, 0.941, 0.94, 0.81, 0.80, 0.59, 0.58, 0.0].map(Grade::of);
+    let found = [1.0, 0.941, 0.94, 0.81, 0.80, 0.59, 0.58, 0.0].map(Grade::from_rating);
     assert_eq!(found, [Excellent, Excellent, Good, Good, Fair, Fair, Poor, Poor]);
 }
 

@@ -25,7 +25,7 @@ pub enum TextError {
     NotText,
 }
 
-/// What is wrong with a file, and where.
+/// A fault of a file, and its place.
 #[derive(Debug, Error)]
 pub struct ReadError<F> {
     /// The file.
@@ -34,7 +34,7 @@ pub struct ReadError<F> {
     pub line: usize,
     /// In characters, counted from one.
     pub column: usize,
-    /// What is wrong.
+    /// The fault.
     pub fault: F,
 }
 
@@ -62,7 +62,7 @@ pub struct Mistake<F> {
     pub line: usize,
     /// In characters, counted from one.
     pub column: usize,
-    /// What is wrong.
+    /// The fault.
     pub fault: F,
 }
 
@@ -73,7 +73,7 @@ impl<F> Mistake<F> {
     }
 
     /// The mistake as one of the file at `path`.
-    pub fn of(self, path: &Path) -> ReadError<F> {
+    pub fn locate(self, path: &Path) -> ReadError<F> {
         ReadError { path: path.into(), line: self.line, column: self.column, fault: self.fault }
     }
 }

@@ -25,7 +25,7 @@ pub struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// The same line on its own.
+    /// The line with its own text.
     pub fn into_owned(self) -> Line<'static> {
         Line { number: self.number, text: Cow::Owned(self.text.into_owned()), ended: self.ended }
     }
@@ -41,7 +41,7 @@ pub struct Lines<R> {
 }
 
 impl<R: BufRead + 'static> Lines<R> {
-    /// The same lines, whatever they are read from.
+    /// The lines of a source whose type is erased.
     pub fn boxed(self) -> Lines<Box<dyn BufRead>> {
         Lines { source: Box::new(self.source), bytes: self.bytes, number: self.number, utf_16: self.utf_16 }
     }

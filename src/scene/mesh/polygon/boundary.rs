@@ -117,6 +117,7 @@ fn along(line: &[Point2<f64>], fewest: f64, wanted: &dyn Fn(Point2<f64>) -> f64)
             marks.push((edges, from + way * done));
         }
     }
+    // Equal shares of the number of wanted edges, not of the length: neighbours differ as the wanted lengths do.
     let parts = (edges - 1e-6).ceil().max(fewest).max(1.0);
     let mut next = marks.windows(2).peekable();
     let place = |part: u32| {

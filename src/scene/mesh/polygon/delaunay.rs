@@ -68,6 +68,7 @@ fn bad(
         let (shortest, ends) =
             edges.into_iter().fold(edges[0], |least, edge| if edge.0 < least.0 { edge } else { least });
         let middle = Point2::from((a.coords + b.coords + c.coords) / 3.0);
+        // Between lines that meet at a small angle every triangle is narrow, and refinement would not end.
         let narrow = if boundary.is_across_narrow(ends) { 0.0 } else { radius / (NARROW * shortest.sqrt()) };
         let excess = narrow.max(radius / (LARGE * wanted(middle)));
         (excess > 1.0).then_some(Bad { excess, centre, radius })
@@ -90,9 +91,12 @@ fn improve(
     let mut halved = BTreeSet::new();
     let before = inner.len();
     for Bad { centre, radius, .. } in bad {
+        // Two nodes nearer to each other than a radius would make a triangle as bad as these: one waits for a round.
         if added.has_within(*centre, *radius) {
             continue;
         }
+        // Within the circle over an edge as its diameter a node would see the edge at more than a right angle, however
+        // often the triangle is refined: the edge is halved instead (Ruppert).
         let is_close = |(_, [a, b]): &(usize, [Point2<f64>; 2])| (a - centre).dot(&(b - centre)) < 0.0;
         let ends = boundary.segments.iter().map(|segment| boundary.ends(segment)).enumerate();
         let close: Vec<(usize, [Point2<f64>; 2])> = ends.filter(is_close).collect();
@@ -163,6 +167,7 @@ fn covered(cdt: &Cdt) -> Vec<bool> {
             open.push((face, covers));
         }
     };
+    // Counted by edges that are crossed, a loop is a hole whatever its sense.
     for edge in cdt.convex_hull() {
         enter(edge.rev().face().fix().index(), edge.is_constraint_edge(), &mut open);
     }

@@ -33,6 +33,7 @@ pub(super) fn quadrilaterals(
             *middles.entry(undirected(edge)).or_insert_with(|| {
                 let [a, b] = edge.map(|node| nodes[node as usize]);
                 nodes.push(match uses[&undirected(edge)] {
+                    // The outline may turn between the two nodes.
                     1 => polygon.middle([a.xy(), b.xy()]).coords.push(0.0).into(),
                     _ => nalgebra::center(&a, &b),
                 });
@@ -62,6 +63,7 @@ fn joined(nodes: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
             }
         }
     }
+    // Greedy in place of a matching: triangles that are left become quadrilaterals by the division into three.
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut is_taken = vec![false; triangles.len()];
     let mut out: Vec<Vec<u32>> = vec![];

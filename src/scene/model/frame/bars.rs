@@ -1,7 +1,7 @@
 //! `frame.bars`: bars along the held edge, over which film bends.
 
 use crate::mesh::{Outline, Side};
-use crate::model::{Bars, Face, Hold, Loading, Mistakes};
+use crate::model::{Bars, Face, Hold, Loading, ModelDiagnostics};
 use crate::scenario::{self, Scenario};
 use base::number::significant;
 
@@ -21,7 +21,7 @@ pub(super) fn check(
     (loading, hold): (&Loading, &Hold),
     shape: Option<&Outline>,
     faces: Option<&[Face]>,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Bars> {
     let radius = written.radius.0;
     match loading {
@@ -84,7 +84,7 @@ pub(super) fn check(
 }
 
 /// Bars must fit between two faces.
-fn between(radius: f64, faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
+fn between(radius: f64, faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
     let thickness = |face: &Face| face.material.thickness * f64::from(face.layers);
     match faces {
         [] | [_] => {}

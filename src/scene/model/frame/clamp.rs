@@ -1,6 +1,6 @@
 //! `frame.clamp`: a clamp in which film slips.
 
-use crate::model::{Clamp, Hold, Loading, Mistakes};
+use crate::model::{Clamp, Hold, Loading, ModelDiagnostics};
 use crate::scenario::{self, Scenario};
 
 const PATH: &str = "frame.clamp";
@@ -11,7 +11,7 @@ pub(super) fn check(
     scenario: &Scenario,
     loading: &Loading,
     hold: &Hold,
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Clamp> {
     match loading {
         Loading::Stretch { .. } => {

@@ -1,11 +1,11 @@
 //! What concerns several impactors: names, and the times at which they are released.
 
 use super::Written;
-use crate::model::{Loading, Mistakes};
+use crate::model::{Loading, ModelDiagnostics};
 use crate::scenario::Guide;
 
 /// Names that tell several impactors apart, and releases within the run.
-pub(super) fn check(all: &[Written<'_>], loading: &Loading, has_bars: bool, mistakes: &mut Mistakes<'_>) {
+pub(super) fn check(all: &[Written<'_>], loading: &Loading, has_bars: bool, mistakes: &mut ModelDiagnostics<'_>) {
     names(all, mistakes);
     let earliest = all.iter().min_by(|a, b| a.at.0.total_cmp(&b.at.0)).filter(|one| one.at.0 > 0.0);
     let earliest = earliest.filter(|_| matches!(loading, Loading::Impact { .. }));
@@ -24,7 +24,7 @@ pub(super) fn check(all: &[Written<'_>], loading: &Loading, has_bars: bool, mist
     }
 }
 
-fn names(all: &[Written<'_>], mistakes: &mut Mistakes<'_>) {
+fn names(all: &[Written<'_>], mistakes: &mut ModelDiagnostics<'_>) {
     for (place, one) in all.iter().enumerate() {
         let key = one.key("name");
         let Some(name) = &one.name else {
@@ -65,7 +65,7 @@ fn is_identifier(name: &str) -> bool {
 }
 
 /// A release after the start.
-fn released(one: &Written<'_>, loading: &Loading, mistakes: &mut Mistakes<'_>) {
+fn released(one: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
     let key = one.key("at");
     let Loading::Impact { duration, .. } = loading else {
         if mistakes.is_written(&key) {

@@ -5,7 +5,7 @@ use std::fmt;
 
 use uncertainty::distribution::{Distribution, DistributionError};
 
-use super::super::Mistakes;
+use super::super::ModelDiagnostics;
 use crate::scenario::{Assignment, Node, Rule, Value, VariedKey};
 use base::diagnostic::{Diagnostic, Span};
 use base::number;
@@ -66,7 +66,7 @@ impl Factor {
     }
 
     /// Reads the values of a key.
-    pub(super) fn read(key: &VariedKey, mistakes: &mut Mistakes<'_>) -> Option<Factor> {
+    pub(super) fn read(key: &VariedKey, mistakes: &mut ModelDiagnostics<'_>) -> Option<Factor> {
         // The grammar reports these.
         let rule = key.rule().ok().filter(|_| key.validate().is_empty())?;
         let number = rule.number();

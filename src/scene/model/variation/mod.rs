@@ -6,7 +6,7 @@ mod table;
 
 use uncertainty::correlation::{Correlation, CorrelationError};
 
-use super::Mistakes;
+use super::ModelDiagnostics;
 use crate::scenario::{self, Document, Method};
 use base::diagnostic::Diagnostic;
 pub use factor::{Factor, Input, Level, Values};
@@ -51,13 +51,13 @@ impl Variation {
 /// All mistakes of the table, at once.
 pub fn variation(document: &Document) -> Result<Option<Variation>, Vec<Diagnostic>> {
     let (written, mistakes) = document.scenario();
-    let mut mistakes = Mistakes::new(document, mistakes);
+    let mut mistakes = ModelDiagnostics::new(document, mistakes);
     let found = written.and_then(|scenario| scenario.variation).and_then(|written| check(&written, &mut mistakes));
     if mistakes.found.0.is_empty() { Ok(found) } else { Err(mistakes.into_mistakes()) }
 }
 
 /// Checks the table as written.
-pub(super) fn check(written: &scenario::Variation, mistakes: &mut Mistakes<'_>) -> Option<Variation> {
+pub(super) fn check(written: &scenario::Variation, mistakes: &mut ModelDiagnostics<'_>) -> Option<Variation> {
     let before = mistakes.found.0.len();
     let keys = mistakes.document.varied_keys();
     let factors = match &written.method {
@@ -89,7 +89,7 @@ pub(super) fn check(written: &scenario::Variation, mistakes: &mut Mistakes<'_>) 
 }
 
 /// A key that varies twice, or of which a part varies too.
-fn repeated(factors: &[Factor], mistakes: &mut Mistakes<'_>) {
+fn repeated(factors: &[Factor], mistakes: &mut ModelDiagnostics<'_>) {
     for (place, factor) in factors.iter().enumerate() {
         let is_part = |inner: &str, whole: &str| inner.strip_prefix(whole).is_some_and(|rest| rest.starts_with('.'));
         let other = factors[..place].iter().find(|other| {
@@ -103,7 +103,7 @@ fn repeated(factors: &[Factor], mistakes: &mut Mistakes<'_>) {
 }
 
 /// The method, which must suit the values of the keys.
-fn method(written: &scenario::Variation, factors: &[Factor], mistakes: &mut Mistakes<'_>) -> Method {
+fn method(written: &scenario::Variation, factors: &[Factor], mistakes: &mut ModelDiagnostics<'_>) -> Method {
     let continuous = factors.iter().find(|factor| matches!(factor.values, Values::Distribution(_)));
     match (&written.method, continuous) {
         (None, None) => Method::Grid,
@@ -127,7 +127,7 @@ fn method(written: &scenario::Variation, factors: &[Factor], mistakes: &mut Mist
 fn correlation(
     written: &scenario::Correlation,
     factors: &[Factor],
-    mistakes: &mut Mistakes<'_>,
+    mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Correlation> {
     let mut places = Vec::new();
     for (row, key) in written.keys.iter().enumerate() {

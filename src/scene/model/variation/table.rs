@@ -4,7 +4,7 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::super::Mistakes;
+use super::super::ModelDiagnostics;
 use super::{Factor, Values};
 use crate::scenario::{Node, Value, VariedKey};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
@@ -14,7 +14,7 @@ use base::file;
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Reads the table in `path`, which the scenario names at `named`.
-pub(super) fn read(path: &Path, named: &Span, mistakes: &mut Mistakes<'_>) -> Vec<Factor> {
+pub(super) fn read(path: &Path, named: &Span, mistakes: &mut ModelDiagnostics<'_>) -> Vec<Factor> {
     let before = mistakes.found.0.len();
     match columns(path, named, mistakes) {
         Ok(_) if mistakes.found.0.len() > before => vec![],
@@ -26,7 +26,7 @@ pub(super) fn read(path: &Path, named: &Span, mistakes: &mut Mistakes<'_>) -> Ve
     }
 }
 
-fn columns(path: &Path, named: &Span, mistakes: &mut Mistakes<'_>) -> Result<Vec<Factor>, Diagnostic> {
+fn columns(path: &Path, named: &Span, mistakes: &mut ModelDiagnostics<'_>) -> Result<Vec<Factor>, Diagnostic> {
     let refused = |why: String| Diagnostic::new(format!("cannot read {}: {why}", shown_path(path))).at(named);
     let text = file::read_text(path, MOST_BYTES).map_err(|error| refused(error.to_string()))?;
     let source = Source::file(path, text);
@@ -72,7 +72,7 @@ fn key(label: &str, head: &Span, node: Node) -> Result<VariedKey, Diagnostic> {
     without_unit.ok_or(mistake)
 }
 
-/// A cell: a number, a truth value, or a text.
+/// A cell: a number, a Boolean, or a string.
 fn value(cell: &str) -> Value {
     if let Ok(whole) = cell.parse::<i64>() {
         return Value::Whole(whole);

@@ -164,7 +164,7 @@ fn estimate(best: &Dynamic) -> HostResult<Array> {
 fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
     let confidences = host.run::<_, ProfileError>(context, std::slice::from_ref(&request.search), |evaluator, _| {
         let linearization = linearization(&request.search.search, &request.options, evaluator)?;
-        Ok(Confidence::of(&linearization, &request.options.confidence)?)
+        Ok(Confidence::from_linearization(&linearization, &request.options.confidence)?)
     })?;
     let confidence = first(confidences)?;
     let title = match &request.search.labels.title {

@@ -194,7 +194,7 @@ mod tests {
                 "search 2: the objective has no value at the start [2.0]: no",
             ),
             (with("on_failure: \"ignore\""), "unknown on_failure `ignore` (there are worst, retry, stop)"),
-            (with("on_rupture: 1"), "`on_rupture` is a text, not i64"),
+            (with("on_rupture: 1"), "`on_rupture` must be a string, not i64"),
             (with("difference: 2"), "`difference` is 2, which must be between 0 and 1"),
             (with("names: [\"k1\"]"), "`names` has 1 entries for 2 unknowns"),
             ("minimize(\"levenberg-marquardt\", [1], |x| x[0])".into(), "levenberg-marquardt needs residuals"),

@@ -65,7 +65,7 @@ impl ScriptSearch {
             };
             let text = || {
                 let text = value.clone().into_immutable_string();
-                text.map_err(|found| refuse(format!("`{option}` is a text, not {found}")))
+                text.map_err(|found| refuse(format!("`{option}` must be a string, not {found}")))
             };
             match option.as_str() {
                 "tol_x" => search.tol_x = number(value, option)?,
@@ -104,7 +104,8 @@ impl ScriptSearch {
 fn check_labels(names: &[String], labels: &Labels, signals: &[String]) -> HostResult<()> {
     let mut all = names.iter().chain(signals).chain(&labels.title);
     let fits = |text: &String| !text.trim().is_empty() && text.chars().count() <= MAX_LENGTH;
-    let message = || format!("`title`, `names` and `signals` of a search are texts of 1 to {MAX_LENGTH} characters");
+    let message =
+        || format!("`title`, `names` and `signals` of a search must be strings of 1 to {MAX_LENGTH} characters");
     if all.all(fits) { Ok(()) } else { Err(refuse(message())) }
 }
 

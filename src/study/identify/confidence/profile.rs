@@ -184,7 +184,7 @@ fn values(search: &Search, confidence: &Confidence, index: usize, count: usize) 
     let widest = if confidence.relative { WIDEST * size } else { f64::INFINITY };
     let half_width = if half_width.is_finite() { half_width.min(widest) } else { UNDETERMINED * size };
     let interval = Interval::new(x, half_width.max(NARROWEST * search.difference * size), confidence.relative);
-    let [down, up] = [-FARTHEST, FARTHEST].map(|far| interval.at(far).clamp(lower, upper));
+    let [down, up] = [-FARTHEST, FARTHEST].map(|far| interval.value_at(far).clamp(lower, upper));
     let share = |step: usize| step as f64 / count as f64;
     let below = (1..=count).rev().map(|step| x + (down - x) * share(step));
     let above = (1..=count).map(|step| x + (up - x) * share(step));
@@ -325,7 +325,7 @@ mod tests {
         let problem = Problem { on_failure: search.on_failure, ..Problem::new(&counted) };
         let found: Result<Vec<Profile>, ProfileError> = with_evaluator(problem, 2, |evaluator| {
             let linearization = linearize_at_start(search, evaluator)?;
-            let confidence = Confidence::of(&linearization, options)?;
+            let confidence = Confidence::from_linearization(&linearization, options)?;
             profiles(search, &linearization, &confidence, 3, evaluator, &mut |_| {})
         });
         (found.unwrap(), trials.into_inner())

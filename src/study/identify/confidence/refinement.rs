@@ -91,7 +91,7 @@ impl Refinement {
         let mut round = 0;
         loop {
             let linearization = linearization(&search, options, evaluator)?;
-            let confidence = Confidence::of(&linearization, &options.confidence)?;
+            let confidence = Confidence::from_linearization(&linearization, &options.confidence)?;
             let mut open = |open| observer(ProfileEvent::OpenPoints(open));
             let profiles = profiles(&search, &linearization, &confidence, options.points, evaluator, &mut open)?;
             let estimate = linearization.norm();

@@ -44,9 +44,9 @@ impl Loader<'_> {
             let mut refuse =
                 |message: String, hint| self.faults.push(Fault::at(&source, import.position, message).with_hint(hint));
             if let Some(begin) = chain.iter().position(|name| *name == import.name) {
-                let circle = chain[begin..].iter().chain([&import.name]);
-                let circle = circle.map(String::as_str).collect::<Vec<_>>().join(" → ");
-                refuse(format!("modules import each other in a circle: {circle}"), None);
+                let cycle = chain[begin..].iter().chain([&import.name]);
+                let cycle = cycle.map(String::as_str).collect::<Vec<_>>().join(" → ");
+                refuse(format!("cyclic imports: {cycle}"), None);
                 continue;
             }
             if self.units.iter().skip(1).any(|unit| unit.name == import.name) {

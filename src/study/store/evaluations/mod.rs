@@ -150,13 +150,13 @@ impl EvaluationStore {
     /// # Errors
     /// The folder or a segment in it cannot be read.
     pub fn open(folder: &Path, build: &str) -> io::Result<EvaluationStore> {
-        let store = EvaluationStore::unread(folder, build);
+        let store = EvaluationStore::without_loading(folder, build);
         store.refresh()?;
         Ok(store)
     }
 
     /// The store in `folder`, of which nothing is read before it is refreshed.
-    pub fn unread(folder: &Path, build: &str) -> EvaluationStore {
+    pub fn without_loading(folder: &Path, build: &str) -> EvaluationStore {
         EvaluationStore { folder: folder.into(), build: build.into(), state: Mutex::default() }
     }
 
@@ -227,6 +227,7 @@ impl EvaluationStore {
     /// # Errors
     /// The claim cannot be written.
     pub fn claim(&self, key: Key) -> io::Result<bool> {
+        // The lock is not held while the claim is written, so that threads with other keys go on.
         {
             let mut state = self.state();
             if state.rivals(key).next().is_some() || !state.under_way.insert(key) {

@@ -54,6 +54,7 @@ pub(in crate::experiment::law_fit) fn fit(
     let stable_to = options.stable_to.unwrap_or_else(|| range(sets)[1].max(1.0));
     let minima = minima(&problem, sets, stable_to);
     let lowest = minima.iter().map(|minimum| minimum.squares).fold(f64::INFINITY, f64::min);
+    // Stability counts before residuals: a run with a law that is unstable in its range has no solution.
     let best =
         minima.iter().min_by(|a, b| (a.stability, a.squares).partial_cmp(&(b.stability, b.squares)).expect("finite"));
     let best = best.ok_or(FitError::NoValue)?;
@@ -80,7 +81,7 @@ pub(in crate::experiment::law_fit) fn fit(
             Measured::Tension(tension, _) => curve(&best.law, tension, range(std::slice::from_ref(set))),
             Measured::Biaxial(_) => vec![],
         };
-        TestFit { set: set.clone(), quality: Quality::of(&set.measured, &found), predicted: found, curve }
+        TestFit { set: set.clone(), quality: Quality::from_stresses(&set.measured, &found), predicted: found, curve }
     };
     Ok(LawFit {
         choice: match energy {
@@ -99,7 +100,7 @@ pub(in crate::experiment::law_fit) fn fit(
     })
 }
 
-/// What is to be said of the stability of the best minimum.
+/// Reports on the stability of the best minimum.
 fn stability_warnings(best: &Minimum, lowest: f64, stable_to: f64) -> Vec<Warning> {
     let unstable = best.law.instability_up_to(stable_to);
     match (best.stability, unstable) {

@@ -87,6 +87,8 @@ impl<'a> Separable<'a> {
 
     /// The moduli with the least residuals for a shape; none where a stress is not finite.
     pub(super) fn solve(&self, shape: &[f64], sign: Sign) -> Option<Solved> {
+        // Variable projection (Golub and Pereyra 1973): for each shape the moduli are linear, so that only the shape is
+        // searched, and polynomials need no search.
         let laws = self.energy.unit_laws(shape);
         let columns: Vec<DVector<f64>> =
             laws.iter().map(|law| DVector::from_vec(self.stresses(law)).component_mul(&self.factors)).collect();

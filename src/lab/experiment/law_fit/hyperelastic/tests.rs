@@ -84,7 +84,7 @@ fn one_ogden_law_follows_treloars_three_tests() {
     assert!(confidence.standard_errors.iter().all(|error| error.is_finite()), "{confidence:?}");
 }
 
-/// What the warning says is so: fitted to the uniaxial test, the law fails in equibiaxial tension.
+/// Fitted to the uniaxial test, the law fails in equibiaxial tension, as the warning says.
 #[test]
 fn a_fit_to_uniaxial_tests_alone_is_unsafe_for_biaxial_film() {
     let sets = treloar();

@@ -68,7 +68,7 @@ impl FromStr for PlasticDirection {
 /// The measured curve of one coupon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlasticCoupon {
-    /// What figures call it: the name of its file.
+    /// Name in figures: that of its file.
     pub name: String,
     /// Its direction.
     pub direction: PlasticDirection,
@@ -172,7 +172,7 @@ pub struct TrueCurve {
 impl TrueCurve {
     /// `count` points of `curve` at equal intervals of engineering strain, from the plastic strain `offset` on, with
     /// Young's modulus `young` (Pa); none where fewer than two flow.
-    pub(super) fn of(curve: &Curve, young: f64, offset: f64, count: usize) -> Option<TrueCurve> {
+    pub(super) fn from_engineering(curve: &Curve, young: f64, offset: f64, count: usize) -> Option<TrueCurve> {
         let plastic = |[strain, stress]: [f64; 2]| strain.ln_1p() - stress * (1.0 + strain) / young;
         let samples: Vec<[f64; 2]> = curve.samples().collect();
         let top = samples.iter().enumerate().max_by(|a, b| a.1[1].total_cmp(&b.1[1])).map(|(place, _)| place)?;
@@ -184,7 +184,7 @@ impl TrueCurve {
         let mut out = TrueCurve { points: vec![], engineering: vec![] };
         for k in 0..count {
             let strain = from + (to - from) * k as f64 / (count - 1) as f64;
-            let sample = [strain, curve.at(strain)?];
+            let sample = [strain, curve.stress_at(strain)?];
             let p = plastic(sample);
             if p >= offset && out.points.last().is_none_or(|last| p > last[0]) {
                 out.points.push([p, sample[1] * (1.0 + strain)]);
@@ -195,7 +195,7 @@ impl TrueCurve {
     }
 
     /// True stress (Pa) at the plastic strain `p`; none outside.
-    pub fn at(&self, p: f64) -> Option<f64> {
+    pub fn stress_at(&self, p: f64) -> Option<f64> {
         let after = self.points.iter().position(|point| point[0] >= p)?;
         let [to, high] = self.points[after];
         if to == p {

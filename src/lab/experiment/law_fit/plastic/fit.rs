@@ -64,7 +64,7 @@ pub struct PlasticFit {
     pub coupons: Vec<CouponQuality>,
     /// Largest difference between coupons of one direction over their mean stress, by direction where there are several.
     pub scatter: Vec<(PlasticDirection, f64)>,
-    /// What is assumed.
+    /// Assumptions.
     pub warnings: Vec<Warning>,
 }
 
@@ -99,7 +99,7 @@ impl PlasticFit {
     ///
     /// # Errors
     /// [`PlasticFitError`].
-    pub fn of(coupons: &[PlasticCoupon], rules: &PlasticRules) -> Result<PlasticFit, PlasticFitError> {
+    pub fn from_coupons(coupons: &[PlasticCoupon], rules: &PlasticRules) -> Result<PlasticFit, PlasticFitError> {
         let along: Vec<Vec<usize>> = PlasticDirection::ALL
             .map(|direction| (0..coupons.len()).filter(|k| coupons[*k].direction == direction).collect())
             .to_vec();
@@ -111,7 +111,7 @@ impl PlasticFit {
             along.iter().filter(|g| !g.is_empty()).map(|g| g.iter().map(|k| moduli[*k].0).collect()).collect();
         let young = mean_of_means(&groups).map_err(|_| PlasticFitError::NoModulus)?;
         let curves = coupons.iter().zip(&moduli).map(|(coupon, (_, curve))| {
-            let flow = TrueCurve::of(curve, young, rules.offset, POINTS);
+            let flow = TrueCurve::from_engineering(curve, young, rules.offset, POINTS);
             flow.ok_or_else(|| CouponError::NoFlow { name: coupon.name.clone(), offset: rules.offset })
         });
         let curves = curves.collect::<Result<Vec<_>, _>>()?;
@@ -163,6 +163,8 @@ impl PlasticFit {
     /// with T = R σ_y(R E_p).
     pub fn stress(&self, direction: PlasticDirection, strain: f64) -> f64 {
         let (ratio, total) = (ratio(&self.ratios, direction), strain.ln_1p());
+        // Elastic stress falls with E_p and flow stress does not, so that they cross once; bisection also passes the
+        // corners of a table, where Newton's method may cycle.
         let (mut low, mut high) = (0.0, total);
         for _ in 0..100 {
             let plastic = 0.5 * (low + high);
@@ -217,6 +219,7 @@ fn points(coupons: &[PlasticCoupon], curves: &[TrueCurve], along: &[Vec<usize>],
     let of_coupon = |(coupon, curve): (&PlasticCoupon, &TrueCurve)| {
         let place = PlasticDirection::ALL.iter().position(|direction| *direction == coupon.direction).unwrap_or(0);
         let ratio = others.iter().position(|other| *other == place);
+        // A direction with more coupons, or a coupon with more points, must not decide the common law.
         let weight = 1.0 / (along[place].len() as f64 * curve.points.len() as f64).sqrt();
         let points =
             curve.points.iter().map(move |[strain, stress]| Point { ratio, strain: *strain, stress: *stress, weight });
@@ -232,7 +235,7 @@ fn table(coupons: &[PlasticCoupon], curves: &[TrueCurve], ratios: &[Ratio; 3], e
         let of_direction = |direction: &PlasticDirection| {
             let own = coupons.iter().zip(curves).filter(|(coupon, _)| coupon.direction == *direction);
             let ratio = ratio(ratios, *direction);
-            let stresses: Vec<f64> = own.filter_map(|(_, curve)| Some(curve.at(p / ratio)? / ratio)).collect();
+            let stresses: Vec<f64> = own.filter_map(|(_, curve)| Some(curve.stress_at(p / ratio)? / ratio)).collect();
             (!stresses.is_empty()).then(|| stresses.iter().sum::<f64>() / stresses.len() as f64)
         };
         let means: Vec<f64> = PlasticDirection::ALL.iter().filter_map(of_direction).collect();
@@ -268,7 +271,7 @@ fn scatter(along: &[Vec<usize>], curves: &[TrueCurve]) -> Vec<(PlasticDirection,
             return None;
         }
         let spread = |p: f64| {
-            let stresses: Vec<f64> = own.iter().filter_map(|k| curves[*k].at(p)).collect();
+            let stresses: Vec<f64> = own.iter().filter_map(|k| curves[*k].stress_at(p)).collect();
             let (low, high) = stresses.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
             (stresses.len() > 1).then_some(2.0 * (high - low) / (high + low))
         };
@@ -300,7 +303,7 @@ mod tests {
             PlasticCoupon { name: direction.to_string(), direction, curve: Curve::new(strain, stress).unwrap() }
         };
         let all = PlasticDirection::ALL.map(coupon);
-        let fit = PlasticFit::of(&all, &RULES).unwrap();
+        let fit = PlasticFit::from_coupons(&all, &RULES).unwrap();
         let Hardening::Voce(found) = fit.hardening else { panic!("{:?}", fit.hardening) };
         // The slope of the window is that of nominal stress.
         assert!((fit.young / young - 1.0).abs() < 0.01, "{}", fit.young);
@@ -314,7 +317,7 @@ mod tests {
         }
         assert!((fit.hill().stress_ratio(std::f64::consts::FRAC_PI_4) - fit.ratios[1].value).abs() < 1e-12);
         assert!(fit.coupons.iter().all(|coupon| coupon.largest < 2e-3 * coupon.strength), "{:?}", fit.coupons);
-        let table = PlasticFit::of(&all, &PlasticRules { form: HardeningForm::Table, ..RULES }).unwrap();
+        let table = PlasticFit::from_coupons(&all, &PlasticRules { form: HardeningForm::Table, ..RULES }).unwrap();
         for direction in PlasticDirection::ALL {
             let plastic = |e: f64| e.ln_1p() - truth.stress(direction, e) * (1.0 + e) / young;
             // Beyond the shortest recording a table is constant.
@@ -326,9 +329,9 @@ mod tests {
                 assert!(error.abs() < 4e-3, "{direction} at {e}: {error}");
             }
         }
-        let alone = PlasticFit::of(&all[..1], &RULES).unwrap();
+        let alone = PlasticFit::from_coupons(&all[..1], &RULES).unwrap();
         let assumed = alone.warnings.iter().filter(|warning| matches!(warning, Warning::RatioAssumed { .. }));
         assert_eq!((alone.hill(), assumed.count()), (Hill::default(), 3));
-        assert!(matches!(PlasticFit::of(&all[1..], &RULES), Err(PlasticFitError::NoMachineDirection)));
+        assert!(matches!(PlasticFit::from_coupons(&all[1..], &RULES), Err(PlasticFitError::NoMachineDirection)));
     }
 }

@@ -13,6 +13,7 @@ pub(super) struct Point {
 
 /// Voce's law and ratios of the logarithms of σ_0, σ_s − σ_0, b and the ratios R.
 fn law(logs: &[f64]) -> (Voce, Vec<f64>) {
+    // Logarithms of σ_0, σ_s − σ_0 and b: whatever the descent tries hardens and does not fall.
     let of: Vec<f64> = logs.iter().map(|log| log.exp()).collect();
     (Voce { initial: of[0], saturation: of[0] + of[1], rate: of[2] }, of[3..].to_vec())
 }

@@ -78,8 +78,8 @@ pub enum SurfaceError {
     /// The volume is zero or not finite.
     #[error("the impactor's surface encloses no volume")]
     NoVolume,
-    /// The rounding leaves nothing of the shape.
-    #[error("the radius of the impactor's edges leaves nothing of its flat faces")]
+    /// The rounding is too large for the shape.
+    #[error("the radius of the impactor's edges is too large for its flat faces")]
     NoFaces,
 }
 

@@ -1,19 +1,19 @@
-//! Mistakes found by the checks, each at the place of a key path.
+//! Diagnostics of the checks, each at the place of a key path.
 
 use std::path::PathBuf;
 
 use crate::scenario::{Document, MeshFile};
 use base::diagnostic::{Diagnostic, Diagnostics, Span, shown_path};
 
-/// The mistakes found so far, and the document that says where they are.
-pub struct Mistakes<'d> {
+/// The diagnostics found so far, and the document that says where they are.
+pub struct ModelDiagnostics<'d> {
     pub document: &'d Document,
     pub found: Diagnostics,
 }
 
-impl<'d> Mistakes<'d> {
-    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Mistakes<'d> {
-        Mistakes { document, found: Diagnostics(mistakes) }
+impl<'d> ModelDiagnostics<'d> {
+    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> ModelDiagnostics<'d> {
+        ModelDiagnostics { document, found: Diagnostics(mistakes) }
     }
 
     /// A mistake in the value at the key path.
@@ -37,7 +37,7 @@ impl<'d> Mistakes<'d> {
         }
     }
 
-    /// The value at the key path, whose number is hardly meant, in the unit that is, as a hint; none where it is
+    /// The value at the key path, whose number is implausible, in the unit that is, as a hint; none where it is
     /// likely.
     pub fn meant(&self, path: &str) -> Option<String> {
         let found = self.document.implausible().into_iter().find(|value| value.key == path)?;
@@ -49,9 +49,9 @@ impl<'d> Mistakes<'d> {
         self.report_with(path, format!("missing key `{path}`"), hint);
     }
 
-    /// A key that has no meaning together with another.
+    /// A key that is not allowed beside another.
     pub fn out_of_place(&mut self, path: &str, why: impl Into<String>) {
-        self.found.report_with(&self.document.key_span(path), format!("`{path}` has no meaning here"), why);
+        self.found.report_with(&self.document.key_span(path), format!("`{path}` is not allowed here"), why);
     }
 
     /// Whether the document has the key.

@@ -16,9 +16,9 @@ const LIMIT: Duration = Duration::from_millis(300);
 const FIRST: Duration = Duration::from_millis(500);
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// What is left of a sweep.
+/// Remaining work of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Outlook {
+pub struct RemainingWork {
     /// Runs that are still to be computed, by this process or others.
     pub left: usize,
     /// Runs that other processes have computed since this one began.
@@ -38,7 +38,7 @@ pub(super) struct Position {
 
 /// Estimates what is left from samples of the runs that wait.
 #[derive(Debug)]
-pub(super) struct Lookout {
+pub(super) struct Estimator {
     /// Records of others when the process began.
     before: usize,
     /// What was left at the last sample, and the runs that were computed by then, here and elsewhere.
@@ -47,22 +47,22 @@ pub(super) struct Lookout {
     pause: Duration,
 }
 
-impl Lookout {
+impl Estimator {
     /// Of a process that begins now.
-    pub(super) fn new(evaluations: &Evaluations) -> Lookout {
+    pub(super) fn new(evaluations: &Evaluations) -> Estimator {
         let before = evaluations.store().others();
-        Lookout { before, sampled: None, next: Instant::now() + FIRST, pause: FIRST }
+        Estimator { before, sampled: None, next: Instant::now() + FIRST, pause: FIRST }
     }
 
     /// What is left at `position`, where `sample` gives at most so many places of runs that wait, spread evenly; none before
     /// the first sample, and where all records are of this process, which knows it then.
-    pub(super) fn outlook(
+    pub(super) fn remaining_work(
         &mut self,
         sweep: &Sweep,
         evaluations: &Evaluations,
         Position { waiting, begun, computed }: Position,
         sample: impl FnOnce(usize) -> Vec<usize>,
-    ) -> Option<Outlook> {
+    ) -> Option<RemainingWork> {
         let others = evaluations.store().others();
         if others == 0 {
             return None;
@@ -76,7 +76,7 @@ impl Lookout {
         }
         let [left, by_then] = self.sampled?;
         let since = (computed + elsewhere).saturating_sub(by_then);
-        Some(Outlook { left: left.saturating_sub(since).max(begun), elsewhere })
+        Some(RemainingWork { left: left.saturating_sub(since).max(begun), elsewhere })
     }
 }
 
@@ -135,31 +135,31 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let store = folder.path().join("store");
         let sweep = sweep(folder.path(), 30);
-        let now = |lookout: &mut Lookout| lookout.next = Instant::now();
-        let later = |lookout: &mut Lookout| lookout.next = Instant::now() + Duration::from_secs(3600);
+        let now = |estimator: &mut Estimator| estimator.next = Instant::now();
+        let later = |estimator: &mut Estimator| estimator.next = Instant::now() + Duration::from_secs(3600);
         let at = |computed| Position { waiting: 26, begun: 2, computed };
         let waiting = |_: usize| (4..30).collect();
 
         let alone = Evaluations::open(&store).unwrap();
-        let mut lookout = Lookout::new(&alone);
-        now(&mut lookout);
-        assert_eq!(lookout.outlook(&sweep, &alone, at(2), waiting), None);
+        let mut estimator = Estimator::new(&alone);
+        now(&mut estimator);
+        assert_eq!(estimator.remaining_work(&sweep, &alone, at(2), waiting), None);
         compute(&sweep, &alone, (10..20).chain([0]));
 
         let [here, other] = [(); 2].map(|()| Evaluations::open(&store).unwrap());
-        let mut lookout = Lookout::new(&here);
-        later(&mut lookout);
-        assert_eq!(lookout.outlook(&sweep, &here, at(2), waiting), None);
-        now(&mut lookout);
+        let mut estimator = Estimator::new(&here);
+        later(&mut estimator);
+        assert_eq!(estimator.remaining_work(&sweep, &here, at(2), waiting), None);
+        now(&mut estimator);
         let left = 26 - 10 + 2;
-        assert_eq!(lookout.outlook(&sweep, &here, at(2), waiting), Some(Outlook { left, elsewhere: 0 }));
-        later(&mut lookout);
+        assert_eq!(estimator.remaining_work(&sweep, &here, at(2), waiting), Some(RemainingWork { left, elsewhere: 0 }));
+        later(&mut estimator);
         compute(&sweep, &other, 25..28);
         here.store().refresh().unwrap();
-        let expected = Outlook { left: left - 4, elsewhere: 3 };
-        assert_eq!(lookout.outlook(&sweep, &here, at(3), waiting), Some(expected));
-        now(&mut lookout);
-        let expected = Outlook { left: left - 3, elsewhere: 3 };
-        assert_eq!(lookout.outlook(&sweep, &here, at(3), waiting), Some(expected));
+        let expected = RemainingWork { left: left - 4, elsewhere: 3 };
+        assert_eq!(estimator.remaining_work(&sweep, &here, at(3), waiting), Some(expected));
+        now(&mut estimator);
+        let expected = RemainingWork { left: left - 3, elsewhere: 3 };
+        assert_eq!(estimator.remaining_work(&sweep, &here, at(3), waiting), Some(expected));
     }
 }
