@@ -78,7 +78,7 @@ impl Clamp {
             let (n, at, before) = (clamped.node, nodes.position_of(clamped.node), nodes.velocity_of(clamped.node));
             let (mut position, mut velocity) = (at.coords, Vector3::zeros());
             if !gone {
-                let force = Vector3::from(nodes.force.at(n)) - Vector3::z() * (nodes.mass[n] * gravity);
+                let force = Vector3::from(nodes.force.value_at(n)) - Vector3::z() * (nodes.mass[n] * gravity);
                 let pulled = clamped.free_part(&(before + force * (over / nodes.mass[n])));
                 let normal = bars.map_or(Vector3::z(), |bars| on_bars(bars, n, &position).1);
                 let along = pulled - normal * pulled.dot(&normal);

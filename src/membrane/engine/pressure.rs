@@ -131,7 +131,7 @@ pub(super) fn fill(films: &[Film], nodes: &mut Nodes, step: &GasStep) -> Inflate
     let (mut growth, mut response) = (0.0, 0.0);
     for (area, n) in gradient.iter().zip(film.nodes.clone()) {
         let (inverse_mass, velocity, force) =
-            (nodes.effective_inverse_mass().at(n), nodes.velocity.at(n), nodes.force.at(n));
+            (nodes.effective_inverse_mass().value_at(n), nodes.velocity.value_at(n), nodes.force.value_at(n));
         for axis in 0..3 {
             let field = if axis == 2 { -step.gravity } else { 0.0 };
             let is_free = inverse_mass[axis] > 0.0;
@@ -158,7 +158,7 @@ pub(super) struct ElementLoad {
 impl ElementLoad {
     /// That of the element with these nodes.
     pub(super) fn of(corners: &[u32], position: &Vectors) -> ElementLoad {
-        let place = |a: usize| Vector3::from(position.at(corners[a] as usize));
+        let place = |a: usize| Vector3::from(position.value_at(corners[a] as usize));
         match corners.len() {
             3 => triangle([place(0), place(1), place(2)]),
             _ => quad([place(0), place(1), place(2), place(3)]),

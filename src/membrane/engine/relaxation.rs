@@ -125,7 +125,7 @@ impl Engine {
             self.virgin_forces();
         }
         let residual = self.residual(&all);
-        let moved = |n: usize| (self.nodes.position_of(n) - Point3::from(position.at(n))).norm();
+        let moved = |n: usize| (self.nodes.position_of(n) - Point3::from(position.value_at(n))).norm();
         let displacement = (0..self.nodes.mass.len()).map(moved).fold(0.0, f64::max);
         let highest = |position: &Vectors| position.axes()[2].iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let rise = (highest(&self.nodes.position) - highest(&position)).max(0.0);
@@ -161,7 +161,7 @@ impl Engine {
         let of_node = |n: usize| {
             let (gap, normal) = contact.gap(&self.nodes, &body.pose, n);
             let weight = Vector3::z() * (self.nodes.mass[n] * self.loads.film_gravity());
-            let pressed = (Vector3::from(self.nodes.force.at(n)) - weight).dot(&normal);
+            let pressed = (Vector3::from(self.nodes.force.value_at(n)) - weight).dot(&normal);
             if gap < touching { pressed.min(0.0).powi(2) } else { 0.0 }
         };
         film.nodes.clone().filter(|n| !self.nodes.is_held(*n)).map(of_node).sum()
@@ -179,7 +179,7 @@ impl Engine {
         for film in &self.films {
             film.for_each_intact(|corners| {
                 for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                    let [x, y, z] = [0, 1, 2].map(|k| position.at(*b as usize)[k] - position.at(*a as usize)[k]);
+                    let [x, y, z] = [0, 1, 2].map(|k| position.value_at(*b as usize)[k] - position.value_at(*a as usize)[k]);
                     slope_squared = slope_squared.max(z * z / (x * x + y * y));
                 }
             });

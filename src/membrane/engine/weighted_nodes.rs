@@ -19,7 +19,7 @@ impl WeightedNodes {
     /// `of` some nodes, with `weights`.
     pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
         let response =
-            std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().at(of[k] as usize)) * weights[k]);
+            std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().value_at(of[k] as usize)) * weights[k]);
         let count = weights.iter().rposition(|weight| *weight != 0.0).map_or(0, |last| last + 1);
         WeightedNodes { nodes: of, weights, response, count }
     }
@@ -27,7 +27,7 @@ impl WeightedNodes {
     /// The sum of what the nodes have: of their velocities, that of the point, m/s.
     #[inline(always)]
     pub(super) fn sum(&self, of: &Vectors) -> Vector3<f64> {
-        (0..self.count).map(|k| Vector3::from(of.at(self.nodes[k] as usize)) * self.weights[k]).sum()
+        (0..self.count).map(|k| Vector3::from(of.value_at(self.nodes[k] as usize)) * self.weights[k]).sum()
     }
 
     /// Adds what an `impulse` (N s) on the sum does to the velocities of the nodes; multiplied by a time, to their

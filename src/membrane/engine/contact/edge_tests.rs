@@ -184,7 +184,7 @@ fn penetration(view: &View<'_>, body: &Body) -> [f64; 2] {
     let mut deepest = 0.0_f64;
     view.films[0].for_each_intact(|corners| {
         let at: Vec<Vector3<f64>> =
-            corners.iter().map(|n| Vector3::from(view.nodes.position.at(*n as usize))).collect();
+            corners.iter().map(|n| Vector3::from(view.nodes.position.value_at(*n as usize))).collect();
         let mean = at.iter().sum::<Vector3<f64>>() / at.len() as f64;
         let longest = at.iter().map(|c| (c - mean).norm()).fold(0.0, f64::max);
         if body.distance(pose, &mean.into()) > longest + THICKNESS {
@@ -378,7 +378,7 @@ fn a_restored_run_goes_on_bit_by_bit() {
             restored.step(&mut Unobserved).unwrap();
         }
         let positions =
-            |engine: &Engine| (0..engine.nodes.mass.len()).map(|n| engine.nodes.position.at(n)).collect::<Vec<_>>();
+            |engine: &Engine| (0..engine.nodes.mass.len()).map(|n| engine.nodes.position.value_at(n)).collect::<Vec<_>>();
         assert_eq!(positions(&engine), positions(&restored), "{}", drop.body.name);
     }
 }

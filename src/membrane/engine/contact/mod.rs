@@ -264,7 +264,7 @@ impl Contact {
         for impulse in swept {
             let after = nodes.velocity_of(impulse.node);
             fastest = fastest.max(after.norm_squared());
-            sums.add(impulse, &(0.5 * (after + Vector3::from(self.previous_velocity.at(impulse.node)))));
+            sums.add(impulse, &(0.5 * (after + Vector3::from(self.previous_velocity.value_at(impulse.node)))));
         }
         self.work.add(&sums, self.multiplicity, body, before);
         fastest.sqrt()

@@ -43,7 +43,7 @@ impl<'a> Search<'a> {
 
     /// The foot of a node on `face`, where one is near: on the triangle that lies nearest.
     pub(super) fn nearest(&mut self, node: u32, face: usize) -> Option<Foot> {
-        let at = self.position.at(node as usize);
+        let at = self.position.value_at(node as usize);
         let around = Aabb::from_half_extents(Vector::from(at), Vector::splat(self.reach));
         if !around.intersects(&self.boxes[face]) {
             return None;
@@ -52,7 +52,7 @@ impl<'a> Search<'a> {
         let first = surface.faces[face].start;
         let tree = self.trees[face].get_or_insert_with(|| {
             let leaf = |triangle: u32| {
-                let corners = surface.corners[triangle as usize].map(|n| Vector::from(position.at(n as usize)));
+                let corners = surface.corners[triangle as usize].map(|n| Vector::from(position.value_at(n as usize)));
                 let low = corners[0].min(corners[1]).min(corners[2]);
                 Aabb::new(low, corners[0].max(corners[1]).max(corners[2]))
             };
@@ -139,7 +139,7 @@ impl FilmContact {
 fn distance_squared(surface: &Surface, position: &Vectors, point: &Vector3<f64>, triangle: u32) -> f64 {
     use parry3d_f64::query::PointQuery;
     use parry3d_f64::shape::Triangle;
-    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector::from(position.at(n as usize)));
+    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector::from(position.value_at(n as usize)));
     let point = Vector::from(<[f64; 3]>::from(*point));
     let projected = Triangle::new(a, b, c).project_local_point(point, true).point;
     (projected - point).length_squared()

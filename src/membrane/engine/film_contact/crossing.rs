@@ -71,9 +71,9 @@ fn follow(
     [from, to]: [u32; 2],
     out: &mut Vec<Crossing>,
 ) {
-    let [start, end] = [from, to].map(|n| Vector3::from(position.at(n as usize)));
+    let [start, end] = [from, to].map(|n| Vector3::from(position.value_at(n as usize)));
     let direction = {
-        let [a, b] = surface.edges[edge as usize].map(|n| Vector3::from(position.at(n as usize)));
+        let [a, b] = surface.edges[edge as usize].map(|n| Vector3::from(position.value_at(n as usize)));
         b - a
     };
     let (sign, bound) = (tracking.sign[from as usize], tracking.bound[from as usize]);
@@ -97,7 +97,7 @@ fn follow(
         let [l, m] = [(k + 1) % 3, (k + 2) % 3];
         let corner = surface.corners[triangle as usize][if weight(l) > weight(m) { l } else { m }];
         if tracking.corner(near) != Some(corner) && back.corner(corner) != Some(near) {
-            let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.at(n as usize)));
+            let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.value_at(n as usize)));
             let across = direction.cross(&(d - c));
             let up = across.dot(&normal) * sign;
             let is_across = across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared();

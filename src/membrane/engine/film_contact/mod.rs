@@ -266,7 +266,7 @@ impl FilmContact {
     pub(super) fn damping_correction(&self, nodes: &Nodes) -> f64 {
         let of = |n: usize| {
             let [before, predicted, after] =
-                [&self.previous_velocity, &self.predicted, &nodes.velocity].map(|all| Vector3::from(all.at(n)));
+                [&self.previous_velocity, &self.predicted, &nodes.velocity].map(|all| Vector3::from(all.value_at(n)));
             0.25 * nodes.mass[n] * (after - predicted).dot(&(before + predicted))
         };
         (0..nodes.mass.len()).map(of).sum()

@@ -184,7 +184,7 @@ impl FilmContact {
             let [normal, tangential] = constraint.work(&self.previous_velocity, velocity);
             self.work.impact_loss -= self.multiplicity * normal;
             self.work.friction_loss -= self.multiplicity * tangential;
-            let squared = |n: &u32| Vector3::from(velocity.at(*n as usize)).norm_squared();
+            let squared = |n: &u32| Vector3::from(velocity.value_at(*n as usize)).norm_squared();
             fastest = constraint.points.nodes.iter().map(squared).fold(fastest, f64::max);
         }
         self.carried.sort_unstable_by_key(|carried| carried.source);

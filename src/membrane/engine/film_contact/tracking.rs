@@ -97,7 +97,7 @@ impl Tracking {
         }
         let corners = self.corners.each_ref().map(|corner| corner[node]);
         let [a, b, c, point] =
-            [corners[0], corners[1], corners[2], node as u32].map(|n| Vector3::from(position.at(n as usize)));
+            [corners[0], corners[1], corners[2], node as u32].map(|n| Vector3::from(position.value_at(n as usize)));
         let normal = (b - a).cross(&(c - a)).normalize();
         for (k, corner) in [a, b, c].iter().enumerate() {
             let from = point - corner;
@@ -220,7 +220,7 @@ pub(super) fn foot(surface: &Surface, position: &Vectors, point: &Vector3<f64>, 
 fn beside(surface: &Surface, position: &Vectors, point: &Vector3<f64>, triangle: u32, k: usize, is_over: bool) -> Foot {
     let corners = surface.corners[triangle as usize];
     let [from, to] = [(k + 1) % 3, (k + 2) % 3];
-    let [a, b] = [from, to].map(|c| Vector3::from(position.at(corners[c] as usize)));
+    let [a, b] = [from, to].map(|c| Vector3::from(position.value_at(corners[c] as usize)));
     let along = b - a;
     let share = ((point - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
     let mut weights = [0.0; 3];
@@ -241,7 +241,7 @@ pub(super) fn project(
     point: &Vector3<f64>,
     triangle: u32,
 ) -> ([f64; 3], Vector3<f64>, f64) {
-    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.at(n as usize)));
+    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.value_at(n as usize)));
     let (u, v, r) = (b - a, c - a, point - a);
     let area = u.cross(&v);
     let squared = area.norm_squared();
@@ -252,14 +252,14 @@ pub(super) fn project(
 
 /// Unit normal of a triangle.
 pub(super) fn normal_of(surface: &Surface, position: &Vectors, triangle: u32) -> Vector3<f64> {
-    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.at(n as usize)));
+    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.value_at(n as usize)));
     let area = (b - a).cross(&(c - a));
     area / area.norm()
 }
 
 /// Position of a node.
 pub(super) fn place(position: &Vectors, node: usize) -> Vector3<f64> {
-    Vector3::from(position.at(node))
+    Vector3::from(position.value_at(node))
 }
 
 /// The least of three weights and its corner.
@@ -320,7 +320,7 @@ mod tests {
                     assert!((found.distance - distance).abs() < 1e-12, "{point:?} from {from}: {found:?}");
                     assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
                     let corners = surface.corners[found.triangle as usize];
-                    let at = |k: usize| Vector3::from(nodes.position.at(corners[k] as usize)) * found.weights[k];
+                    let at = |k: usize| Vector3::from(nodes.position.value_at(corners[k] as usize)) * found.weights[k];
                     let apart = Vector3::from(point) - (at(0) + at(1) + at(2));
                     assert!((apart - found.normal * found.distance).norm() < 1e-12, "{point:?} from {from}: {found:?}");
                 }

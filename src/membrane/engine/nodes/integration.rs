@@ -159,7 +159,7 @@ impl Integration<'_> {
         let from = self.constrained.partition_point(|n| (*n as usize) < some.start);
         for &n in self.constrained[from..].iter().take_while(|n| (**n as usize) < some.end) {
             let (n, at) = (n as usize, n as usize - some.start);
-            let inverse_mass = self.effective_inverse_mass.at(n);
+            let inverse_mass = self.effective_inverse_mass.value_at(n);
             for axis in (0..3).filter(|axis| inverse_mass[*axis] == 0.0) {
                 let axis = &mut axes[axis];
                 axis.force[at] = -axis.field * self.mass[n];

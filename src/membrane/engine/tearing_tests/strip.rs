@@ -87,7 +87,7 @@ impl Strip {
         };
         let jaws = vec![jaw(0, -speed), jaw(1, speed)];
         for n in 0..nodes.mass.len() {
-            nodes.velocity.set(n, [2.0 * speed * nodes.position.at(n)[0] / height, 0.0, 0.0]);
+            nodes.velocity.set(n, [2.0 * speed * nodes.position.value_at(n)[0] / height, 0.0, 0.0]);
         }
         for jaw in &jaws {
             nodes.hold(jaw.nodes.iter().map(|n| *n as usize), [true; 3]);
