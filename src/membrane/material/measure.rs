@@ -70,7 +70,7 @@ pub(super) struct Measured<const L: usize> {
 
 impl Measure {
     #[inline(always)]
-    pub(super) fn at<const L: usize>(self, d: &Deformation<L>) -> Measured<L> {
+    pub(super) fn evaluate<const L: usize>(self, d: &Deformation<L>) -> Measured<L> {
         let [f1, f2] = &d.f;
         let (mut c, product) = ([dot(f1, f1), dot(f2, f2)], dot(f1, f2));
         for fibre in 0..2 {

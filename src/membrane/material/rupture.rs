@@ -53,7 +53,7 @@ impl Limit {
     }
 
     /// The value for this stress triaxiality and this strain rate (1/s).
-    pub(crate) fn at(&self, triaxiality: f64, rate: f64) -> f64 {
+    pub(crate) fn value_at(&self, triaxiality: f64, rate: f64) -> f64 {
         match self {
             Limit::One(value) => *value,
             Limit::ByTriaxiality(points) => interpolated(points, triaxiality),
@@ -256,11 +256,11 @@ mod tests {
     fn limits_by_triaxiality_and_by_rate() {
         let by_triaxiality = Limit::ByTriaxiality(vec![[1.0 / 3.0, 1.2], [2.0 / 3.0, 0.8]]);
         for (triaxiality, value) in [(0.0, 1.2), (0.5, 1.0), (2.0 / 3.0, 0.8), (0.7, 0.8)] {
-            assert!((by_triaxiality.at(triaxiality, 0.0) - value).abs() < 1e-12);
+            assert!((by_triaxiality.value_at(triaxiality, 0.0) - value).abs() < 1e-12);
         }
         let by_rate = Limit::ByRate(vec![[ln(0.1), 1.0], [ln(10.0), 2.0]]);
         for (rate, value) in [(0.0, 1.0), (0.1, 1.0), (1.0, 1.5), (10.0, 2.0), (1e3, 2.0)] {
-            assert!((by_rate.at(0.0, rate) - value).abs() < 1e-12);
+            assert!((by_rate.value_at(0.0, rate) - value).abs() < 1e-12);
         }
         assert_eq!((by_rate.smallest(), by_triaxiality.smallest()), (1.0, 0.8));
     }

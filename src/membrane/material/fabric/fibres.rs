@@ -54,7 +54,7 @@ pub(super) struct Metric<const L: usize> {
 
 impl<const L: usize> Metric<L> {
     #[inline(always)]
-    pub(super) fn of(d: &Deformation<L>) -> Metric<L> {
+    pub(super) fn from_deformation(d: &Deformation<L>) -> Metric<L> {
         let [f1, f2] = &d.f;
         let mut metric = Metric { square: [dot(f1, f1), dot(f2, f2)], product: dot(f1, f2) };
         for l in 0..L {
@@ -81,12 +81,12 @@ pub(in super::super) struct Fibres<const L: usize> {
 
 impl<const L: usize> Fibres<L> {
     #[inline(always)]
-    pub(in super::super) fn of(d: &Deformation<L>) -> Fibres<L> {
-        Fibres::at(&Metric::of(d))
+    pub(in super::super) fn from_deformation(d: &Deformation<L>) -> Fibres<L> {
+        Fibres::from_metric(&Metric::from_deformation(d))
     }
 
     #[inline(always)]
-    pub(super) fn at(metric: &Metric<L>) -> Fibres<L> {
+    pub(super) fn from_metric(metric: &Metric<L>) -> Fibres<L> {
         let mut out = Fibres {
             stretch: [splat(0.0); 2],
             inverse: [splat(0.0); 2],
@@ -210,7 +210,7 @@ mod tests {
                 let tangent = 1.0 / (1.0 - SINE_BOUND * SINE_BOUND).sqrt();
                 sine.signum() * (SINE_BOUND.asin() + tangent * (sine.abs() - SINE_BOUND))
             };
-            assert!((Fibres::<1>::of(&f.into()).angle[0] - expected).abs() < 2e-15, "at {sine}");
+            assert!((Fibres::<1>::from_deformation(&f.into()).angle[0] - expected).abs() < 2e-15, "at {sine}");
         }
     }
 }

@@ -137,10 +137,12 @@ impl<F: FibreLaw> Fabric<F> {
         history: &PointHistory<F::History<L>, L>,
         dt: Option<f64>,
     ) -> Fibres<L> {
-        let metric = Metric::of(d);
+        let metric = Metric::from_deformation(d);
         match self.coupling {
-            Coupling::Wrinkles => Fibres::at(&wrinkles::relaxed(&metric, &Curves { fabric: self, history, dt })),
-            Coupling::None | Coupling::Biaxial(_) => Fibres::at(&metric),
+            Coupling::Wrinkles => {
+                Fibres::from_metric(&wrinkles::relaxed(&metric, &Curves { fabric: self, history, dt }))
+            }
+            Coupling::None | Coupling::Biaxial(_) => Fibres::from_metric(&metric),
         }
     }
 }
@@ -229,7 +231,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
         }
         // Motion acts on the tangent vectors of the film, wrinkled or not.
-        let product = Metric::of(d).product;
+        let product = Metric::from_deformation(d).product;
         let alignment = std::array::from_fn(|l| product[l] * fibres.inverse[0][l] * fibres.inverse[1][l]);
         Stiffness { along, across, shear, alignment, any: splat(0.0) }
     }

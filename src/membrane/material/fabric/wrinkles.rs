@@ -56,7 +56,7 @@ pub(super) fn relaxed<const L: usize>(metric: &Metric<L>, stresses: &impl TrialS
         if searches.iter().all(|search| search.found) {
             break;
         }
-        let trial = Trial::at(&lengthened(metric, &searches), stresses);
+        let trial = Trial::from_metric(&lengthened(metric, &searches), stresses);
         for (l, search) in searches.iter_mut().enumerate().filter(|(_, search)| !search.found) {
             search.improve(&trial.slope(l, search.at));
         }
@@ -93,7 +93,7 @@ fn started<const L: usize>(metric: &Metric<L>, stresses: &impl TrialStresses<L>)
         });
         Search::from(least, metric.product[l].abs())
     });
-    let unwrinkled = Trial::at(&lengthened(metric, &searches), stresses);
+    let unwrinkled = Trial::from_metric(&lengthened(metric, &searches), stresses);
     let mut direction = [[0.0; 2]; L];
     for (l, search) in searches.iter_mut().enumerate() {
         if search.found || search.least != [0.0; 2] {
@@ -116,7 +116,7 @@ fn started<const L: usize>(metric: &Metric<L>, stresses: &impl TrialStresses<L>)
     if direction == [[0.0; 2]; L] {
         return searches;
     }
-    let farthest = Trial::at(&lengthened(metric, &searches), stresses);
+    let farthest = Trial::from_metric(&lengthened(metric, &searches), stresses);
     for (l, search) in searches.iter_mut().enumerate().filter(|(l, _)| direction[*l] != [0.0; 2]) {
         let [x, y] = direction[l];
         let along = |[t1, t2, cross]: [f64; 3]| t1 * x * x + t2 * y * y - 2.0 * cross * x * y;
@@ -140,8 +140,8 @@ struct Trial<const L: usize> {
 
 impl<const L: usize> Trial<L> {
     #[inline(always)]
-    fn at(metric: &Metric<L>, curves: &impl TrialStresses<L>) -> Trial<L> {
-        let fibres = Fibres::at(metric);
+    fn from_metric(metric: &Metric<L>, curves: &impl TrialStresses<L>) -> Trial<L> {
+        let fibres = Fibres::from_metric(metric);
         let strains = [fibres.strain(0), fibres.strain(1), fibres.angle.map(f64::abs)];
         let stresses = curves.stresses(&strains);
         let beyond = curves.stresses(&strains.map(|strain| strain.map(|e| e + DIFFERENCE)));
@@ -358,7 +358,7 @@ mod tests {
     }
 
     fn energy(film: &Fabric, history: &PeakStrains<1>, metric: &Metric<1>) -> f64 {
-        let fibres = Fibres::at(metric);
+        let fibres = Fibres::from_metric(metric);
         let curves = [film.md(), film.td(), film.shear()];
         let strains = [fibres.strain(0), fibres.strain(1), fibres.angle.map(f64::abs)];
         let peaks = [history.fibres[0], history.fibres[1], history.shear];
@@ -406,7 +406,7 @@ mod tests {
             found <= least + 1e-6 * least.max(1.0),
             "{found} J/m³ for {least} at {at:?}, largest strains {peaks:?}"
         );
-        let trial = Trial::at(&relaxed, &curves);
+        let trial = Trial::from_metric(&relaxed, &curves);
         let [t1, t2, cross] = trial.tensions(0);
         let scale = 1e6 + trial.size[0][0] + trial.size[1][0];
         assert!(t1 >= -1e-9 * scale && t2 >= -1e-9 * scale, "compression {t1} {t2} at {at:?}, {peaks:?}");

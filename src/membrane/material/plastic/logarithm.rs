@@ -38,7 +38,7 @@ const SERIES: [f64; 9] = [19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0];
 impl<const L: usize> Logarithm<L> {
     /// Of C₁₁, C₂₂ and C₁₂.
     #[inline(always)]
-    pub(super) fn of(c: &Plane<L>) -> Logarithm<L> {
+    pub(super) fn from_cauchy_green(c: &Plane<L>) -> Logarithm<L> {
         let nothing = splat::<L>(0.0);
         let mut out = Logarithm {
             strain: [nothing; 3],

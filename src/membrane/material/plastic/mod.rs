@@ -77,7 +77,7 @@ impl Plastic {
 
     /// Flow stress at the equivalent plastic strain `p` and its constant rate, 1/s, Pa.
     pub fn flow_stress(&self, p: f64, rate: f64) -> f64 {
-        self.rate.at(self.hardening.flow(&[p]), p, rate)
+        self.rate.stress_at(self.hardening.flow(&[p]), p, rate)
     }
 
     /// Amplitudes of the elastic strain with the plastic strain `plastic`.
@@ -140,7 +140,7 @@ impl MembraneLaw for Plastic {
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut PlasticHistory<L>, dt: f64) -> Stress<L> {
-        let log = Logarithm::of(&d.metric());
+        let log = Logarithm::from_cauchy_green(&d.metric());
         let mut amplitudes = self.amplitudes(&log, &history.strain);
         let (before, overstress) = (history.equivalent, history.overstress);
         let trial = Trial {
@@ -164,7 +164,7 @@ impl MembraneLaw for Plastic {
 
     #[inline(always)]
     fn stress_of<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Stress<L> {
-        let log = Logarithm::of(&d.metric());
+        let log = Logarithm::from_cauchy_green(&d.metric());
         let t = self.modes.stress(&self.amplitudes(&log, &history.strain));
         Elastic::first_piola(d, log.second_piola(&t))
     }
@@ -172,7 +172,7 @@ impl MembraneLaw for Plastic {
     /// All plastic work is absorbed: what hardening stores in the film does not come back.
     #[inline(always)]
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Energy<L> {
-        let amplitudes = self.amplitudes(&Logarithm::of(&d.metric()), &history.strain);
+        let amplitudes = self.amplitudes(&Logarithm::from_cauchy_green(&d.metric()), &history.strain);
         let mut absorbed = self.hardening.work(&history.equivalent);
         for l in 0..L {
             absorbed[l] += history.surplus[l];
@@ -183,7 +183,7 @@ impl MembraneLaw for Plastic {
     /// That of elastic loading: flow lowers it.
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Stiffness<L> {
-        let log = Logarithm::of(&d.metric());
+        let log = Logarithm::from_cauchy_green(&d.metric());
         let t = self.modes.stress(&self.amplitudes(&log, &history.strain));
         let Elastic { young, poisson } = self.elastic;
         Stiffness::in_any_direction(log.bound(&t, [self.elastic.plane(), poisson, 0.5 * young / (1.0 + poisson)]))

@@ -91,8 +91,8 @@ impl Viscosity {
         Ok(Viscosity { terms, written: Written::Instantaneous, rest: None })
     }
 
-    /// The same series on a law of film that is `written`.
-    pub fn of(self, written: Written) -> Viscosity {
+    /// This series on a law of film that is `written`.
+    pub fn with_written(self, written: Written) -> Viscosity {
         Viscosity { written, ..self }
     }
 

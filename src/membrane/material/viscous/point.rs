@@ -55,7 +55,7 @@ impl ViscousLaw {
         stress: &mut Stress<L>,
         variables: &mut [Stored<L>],
     ) {
-        let at = measure.at(d);
+        let at = measure.evaluate(d);
         let base = self.base_stress(&at, stress);
         let Some((head, terms)) = variables.split_first_chunk_mut::<FIRST_TERM>() else { return };
         let (terms, _) = terms.as_chunks_mut::<3>();
@@ -223,7 +223,7 @@ impl ViscousLaw {
 
     /// Stress of the point with these history variables, where it is deformed by `d`.
     pub fn stress<const L: usize>(&self, d: &Deformation<L>, variables: &[Stored<L>]) -> Stress<L> {
-        Elastic::first_piola(d, self.base.measure.at(d).unmeasured(&self.total(variables)))
+        Elastic::first_piola(d, self.base.measure.evaluate(d).unmeasured(&self.total(variables)))
     }
 
     /// (1 − Σg) S° + Σ q, in the measure of the law.
@@ -252,7 +252,7 @@ impl ViscousLaw {
         energy: &Energy<L>,
         variables: &[Stored<L>],
     ) -> Energy<L> {
-        let base = self.base_stress(&self.base.measure.at(d), stress);
+        let base = self.base_stress(&self.base.measure.evaluate(d), stress);
         let own = [0, 1, 2].map(|k| variables[STRESS + k].0);
         let (of_base, of_own) = (self.base.complementary(&base), self.base.complementary(&own));
         let mut springs = splat::<L>(0.0);
@@ -293,7 +293,7 @@ impl ViscousLaw {
         mut stiffness: Stiffness<L>,
         variables: &[Stored<L>],
     ) -> Stiffness<L> {
-        let at = self.base.measure.at(d);
+        let at = self.base.measure.evaluate(d);
         let (total, base) =
             (at.unmeasured(&self.total(variables)), at.unmeasured(&[0, 1, 2].map(|k| variables[STRESS + k].0)));
         for l in 0..L {

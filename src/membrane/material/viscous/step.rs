@@ -24,16 +24,16 @@ impl<const L: usize> ViscousStep<L> {
             let [kept, mean] = decay(dt / term.time);
             [kept, term.share * mean]
         };
-        ViscousStep::of(viscosity, viscosity.terms.iter().map(of_term).collect())
+        ViscousStep::from_terms(viscosity, viscosity.terms.iter().map(of_term).collect())
     }
 
     /// Mounting of film that is free of stress and rests then.
     pub fn mounting(viscosity: &Viscosity) -> ViscousStep<L> {
         let of_term = |term: &super::PronyTerm| [0.0, term.share * viscosity.left(term)];
-        ViscousStep::of(viscosity, viscosity.terms.iter().map(of_term).collect())
+        ViscousStep::from_terms(viscosity, viscosity.terms.iter().map(of_term).collect())
     }
 
-    fn of(viscosity: &Viscosity, terms: Vec<[f64; 2]>) -> ViscousStep<L> {
+    fn from_terms(viscosity: &Viscosity, terms: Vec<[f64; 2]>) -> ViscousStep<L> {
         let fresh = viscosity.long_term() + terms.iter().map(|[_, taken]| taken).sum::<f64>();
         let terms = terms.into_iter().map(|term| term.map(|coefficient| Stored(splat(coefficient)))).collect();
         ViscousStep { terms, fresh }
