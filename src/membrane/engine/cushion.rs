@@ -40,7 +40,8 @@ pub(super) struct CushionState {
 pub fn area(film: &Film, nodes: &Nodes) -> f64 {
     let mut area = 0.0;
     film.for_each_intact(|corners| {
-        area += ElementLoad::of(corners, &nodes.position).areas[..corners.len()].iter().sum::<Vector3<f64>>().z
+        area +=
+            ElementLoad::from_corners(corners, &nodes.position).areas[..corners.len()].iter().sum::<Vector3<f64>>().z
     });
     area
 }

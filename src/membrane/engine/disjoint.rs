@@ -37,7 +37,7 @@ impl<'a, T> Disjoint<'a, T> {
     /// # Safety
     /// No other part with this entry may be held.
     #[allow(clippy::mut_from_ref)]
-    pub(super) unsafe fn at(&self, index: usize) -> &mut T {
+    pub(super) unsafe fn entry(&self, index: usize) -> &mut T {
         assert!(index < self.len);
         // SAFETY: it lies within the slice, and the caller holds no other part of it.
         unsafe { &mut *self.start.add(index) }

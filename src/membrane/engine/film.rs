@@ -308,7 +308,7 @@ impl SharedFilm<'_> {
     pub(super) unsafe fn add_forces(&self, width: Width, chunk: usize, position: [&[f64]; 3], dt: f64) {
         let position = position.map(|axis| &axis[self.nodes.clone()]);
         // SAFETY: by the contract no other thread accesses this chunk or its nodes.
-        let (chunk, force) = unsafe { (self.chunks.at(chunk), self.forces.own()) };
+        let (chunk, force) = unsafe { (self.chunks.entry(chunk), self.forces.own()) };
         chunk.failed = chunk.group.add_forces(width, &position, dt, force);
     }
 }
@@ -362,7 +362,7 @@ fn for_each_chunk<T: Clone + Default + Send>(
         let (film, chunk) = chunks[part];
         let result = work(film, chunk);
         // SAFETY: every part comes up once.
-        unsafe { results.at(part).1 = result };
+        unsafe { results.entry(part).1 = result };
     });
     out
 }

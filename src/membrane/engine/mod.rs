@@ -371,7 +371,7 @@ impl Engine {
         let sums_of = Disjoint::new(&mut parts);
         self.pool.each(ranges.len(), |part| {
             // SAFETY: every range comes up once.
-            unsafe { *sums_of.at(part) = integration.advance(width, ranges[part].clone()) };
+            unsafe { *sums_of.entry(part) = integration.advance(width, ranges[part].clone()) };
         });
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
         if self.clamp.as_mut().is_some_and(|clamp| clamp.advance(&mut self.nodes)) {

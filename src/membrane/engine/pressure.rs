@@ -23,7 +23,7 @@ impl Inflation {
     /// Pressure at `time` (s), Pa: `s³(10 − 15s + 6s²)` of the final value at the share `s` of the ramp (theory.md,
     /// equation 30). Flat film rises with the cube root of the pressure, and so at a steady rate at first; at the end
     /// of the ramp the rate and its derivative are zero.
-    pub fn at(&self, time: f64) -> f64 {
+    pub fn pressure_at(&self, time: f64) -> f64 {
         rise(self.pressure, time / self.ramp)
     }
 }
@@ -39,7 +39,7 @@ pub struct Filling {
 
 impl Filling {
     /// Volume at `time` (s), m³, by the same function of time as that of a pressure.
-    pub(super) fn at(&self, time: f64) -> f64 {
+    pub(super) fn volume_at(&self, time: f64) -> f64 {
         rise(self.volume, time / self.ramp)
     }
 }
@@ -71,7 +71,7 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
     let mut volume = 0.0;
     if let Some(film) = films.last() {
         film.for_each_intact(|corners| {
-            let load = ElementLoad::of(corners, &nodes.position);
+            let load = ElementLoad::from_corners(corners, &nodes.position);
             for (n, area) in corners.iter().zip(load.areas) {
                 nodes.force.add(*n as usize, (pressure * area).into());
             }
@@ -85,7 +85,7 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
 pub(super) fn volume(films: &[Film], nodes: &Nodes) -> f64 {
     let mut volume = 0.0;
     if let Some(film) = films.last() {
-        film.for_each_intact(|corners| volume += ElementLoad::of(corners, &nodes.position).volume);
+        film.for_each_intact(|corners| volume += ElementLoad::from_corners(corners, &nodes.position).volume);
     }
     volume
 }
@@ -100,7 +100,7 @@ pub(super) fn add_volume(
     (first, gradient): (usize, &mut [Vector3<f64>]),
 ) {
     film.for_each_intact(|corners| {
-        let load = ElementLoad::of(corners, position);
+        let load = ElementLoad::from_corners(corners, position);
         corners.iter().zip(load.areas).for_each(|(n, area)| gradient[*n as usize - first] += sign * area);
         *volume += sign * load.volume;
     });
@@ -156,8 +156,8 @@ pub(super) struct ElementLoad {
 }
 
 impl ElementLoad {
-    /// That of the element with these nodes.
-    pub(super) fn of(corners: &[u32], position: &Vectors) -> ElementLoad {
+    /// Load on the element with these nodes.
+    pub(super) fn from_corners(corners: &[u32], position: &Vectors) -> ElementLoad {
         let place = |a: usize| Vector3::from(position.value_at(corners[a] as usize));
         match corners.len() {
             3 => triangle([place(0), place(1), place(2)]),
@@ -244,8 +244,8 @@ mod tests {
     #[test]
     fn pressure_rises_along_the_ramp_and_is_constant_after_it() {
         let inflation = Inflation { pressure: 10e3, ramp: 0.05 };
-        assert_eq!([0.0, 0.025, 0.05, 0.08].map(|time| inflation.at(time)), [0.0, 5e3, 10e3, 10e3]);
-        let early = inflation.at(1e-3 * inflation.ramp) / inflation.pressure;
+        assert_eq!([0.0, 0.025, 0.05, 0.08].map(|time| inflation.pressure_at(time)), [0.0, 5e3, 10e3, 10e3]);
+        let early = inflation.pressure_at(1e-3 * inflation.ramp) / inflation.pressure;
         assert!((early / 1e-8 - 1.0).abs() < 2e-3, "{early}");
     }
 }

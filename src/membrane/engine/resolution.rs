@@ -45,7 +45,7 @@ pub(super) fn resolve(
         between.predict(nodes, dt);
     }
     let mut collisions = Collisions::within(impacts, dt);
-    let shared = SharedNodes::of(impacts);
+    let shared = SharedNodes::from_impacts(impacts);
     collisions.solve(impacts, dt);
     for sweep in 0..SWEEPS {
         for (impact, before) in impacts.iter_mut().zip(before).filter(|(impact, _)| !impact.is_held()) {
@@ -76,7 +76,7 @@ struct SharedNodes {
 }
 
 impl SharedNodes {
-    fn of(impacts: &[Impact]) -> SharedNodes {
+    fn from_impacts(impacts: &[Impact]) -> SharedNodes {
         let mut pairs = vec![];
         for (second, b) in impacts.iter().enumerate().filter(|(_, b)| !b.is_held()) {
             for (first, a) in impacts[..second].iter().enumerate().filter(|(_, a)| !a.is_held()) {

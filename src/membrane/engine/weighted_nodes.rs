@@ -18,8 +18,9 @@ pub(super) struct WeightedNodes {
 impl WeightedNodes {
     /// `of` some nodes, with `weights`.
     pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
-        let response =
-            std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().value_at(of[k] as usize)) * weights[k]);
+        let response = std::array::from_fn(|k| {
+            Vector3::from(nodes.effective_inverse_mass().value_at(of[k] as usize)) * weights[k]
+        });
         let count = weights.iter().rposition(|weight| *weight != 0.0).map_or(0, |last| last + 1);
         WeightedNodes { nodes: of, weights, response, count }
     }

@@ -179,7 +179,7 @@ impl Fall<'_> {
             }
             Disagreement::LaserSpeed { reached, laser } => Warning::LaserSpeedDiffers { reached, laser },
             Disagreement::Friction { constant } => {
-                let friction = friction.map(|friction| [0.0, drop.contact.velocity].map(|v| friction.at(v)));
+                let friction = friction.map(|friction| [0.0, drop.contact.velocity].map(|v| friction.force_at(v)));
                 Warning::GuideFrictionChanges {
                     time_constant: drop.time_constant.unwrap_or(f64::NAN),
                     constant,

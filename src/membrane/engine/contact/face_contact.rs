@@ -99,7 +99,7 @@ impl Constraint {
         let relative = self.relative_velocity(velocity, body);
         let slip = relative - self.normal * relative.dot(&self.normal);
         let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
-        let bound = sweep.friction.at(self.film.nodes[0] as usize) * normal_impulse;
+        let bound = sweep.friction.coefficient_at(self.film.nodes[0] as usize) * normal_impulse;
         let tangential_impulse = within_cone(sticking, bound);
         let tangential_change = tangential_impulse - self.tangential_impulse;
         self.apply(&tangential_change, velocity, body, sweep);

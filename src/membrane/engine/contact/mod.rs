@@ -294,7 +294,7 @@ impl Contact {
         let contacts = Disjoint::new(&mut self.contacts);
         pool.each(list.ranges.len(), |part| {
             // SAFETY: every range comes up once.
-            let contacts = unsafe { contacts.at(part) };
+            let contacts = unsafe { contacts.entry(part) };
             node_contact::predict(pool.width(), &predictor, &list.nodes[list.ranges[part].clone()], contacts);
         });
     }
@@ -338,7 +338,7 @@ impl Contact {
         };
         pool.each(self.neighbours.ranges.len(), |part| {
             // SAFETY: every range comes up once.
-            node_contact::correct(pool.width(), &corrector, unsafe { contacts.at(part) });
+            node_contact::correct(pool.width(), &corrector, unsafe { contacts.entry(part) });
         });
     }
 

@@ -187,7 +187,7 @@ fn project_on_mesh(
         let beyond = Some(at.offset[node]);
         let arm = Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
         // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
-        let nearest = unsafe { nearest.at(node) };
+        let nearest = unsafe { nearest.entry(node) };
         let projection = at.surface.project_on_mesh(&at.body.pose, &arm, beyond, nearest);
         distance[l] = projection.distance;
         (0..3).for_each(|axis| normal[axis][l] = projection.normal[axis]);
@@ -202,7 +202,7 @@ fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane
     for (l, n) in group.iter().enumerate() {
         let stored = if close[l] > 0.0 { [0, 1, 2].map(|axis| normal[axis][l]) } else { [0.0; 3] };
         // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
-        unsafe { *normals.at(*n as usize) = stored.into() };
+        unsafe { *normals.entry(*n as usize) = stored.into() };
     }
 }
 

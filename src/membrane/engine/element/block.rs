@@ -262,7 +262,7 @@ impl<const NODES: usize, const L: usize> Corners<NODES, L> {
     }
 
     /// Nodes of the element in a lane.
-    pub(crate) fn of(&self, lane: usize) -> [u32; NODES] {
+    pub(crate) fn in_lane(&self, lane: usize) -> [u32; NODES] {
         match self {
             Corners::Row(first) => first.map(|n| n + lane as u32),
             Corners::Listed(rows) => rows.map(|row| row[lane]),

@@ -84,7 +84,7 @@ fn scatter<const NODES: usize, const L: usize>(
                 for l in 0..L {
                     for axis in 0..3 {
                         // SAFETY: as above.
-                        unsafe { *force[axis].at(rows[a][l] as usize) += out[a][axis][l] };
+                        unsafe { *force[axis].entry(rows[a][l] as usize) += out[a][axis][l] };
                     }
                 }
             }
@@ -339,7 +339,7 @@ pub(crate) fn add_mass<
             let factor = bound[l] / (own * most);
             if factor > 1.0 {
                 factors[l] = factor;
-                add(&corners.of(l), (factor - 1.0) * own);
+                add(&corners.in_lane(l), (factor - 1.0) * own);
             }
         }
     }

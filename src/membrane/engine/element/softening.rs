@@ -39,7 +39,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
             block_energies(Width::best(), block, law, elements.viscous_block(b), &x);
         let mut stress = None;
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
-            let mut tear = tearing.at(b, l);
+            let mut tear = tearing.element_tear(b, l);
             let had_started = tear.has_started();
             let was_open = tear.open(fracture_energy) > OPEN;
             let stored = (stored[l] + hourglass[l]) / volume[l];
@@ -133,7 +133,7 @@ impl<B> Element<'_, B> {
             tear.half_way = [strain, 0.0];
         }
         let reaches =
-            value >= smallest && value >= rupture.limit.at(triaxiality(stress(), self.metric), tear.rate(strain));
+            value >= smallest && value >= rupture.limit.value_at(triaxiality(stress(), self.metric), tear.rate(strain));
         let energy = rupture.fracture_energy;
         // Film beside a tear may be compressed, which does not open it.
         let may_grow = at_tip && energy > 0.0 && strain > 0.0;

@@ -86,8 +86,8 @@ impl<const L: usize> Tearing<L> {
         self.lost = Lost::default();
     }
 
-    /// That of the element at a block and lane.
-    pub(crate) fn at(&self, block: usize, lane: usize) -> Tear {
+    /// Tear of the element at a block and lane.
+    pub(crate) fn element_tear(&self, block: usize, lane: usize) -> Tear {
         Tear::of_variables(self.variables[block].each_ref().map(|variable| variable[lane]))
     }
 
@@ -129,7 +129,7 @@ impl<const L: usize> Tearing<L> {
 
     /// Whether half of the fracture energy of the element at a block and lane is spent.
     pub(crate) fn is_open(&self, block: usize, lane: usize) -> bool {
-        self.at(block, lane).open(self.rupture.fracture_energy) > OPEN
+        self.element_tear(block, lane).open(self.rupture.fracture_energy) > OPEN
     }
 
     /// Whether the element at a block and lane is at the tip of a tear.
@@ -171,7 +171,7 @@ impl<const L: usize> Tearing<L> {
 
     /// The tear of the element at a block and lane, in film of this thickness (m, all layers).
     pub(crate) fn torn(&self, [block, lane]: [usize; 2], thickness: f64) -> Torn {
-        let (tear, volume) = (self.at(block, lane), self.volumes[block][lane]);
+        let (tear, volume) = (self.element_tear(block, lane), self.volumes[block][lane]);
         if !tear.has_started() {
             return Torn::default();
         }

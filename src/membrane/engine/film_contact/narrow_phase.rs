@@ -81,7 +81,7 @@ impl FilmContact {
         let step = Step { nodes, dt, margin };
         pool.each(tasks.len(), |part| {
             // SAFETY: every part comes up once.
-            let found = unsafe { results.at(part) };
+            let found = unsafe { results.entry(part) };
             found.clear();
             let Task { side, range } = tasks[part].clone();
             match side {

@@ -62,7 +62,7 @@ impl Correction<'_> {
         for axis in 0..3 {
             let change = impulse[axis] * inverse_mass[axis];
             // SAFETY: by the contract no other thread accesses this node.
-            let (x, v) = unsafe { (self.position[axis].at(node), self.velocity[axis].at(node)) };
+            let (x, v) = unsafe { (self.position[axis].entry(node), self.velocity[axis].entry(node)) };
             *x += change * dt;
             *v += change;
             after[axis] = *v;

@@ -147,7 +147,7 @@ impl Integration<'_> {
             let from = nodes.partition_point(|n| (*n as usize) < range.start);
             for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
                 // SAFETY: by the contract no other thread accesses these nodes.
-                (0..3).for_each(|axis| unsafe { *velocity[axis].at(n) = *self.velocity[axis].at(n) });
+                (0..3).for_each(|axis| unsafe { *velocity[axis].entry(n) = *self.velocity[axis].entry(n) });
             }
         }
     }

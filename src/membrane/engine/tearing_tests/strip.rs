@@ -103,7 +103,8 @@ impl Strip {
         let mut engine = self.mounted();
         let (mut start, mut imbalance, mut first, mut history) = (f64::NAN, 0.0_f64, None, vec![]);
         loop {
-            let read = |view: &View<'_>| (view.time, view.energies(), view.torn().unwrap(), PlasticElements::of(view));
+            let read =
+                |view: &View<'_>| (view.time, view.energies(), view.torn().unwrap(), PlasticElements::from_view(view));
             let (time, energies, torn, plastic) = engine.read_step(read).unwrap();
             let first = *first.get_or_insert(energies);
             let exchanged = energies.exchanged(&first);
@@ -243,7 +244,7 @@ struct PlasticElements {
 }
 
 impl PlasticElements {
-    fn of(view: &View<'_>) -> PlasticElements {
+    fn from_view(view: &View<'_>) -> PlasticElements {
         let mut strains = vec![];
         view.strains(&mut strains);
         let details = view.films[0].details(&view.nodes.position);

@@ -127,15 +127,15 @@ impl Bars {
             let length = (to - from).norm();
             Axis::Line { from, along: (to - from) / length, length }
         };
-        Bars::of(lines.iter().map(line).collect(), radius, half_height)
+        Bars::from_axes(lines.iter().map(line).collect(), radius, half_height)
     }
 
     /// A bar of `radius` and walls of `half_height` (m) over the circle of the radius `opening` (m) about the origin.
     pub(super) fn round(opening: f64, radius: f64, half_height: f64) -> Bars {
-        Bars::of(vec![Axis::Circle { radius: opening }], radius, half_height)
+        Bars::from_axes(vec![Axis::Circle { radius: opening }], radius, half_height)
     }
 
-    fn of(axes: Vec<Axis>, radius: f64, half_height: f64) -> Bars {
+    fn from_axes(axes: Vec<Axis>, radius: f64, half_height: f64) -> Bars {
         let flat = FLAT * radius;
         let piece = |(middle, along, half): (Vector2<f64>, Vector2<f64>, f64)| {
             let core = Convex::Cuboid { half: [half, flat, half_height.max(flat)] };

@@ -82,8 +82,8 @@ impl Face {
 }
 
 impl Features {
-    /// Those of a closed mesh.
-    pub(super) fn of(mesh: &TriMesh) -> Features {
+    /// Corners and edges of a closed `mesh`.
+    pub(super) fn from_mesh(mesh: &TriMesh) -> Features {
         let vertices: Vec<Vector3<f64>> = mesh.vertices().iter().map(|v| Vector3::new(v.x, v.y, v.z)).collect();
         let triangles = mesh.indices().to_vec();
         // Both triangles of an edge list it, once in each direction.
@@ -125,14 +125,14 @@ impl Features {
         features
     }
 
-    fn at(&self, vertex: u32) -> Vector3<f64> {
+    fn vertex(&self, vertex: u32) -> Vector3<f64> {
         self.vertices[vertex as usize]
     }
 
     /// Radius of the surface that the triangles of an edge stand for, m: the mean of their heights over the angle
     /// between them (theory.md, equation 213); zero where that is sharp.
     fn radius(&self, edge: &Edge) -> Option<f64> {
-        let ([a, b], [c, d]) = (edge.ends.map(|n| self.at(n)), edge.opposite.map(|n| self.at(n)));
+        let ([a, b], [c, d]) = (edge.ends.map(|n| self.vertex(n)), edge.opposite.map(|n| self.vertex(n)));
         let along = (b - a).try_normalize(0.0)?;
         let across = |to: Vector3<f64>| (to - a) - along * along.dot(&(to - a));
         let [c, d] = [across(c), across(d)];
@@ -148,9 +148,9 @@ impl Features {
 
     /// Whether the triangles next to one lie below its plane.
     fn is_above_its_neighbours(&self, triangle: &[u32; 3], edges: &[u32; 3]) -> bool {
-        let [a, b, c] = triangle.map(|n| self.at(n));
+        let [a, b, c] = triangle.map(|n| self.vertex(n));
         let normal = (b - a).cross(&(c - a)).normalize();
-        let others = edges.iter().flat_map(|edge| self.edges[*edge as usize].opposite).map(|n| self.at(n) - a);
+        let others = edges.iter().flat_map(|edge| self.edges[*edge as usize].opposite).map(|n| self.vertex(n) - a);
         others.into_iter().all(|arm| arm.dot(&normal) <= ROUND_OFF * arm.norm())
     }
 
@@ -166,10 +166,10 @@ impl Features {
 
     /// Whether the body lies below `vertex` along the unit vector `normal`.
     fn supports(&self, vertex: u32, normal: &Vector3<f64>) -> bool {
-        let at = self.at(vertex);
+        let at = self.vertex(vertex);
         let [first, end] = [0, 1].map(|k| self.first[vertex as usize + k] as usize);
         self.around[first..end].iter().all(|n| {
-            let side = self.at(*n) - at;
+            let side = self.vertex(*n) - at;
             side.dot(normal) <= ROUND_OFF * side.norm()
         })
     }
@@ -251,14 +251,14 @@ impl Features {
         }
         let place = |n: u32| vertices.partition_point(|vertex| *vertex < n);
         let edges = edges.into_iter().map(|edge| (edge, self.edges[edge as usize].ends.map(place))).collect();
-        Near { edges, vertices: vertices.into_iter().map(|n| (n, self.at(n))).collect() }
+        Near { edges, vertices: vertices.into_iter().map(|n| (n, self.vertex(n))).collect() }
     }
 
     /// Distance of an edge of film from an edge of the mesh that it crosses, with the share of the length where it
     /// does.
     fn across_edge(&self, edge: u32, [s, t]: &[Vector3<f64>; 2], reach: f64) -> Option<(Projection, f64)> {
         let Edge { ends, opposite } = self.edges[edge as usize];
-        let [a, b] = ends.map(|n| self.at(n));
+        let [a, b] = ends.map(|n| self.vertex(n));
         let (along, film) = (b - a, t - s);
         let cross = along.cross(&film);
         let squared = cross.norm_squared();
@@ -274,7 +274,7 @@ impl Features {
         let (normal, on_film) = (cross / squared.sqrt(), on_film / squared);
         let supports = |normal: &Vector3<f64>| {
             opposite.iter().all(|n| {
-                let side = self.at(*n) - a;
+                let side = self.vertex(*n) - a;
                 side.dot(normal) <= ROUND_OFF * side.norm()
             })
         };

@@ -50,7 +50,7 @@ impl Solid {
     /// A closed mesh, moved `by` a vector (m).
     pub(super) fn mesh(mut mesh: TriMesh, by: Vector) -> Solid {
         mesh.transform_vertices(&Pose::from_translation(by));
-        let features = Some(Arc::new(Features::of(&mesh)));
+        let features = Some(Arc::new(Features::from_mesh(&mesh)));
         Solid { core: SharedShape::new(mesh), place: Pose::IDENTITY, edge: 0.0, convex: None, features, sharp: None }
     }
 
