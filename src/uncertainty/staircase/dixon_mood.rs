@@ -63,7 +63,7 @@ impl Staircase {
         let steps = || of_counted.iter().map(|place| f64::from(place - lowest));
         let (a, b) = (steps().sum::<f64>(), steps().map(|i| i * i).sum::<f64>());
         let half = if counted == Outcome::Failed { -0.5 } else { 0.5 };
-        let mean = self.at(lowest) + self.step * (a / n + half);
+        let mean = self.level_at(lowest) + self.step * (a / n + half);
         let variance_ratio = (n * b - a * a) / (n * n);
         let deviation = (variance_ratio > LEAST_RATIO).then_some(1.62 * self.step * (variance_ratio + 0.029));
         let standard_error = deviation.map(|deviation| {

@@ -80,12 +80,12 @@ impl Staircase {
     /// Level of the next specimen after these outcomes, in the order of the tests. It may fall to zero or below;
     /// whether that is a level is for the caller to say.
     pub fn next_level(&self, outcomes: &[Outcome]) -> f64 {
-        self.at(outcomes.iter().map(|outcome| Self::move_after(*outcome)).sum())
+        self.level_at(outcomes.iter().map(|outcome| Self::move_after(*outcome)).sum())
     }
 
     /// Levels of all specimens that were tested.
     pub fn levels(&self, outcomes: &[Outcome]) -> Vec<f64> {
-        self.places(outcomes).into_iter().map(|place| self.at(place)).collect()
+        self.places(outcomes).into_iter().map(|place| self.level_at(place)).collect()
     }
 
     /// Number of steps from the first level, for every specimen.
@@ -98,7 +98,7 @@ impl Staircase {
         outcomes.iter().scan(0, moved).collect()
     }
 
-    fn at(&self, place: i32) -> f64 {
+    fn level_at(&self, place: i32) -> f64 {
         self.start + self.step * f64::from(place)
     }
 
@@ -124,7 +124,7 @@ impl Staircase {
         levels.dedup();
         let here = |level: i32| places.iter().zip(outcomes).filter(move |(place, _)| **place == level);
         let counts = |level: i32| Counts {
-            level: self.at(level),
+            level: self.level_at(level),
             trials: here(level).count() as u64,
             failures: here(level).filter(|(_, outcome)| **outcome == Outcome::Failed).count() as u64,
         };
