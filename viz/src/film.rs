@@ -66,7 +66,7 @@ impl Film {
         let mut mesh =
             Mesh3D::update_fields().with_vertex_positions(snapshot.positions.iter().map(|p| rounded(p, self.step)));
         if broke || self.states.is_multiple_of(STATES_PER_NORMALS) {
-            mesh = mesh.with_vertex_normals(normals::of(track, snapshot, 0.5 * self.step));
+            mesh = mesh.with_vertex_normals(normals::node_normals(track, snapshot, 0.5 * self.step));
         }
         if broke {
             mesh = mesh.with_triangle_indices(visible(track, snapshot));
@@ -74,7 +74,7 @@ impl Film {
         }
         let mut colours = DynamicArchetype::new(COLOURS);
         for (quantity, values) in quantities.iter().zip(&snapshot.values) {
-            let shades = colour::of(quantity.colours, values, quantity.range);
+            let shades = colour::colours(quantity.colours, values, quantity.range);
             let shades = shades.map(|[r, g, b]| Color::from_rgb(r, g, b));
             colours = colours.with_component::<Color>(quantity.key, shades);
         }

@@ -10,7 +10,7 @@ const EDGE: f32 = 0.866;
 
 /// One normal a node, weighted by the area of the triangles that are left around it; on a mirror
 /// plane, which nodes nearer than `near` stand on, it lies in that plane, so that no crease shows.
-pub fn of(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]> {
+pub fn node_normals(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]> {
     let left = film.triangles.iter().zip(&snapshot.visible);
     let left = left.filter(|(_, visible)| **visible).map(|(t, _)| *t);
     let mut normals = sums(&snapshot.positions, left);
@@ -26,7 +26,7 @@ pub fn of(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]>
 
 /// The normals at the corners of each triangle of a closed surface, weighted by the area of those around the corner
 /// that do not turn away from it by more than an edge does.
-pub fn of_corners(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3]; 3]> {
+pub fn corner_normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3]; 3]> {
     let areas: Vec<[f32; 3]> = triangles.iter().map(|triangle| area(points, triangle)).collect();
     let mut around: Vec<Vec<usize>> = vec![vec![]; points.len()];
     for (index, triangle) in triangles.iter().enumerate() {
