@@ -42,7 +42,7 @@ pub type Lane3<const L: usize = LANES> = [Lane<L>; 3];
 /// are the bits of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Width {
-    /// What every processor of the platform has.
+    /// Instructions that every processor of the platform has.
     #[serde(rename = "baseline")]
     Baseline,
     /// 256 bits.
@@ -140,7 +140,7 @@ macro_rules! at_width {
 }
 pub use at_width;
 
-/// The same value in every lane.
+/// One value in every lane.
 #[inline(always)]
 pub const fn splat<const L: usize>(value: f64) -> Lane<L> {
     [value; L]

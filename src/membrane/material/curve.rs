@@ -123,7 +123,7 @@ impl Curve {
         self.points[self.points.len() - 1][0]
     }
 
-    /// The same curve with its last point at `strain` > 0: cut there, or continued up to it with its last slope.
+    /// This curve with its last point at `strain` > 0: cut there, or continued up to it with its last slope.
     pub fn ending_at(&self, strain: f64) -> Curve {
         let corners = &self.points[..self.points.len() - 1];
         let mut points: Vec<_> = corners.iter().copied().filter(|point| point[0] < strain).collect();

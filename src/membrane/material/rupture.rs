@@ -1,4 +1,5 @@
-//! Rupture by a criterion of the element's own, and the softening that spends a fracture energy (theory.md, section 25).
+//! Rupture by a criterion of the element's own, and the softening that spends a fracture energy (theory.md, section
+//! 25).
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +8,7 @@ use crate::lane::ln;
 /// When film starts to tear, and what a tear takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rupture {
-    /// What is compared with the limit.
+    /// The quantity that is compared with the limit.
     pub criterion: Criterion,
     /// The value at which an element starts to tear, in the unit of the criterion.
     pub limit: Limit,
@@ -15,7 +16,7 @@ pub struct Rupture {
     pub fracture_energy: f64,
 }
 
-/// What of an element is compared with the limit.
+/// Quantity of an element that is compared with the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Criterion {
     /// Largest principal engineering strain.
@@ -70,9 +71,9 @@ fn interpolated(points: &[[f64; 2]], x: f64) -> f64 {
     points.get(after).map_or(value, |[to, next]| value + (next - value) * (x - from) / (to - from))
 }
 
-/// Share of the fracture energy of an element that is stored in it when it starts to tear at the tip of a tear: the mean
-/// over an element of the field of a crack has it when the crack grows, whatever the size of the element (theory.md,
-/// equation 304).
+/// Share of the fracture energy of an element that is stored in it when it starts to tear at the tip of a tear: the
+/// mean over an element of the field of a crack has it when the crack grows, whatever the size of the element
+/// (theory.md, equation 304).
 pub(crate) const AT_TIP: f64 = 0.25;
 
 /// Share of its fracture energy that an element has spent when the elements around it are at the tip.
@@ -86,7 +87,7 @@ const REST: f64 = 0.01;
 pub(crate) struct Tear {
     /// Share of the film's forces that the element has, at the last position.
     pub share: f64,
-    /// The same at the next position.
+    /// Share of the film's forces at the next position.
     pub next: f64,
     /// Energy spent since it started to tear, J/m³.
     pub spent: f64,
@@ -131,7 +132,7 @@ impl Tear {
         [share, next, spent, start, width, stored, absorbed, strain, time]
     }
 
-    /// That of these variables, in the order of [`Tear::variables`].
+    /// Tear with these variables, in the order of [`Tear::variables`].
     pub(crate) fn of_variables(variables: [f64; Tear::VARIABLES]) -> Tear {
         let [share, next, spent, start, width, stored, absorbed, strain, time] = variables;
         Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time] }
@@ -157,8 +158,8 @@ impl Tear {
         }
     }
 
-    /// Moves on to the next position, with these energies there. The energies that were lost on the way: the work of its
-    /// forces is that of their mean (theory.md, equation 302).
+    /// Moves on to the next position, with these energies there. The energies that were lost on the way: the work of
+    /// its forces is that of their mean (theory.md, equation 302).
     pub(crate) fn advance(&mut self, now: Densities) -> Densities {
         let (before, mean) = (self.share, 0.5 * (self.share + self.next));
         self.share = self.next;
@@ -177,16 +178,16 @@ impl Tear {
         (self.start, self.width) = (self.stored.max(f64::MIN_POSITIVE), width);
     }
 
-    /// Sets the share of the forces at the next position, in film of this fracture energy (J/m²): with the energy g = Γ/w
-    /// to be spent and the energy ψ stored, the share a follows
+    /// Sets the share of the forces at the next position, in film of this fracture energy (J/m²): with the energy g =
+    /// Γ/w to be spent and the energy ψ stored, the share a follows
     ///
     /// ```text
     /// a √(ψ/ψ₀) = b ,   g db = ψ da
     /// ```
     ///
     /// from the present share a and the energy b g that is left (theory.md, equation 303): forces fall in proportion to
-    /// that energy, which is a straight line over the strain where these are proportional. Where ψ > g √(ψ/ψ₀), what the
-    /// element stores suffices to tear it at once.
+    /// that energy, which is a straight line over the strain where these are proportional. Where ψ > g √(ψ/ψ₀), what
+    /// the element stores suffices to tear it at once.
     pub(crate) fn soften(&mut self, fracture_energy: f64) {
         if !self.has_started() || self.next == 0.0 {
             return;

@@ -43,7 +43,7 @@ fn angle_over_sine(cosine: f64) -> f64 {
     eight(0) + eight(1) * (t4 * t4)
 }
 
-/// What the law takes of a deformation.
+/// Metric of a deformation: all that the law depends on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Metric<const L: usize> {
     /// λ₁² and λ₂².

@@ -41,7 +41,7 @@ pub struct Fabric<F = Curve> {
     coupling: Coupling<F>,
 }
 
-/// What couples the fibre sets besides shear.
+/// Coupling of the fibre sets besides shear.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Coupling<F> {
     /// Nothing.
@@ -60,7 +60,7 @@ impl<F: FibreLaw> Fabric<F> {
         Fabric { md, td, shear, absorption, layer_breaks: LayerBreaks::default(), coupling: Coupling::None }
     }
 
-    /// The same film with biaxial coupling: where the strains of both directions are equal, each carries `ratio` > 0
+    /// This film with biaxial coupling: where the strains of both directions are equal, each carries `ratio` > 0
     /// times the mean stress of both curves besides its own (theory.md, equation 4b). It does not wrinkle.
     pub fn with_biaxial(self, ratio: f64) -> Fabric<F> {
         assert!(ratio > 0.0 && ratio.is_finite(), "ratio of biaxial coupling: {ratio}");
@@ -68,13 +68,13 @@ impl<F: FibreLaw> Fabric<F> {
         Fabric { coupling, ..self }
     }
 
-    /// The same film without compression along any direction (tension field; theory.md, equation 8b) and without
+    /// This film without compression along any direction (tension field; theory.md, equation 8b) and without
     /// biaxial coupling.
     pub fn with_wrinkling(self) -> Fabric<F> {
         Fabric { coupling: Coupling::Wrinkles, ..self }
     }
 
-    /// The same film of layers that break one after another.
+    /// This film of layers that break one after another.
     pub fn with_layer_breaks(self, layer_breaks: LayerBreaks) -> Fabric<F> {
         Fabric { layer_breaks, ..self }
     }

@@ -206,8 +206,8 @@ impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
         Energy { stored: self.energy.energy(&self.squares(d)), absorbed: splat(0.0) }
     }
 
-    /// That at the relaxed stretches: relaxation reduces the stiffness, since the tension of wrinkled film rotates with
-    /// ∂W/∂λ₁/(λ₁ − λ₂), which is less than at its natural width.
+    /// Bound at the relaxed stretches: relaxation reduces the stiffness, since the tension of wrinkled film rotates
+    /// with ∂W/∂λ₁/(λ₁ − λ₂), which is less than at its natural width.
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Stiffness<L> {
         let squares = self.squares(d);

@@ -20,7 +20,7 @@ pub enum Hardening {
 pub struct FlowCurve {
     /// Flow stress at p = 0, Pa.
     initial: f64,
-    /// What is above that.
+    /// Flow stress above that.
     rise: Curve,
     /// p of the last point.
     end: f64,
@@ -46,7 +46,7 @@ pub enum FlowCurveError {
     /// The first point is not at zero plastic strain.
     #[error("the first plastic strain is {strain}, not zero")]
     StartsLate {
-        /// That strain.
+        /// Strain of the first point.
         strain: f64,
     },
     /// The first flow stress is not above zero.

@@ -1,7 +1,8 @@
 //! Logarithmic strain in the plane and the stress that does work on it.
 //!
 //! `E = ½ ln C` and `S = T : 2 ∂E/∂C` without principal directions, which equal stretches do not have (theory.md,
-//! equations 250 to 252). With the mean `m` and the deviator `q = (½(C₁₁ − C₂₂), C₁₂)` of C, its radius `ρ = |q|`, `r = ρ/m`:
+//! equations 250 to 252). With the mean `m` and the deviator `q = (½(C₁₁ − C₂₂), C₁₂)` of C, its radius `ρ = |q|`, `r =
+//! ρ/m`:
 //!
 //! ```text
 //! A = artanh(r)/r ,   B = (1/(1 − r²) − A)/r²
@@ -114,8 +115,8 @@ impl<const L: usize> Logarithm<L> {
         s
     }
 
-    /// Bound on the eigenvalues of the second derivative by F of the energy ½ E_e·T with the moduli `plane` = Y/(1 − ν²)
-    /// and `shear` = G (Pa), at the stress `t` (theory.md, equation 265).
+    /// Bound on the eigenvalues of the second derivative by F of the energy ½ E_e·T with the moduli `plane` = Y/(1 −
+    /// ν²) and `shear` = G (Pa), at the stress `t` (theory.md, equation 265).
     #[inline(always)]
     pub(super) fn bound(&self, t: &Plane<L>, [plane, poisson, shear]: [f64; 3]) -> Lane<L> {
         let mut out = splat(0.0);

@@ -2,8 +2,8 @@
 //! isotropic hardening and rate dependence.
 //!
 //! The plastic strain is subtracted from the logarithmic strain of Lagrange (Miehe, Apel and Lambrecht, Comput. Methods
-//! Appl. Mech. Engng 191, 2002; theory.md, equations 250 to 267), so that the law of small strain holds between E and T,
-//! with MD and TD of stress-free film as axes:
+//! Appl. Mech. Engng 191, 2002; theory.md, equations 250 to 267), so that the law of small strain holds between E and
+//! T, with MD and TD of stress-free film as axes:
 //!
 //! ```text
 //! E = ½ ln C ,   T = ℂ (E − E_p) ,   S = T : 2 ∂E/∂C
@@ -48,8 +48,8 @@ pub struct Plastic {
 }
 
 impl Plastic {
-    /// Film with isotropic elasticity, Hill's yield function, whose yield surface must be closed, and the flow stress of
-    /// `hardening` along MD at the lowest `rate`.
+    /// Film with isotropic elasticity, Hill's yield function, whose yield surface must be closed, and the flow stress
+    /// of `hardening` along MD at the lowest `rate`.
     pub fn new(elastic: Elastic, hill: Hill, hardening: Hardening, rate: FlowRate) -> Plastic {
         let modes = Modes::new(elastic.young, elastic.poisson, &hill);
         Plastic { elastic, hill, hardening, rate, modes }
@@ -180,7 +180,7 @@ impl MembraneLaw for Plastic {
         Energy { stored: self.modes.stored(&amplitudes), absorbed }
     }
 
-    /// That of elastic loading: flow lowers it.
+    /// Bound of elastic loading: flow lowers it.
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Stiffness<L> {
         let log = Logarithm::from_cauchy_green(&d.metric());

@@ -1,14 +1,14 @@
 //! The flow of a step with the law of Cowper and Symonds.
 //!
-//! The unknown is q, the share of the slow flow stress by which σ̄ is above it. Growth of p, σ̄ and γ follow from it, and the
-//! trial must relax to σ̄ by γ (theory.md, equation 261a):
+//! The unknown is q, the share of the slow flow stress by which σ̄ is above it. Growth of p, σ̄ and γ follow from it,
+//! and the trial must relax to σ̄ by γ (theory.md, equation 261a):
 //!
 //! ```text
 //! Δp = D q^P Δt ,   σ̄ = σ_y(p + Δp) (1 + q) ,   γ = Δp/σ̄
 //! ```
 //!
-//! From p to p + Δp the flow stress does not fall, and γ σ̄ grows with γ where the trial relaxes to σ̄: a q below the root gives
-//! a stress below the one to which the trial relaxes, a q above it one above.
+//! From p to p + Δp the flow stress does not fall, and γ σ̄ grows with γ where the trial relaxes to σ̄: a q below the
+//! root gives a stress below the one to which the trial relaxes, a q above it one above.
 
 use super::hardening::Hardening;
 use super::rate::CowperSymonds;
@@ -24,7 +24,7 @@ pub(super) struct Overstress<'a, const L: usize> {
     pub(super) dt: f64,
 }
 
-/// What follows from q.
+/// Quantities that follow from q.
 struct Flowing<const L: usize> {
     /// σ̄, Pa, and its derivative by q.
     stress: [Lane<L>; 2],
@@ -35,8 +35,8 @@ struct Flowing<const L: usize> {
 }
 
 impl<const L: usize> Overstress<'_, L> {
-    /// γ of the step in `open` lanes, from the q of the last step on; zero in others. `excess` is σ̄ of the trial over the
-    /// flow stress, less one.
+    /// γ of the step in `open` lanes, from the q of the last step on; zero in others. `excess` is σ̄ of the trial over
+    /// the flow stress, less one.
     #[inline(always)]
     pub(super) fn flow(&self, excess: &Lane<L>, open: Lane<L>) -> Lane<L> {
         let (mut most, mut start, mut most_growth) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));

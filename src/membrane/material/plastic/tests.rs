@@ -450,7 +450,8 @@ fn what_is_no_number_stays_none() {
     }
 }
 
-/// The logarithmic strain across at which film that is stretched by `along`, the direction `axis`, has no stress across.
+/// The logarithmic strain across at which film that is stretched by `along`, the direction `axis`, has no stress
+/// across.
 fn free_width(law: &Plastic, along: f64, axis: usize, history: &Point, dt: f64) -> f64 {
     let (mut low, mut high) = (-0.6 - along.abs(), 0.6 + along.abs());
     for _ in 0..200 {

@@ -44,8 +44,8 @@ impl ViscousLaw {
         }
     }
 
-    /// Replaces the `stress` of the law at deformation `d` by that of viscous film after `step`, and updates the history
-    /// variables (theory.md, equations 280 to 284). `measure` is that of the law, for the compiler to know.
+    /// Replaces the `stress` of the law at deformation `d` by that of viscous film after `step`, and updates the
+    /// history variables (theory.md, equations 280 to 284). `measure` is that of the law, for the compiler to know.
     #[inline(always)]
     pub fn advance<const L: usize>(
         &self,
@@ -84,8 +84,8 @@ impl ViscousLaw {
         *stress = Elastic::first_piola(d, at.unmeasured(&now));
     }
 
-    /// Component `k` of the total stress before and after a step in which that of the law changes from `own`, its history
-    /// variable, to `base`.
+    /// Component `k` of the total stress before and after a step in which that of the law changes from `own`, its
+    /// history variable, to `base`.
     #[inline(always)]
     fn relax<const L: usize>(
         &self,
@@ -205,7 +205,8 @@ impl ViscousLaw {
         let mut out = *total;
         for l in 0..L {
             let least = mean[l] - radius[l];
-            // Wrinkled film is wider by its compression over the modulus, and carries Poisson's ratio of it along the wrinkles.
+            // Wrinkled film is wider by its compression over the modulus, and carries Poisson's ratio of it along the
+            // wrinkles.
             let released = poisson * smaller(least, 0.0);
             let (first, second) = (larger(mean[l] + radius[l] - released, 0.0), larger(least, 0.0));
             let inverse = 1.0 / larger(radius[l], POINT);
@@ -243,7 +244,8 @@ impl ViscousLaw {
         total
     }
 
-    /// Energy of viscous film, where the law has `stress` and `energy` at deformation `d` (theory.md, equations 285, 286).
+    /// Energy of viscous film, where the law has `stress` and `energy` at deformation `d` (theory.md, equations 285,
+    /// 286).
     #[inline(always)]
     pub fn energy<const L: usize>(
         &self,
@@ -309,8 +311,8 @@ impl ViscousLaw {
         stiffness
     }
 
-    /// Takes from the point in a lane what the fibres that broke carried, where the shares of the layers whose MD and TD
-    /// fibres are not broken fell from `before` to `left`.
+    /// Takes from the point in a lane what the fibres that broke carried, where the shares of the layers whose MD and
+    /// TD fibres are not broken fell from `before` to `left`.
     pub fn break_fibres<const L: usize>(
         &self,
         variables: &mut [Stored<L>],

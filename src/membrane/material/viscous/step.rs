@@ -1,4 +1,4 @@
-//! What a Prony series does within one time step.
+//! Coefficients of a Prony series over one time step.
 
 use super::Viscosity;
 use crate::lane::{Stored, exp, splat};
@@ -6,8 +6,8 @@ use crate::lane::{Stored, exp, splat};
 /// Δt/τ below which the mean of the decay is its series.
 const SHORT: f64 = 0.5;
 
-/// Coefficients of a step, the same at every point. They are stored in every lane, so that kernels load them as they load
-/// what they multiply.
+/// Coefficients of a step, the same at every point. They are stored in every lane, so that kernels load them as they
+/// load what they multiply.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViscousStep<const L: usize> {
     /// Of each term: the share of its overstress that is kept over the step, and the part of the change of the

@@ -221,7 +221,8 @@ fn moduli(viscosity: &Viscosity, omega: f64) -> [f64; 2] {
     [viscosity.long_term() + of(&storage), of(&loss)]
 }
 
-/// Film that is already stretched, of which one strain oscillates: amplitude, loss angle and what is absorbed per cycle.
+/// Film that is already stretched, of which one strain oscillates: amplitude, loss angle and what is absorbed per
+/// cycle.
 #[test]
 fn loss_angle_and_absorption_of_a_cycle_are_those_of_the_loss_modulus() {
     fn check<M: MembraneLaw<History<1> = PeakStrains<1>> + Clone>(law: M, mean: f64, energy: f64) {
@@ -327,7 +328,7 @@ fn film_shortened_at_once_carries_no_compression() {
     let recovered = share * 0.2 * (-(1.0 - share) / time).exp();
     let found = point.moved(&plane(1.0 + recovered + 0.01, 0.0, 1.0), 0.0).p[0][0][0];
     assert!((found / (5e7 * 0.01) - 1.0).abs() < 1e-3, "{found}");
-    // The same of wrinkling film in any direction.
+    // Wrinkling film in any direction does so too.
     let mut point = Point::new(TensionField(elastic()), series(&[[share, time]])).mounted(&plane(1.1, 0.05, 1.1));
     for k in 0..200 {
         let shortened = 0.001 * f64::from(k);
@@ -371,7 +372,7 @@ fn terms_that_are_no_series_are_refused() {
     assert_eq!(of(&[[0.5, 1.0], [0.5, 2.0]]), Err(ViscosityError::NothingLeft { sum: 1.0 }));
 }
 
-/// What breaks takes its overstress along.
+/// Fibres that break take their overstress along.
 #[test]
 fn broken_fibres_carry_nothing() {
     let mut point = Point::new(film(0.0), series(&[[0.4, 1e-2]])).mounted(&plane(1.0, 0.0, 1.0));
