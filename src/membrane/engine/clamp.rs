@@ -32,7 +32,7 @@ pub struct ClampedNode {
     pub free: [bool; 3],
 }
 
-/// What a clamp stores from step to step.
+/// History of a clamp: its state from step to step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ClampHistory {
     gone: Vec<bool>,
@@ -45,7 +45,7 @@ struct Moved {
     velocity: Vector3<f64>,
 }
 
-/// What the clamp did in a step.
+/// Report of the clamp on a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Clamping {
     /// Dissipated, J.

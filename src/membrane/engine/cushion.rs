@@ -55,7 +55,7 @@ pub(super) struct Enclosed {
 }
 
 impl Enclosed {
-    /// That between the first two of `films`, whose nodes come first.
+    /// Cushion between the first two of `films`, whose nodes come first.
     pub(super) fn between(films: &[Film], nodes: &Nodes) -> Enclosed {
         let count = films.iter().take(2).map(|film| film.nodes.end).max().unwrap_or(0);
         let mut out = Enclosed { volume: 0.0, gradient: vec![Vector3::zeros(); count] };
@@ -86,7 +86,7 @@ impl Cushion {
         self.ambient * (ratio - 1.0)
     }
 
-    /// What is left of `mass` (kg) in `volume` (m³) after `dt` (s): an implicit step, so that air does not flow beyond
+    /// Remainder of `mass` (kg) in `volume` (m³) after `dt` (s): an implicit step, so that air does not flow beyond
     /// the equal pressure in one step (theory.md, equation 192).
     fn vented(&self, mass: f64, volume: f64, dt: f64) -> f64 {
         if self.vent == 0.0 {

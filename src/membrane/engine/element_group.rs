@@ -37,7 +37,7 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Whether the law has a plastic strain.
     fn is_plastic(&self) -> bool;
 
-    /// The same elements with the same history.
+    /// Copy of these elements with their history.
     fn boxed(&self) -> Box<dyn ElementGroup>;
 
     /// Adds the forces of the elements, whose nodes moved to `position` in `dt` (s), to `force`. Whether a fibre is

@@ -4,7 +4,7 @@ use super::element::{Block, Blocks, ElementEnergy, TooWide, energy_at};
 use crate::lane::LANES;
 use crate::material::{History, MembraneLaw};
 
-/// What failed in a film.
+/// Failures in a film.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Failures {
     /// Elements in which fibres of a layer broke.

@@ -236,7 +236,8 @@ impl Film {
     }
 
     /// Cuts the film: deletes the elements through which the lines between successive `corners` (m, in the plane of the
-    /// frame) pass and whose middle lies beside them, and those at its bends. Mass stays at the nodes. The number of the elements.
+    /// frame) pass and whose middle lies beside them, and those at its bends. Mass stays at the nodes. The number of
+    /// the elements.
     pub fn cut(&mut self, nodes: &Nodes, corners: &[[f64; 2]]) -> usize {
         let first = self.nodes.start;
         let at = |node: &u32| nodes.position_of(first + *node as usize).xy();

@@ -14,8 +14,8 @@ impl Engine {
         self.inflated = Some(now);
     }
 
-    /// Adds the load of the gas that is let in, if there is any, to the other forces of a step that kicks the nodes over
-    /// `over` (s) and moves them by `dt` (s), and its work to the ledger.
+    /// Adds the load of the gas that is let in, if there is any, to the other forces of a step that kicks the nodes
+    /// over `over` (s) and moves them by `dt` (s), and its work to the ledger.
     pub(super) fn fill(&mut self, over: f64, dt: f64) {
         let Some(filling) = &self.loads.filling else { return };
         if self.failed > 0 {

@@ -209,18 +209,18 @@ impl Engine {
         engine
     }
 
-    /// The same engine with `pool`, on which no result depends.
+    /// This engine with `pool`, on which no result depends.
     pub fn with_pool(self, pool: ThreadPool) -> Engine {
         Engine { pool, ..self }
     }
 
-    /// The same engine with contact between its faces, with the coefficient `friction`.
+    /// This engine with contact between its faces, with the coefficient `friction`.
     pub fn with_film_contact(self, friction: f64) -> Engine {
         let contact = FilmContact::new(&self.films, &self.nodes, friction, self.loads.multiplicity);
         Engine { film_contact: Some(contact), ..self }
     }
 
-    /// The same engine with film that slips in `clamp`, whose nodes are held in every direction.
+    /// This engine with film that slips in `clamp`, whose nodes are held in every direction.
     pub fn with_clamp(self, clamp: Clamp) -> Engine {
         Engine { clamp: Some(clamp), ..self }
     }
@@ -430,7 +430,7 @@ impl Engine {
         self.loads.jaws.iter().map(force).sum::<f64>() / count
     }
 
-    /// What observers see.
+    /// The state that observers see.
     fn view(&self) -> View<'_> {
         View {
             time: self.time,

@@ -1,8 +1,8 @@
 //! Pressure: a follower load on the present area, along the present normal.
 //!
 //! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient
-//! `F_a = p ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29). The pressure
-//! is given, or that under which `V` follows the gas that is let in (equation 227).
+//! `F_a = p ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29). The
+//! pressure is given, or that under which `V` follows the gas that is let in (equation 227).
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -90,8 +90,8 @@ pub(super) fn volume(films: &[Film], nodes: &Nodes) -> f64 {
     volume
 }
 
-/// Adds `sign` times the volume under a film, up to a constant, to `volume` (m³), and its gradient (m²) to that of the nodes
-/// from node `first` on.
+/// Adds `sign` times the volume under a film, up to a constant, to `volume` (m³), and its gradient (m²) to that of the
+/// nodes from node `first` on.
 pub(super) fn add_volume(
     film: &Film,
     position: &Vectors,

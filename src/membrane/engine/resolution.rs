@@ -20,7 +20,7 @@ const PINCHES: usize = 10;
 /// Cosine of the angle between the normals of two bodies at a node above which it can yield to both.
 const YIELDING: f64 = -0.9;
 
-/// What contact does in a step besides the motion of nodes and bodies.
+/// Losses and reports of contact in a step, besides the motion of nodes and bodies.
 pub(super) struct Resolved {
     /// Largest speed of a node in contact, m/s.
     pub(super) fastest: f64,
@@ -108,7 +108,7 @@ impl SharedNodes {
     }
 }
 
-/// What a node between two bodies does.
+/// Effect of a node between two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pinch {
     /// It penetrates neither, or both are fixed.

@@ -105,7 +105,7 @@ impl RigidBody {
         }
     }
 
-    /// The same body on a guide with `friction`, which only a body that moves along z by its own inertia has.
+    /// This body on a guide with `friction`, which only a body that moves along z by its own inertia has.
     pub fn with_guide_friction(self, friction: GuideFriction) -> RigidBody {
         let has_guide = self.freedom == Freedom::Z && self.mass.is_finite();
         let guide_friction = if has_guide { friction } else { GuideFriction::default() };
@@ -123,12 +123,12 @@ impl RigidBody {
         body
     }
 
-    /// The same body spinning at `spin` (rad/s, in space axes).
+    /// This body spinning at `spin` (rad/s, in space axes).
     pub fn spinning(self, spin: Vector3<f64>) -> RigidBody {
         RigidBody { spin, ..self }
     }
 
-    /// The same body with the degrees of freedom `freedom`, which admit a part of its motion.
+    /// This body with the degrees of freedom `freedom`, which admit a part of its motion.
     pub fn with_freedom(self, freedom: Freedom) -> RigidBody {
         let mut body = RigidBody { freedom, ..self };
         match freedom {
@@ -388,8 +388,8 @@ impl RigidBody {
         body
     }
 
-    /// The impulse of the guide (N s) over `dt` (s) on the body, which moved as `before` and with all that follows it, of
-    /// `mass` (kg) in total, would move at `velocity` (m/s) without.
+    /// The impulse of the guide (N s) over `dt` (s) on the body, which moved as `before` and with all that follows it,
+    /// of `mass` (kg) in total, would move at `velocity` (m/s) without.
     pub(super) fn guide_impulse(&self, before: &RigidBody, velocity: f64, mass: f64, dt: f64) -> f64 {
         self.guide_friction.impulse(velocity, before.velocity.z, mass, dt)
     }

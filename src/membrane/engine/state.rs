@@ -35,7 +35,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("the state is of another scene: {found} {what} where there are {expected}")]
 pub struct StateMismatch {
-    /// What differs in number.
+    /// The quantity that differs in number.
     pub what: &'static str,
     /// Number in the state.
     pub found: usize,

@@ -41,7 +41,7 @@ struct Task {
 #[repr(align(128))]
 struct Counter(AtomicUsize);
 
-/// What the caller and the workers share.
+/// State that the caller and the workers share.
 struct Shared {
     /// The present task; written by the caller alone, while the epoch is even and no worker is active.
     task: UnsafeCell<Option<Task>>,
@@ -91,7 +91,7 @@ impl ThreadPool {
         ThreadPool { width: Width::best(), shared, workers }
     }
 
-    /// The same pool with other vector instructions, as far as the processor has them.
+    /// This pool with other vector instructions, as far as the processor has them.
     pub fn at_width(mut self, width: Width) -> ThreadPool {
         self.width = width.supported();
         self
@@ -188,7 +188,7 @@ impl Shared {
         }
     }
 
-    /// What worker `number` does: it joins one task after another.
+    /// Loop of worker `number`: it joins one task after another.
     fn serve(&self, number: usize) {
         let mut last = 0;
         while let Some(epoch) = self.next_epoch(number, last) {

@@ -18,8 +18,8 @@ pub fn add_mass(film: &mut Film, nodes: &mut Nodes, step: f64) -> AddedMass {
     film.add_mass(nodes, frequency * frequency)
 }
 
-/// The same after elements have failed: torn film snaps back and flutters between slack and taut, and a step near the
-/// limit of the linear theory gains energy at such kinks (theory.md, section 4).
+/// Share of the limit after elements have failed: torn film snaps back and flutters between slack and taut, and a
+/// step near the limit of the linear theory gains energy at such kinks (theory.md, section 4).
 const TORN_SAFETY: f64 = 0.5;
 
 /// Steps, and time (s), between two updates of the frequency bound: the laws bound the stiffness for strains within

@@ -45,8 +45,8 @@ impl WeightedNodes {
         (0..4).map(|k| self.response[k] * self.weights[k]).sum()
     }
 
-    /// The same of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in all
-    /// of them has no part in it.
+    /// Inverse mass of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in
+    /// all of them has no part in it.
     pub(super) fn inverse_free_mass(&self) -> f64 {
         let free = |k: usize| {
             let largest = self.response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs()));
@@ -56,8 +56,8 @@ impl WeightedNodes {
     }
 }
 
-/// The tangential impulse within Coulomb's cone: `sticking` (N s), which would stop the slip, or what of it is within the
-/// `bound` (N s).
+/// The tangential impulse within Coulomb's cone: `sticking` (N s), which would stop the slip, or what of it is within
+/// the `bound` (N s).
 #[inline(always)]
 pub(super) fn within_cone(sticking: Vector3<f64>, bound: f64) -> Vector3<f64> {
     let size = sticking.norm();

@@ -205,7 +205,7 @@ fn penetration(view: &View<'_>, body: &Body) -> [f64; 2] {
     [deepest, view.contact_states().next().unwrap().0.penetration]
 }
 
-/// What a drop shows.
+/// Result of a drop.
 #[derive(Debug)]
 struct Found {
     /// Deepest point, by samples and by the contact's own account, m.

@@ -17,14 +17,14 @@ use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
 /// deep when it is listed does not gain velocity.
 const RECOVERY: f64 = 0.02;
 
-/// The same on a body with edges, and of elements beside what holds them: film that is lifted there gains energy, which
-/// a slower recovery leaves to be small.
+/// Share that is recovered on a body with edges, and of elements beside what holds them: film that is lifted there
+/// gains energy, which a slower recovery leaves to be small.
 const RECOVERY_AT_EDGES: f64 = 0.002;
 
 /// Largest number of Gauss–Seidel sweeps in a step.
 const SWEEPS: usize = 10;
 
-/// The same on a body with edges, where an element meets several at once.
+/// Largest number of sweeps on a body with edges, where an element meets several at once.
 const SWEEPS_AT_EDGES: usize = 40;
 
 /// Change of impulse in a sweep, over the largest impulse, below which the sweeps have converged.

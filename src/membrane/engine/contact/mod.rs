@@ -148,12 +148,12 @@ impl Contact {
         }
     }
 
-    /// The same with the coefficient `friction` between faces, the first of which has the first `nodes`.
+    /// This contact with the coefficient `friction` between faces, the first of which has the first `nodes`.
     pub fn with_film_friction(self, friction: f64, nodes: usize) -> Contact {
         Contact { friction: Friction { film: friction, first_face: nodes, ..self.friction }, ..self }
     }
 
-    /// The same of one of several bodies, which a step may resolve in several sweeps.
+    /// This contact as that of one of several bodies, which a step may resolve in several sweeps.
     pub(super) fn beside_others(self) -> Contact {
         Contact { swept: Some(vec![]), ..self }
     }
@@ -178,7 +178,7 @@ impl Contact {
         self.gap_at(&nodes.position_of(node), pose, node)
     }
 
-    /// The same of a `node` that were at `point`.
+    /// Gap (m) and normal of a `node` if it were at `point`.
     pub(super) fn gap_at(&self, point: &Point3<f64>, pose: &Isometry3<f64>, node: usize) -> (f64, Vector3<f64>) {
         let projection = self.surface.project(pose, point);
         (projection.distance - self.offset[node], projection.normal)
@@ -220,9 +220,9 @@ impl Contact {
     }
 
     /// Corrects the velocities of nodes and body and the positions of nodes so that no node penetrates at the end of
-    /// the step of `dt` (s), forces acting `over` (s). The nodes have their predicted positions, the body has not moved;
-    /// `before` is its motion before the forces of this step, left out in further sweeps of the step; `between` is the
-    /// contact between faces, which is resolved together with this one.
+    /// the step of `dt` (s), forces acting `over` (s). The nodes have their predicted positions, the body has not
+    /// moved; `before` is its motion before the forces of this step, left out in further sweeps of the step; `between`
+    /// is the contact between faces, which is resolved together with this one.
     pub(super) fn correct(
         &mut self,
         nodes: &mut Nodes,

@@ -13,7 +13,7 @@ use crate::engine::nodes::Nodes;
 /// Skin of the neighbour list over the impactor's size.
 const SKIN: f64 = 0.04;
 
-/// The same of bars, which are thin and beside which much film lies: lists are rebuilt more rarely.
+/// Skin of bars over their radius: they are thin and much film lies beside them, so lists are rebuilt more rarely.
 const LONG_SKIN: f64 = 0.3;
 
 /// Nodes and elements within the skin around the impactor.

@@ -47,7 +47,7 @@ pub(super) struct NodeContacts {
     pub(super) largest_speed_squared: f64,
 }
 
-/// What the predictor reads.
+/// Inputs of the predictor.
 pub(super) struct Predictor<'a> {
     pub(super) surface: &'a Surface,
     pub(super) friction: Friction,
@@ -64,7 +64,7 @@ pub(super) struct Predictor<'a> {
     pub(super) per_second: f64,
 }
 
-/// What the corrector reads, and the nodes that it corrects.
+/// Inputs of the corrector, and the nodes that it corrects.
 pub(super) struct Corrector<'a> {
     pub(super) friction: Friction,
     /// Velocities half a step earlier, m/s.

@@ -91,7 +91,7 @@ pub(crate) trait Block<const NODES: usize, const L: usize> {
     /// History variables and volume (m³) of every integration point.
     fn history(&self) -> impl Iterator<Item = (&Self::History, &Lane<L>)>;
 
-    /// The same, mutable.
+    /// History variables and volume (m³) of every integration point, mutable.
     fn history_mut(&mut self) -> impl Iterator<Item = (&mut Self::History, &mut Lane<L>)>;
 }
 
@@ -302,13 +302,13 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
         out
     }
 
-    /// The same elements of viscous film.
+    /// These elements, of viscous film.
     pub(crate) fn with_viscosity(self, law: ViscousLaw) -> Self {
         let viscous = ViscousPoints::new(law, self.blocks.len(), self.points());
         Blocks { viscous: Some(viscous), ..self }
     }
 
-    /// The same elements with a rupture criterion of their own.
+    /// These elements with a rupture criterion of their own.
     pub(crate) fn with_rupture(self, rupture: Arc<Rupture>) -> Self {
         let tearing = Tearing::new(rupture, self.blocks.iter().map(B::volume).collect());
         Blocks { tearing: Some(tearing), ..self }

@@ -145,8 +145,8 @@ fn add_forces_lanewise<
 }
 
 at_width! {
-    /// Energies of the elements of a block whose nodes are at `x`, J, without what their tears took. The laws are compiled
-    /// into this one function for all who need it.
+    /// Energies of the elements of a block whose nodes are at `x`, J, without what their tears took. The laws are
+    /// compiled into this one function for all who need it.
     pub(super) fn block_energies[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
     ) -> BlockEnergies<L> = block_energies_lanewise, up to AVX2
@@ -258,8 +258,8 @@ pub(crate) fn energy_at<
 }
 
 at_width! {
-    /// Bound on the stiffness of the elements of a block whose nodes are at `x`, N/m. The laws are compiled into this one
-    /// function for all who need it.
+    /// Bound on the stiffness of the elements of a block whose nodes are at `x`, N/m. The laws are compiled into this
+    /// one function for all who need it.
     fn block_stiffness[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
     ) -> Lane<L> = block_stiffness_lanewise, up to AVX2
@@ -312,8 +312,8 @@ pub(crate) fn frequency_bound<
     largest.into_iter().fold(0.0, |most, squared| if squared <= most || most.is_nan() { most } else { squared })
 }
 
-/// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and calls
-/// `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
+/// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and
+/// calls `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
 #[inline]
 pub(crate) fn add_mass<
     B: Block<NODES, L>,

@@ -8,7 +8,8 @@ use crate::lane::{Lane, Width, at_width, larger, splat};
 use crate::material::{AT_TIP, Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
 
 at_width! {
-    /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was lost.
+    /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was
+    /// lost.
     pub(crate) fn tear[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64,
     ) -> bool = tear_lanewise, up to AVX2
@@ -69,7 +70,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
     changed
 }
 
-/// What the criterion compares with its limit, in each element of a block; none where that is an energy.
+/// The quantity that the criterion compares with its limit, in each element of a block; none where it is an energy.
 #[inline(always)]
 fn values<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
     rupture: &Rupture,
@@ -104,7 +105,7 @@ struct Element<'a, B> {
     metric: [f64; 3],
     /// Largest principal nominal strain.
     strain: f64,
-    /// What the criterion compares with its limit, where that is no energy.
+    /// The quantity that the criterion compares with its limit, where it is no energy.
     value: Option<f64>,
     lane: usize,
 }
@@ -160,8 +161,8 @@ fn squared_stress([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> [f64;
     [a11 * s11 + a12 * s12, a21 * s12 + a22 * s22, a11 * s12 + a12 * s22]
 }
 
-/// Stress triaxiality, mean stress over von Mises' equivalent stress, of plane stress (theory.md, equation 301); that of
-/// uniaxial tension without stress.
+/// Stress triaxiality, mean stress over von Mises' equivalent stress, of plane stress (theory.md, equation 301); that
+/// of uniaxial tension without stress.
 #[inline(always)]
 fn triaxiality([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> f64 {
     let sum = s11 * c11 + s22 * c22 + 2.0 * s12 * c12;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::engine::nodes::{Nodes, Vectors};
 use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
 
-/// What a constraint belongs to.
+/// Node or crossing that a constraint belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) enum Source {
     /// A node tracked on one of two sides.
@@ -28,7 +28,7 @@ pub(super) struct Constraint {
     inverse_mass: Vector3<f64>,
     /// Normal velocity per impulse along the normal, 1/kg.
     inverse_effective_mass: f64,
-    /// The same of nodes that are held in no direction, 1/kg: a bound for every direction.
+    /// Velocity per impulse of nodes that are held in no direction, 1/kg: a bound for every direction.
     inverse_free_mass: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
@@ -178,7 +178,7 @@ impl Constraint {
         self.normal_impulse > 0.0
     }
 
-    /// What the next step starts from.
+    /// Impulse that the next step starts from.
     pub(super) fn carried(&self) -> Carried {
         Carried {
             source: self.source,

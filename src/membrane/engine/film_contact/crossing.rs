@@ -16,7 +16,7 @@ const LONGEST: usize = 512;
 /// An edge of one face that crosses an edge of another.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Crossing {
-    /// That of the first of the two faces, then that of the second.
+    /// Edge of the first of the two faces, then edge of the second.
     pub(super) edges: [u32; 2],
     /// Factor on the product of the first edge and the second that makes it point from the second to the first; zero
     /// where they are parallel, or contact was given up.

@@ -1,4 +1,4 @@
-//! What contact between films stores from step to step, saved and restored.
+//! History of contact between films, saved and restored.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use super::tracking::Tracked;
 use super::{FilmContact, FilmWork};
 use crate::engine::film::Film;
 
-/// What contact between films stores from step to step.
+/// History of contact between films: its state from step to step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FilmContactHistory {
     tracked: [Vec<Tracked>; 2],

@@ -61,7 +61,7 @@ pub struct FilmContact {
     /// Whether the constraints of the present step have been found.
     has_begun: bool,
     sweeps: Sweeps,
-    /// What each task of a detection finds.
+    /// Results of each task of a detection.
     found: Vec<Found>,
     /// Positions at the last detection, m.
     detected: Vectors,

@@ -21,7 +21,7 @@ const NODES_PER_RANGE: usize = 1024;
 /// Crossings of a task.
 const CROSSINGS_PER_RANGE: usize = 512;
 
-/// What is looked at at once.
+/// Range of nodes or crossings that one call examines.
 #[derive(Clone, Debug)]
 struct Task {
     /// The side of nodes; none of crossings.
@@ -29,7 +29,7 @@ struct Task {
     range: Range<usize>,
 }
 
-/// What a task finds.
+/// Results of a task.
 #[derive(Default)]
 pub(super) struct Found {
     nodes: FoundNodes,
@@ -223,13 +223,13 @@ struct CloseNode {
     distance: f64,
 }
 
-/// What is found among nodes.
+/// Results of a task among nodes.
 #[derive(Clone, Debug, Default)]
 struct FoundNodes {
     close: Vec<CloseNode>,
-    /// Those that are not over their triangle, or on no side of it so far.
+    /// Nodes that are not over their triangle, or on no side of it so far.
     beside: Vec<u32>,
-    /// Those that do not lie on a corner any more.
+    /// Nodes that do not lie on a corner any more.
     off_corner: Vec<u32>,
 }
 
@@ -336,7 +336,7 @@ struct CloseCrossing {
     distance: f64,
 }
 
-/// What is found among crossings.
+/// Results of a task among crossings.
 #[derive(Clone, Debug, Default)]
 struct FoundCrossings {
     close: Vec<CloseCrossing>,

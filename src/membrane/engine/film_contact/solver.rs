@@ -20,7 +20,8 @@ pub(in crate::engine) const TOLERANCE: f64 = 0.02;
 /// Motion by contact that a detection allows for, over that of the last step.
 const MARGIN: f64 = 1.5;
 
-/// The same over the least allowed distance, at most: where film moves farther it is looked at again.
+/// Largest motion that a detection allows for, over the least allowed distance: where film moves farther it is looked
+/// at again.
 const LARGEST_MARGIN: f64 = 0.02;
 
 /// Where the sweeps of a step are.

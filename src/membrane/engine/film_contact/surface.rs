@@ -34,7 +34,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// That of `films`, none of whose elements is deleted.
+    /// Surface of `films`, none of whose elements is deleted.
     pub(super) fn new(films: &[Film]) -> Surface {
         let (mut corners, mut faces, mut elements) = (vec![], vec![], vec![]);
         for film in films {
@@ -106,7 +106,7 @@ impl Surface {
             let mut next = 0;
             let mut deleted = vec![];
             film.for_each_intact(|nodes| {
-                // Those that are intact follow in the order in which all were listed.
+                // Intact triangles follow in the order in which all were listed.
                 while self.corners[elements[next].start as usize] != nodes[..3] {
                     deleted.push(next);
                     next += 1;

@@ -15,7 +15,7 @@ pub(super) const BESIDE: f64 = 1e-3;
 /// to them.
 const ON_CORNER: f64 = 0.5;
 
-/// The same at which it does not do so any more.
+/// Distance along the triangle, over the least allowed one, beyond which it has left the corner.
 const OFF_CORNER: f64 = 1.0;
 
 /// Triangles over which a node is followed at most at once.
@@ -40,7 +40,7 @@ pub(super) struct Tracking {
     pub(super) additional: Vec<f64>,
 }
 
-/// What a tracked node stores from step to step.
+/// History of a tracked node.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Tracked {
     pub(super) node: u32,
@@ -128,7 +128,7 @@ impl Tracking {
         self.sign[node] = 0.0;
     }
 
-    /// What is tracked.
+    /// History of the tracked nodes.
     pub(super) fn save(&self) -> Vec<Tracked> {
         let tracked = (0..self.triangle.len()).filter(|n| self.triangle[*n] != NONE);
         let entry = |n: usize| Tracked {
@@ -142,7 +142,7 @@ impl Tracking {
         tracked.map(entry).collect()
     }
 
-    /// Restores what was saved for the same faces.
+    /// Restores the history of the same faces.
     pub(super) fn restore(&mut self, saved: &[Tracked], surface: &Surface) {
         *self = Tracking::new(self.triangle.len());
         for Tracked { node, triangle, corner, on_corner, sign, bound } in saved {
@@ -194,7 +194,7 @@ pub(super) fn foot(surface: &Surface, position: &Vectors, point: &Vector3<f64>, 
         match leads_on(k) {
             // Over a ridge: beside both triangles, but over their common edge.
             Some(next) if next == before => {
-                // The same triangle whichever of the two it was followed from.
+                // One triangle, whichever of the two the point was followed from: the foot does not depend on the path.
                 let first = now.min(next);
                 let edge = surface.edges_of[now as usize][k];
                 let k = (0..3).find(|k| surface.edges_of[first as usize][*k] == edge).unwrap_or(k);

@@ -30,7 +30,7 @@ impl Kick {
     }
 }
 
-/// What a step reports of the nodes that it moved.
+/// Report of a step on the nodes that it moved.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::engine) struct StepSums {
     /// Square of the largest speed, m²/s².

@@ -200,7 +200,7 @@ impl Bars {
         offsets.map(|offset| self.projection(pose, &offset))
     }
 
-    /// The same from the nearest of them.
+    /// Signed distance and outward normal from the nearest of the bars.
     pub(super) fn project(&self, pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Projection {
         self.projection(pose, &self.offset(&pose.rotation.inverse_transform_vector(arm)))
     }

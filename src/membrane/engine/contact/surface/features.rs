@@ -193,10 +193,10 @@ impl Features {
         for point in &points[..count] {
             (low, high) = (low.inf(point), high.sup(point));
         }
-        // What lies deeper than a share of the element has not come through it.
+        // Points deeper than a share of the element have not come through it.
         let reach = 0.5 * (high - low).norm();
         search.least = search.least.min(reach);
-        // What is looked for, and a little more, so that it need not be looked for again when the element has moved.
+        // A little more than is asked for, so that it need not be looked for again when the element has moved.
         let beyond = if search.keeps_all { BEYOND * reach } else { 0.0 };
         let near = self.near(mesh, [low, high], reach.max(search.within + beyond));
         let mut heights = vec![];

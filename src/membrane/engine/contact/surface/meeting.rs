@@ -146,7 +146,7 @@ fn vector_of(v: Vector) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
 }
 
-/// The same pose of parry.
+/// A pose as one of parry.
 fn to_parry(pose: &Isometry3<f64>) -> Pose {
     let q = pose.rotation.coords;
     Pose::from_parts(vector(&pose.translation.vector), Rotation::from_xyzw(q.x, q.y, q.z, q.w))

@@ -17,7 +17,7 @@ pub(in crate::engine::contact) struct Projection {
 }
 
 impl Projection {
-    /// The same with its normal turned as `pose` is.
+    /// This projection with its normal turned as `pose` is.
     pub(super) fn turned(self, pose: &Isometry3<f64>) -> Projection {
         Projection { normal: pose.rotation * self.normal, ..self }
     }

@@ -11,7 +11,7 @@ use super::solid::Solid;
 /// Largest number of tangents along one edge.
 const TANGENTS: usize = 40;
 
-/// What is known of the least signed distance of a triangle.
+/// Knowledge of the least signed distance of a triangle.
 pub(super) enum Minimum {
     /// No point is nearer than `bound` (m), which is beyond what counts; `place` is where this was seen.
     Beyond { bound: f64, place: [f64; 2] },

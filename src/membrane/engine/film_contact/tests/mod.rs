@@ -161,7 +161,7 @@ fn angular_momentum(view: &View<'_>) -> Vector3<f64> {
     (0..view.nodes.mass.len()).map(of).sum()
 }
 
-/// What a test asks of a state.
+/// Properties of a state that tests ask for.
 struct Figures {
     momentum: Vector3<f64>,
     angular_momentum: Vector3<f64>,
