@@ -69,7 +69,7 @@ mod tests {
         assert_eq!(drawn, FIRST);
     }
 
-    /// What the generator gave when the first studies were made.
+    /// Numbers that the generator gave when the first studies were made.
     const FIRST: [u64; 3] = [2_910_824_217_569_608_635, 3_098_856_782_162_503_994, 12_991_601_491_111_613_745];
 
     #[test]

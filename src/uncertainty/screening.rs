@@ -155,7 +155,7 @@ mod tests {
         points.iter().map(|u| Some(morris(u, &first, &second))).collect()
     }
 
-    /// What Morris's figure 1 shows: ten of twenty factors matter, of which the eighth to tenth act linearly.
+    /// Morris's figure 1: ten of twenty factors matter, of which the eighth to tenth act linearly.
     #[test]
     fn morriss_function_is_ranked_as_in_his_paper() {
         let points = trajectories(20, 10, 4, 1).unwrap();

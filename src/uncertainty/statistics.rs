@@ -118,7 +118,7 @@ pub struct Bootstrap {
     pub resamples: usize,
     /// Probability with which an interval should contain what is estimated, within (0, 1).
     pub confidence: f64,
-    /// What decides the resamples.
+    /// Seed, which decides the resamples.
     pub seed: u64,
 }
 

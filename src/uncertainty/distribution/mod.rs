@@ -152,7 +152,7 @@ impl Distribution {
         Self::new(Family::Weibull { scale, shape })
     }
 
-    /// The same family conditional on lying between these ends, of which either may be open; they replace ends that
+    /// This family conditional on lying between these ends, of which either may be open; they replace ends that
     /// were set before.
     ///
     /// # Errors

@@ -219,7 +219,7 @@ mod tests {
         outputs.iter_mut().for_each(|output| *output = output.filter(|_| stream.uniform() > 0.05));
         let found = indices(3, &outputs, &Bootstrap { resamples: 100, ..Bootstrap::default() }).unwrap();
         assert!(found.iter().all(|f| f.blocks + f.missing == 4096 && (400..800).contains(&f.missing)), "{found:?}");
-        // What is left is a random part of the sequence: the errors are those of independent points.
+        // The remaining blocks are a random part of the sequence: the errors are those of independent points.
         let worst = worst(&found, &first, &total);
         assert!(worst < 0.06, "{worst}");
     }

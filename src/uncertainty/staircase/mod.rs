@@ -11,7 +11,7 @@ use thiserror::Error;
 pub use dixon_mood::{Reduction, ReductionError};
 pub use probit::{ProbitError, ProbitFit, probit};
 
-/// What became of a specimen.
+/// Outcome of the test of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {

@@ -92,7 +92,7 @@ pub struct Options {
     pub truncation: f64,
     /// Folds of the cross-validation.
     pub folds: usize,
-    /// What decides which sample is in which fold.
+    /// Seed, which decides which sample is in which fold.
     pub seed: u64,
 }
 
@@ -295,7 +295,7 @@ fn checked<'a>(
     let sample: Sample =
         points.iter().zip(outputs).filter_map(|(point, output)| Some((point.as_slice(), present(*output)?))).unzip();
     let (samples, terms) = (sample.1.len(), inputs + 1);
-    // What is left of the samples without one fold must still be two a term.
+    // The samples without one fold must still be two a term.
     let needed = (2 * terms * options.folds).div_ceil(options.folds - 1) + 1;
     if samples < needed.max(options.folds) {
         return Err(SurrogateError::TooFewSamples { samples, terms, needed: needed.max(options.folds) });
