@@ -34,7 +34,7 @@ pub(crate) struct Film {
     /// Steps that positions are rounded to, a power of two, m.
     step: f32,
     states: usize,
-    /// What was logged last.
+    /// State that was logged last.
     shown: Shown,
 }
 

@@ -15,7 +15,7 @@ pub struct Quantity {
     pub key: &'static str,
     /// Title of its tab.
     pub title: String,
-    /// The same with its unit, over the bar of colours.
+    /// Name with its unit, over the bar of colours.
     pub words: String,
     /// Values that get the first and the last colour.
     pub range: [f32; 2],

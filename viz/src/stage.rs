@@ -40,7 +40,7 @@ impl Stage {
         Stage::begin(stream, scene)
     }
 
-    /// The same in the viewer at `address`.
+    /// A stage in the viewer at `address`.
     ///
     /// # Errors
     /// Lists of the scene do not fit each other. [`Address::answers`] reports whether there is a viewer.

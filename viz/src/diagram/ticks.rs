@@ -28,7 +28,7 @@ impl Scale {
         Scale { logarithmic, low, high }
     }
 
-    /// The same with the ends moved out to the next ticks.
+    /// This scale with the ends moved out to the next ticks.
     pub(crate) fn rounded(self) -> Scale {
         let step = step(self.high - self.low);
         let out = |value: f64| (value / step - 1e-9).ceil() * step;
