@@ -232,21 +232,29 @@ impl Contact {
         pool: &ThreadPool,
         between: Option<&mut FilmContact>,
     ) {
+        // Most steps need the sums alone, which the corrector forms in lanes; a list of impulses costs as much as the
+        // correction.
         self.lists_impulses = between.is_some() || self.swept.is_some() || !self.neighbours.face_candidates.is_empty();
         self.contacts.resize_with(self.neighbours.ranges.len(), NodeContacts::default);
         self.predict(nodes, body, dt, pool);
+        // Body and nodes are solved as one system (theory.md, equation 20), not one after the other: nodes follow the
+        // body that has already felt them.
         let (corrected, guide) = self.corrected_body(body, before, over);
         self.correct_nodes(nodes, body, &corrected, dt, pool);
         let sums = self.impulse_sums();
+        // The body gets the impulses that the nodes did get, not `corrected`: nodes that would have to be pulled got
+        // none, and momentum is conserved to round-off.
         body.apply_impulse(&(-self.multiplicity * sums.impulse()), &(-self.multiplicity * sums.moment()));
         if let Some(impulse) = guide {
             body.velocity.z += impulse / body.mass;
         }
+        // First sweep of a step; in further ones the guide has acted already, and impulses are added to the list.
         if before.is_some() {
             self.guide_impulse = guide;
             self.swept.iter_mut().for_each(Vec::clear);
         }
         self.resolve_faces(nodes, body, dt, pool, between);
+        // Later sweeps change velocities, so work is summed in `account` with those at the end of the step.
         if let Some(swept) = &mut self.swept {
             self.contacts.iter_mut().for_each(|contacts| swept.append(&mut contacts.impulses));
         }
@@ -279,6 +287,7 @@ impl Contact {
     fn predict(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, pool: &ThreadPool) {
         let list = &self.neighbours;
         let mut body = body.clone();
+        // Nodes have their positions at the end of the step, so the body must have its pose there, too.
         body.pose = body.predicted(dt);
         let predictor = Predictor {
             surface: &self.surface,
@@ -308,6 +317,8 @@ impl Contact {
             .map(|first| active.fold(first.coupled_film.clone(), |all, contacts| all.and(&contacts.coupled_film)));
         let mut corrected = all.as_ref().map_or_else(|| body.clone(), |all| body.after_contact(all));
         let guide = before.filter(|_| body.has_guide_friction()).map(|before| {
+            // Film in contact is stopped with the body, so friction that stops the body at most has to stop both
+            // (theory.md, equation 52).
             let mass = body.mass + all.as_ref().map_or(0.0, CoupledFilm::mass_along_z);
             let impulse = body.guide_impulse(before, corrected.velocity.z, mass, over);
             corrected.velocity.z += impulse / mass;

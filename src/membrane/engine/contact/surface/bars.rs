@@ -182,6 +182,8 @@ impl Bars {
         let (mut least, mut nearest) = (f64::INFINITY, Vector2::from_element(f64::INFINITY));
         for axis in &self.axes {
             let offset = axis.offset(&flat);
+            // Compared in the plane, since all bars have the same height: one root for the nearest instead of one a
+            // bar.
             let squared = offset.x * offset.x + offset.y * offset.y;
             if squared < least {
                 (least, nearest) = (squared, offset);
@@ -224,6 +226,7 @@ impl Bars {
             let next = onto_set(point - vector(&self.offset(&place)));
             let moved = (next - point).length_squared();
             point = next;
+            // An error in the place along a bar changes the distance in second order only.
             if moved <= STILL * STILL * self.radius * self.radius {
                 break;
             }

@@ -64,10 +64,12 @@ impl Face {
         let [u, v] = [corners[0] - corners[2], corners[1] - corners[2]];
         let cross = u.cross(&v);
         let squared = cross.norm_squared();
+        // A sign on the root instead of a branch on the cross product.
         let normal = cross / squared.sqrt().copysign(cross.dot(outward));
         (squared > 0.0).then(|| Face {
             corners,
             normal,
+            // Weights are linear in the point: with their gradients a corner of the mesh costs two scalar products.
             gradients: [v.cross(&cross) / squared, cross.cross(&u) / squared],
         })
     }
@@ -99,6 +101,7 @@ impl Features {
             for (_, _, t, k) in pair {
                 edges_of[*t][*k] = edges.len() as u32;
             }
+            // An edge with one triangle, which a closed mesh does not have, is its own neighbour instead of a panic.
             edges.push(Edge { ends: pair[0].0, opposite: [pair[0].1, pair[pair.len() - 1].1] });
         }
         let mut ends: Vec<[u32; 2]> = edges.iter().flat_map(|edge| [edge.ends, [edge.ends[1], edge.ends[0]]]).collect();
@@ -198,11 +201,14 @@ impl Features {
         search.least = search.least.min(reach);
         // A little more than is asked for, so that it need not be looked for again when the element has moved.
         let beyond = if search.keeps_all { BEYOND * reach } else { 0.0 };
+        // By the box of the whole element: its four triangles share the corners and edges that are found.
         let near = self.near(mesh, [low, high], reach.max(search.within + beyond));
         let mut heights = vec![];
         for [a, b] in sides(count) {
+            // The mean is projected anyway, and one side for all four triangles keeps their contacts consistent.
             let Some(face) = Face::new([points[a], points[b], points[4]], &projected[4].normal) else { continue };
             heights.clear();
+            // Heights once a triangle: corners and both ends of every edge are compared by them.
             heights.extend(near.vertices.iter().map(|(_, at)| face.normal.dot(&(at - face.corners[2]))));
             for ((vertex, at), height) in near.vertices.iter().zip(&heights) {
                 // It is the farther inside the body the higher the corner is.
@@ -223,6 +229,7 @@ impl Features {
                 if ends.iter().all(|end| heights[*end] <= lowest) {
                     continue;
                 }
+                // The third side, from the second corner to the mean, is one of the next triangle.
                 for other in [1, 2] {
                     let film = [face.corners[0], face.corners[other]];
                     if let Some((projection, share)) = self.across_edge(*edge, &film, reach) {
@@ -262,10 +269,13 @@ impl Features {
         let (along, film) = (b - a, t - s);
         let cross = along.cross(&film);
         let squared = cross.norm_squared();
+        // Compared before any division: parallel edges have no common normal, and their ends are corners and nodes
+        // anyway.
         if squared <= PARALLEL * PARALLEL * along.norm_squared() * film.norm_squared() {
             return None;
         }
         let from = s - a;
+        // Shares times the square of the cross product: the test needs no division, and most pairs fail it.
         let on_mesh = from.cross(&film).dot(&cross);
         let on_film = from.cross(&along).dot(&cross);
         if !(0.0..=squared).contains(&on_mesh) || !(0.0..=squared).contains(&on_film) {
