@@ -148,6 +148,7 @@ impl Tracking {
         for Tracked { node, triangle, corner, on_corner, sign, bound } in saved {
             let n = *node as usize;
             self.follow(n, *triangle, *sign, surface);
+            // Corners are stored in the order of the mesh; what lies under the node was turned to be the first.
             while self.corners[0][n] != *corner {
                 let [a, b, c] = self.corners.each_ref().map(|corner| corner[n]);
                 (self.corners[0][n], self.corners[1][n], self.corners[2][n]) = (b, c, a);
@@ -180,8 +181,10 @@ impl Tracked {
 /// The foot of `point` on `surface` with nodes at `position`, followed from `triangle` over its neighbours.
 pub(super) fn foot(surface: &Surface, position: &Vectors, point: &Vector3<f64>, triangle: u32) -> Foot {
     let (mut now, mut before) = (triangle, NONE);
+    // Bounded: over crumpled film the walk need not end by itself.
     for _ in 0..HOPS {
         let (weights, normal, distance) = project(surface, position, point, now);
+        // Over the side that the point lies farthest beyond, by the most negative weight.
         let (k, least) = least(&weights);
         if least >= -BESIDE {
             return Foot { triangle: now, weights, normal, distance, is_over: true };
@@ -225,6 +228,8 @@ fn beside(surface: &Surface, position: &Vectors, point: &Vector3<f64>, triangle:
     let share = ((point - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
     let mut weights = [0.0; 3];
     (weights[from], weights[to]) = (1.0 - share, share);
+    // The mean normal of both sides of an edge, so that the direction of contact does not jump where a node passes the
+    // ridge.
     let mut normal = normal_of(surface, position, triangle);
     let other = surface.across[triangle as usize][k];
     if other != NONE {
