@@ -98,6 +98,8 @@ impl Cushion {
             self.vent * (2.0 * density * pressure.abs()).sqrt().copysign(pressure)
         };
         // Between no flow and the density of the surroundings.
+        // Bisection with a fixed number of halvings: flow has an infinite slope at equal pressure, where Newton's
+        // method fails.
         let (mut a, mut b) = (mass, self.density * volume);
         for _ in 0..64 {
             let middle = 0.5 * (a + b);

@@ -147,6 +147,8 @@ impl View<'_> {
         }
         for (n, mass) in self.nodes.mass.iter().enumerate() {
             let (v, u) = (self.nodes.velocity.value_at(n), self.previous.velocity.value_at(n));
+            // Product of both half steps, not the square of their mean: this is what central differences conserve
+            // (theory.md, equation 23).
             out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
             out.potential += multiplicity * mass * of_film * self.nodes.position.value_at(n)[2];
         }
@@ -156,6 +158,7 @@ impl View<'_> {
             out.contact += contact.work.impact_loss;
             out.friction += contact.work.friction_loss;
             if body.has_prescribed_motion() {
+                // A body with prescribed motion has no energy to give: what it does comes from outside.
                 out.external -= contact.work.on_film - contact.work.ahead;
             }
         }

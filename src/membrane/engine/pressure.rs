@@ -134,12 +134,14 @@ pub(super) fn fill(films: &[Film], nodes: &mut Nodes, step: &GasStep) -> Inflate
             (nodes.effective_inverse_mass().value_at(n), nodes.velocity.value_at(n), nodes.force.value_at(n));
         for axis in 0..3 {
             let field = if axis == 2 { -step.gravity } else { 0.0 };
+            // Held nodes with a velocity, as at jaws, change the volume too.
             let is_free = inverse_mass[axis] > 0.0;
             let after = step.kick.after(velocity[axis], force[axis] * inverse_mass[axis] + field);
             growth += area[axis] * if is_free { after } else { velocity[axis] };
             response += area[axis] * area[axis] * step.kick.after(0.0, inverse_mass[axis]);
         }
     }
+    // Linear in the pressure, since it acts on velocities by one kick: no iteration (theory.md, equation 227).
     let pressure = ((step.target - volume) / step.dt - growth) / response;
     for (area, n) in gradient.iter().zip(film.nodes.clone()) {
         nodes.force.add(n, (pressure * area).into());
@@ -168,6 +170,7 @@ impl ElementLoad {
 
 fn triangle(x: [Vector3<f64>; 3]) -> ElementLoad {
     let area = (x[1] - x[0]).cross(&(x[2] - x[0])) / 2.0;
+    // The cone from the origin: another origin changes the volume by a constant as long as the rim is held.
     ElementLoad { areas: [area / 3.0; 4], volume: x[0].dot(&area) / 3.0 }
 }
 
@@ -177,6 +180,7 @@ fn quad(x: [Vector3<f64>; 4]) -> ElementLoad {
     const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let a = (x[1] + x[2] - x[0] - x[3]) / 4.0;
     let b = (x[2] + x[3] - x[0] - x[1]) / 4.0;
+    // Warped quads bulge: with flat areas, work of the pressure would not be p dV.
     let h = (x[0] + x[2] - x[1] - x[3]) / 4.0;
     let (flat, along, across) = (a.cross(&b), a.cross(&h) / 3.0, h.cross(&b) / 3.0);
     let areas = CORNERS.map(|[xi, eta]| flat + along * xi + across * eta);

@@ -215,6 +215,7 @@ impl RigidBody {
     #[inline]
     pub(super) fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         match self.freedom {
+            // No cross product with zero: a guided body has the bits of a point on a line.
             Freedom::Z => self.velocity,
             _ => self.velocity + self.spin.cross(arm),
         }
@@ -240,6 +241,7 @@ impl RigidBody {
         if self.freedom != Freedom::All || self.spin == Vector3::zeros() {
             return self.spin;
         }
+        // Midpoint: over a step the spin of a free body changes although its angular momentum does not.
         let half = UnitQuaternion::from_scaled_axis(self.spin * (0.5 * dt)).to_rotation_matrix();
         // Inverse inertia in the pose that is turned by half the angle.
         half * (self.inverse_inertia * (half.transpose() * (self.space_inertia() * self.spin)))
@@ -250,6 +252,7 @@ impl RigidBody {
         let turns = self.freedom == Freedom::All && self.spin != Vector3::zeros();
         let momentum = turns.then(|| self.space_inertia() * self.spin);
         self.pose = self.predicted(dt);
+        // Products of unit quaternions drift from length one by a round-off a step.
         self.pose.rotation.renormalize();
         self.update_inverse_inertia();
         if let Some(momentum) = momentum {
