@@ -177,6 +177,8 @@ impl Curve {
         let mut stress = splat(0.0);
         for s in &self.segments {
             for l in 0..L {
+                // Every segment adds what lies within it: lanes with different strains need neither a search nor a
+                // branch, and curves have few segments.
                 stress[l] += s.slope * smaller(larger(strain[l] - s.start, 0.0), s.length);
             }
         }
@@ -217,6 +219,7 @@ impl Curve {
         for s in &self.segments {
             let end = s.start + s.length;
             for l in 0..L {
+                // Ends included: a strain at a corner may go on along either slope.
                 let overlaps = (s.start <= larger(to[l], 0.0)) & (end >= from[l]);
                 most[l] = if overlaps { larger(s.slope, most[l]) } else { most[l] };
             }

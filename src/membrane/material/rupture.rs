@@ -161,12 +161,15 @@ impl Tear {
     /// Moves on to the next position, with these energies there. The energies that were lost on the way: the work of
     /// its forces is that of their mean (theory.md, equation 302).
     pub(crate) fn advance(&mut self, now: Densities) -> Densities {
+        // Forces between two positions go from one share to the next: their mean is what does the work (theory.md,
+        // equation 302).
         let (before, mean) = (self.share, 0.5 * (self.share + self.next));
         self.share = self.next;
         let fallen = before - self.share;
         let stored = 0.5 * (self.stored + now.stored) * fallen;
         let absorbed = 0.5 * (self.absorbed + now.absorbed) * fallen;
         if self.has_started() {
+            // What film absorbs while it tears is part of the fracture energy, which is measured as total work.
             self.spent += stored + mean * (now.absorbed - self.absorbed).max(0.0);
         }
         (self.stored, self.absorbed) = (now.stored, now.absorbed);
@@ -175,6 +178,7 @@ impl Tear {
 
     /// Starts to tear, where the element is `width` (m) across the tear.
     pub(crate) fn start(&mut self, width: f64) {
+        // Positive even without stored energy: √(ψ/ψ₀) must stay defined.
         (self.start, self.width) = (self.stored.max(f64::MIN_POSITIVE), width);
     }
 
@@ -200,9 +204,13 @@ impl Tear {
         let left = 1.0 - self.spent / per_volume;
         let (stretched, stored) = ((self.stored / self.start).sqrt(), self.stored / per_volume);
         if self.share * stretched > left {
+            // Equation 303 linear in the next share, solved in closed form; where the denominator is not positive, the
+            // element snaps through at once.
             let next = if stretched > stored { (left - stored * self.share) / (stretched - stored) } else { 0.0 };
+            // A crack does not heal.
             self.next = next.clamp(0.0, self.share);
         }
+        // The last of the energy would be spent only slowly and hold the element for long.
         if left < REST {
             self.next = 0.0;
         }

@@ -113,6 +113,7 @@ impl<F: FibreLaw, const L: usize> TrialStresses<L> for Curves<'_, F, L> {
     fn stresses(&self, strains: &[Lane<L>; 3]) -> [Lane<L>; 3] {
         let (fabric, history) = (self.fabric, self.history);
         let along = |fibre: usize, law: &F| match self.dt {
+            // On a copy: trials must not raise the peak strains, as only the last one is where the film is.
             Some(dt) => law.stress(&fabric.absorption, &strains[fibre], &mut history.fibres[fibre].clone(), dt),
             None => law.stress_near(&fabric.absorption, &strains[fibre], &history.fibres[fibre]),
         };
@@ -155,6 +156,8 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L> {
         let fibres = self.fibres(d, history, Some(dt));
         let [history_md, history_td] = &mut history.fibres;
+        // Histories follow the fibres at C*, by whose strains they break, not the film, which may be shorter
+        // (theory.md, below equation 8c).
         let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
         let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
         let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut history.shear);
@@ -187,6 +190,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             let (stored, absorbed) = law.energy(&self.absorption, &fibres.mean_strain(), &history.biaxial);
             let (stored, absorbed) = (of_both_left(stored, &history.left), of_both_left(absorbed, &history.left));
             for l in 0..L {
+                // The curve is over the mean strain, W_b over the sum of both: dW_b = σ_b d(ε₁ + ε₂) = 2 σ_b d(mean).
                 total.stored[l] += 2.0 * stored[l];
                 total.absorbed[l] += 2.0 * absorbed[l];
             }
@@ -225,9 +229,13 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         }
         let [_, _, stress] = of_layers_left([md, td, self.shear.stress_lanes(&largest)], &history.left);
         for l in 0..L {
+            // `across` acts on every motion of the fibre, also on that along it: what is counted there is not counted
+            // twice.
             along[0][l] = larger(along[0][l] - across[0][l], 0.0);
             along[1][l] = larger(along[1][l] - across[1][l], 0.0);
             let secant = fibres.secant[l];
+            // The curve's own slope, and what its stress adds as directions turn; the larger of loading and largest
+            // stress so far bounds unloading.
             shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
         }
         // Motion acts on the tangent vectors of the film, wrinkled or not.

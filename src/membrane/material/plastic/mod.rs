@@ -101,6 +101,8 @@ impl Plastic {
         amplitudes: &mut Plane<L>,
         history: &mut PlasticHistory<L>,
     ) -> Plane<L> {
+        // In the modes of equation 257 elasticity and yield function are both diagonal, so relaxation scales each
+        // amplitude by itself.
         let relaxed = trial.relaxed(gamma);
         for i in 0..3 {
             for l in 0..L {
@@ -111,7 +113,9 @@ impl Plastic {
         let ([along, across], Hill { h, n, .. }) = (self.hill.normal(), self.hill);
         let mut p = *trial.before;
         for l in 0..L {
+            // Δp = γ σ̄, as σ̄ is homogeneous of degree one.
             p[l] += gamma[l] * relaxed.stress[l];
+            // ΔE_p = γ P T with the stress at the end of the step (equation 258): backward Euler, stable for any step.
             history.strain[0][l] += gamma[l] * (along * t[0][l] - h * t[1][l]);
             history.strain[1][l] += gamma[l] * (across * t[1][l] - h * t[0][l]);
             history.strain[2][l] += gamma[l] * n * t[2][l];
@@ -123,6 +127,8 @@ impl Plastic {
                 let above = larger(relaxed.stress[l] - slow[l], 0.0);
                 // Of a lane that does not flow what is left is round-off.
                 over[l] = if gamma[l] > 0.0 { above } else { 0.0 };
+                // Trapezoid of the overstress over p (equation 262); the slow part is the integral of the curve and
+                // needs no sum.
                 work[l] = 0.5 * (history.overstress[l] + over[l]) * (p[l] - history.equivalent[l]);
             }
             for l in 0..L {

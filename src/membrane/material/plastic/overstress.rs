@@ -44,6 +44,8 @@ impl<const L: usize> Overstress<'_, L> {
             most[l] = larger(excess[l], ROUND_OFF);
             let last = self.trial.overstress[l] / self.trial.flow_stress[l];
             let least = smaller(last, most[l]);
+            // The overstress hardly changes from step to step; a first one begins at its bound, from which Newton's
+            // method descends.
             start[l] = if last > 0.0 { least } else { most[l] };
         }
         for l in 0..L {
@@ -86,6 +88,8 @@ impl<const L: usize> Overstress<'_, L> {
             let factor = 1.0 + q[l];
             stress[0][l] = slow.stress[l] * factor;
             stress[1][l] = slow.slope[l] * grows[l] * factor + slow.stress[l];
+            // The unknown is q, not γ: Δp = D q^P Δt follows from it directly for any power P (theory.md, equation
+            // 261a).
             gamma[l] = growth[l] / stress[0][l];
         }
         Flowing { stress, gamma, grows }

@@ -26,8 +26,11 @@ pub(super) fn root<const L: usize>(
         let mut widest = 0.0;
         for l in 0..L {
             let is_below = value[l] < 0.0;
+            // The bracket shrinks with every value, so bisection is always at hand.
             low[l] = if is_below { x[l] } else { low[l] };
             high[l] = if is_below { high[l] } else { x[l] };
+            // A kink of a table may have Newton's method jump to and fro: it must at least halve its last step, or
+            // bisection takes over.
             let newton = x[l] - value[l] / derivative[l];
             let is_close = value[l].abs() <= TOLERANCE;
             let is_outside = (newton <= low[l]) | (newton >= high[l]) | ((newton - x[l]).abs() > 0.5 * last[l]);
@@ -35,6 +38,7 @@ pub(super) fn root<const L: usize>(
             let next = if is_outside & !is_close { 0.5 * (low[l] + high[l]) } else { newton };
             let is_open = open[l] > TOLERANCE;
             last[l] = (next - x[l]).abs();
+            // A lane that is done keeps its bits whatever its neighbours still search: no lane depends on another.
             x[l] = if is_open { next } else { x[l] };
             open[l] = if is_open { value[l].abs() } else { open[l] };
             widest = larger(open[l], widest);

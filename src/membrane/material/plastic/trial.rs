@@ -52,6 +52,7 @@ impl<const L: usize> Trial<'_, L> {
                 let square = self.squares[i][l] * share * share;
                 out.shares[i][l] = share;
                 out.stress[l] += square;
+                // The derivative comes with the value: both need the same quotient.
                 falls[l] += square * share * self.stiffness[i];
             }
         }

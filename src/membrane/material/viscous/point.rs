@@ -57,6 +57,7 @@ impl ViscousLaw {
     ) {
         let at = measure.evaluate(d);
         let base = self.base_stress(&at, stress);
+        // Fixed sizes for the compiler, which then drops the bounds checks of the innermost loops.
         let Some((head, terms)) = variables.split_first_chunk_mut::<FIRST_TERM>() else { return };
         let (terms, _) = terms.as_chunks_mut::<3>();
         let (mut before, mut now) = ([splat::<L>(0.0); 3], [splat::<L>(0.0); 3]);
@@ -98,6 +99,8 @@ impl ViscousLaw {
         let (mut change, mut before, mut now) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));
         for l in 0..L {
             change[l] = base[l] - own[l];
+            // The stress before the step is summed again from the variables: storing it would be three more of them a
+            // point.
             before[l] = self.long_term * own[l];
             now[l] = self.long_term * base[l];
         }
@@ -106,6 +109,8 @@ impl ViscousLaw {
             let mut overstress_now = splat::<L>(0.0);
             for l in 0..L {
                 let old = overstress[k][l];
+                // Exact for a stress that changes steadily over the step (theory.md, equation 281), so the step limits
+                // accuracy of the loading alone.
                 overstress_now[l] = kept[l] * old + taken[l] * change[l];
                 before[l] += old;
                 now[l] += overstress_now[l];
@@ -140,10 +145,13 @@ impl ViscousLaw {
         for l in 0..L {
             let mut work = 0.0;
             for k in 0..2 {
+                // Trapezoid in the strains on which this stress does work; halved once at the end.
                 work += (before[k][l] + now[k][l]) * (at.strain[k][l] - head[STRAIN + k][l]);
             }
             let inverse = match measure {
                 Measure::SecondPiola => 1.0,
+                // m₁ m₂ of the last step, from the strains that are stored anyway: shear works on f₁·f₂, whose stress
+                // is τ/(m₁ m₂).
                 Measure::Fibres => 1.0 / (larger(head[STRAIN][l], 1.0) * larger(head[STRAIN + 1][l], 1.0)),
             };
             let shear = before[2][l] * inverse + now[2][l] * at.inverse[2][l];
@@ -177,6 +185,7 @@ impl ViscousLaw {
         let mut is_compressed = false;
         for k in 0..2 {
             for l in 0..L {
+                // A law that carries some compression itself keeps that much: only what viscosity adds to it is taken.
                 let least = smaller(base[k][l], 0.0);
                 is_compressed |= least > total[k][l];
                 out[k][l] = larger(least, total[k][l]);
@@ -322,6 +331,7 @@ impl ViscousLaw {
     ) {
         let both = |[md, td]: [f64; 2]| [md, td, md.min(td)];
         let carried = both(left).into_iter().zip(both(before));
+        // The variables are those of the layers that were left before.
         let shares = carried.map(|(left, before)| if before > 0.0 { left / before } else { 0.0 });
         for (k, share) in shares.enumerate() {
             for first in std::iter::once(STRESS).chain((FIRST_TERM..variables.len()).step_by(3)) {
