@@ -33,6 +33,7 @@ impl Stream {
     /// Uniform over 0 … `count` − 1, without bias (rejection; Lemire 2019). `count` must not be 0.
     pub fn below(&mut self, count: usize) -> usize {
         let count = count as u64;
+        // 2⁶⁴ mod count: as many low products are too many, or small numbers would come up more often.
         let rejected = count.wrapping_neg() % count;
         loop {
             let product = u128::from(self.bits()) * u128::from(count);

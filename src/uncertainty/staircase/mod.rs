@@ -91,6 +91,7 @@ impl Staircase {
     /// Number of steps from the first level, for every specimen.
     fn places(&self, outcomes: &[Outcome]) -> Vec<i32> {
         let moved = |place: &mut i32, outcome: &Outcome| {
+            // Places as integers: summed steps of a level would drift apart, and equal levels must be equal.
             let here = *place;
             *place += Self::move_after(*outcome);
             Some(here)
