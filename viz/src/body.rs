@@ -50,6 +50,7 @@ impl Corners {
         for (triangle, normals) in body.triangles.iter().zip(normals::corner_normals(&body.points, &body.triangles)) {
             corners.triangles.push([0, 1, 2].map(|corner| {
                 let (point, normal): (u32, [f32; 3]) = (triangle[corner], normals[corner]);
+                // By the bits of the rounded normal, which faces around a smooth point share; a float is no key.
                 *known.entry((point, normal.map(f32::to_bits))).or_insert_with(|| {
                     corners.points.push(body.points[point as usize]);
                     corners.normals.push(normal);

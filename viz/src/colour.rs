@@ -13,6 +13,7 @@ pub(crate) fn colours<'v>(
     values: &'v [f32],
     [low, high]: [f32; 2],
 ) -> impl Iterator<Item = [u8; 3]> + 'v {
+    // One value has no span; all get the first colour instead of a NaN.
     let span = (high - low).max(f32::MIN_POSITIVE);
     values.iter().map(move |value| colour_at(map, (value - low) / span))
 }
@@ -21,6 +22,7 @@ fn colour_at(map: &[[u8; 3]], share: f32) -> [u8; 3] {
     let last = map.len() - 1;
     let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
     let place = (share * STEPS).round() / STEPS * last as f32;
+    // The upper end itself has no colour above it.
     let below = (place as usize).min(last - 1);
     let rest = place - below as f32;
     let mix = |i: usize| {

@@ -33,6 +33,7 @@ pub fn corner_normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32;
         triangle.iter().for_each(|node| around[*node as usize].push(index));
     }
     let is_smooth = |one: &[f32; 3], other: &[f32; 3]| dot(one, other) > EDGE * length(one) * length(other);
+    // A normal a corner, not a node: at an edge of a body the faces keep their own.
     let normal = |index: usize, node: u32| {
         let smooth = around[node as usize].iter().map(|other| areas[*other]).filter(|o| is_smooth(&areas[index], o));
         rounded_unit(smooth.fold([0.0; 3], plus))
@@ -43,6 +44,7 @@ pub fn corner_normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32;
 fn sums(points: &[[f32; 3]], triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[f32; 3]> {
     let mut normals = vec![[0.0; 3]; points.len()];
     for triangle in triangles {
+        // Not made a unit: a longer cross product gives a larger triangle its larger weight.
         let area = area(points, &triangle);
         for node in triangle {
             let normal = &mut normals[node as usize];
@@ -60,6 +62,7 @@ fn area(points: &[[f32; 3]], triangle: &[u32; 3]) -> [f32; 3] {
 
 fn rounded_unit(normal: [f32; 3]) -> [f32; 3] {
     let length = length(&normal);
+    // Upward where no triangle is left: the viewer needs some direction.
     if length > 0.0 { normal.map(|c| (c / length * STEPS).round() / STEPS) } else { [0.0, 0.0, 1.0] }
 }
 
