@@ -6,8 +6,8 @@ use super::rigid_body::RigidBody;
 use super::{BodyTrack, Engine, Fault, collision, resolution};
 
 impl Engine {
-    /// The first two impactors that move from the start and overlap, by their indices, and how deep, m; of those pairs that
-    /// `are_looked_at`.
+    /// The first two impactors that move from the start and overlap, by their indices, and how deep, m; of those pairs
+    /// that `are_looked_at`.
     pub fn overlap_of_impactors(&self, are_looked_at: impl Fn([&Impact; 2]) -> bool) -> Option<([usize; 2], f64)> {
         let released = || self.impacts.iter().enumerate().filter(|(_, impact)| !impact.is_held());
         released().find_map(|(second, b)| {

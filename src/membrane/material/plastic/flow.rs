@@ -1,7 +1,7 @@
 //! The plastic part of a step: the amount of flow after which stress and flow stress agree.
 //!
-//! While a trial relaxes by the flow `γ` to `σ̄`, p grows by `γ σ̄` (theory.md, equations 258 and 261). Both are monotone, so the
-//! root is unique.
+//! While a trial relaxes by the flow `γ` to `σ̄`, p grows by `γ σ̄` (theory.md, equations 258 and 261). Both are
+//! monotone, so the root is unique.
 
 use super::hardening::Hardening;
 use super::overstress::Overstress;

@@ -1,7 +1,7 @@
 //! Roots of functions that grow, a lane each.
 //!
-//! Newton's method is safeguarded by a bracket: a step that leaves it, or is longer than half the last one, is replaced by a
-//! bisection. A lane that has converged no longer changes, whatever the others need.
+//! Newton's method is safeguarded by a bracket: a step that leaves it, or is longer than half the last one, is replaced
+//! by a bisection. A lane that has converged no longer changes, whatever the others need.
 
 use crate::lane::{Lane, larger, splat};
 
@@ -11,8 +11,8 @@ const TOLERANCE: f64 = 1e-10;
 /// Most steps of Newton's method or bisections: beyond the bisections of any bracket to round-off.
 const STEPS: usize = 120;
 
-/// The root of a function that grows, between `low` and `high`, from `x` on in lanes where `open` is not zero. `of` gives
-/// value and derivative.
+/// The root of a function that grows, between `low` and `high`, from `x` on in lanes where `open` is not zero. `of`
+/// gives value and derivative.
 #[inline(always)]
 pub(super) fn root<const L: usize>(
     mut x: Lane<L>,
