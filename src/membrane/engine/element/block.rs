@@ -295,6 +295,7 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
             Blocks { count, corners: vec![], blocks: vec![], mass_factors: vec![], viscous: None, tearing: None };
         for first in (0..count).step_by(L) {
             let at = |l: usize| (first + l).min(count - 1);
+            // Padding repeats the last element without volume: all it computes is finite and multiplied by zero.
             let weight = |l: usize| if first + l < count { thickness } else { 0.0 };
             out.corners.push(Corners::new(|l| nodes[at(l)]));
             out.blocks.push(B::new(|l| (&elements[at(l)], weight(l))));
