@@ -152,6 +152,7 @@ impl Film {
     /// history variables.
     pub fn add_forces(&mut self, nodes: &mut Nodes, dt: f64) {
         let mut order: Vec<usize> = (0..self.chunks.len()).collect();
+        // The order of the pool, so that forces have the same bits with it and without.
         order.sort_by_key(|chunk| self.chunks[*chunk].colour);
         let own = self.nodes.clone();
         let Nodes { position, force, .. } = nodes;
@@ -209,6 +210,7 @@ impl Film {
     pub fn fail(&mut self, position: [&[f64]; 3]) -> Failures {
         let position = self.own(position);
         let mut total = Failures::default();
+        // The pass over forces has flagged them: nearly always there is none, and no element is looked at.
         for chunk in self.chunks.iter_mut().filter(|chunk| chunk.failed) {
             total.add(&chunk.group.fail(&position));
         }
@@ -277,6 +279,7 @@ fn crosses([from, to]: [Point2<f64>; 2], corners: &[Point2<f64>]) -> bool {
     let along = line.dot(&(middle - from.coords));
     let sides = corners.iter().map(|corner| line.perp(&(corner - from)));
     let (least, most) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(d), b.max(d)));
+    // Round-off beside an edge counts as on it: a line along edges takes the elements on one side of them, not on both.
     let on_edge = 1e-6 * (most - least);
     (0.0..length).contains(&along) && least < -on_edge && most > -on_edge
 }
@@ -318,6 +321,7 @@ impl SharedFilm<'_> {
 pub(super) fn energies(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<ElementEnergy> {
     let mut totals = vec![ElementEnergy::default(); films.len()];
     let parts = for_each_chunk(films, pool, |f, chunk| chunk.group.energy(pool.width(), &films[f].own(position)));
+    // In the order of the chunks, not in that in which threads were done.
     parts.iter().for_each(|(film, energy)| totals[*film].add(energy));
     totals
 }

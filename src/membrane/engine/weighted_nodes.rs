@@ -49,6 +49,7 @@ impl WeightedNodes {
     /// all of them has no part in it.
     pub(super) fn inverse_free_mass(&self) -> f64 {
         let free = |k: usize| {
+            // The response of its free direction, as if all were free; zero only where none is.
             let largest = self.response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs()));
             self.weights[k] * largest.copysign(self.weights[k])
         };

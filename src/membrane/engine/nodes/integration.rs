@@ -120,6 +120,7 @@ impl Integration<'_> {
         let mut sums = StepSums::default();
         // SAFETY: by the contract no other thread accesses these nodes.
         unsafe { self.record(nodes.clone()) };
+        // In pieces, as three axes of a whole range would leave the cache before the speeds are taken.
         for start in nodes.clone().step_by(CACHED) {
             let some = start..nodes.end.min(start + CACHED);
             // SAFETY: by the contract no other thread accesses these nodes.
@@ -132,6 +133,8 @@ impl Integration<'_> {
                 }
             });
             let mut axes = [x, y, z];
+            // Held directions then need no branch in the loop below; what damping would count of them is taken off
+            // again.
             sums.damped -= self.set_reactions(some.clone(), &mut axes);
             sums = sums.and(&advance(width, self.kick, self.dt, &self.inverse_mass[some], &mut axes));
         }
@@ -182,6 +185,7 @@ at_width! {
 fn advance_lanewise(kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> StepSums {
     let mut damped = 0.0;
     for axis in axes.iter_mut() {
+        // Two loops are compiled: without damping, nothing of it is computed, and velocities keep their bits.
         if kick.decay == 1.0 {
             move_axis::<false>(kick, dt, inverse_mass, axis);
         } else {
@@ -211,10 +215,12 @@ fn move_axis<const DAMPED: bool>(kick: Kick, dt: f64, inverse_mass: &[f64], axis
         let v = decayed + kick.gain * (force[n] * inverse_mass[n] + field);
         if DAMPED {
             let mean = 0.5 * (velocity[n] + v);
+            // Damping works along the mean velocity, as contact does (theory.md, equations 15 and 22).
             sum += mean * mean / inverse_mass[n];
         }
         velocity[n] = v;
         position[n] += v * dt;
+        // Here, where it is in the cache: the next step adds to it.
         force[n] = 0.0;
     }
     sum

@@ -48,6 +48,8 @@ impl Surface {
                 for l in 0..LANES {
                     let length = squared[l].sqrt();
                     distance[l] = length - ball.radius;
+                    // One division a lane instead of three; at the centre, where it is infinite, the normal is set
+                    // instead.
                     scale[l] = 1.0 / length;
                 }
                 for axis in 0..3 {
