@@ -161,12 +161,15 @@ impl<const L: usize> Stiffness<L> {
         for l in 0..L {
             let (first, second) = (self.along[0][l] * g[0][0][l], self.along[1][l] * g[1][1][l]);
             let apart = 0.5 * (first - second);
+            // Two rank-one stiffnesses at an angle: the larger eigenvalue of their Gram matrix instead of one of a 12 ×
+            // 12 matrix.
             let both = first * second * self.alignment[l] * self.alignment[l];
             let fibres = 0.5 * (first + second) + (apart * apart + both).sqrt();
             let tension = self.across[0][l] * g[0][0][l] + self.across[1][l] * g[1][1][l];
             let sheared = self.shear[l] * (g[0][0][l] + g[1][1][l] + 2.0 * g[0][1][l].abs());
             let (mean, half) = (0.5 * (g[0][0][l] + g[1][1][l]), 0.5 * (g[0][0][l] - g[1][1][l]));
             let isotropic = self.any[l] * (mean + (half * half + g[0][1][l] * g[0][1][l]).sqrt());
+            // Eigenvalues of a sum are at most the sum of the eigenvalues.
             out[l] = fibres + tension + sheared + isotropic;
         }
         out

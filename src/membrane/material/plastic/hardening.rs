@@ -82,6 +82,7 @@ impl FlowCurve {
         let end = rest.last().map_or(0.0, |point| point[0]);
         let above = rest.iter().map(|[strain, stress]| [*strain, stress - initial]);
         let last = rest.last().map_or(0.0, |point| point[1] - initial);
+        // A curve goes on with its last slope: a flat piece behind the last point keeps the flow stress constant.
         let flat = [2.0 * end.max(0.5), last];
         let rise = Curve::new(above.chain([flat]).collect()).map_err(|error| {
             FlowCurveError::Curve(match error {

@@ -35,6 +35,7 @@ impl Modes {
         let m22 = 0.5 * (along + across + 2.0 * hill.h) * root[1] * root[1];
         let m12 = 0.5 * (along - across) * root[0] * root[1];
         // Jacobi's rotation.
+        // The smaller angle of the two that make it diagonal, by a formula that does not cancel for small m₁₂.
         let tangent = if m12 == 0.0 {
             0.0
         } else {
@@ -60,6 +61,7 @@ impl Modes {
             for i in 0..2 {
                 out[i][l] = self.normal[i][0] * strain[0][l] + self.normal[i][1] * strain[1][l];
             }
+            // Twice, as T₁₂ works on both E₁₂ and E₂₁.
             out[2][l] = 2.0 * self.shear * strain[2][l];
         }
         out

@@ -36,6 +36,7 @@ impl CowperSymonds {
     #[inline(always)]
     pub(super) fn power_below<const L: usize>(&self, q: &Lane<L>) -> Lane<L> {
         let power = self.exponent - 1.0;
+        // The branch is the same for all lanes and the whole run.
         if power.fract() != 0.0 || power > PRODUCTS {
             let (mut log, mut out) = (splat::<L>(0.0), splat::<L>(0.0));
             for l in 0..L {
