@@ -88,7 +88,7 @@ impl Constraint {
     /// stays within Coulomb's cone. Returns the size of the change, N s.
     fn solve(&mut self, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) -> f64 {
         // The sum over the sweeps is clamped, not its change: a later constraint may take back what this one pushed too
-        // much, but never pull (theory.md, equation 57).
+        // much, but never pull (theory.md, section 6).
         let violation = self.target - self.relative_velocity(velocity, body).dot(&self.normal);
         let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
         let normal_change = normal_impulse - self.normal_impulse;

@@ -232,8 +232,7 @@ impl Contact {
         pool: &ThreadPool,
         between: Option<&mut FilmContact>,
     ) {
-        // Most steps need the sums alone, which the corrector forms in lanes; a list of impulses costs as much as the
-        // correction.
+        // Most steps need the sums alone, which the corrector forms in lanes without a list.
         self.lists_impulses = between.is_some() || self.swept.is_some() || !self.neighbours.face_candidates.is_empty();
         self.contacts.resize_with(self.neighbours.ranges.len(), NodeContacts::default);
         self.predict(nodes, body, dt, pool);
