@@ -75,7 +75,8 @@ pub fn report() -> String {
         let (mut position, mut force) = (Vectors::default(), Vectors::zero(nodes.len()));
         position.extend(nodes.iter().map(|p| [stretch * p.x, p.y, 0.0]));
         element.add_forces(Width::best(), &position, 0.0, &mut force);
-        let (stress, exact) = (-(force.at(1)[0] + force.at(2)[0]) / thickness, 0.4e6 * (stretch - stretch.powi(-3)));
+        let (stress, exact) =
+            (-(force.value_at(1)[0] + force.value_at(2)[0]) / thickness, 0.4e6 * (stretch - stretch.powi(-3)));
         format!("{stretch:<7.3}  {stress:<12.3}  {exact:.3}\n")
     });
     format!("stretch  stress_Pa     closed_form_Pa\n{}", rows.concat())

@@ -42,7 +42,7 @@ pub type Lane3<const L: usize = LANES> = [Lane<L>; 3];
 /// are the bits of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Width {
-    /// What every processor of the platform has.
+    /// Instructions that every processor of the platform has.
     #[serde(rename = "baseline")]
     Baseline,
     /// 256 bits.
@@ -140,7 +140,7 @@ macro_rules! at_width {
 }
 pub use at_width;
 
-/// The same value in every lane.
+/// One value in every lane.
 #[inline(always)]
 pub const fn splat<const L: usize>(value: f64) -> Lane<L> {
     [value; L]
@@ -206,9 +206,11 @@ pub fn exp(x: f64) -> f64 {
     // 1.5·2⁵², a number is rounded to an integer, which the last bits of the sum hold.
     const ROUND: f64 = 6_755_399_441_055_744.0;
     const LN_2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
+    // In this order of arguments a NaN passes both.
     let x = smaller(709.0, larger(-708.0, x));
     let rounded = x * std::f64::consts::LOG2_E + ROUND;
     let n = rounded - ROUND;
+    // ln 2 in two parts, of which the first has zeros at its end: n times it is exact, and so is the difference.
     let r = (x - n * LN_2[0]) - n * LN_2[1];
     let mut series = 1.0 / 6_227_020_800.0;
     for factorial in

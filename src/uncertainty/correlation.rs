@@ -94,6 +94,7 @@ impl Correlation {
                 Ok(Self { factor: (0..size).map(|row| (0..=row).map(|column| l[(row, column)]).collect()).collect() })
             }
             None => {
+                // By leading blocks, to name the input that contradicts those before it; only a mistake pays for it.
                 let fits = |size: &usize| matrix.view((0, 0), (*size, *size)).clone_owned().cholesky().is_some();
                 let fitting = (1..size).take_while(fits).count();
                 Err(CorrelationError::NotPositiveDefinite { input: fitting })
@@ -131,6 +132,7 @@ impl Correlation {
         assert_eq!(point.len(), self.inputs(), "one coordinate an input");
         let scores: Vec<f64> = point.iter().map(|&u| normal::quantile(u)).collect();
         let product = |row: &Vec<f64>| row.iter().zip(&scores).map(|(l, score)| l * score).sum();
+        // A far score may round to 0 or 1, where an unbounded input has no value.
         let least = f64::MIN_POSITIVE;
         self.factor.iter().map(|row| normal::cumulative(product(row)).clamp(least, 1.0_f64.next_down())).collect()
     }

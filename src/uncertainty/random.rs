@@ -33,6 +33,7 @@ impl Stream {
     /// Uniform over 0 … `count` − 1, without bias (rejection; Lemire 2019). `count` must not be 0.
     pub fn below(&mut self, count: usize) -> usize {
         let count = count as u64;
+        // 2⁶⁴ mod count: as many low products are too many, or small numbers would come up more often.
         let rejected = count.wrapping_neg() % count;
         loop {
             let product = u128::from(self.bits()) * u128::from(count);
@@ -69,7 +70,7 @@ mod tests {
         assert_eq!(drawn, FIRST);
     }
 
-    /// What the generator gave when the first studies were made.
+    /// Numbers that the generator gave when the first studies were made.
     const FIRST: [u64; 3] = [2_910_824_217_569_608_635, 3_098_856_782_162_503_994, 12_991_601_491_111_613_745];
 
     #[test]

@@ -56,6 +56,8 @@ pub fn trajectories(
         let middle = |at: &Vec<usize>| at.iter().map(|&level| (level as f64 + 0.5) / levels as f64).collect();
         points.push(middle(&at));
         for factor in stream.permutation(factors) {
+            // Half the levels on, around the end: with an even number, every level is reached equally often (theory.md,
+            // equation 311).
             at[factor] = (at[factor] + levels / 2) % levels;
             points.push(middle(&at));
         }
@@ -96,6 +98,7 @@ pub fn effects(
     let mut found = vec![Vec::new(); factors];
     for (points, outputs) in points.chunks(rows).zip(outputs.chunks(rows)) {
         for (pair, ends) in points.windows(2).zip(outputs.windows(2)) {
+            // From the points instead of the seed, so that effects need no memory of how the design was made.
             let changed = (0..factors).find(|&factor| pair[0][factor] != pair[1][factor]);
             if let (Some(factor), Some(from), Some(to)) = (changed, present(ends[0]), present(ends[1])) {
                 found[factor].push((to - from) / (pair[1][factor] - pair[0][factor]));
@@ -155,7 +158,7 @@ mod tests {
         points.iter().map(|u| Some(morris(u, &first, &second))).collect()
     }
 
-    /// What Morris's figure 1 shows: ten of twenty factors matter, of which the eighth to tenth act linearly.
+    /// Morris's figure 1: ten of twenty factors matter, of which the eighth to tenth act linearly.
     #[test]
     fn morriss_function_is_ranked_as_in_his_paper() {
         let points = trajectories(20, 10, 4, 1).unwrap();

@@ -108,6 +108,7 @@ pub fn wilson(count: u64, trials: u64, confidence: f64) -> Interval {
         2.0 * successes * successes / n / (2.0 * successes + z * z + root)
     };
     let (successes, failures) = (count as f64, (trials - count) as f64);
+    // The upper end by the lower one of survivors: by symmetry, and with the same digits.
     Interval { low: end(successes, failures), high: 1.0 - end(failures, successes) }
 }
 
@@ -118,7 +119,7 @@ pub struct Bootstrap {
     pub resamples: usize,
     /// Probability with which an interval should contain what is estimated, within (0, 1).
     pub confidence: f64,
-    /// What decides the resamples.
+    /// Seed, which decides the resamples.
     pub seed: u64,
 }
 
@@ -170,6 +171,7 @@ impl Bootstrap {
         for _ in 0..if count == 0 { 0 } else { self.resamples } {
             indices.iter_mut().for_each(|index| *index = stream.below(count));
             for (values, value) in values.iter_mut().zip(statistics(&indices)) {
+                // One undefined resample makes the whole statistic undefined: leaving it out would bias the interval.
                 *values = values.take().zip(value).map(|(mut values, value)| {
                     values.push(value);
                     values

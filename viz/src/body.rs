@@ -15,7 +15,7 @@ const STEEL: [u8; 4] = [170, 178, 190, 100];
 
 /// Logs the shape.
 pub(crate) fn log_shape(stream: &RecordingStream, body: &BodyTrack) -> RecordingStreamResult<()> {
-    let Corners { points, normals, triangles } = Corners::of(body);
+    let Corners { points, normals, triangles } = Corners::from_body(body);
     let surface = Mesh3D::new(points)
         .with_triangle_indices(triangles)
         .with_vertex_normals(normals)
@@ -44,12 +44,13 @@ struct Corners {
 }
 
 impl Corners {
-    fn of(body: &BodyTrack) -> Corners {
+    fn from_body(body: &BodyTrack) -> Corners {
         let mut corners = Corners { points: vec![], normals: vec![], triangles: vec![] };
         let mut known = HashMap::new();
-        for (triangle, normals) in body.triangles.iter().zip(normals::of_corners(&body.points, &body.triangles)) {
+        for (triangle, normals) in body.triangles.iter().zip(normals::corner_normals(&body.points, &body.triangles)) {
             corners.triangles.push([0, 1, 2].map(|corner| {
                 let (point, normal): (u32, [f32; 3]) = (triangle[corner], normals[corner]);
+                // By the bits of the rounded normal, which faces around a smooth point share; a float is no key.
                 *known.entry((point, normal.map(f32::to_bits))).or_insert_with(|| {
                     corners.points.push(body.points[point as usize]);
                     corners.normals.push(normal);
@@ -77,7 +78,7 @@ mod tests {
         let cube = (0..8).map(|corner| [corner & 1, corner >> 1 & 1, corner >> 2].map(|c| c as f32)).collect();
         let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let halves = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        let corners = Corners::of(&body(cube, halves.collect()));
+        let corners = Corners::from_body(&body(cube, halves.collect()));
         assert_eq!((corners.points.len(), corners.triangles.len()), (24, 12));
         for triangle in &corners.triangles {
             let normals = triangle.map(|corner| corners.normals[corner as usize]);
@@ -85,7 +86,7 @@ mod tests {
         }
 
         let pyramid = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.1]];
-        let corners = Corners::of(&body(pyramid, vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]));
+        let corners = Corners::from_body(&body(pyramid, vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]));
         let tip: Vec<_> = corners.points.iter().zip(&corners.normals).filter(|(point, _)| point[2] > 0.0).collect();
         assert_eq!(tip.iter().map(|(_, normal)| **normal).collect::<Vec<_>>(), [[0.0, 0.0, 1.0]]);
     }

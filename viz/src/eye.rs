@@ -6,7 +6,7 @@ use crate::scene::{BodyTrack, FilmSnapshot, FilmTrack, Pose, Scene};
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
 const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
 
-/// The same of films alone, which are flat.
+/// Direction of view on films alone, which are flat.
 const ABOVE: [f32; 3] = [0.45, -0.63, 0.63];
 
 /// Least size of a scene, m; a smaller one is scaled up: the viewer clips what is within a centimetre of the eye.
@@ -15,7 +15,7 @@ const LEAST_SIZE: f32 = 0.5;
 /// Distance of the eye over the size of what it looks at; the viewer's field of view is 55°.
 const DISTANCE: f32 = 0.8;
 
-/// The same of films alone.
+/// Distance of the eye from films alone.
 const ABOVE_DISTANCE: f32 = 1.1;
 
 /// Depth in view over the width of a film: the depth that a run reaches is not known before it.

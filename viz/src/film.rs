@@ -34,7 +34,7 @@ pub(crate) struct Film {
     /// Steps that positions are rounded to, a power of two, m.
     step: f32,
     states: usize,
-    /// What was logged last.
+    /// State that was logged last.
     shown: Shown,
 }
 
@@ -62,11 +62,13 @@ impl Film {
         quantities: &[Quantity],
     ) -> RecordingStreamResult<()> {
         Moment::Time(snapshot.time).set(stream);
+        // The viewer keeps what was logged last: indices are sent only when triangles vanish.
         let broke = self.shown.visible != snapshot.visible;
         let mut mesh =
             Mesh3D::update_fields().with_vertex_positions(snapshot.positions.iter().map(|p| rounded(p, self.step)));
+        // Normals are as large as positions, and after a tear old ones would shade film that is gone.
         if broke || self.states.is_multiple_of(STATES_PER_NORMALS) {
-            mesh = mesh.with_vertex_normals(normals::of(track, snapshot, 0.5 * self.step));
+            mesh = mesh.with_vertex_normals(normals::node_normals(track, snapshot, 0.5 * self.step));
         }
         if broke {
             mesh = mesh.with_triangle_indices(visible(track, snapshot));
@@ -74,7 +76,7 @@ impl Film {
         }
         let mut colours = DynamicArchetype::new(COLOURS);
         for (quantity, values) in quantities.iter().zip(&snapshot.values) {
-            let shades = colour::of(quantity.colours, values, quantity.range);
+            let shades = colour::colours(quantity.colours, values, quantity.range);
             let shades = shades.map(|[r, g, b]| Color::from_rgb(r, g, b));
             colours = colours.with_component::<Color>(quantity.key, shades);
         }
@@ -93,6 +95,7 @@ impl Film {
     ) -> RecordingStreamResult<()> {
         let ends = |edge: &[u32; 2]| edge.map(|node| rounded(&snapshot.positions[node as usize], self.step));
         let held: Vec<_> = track.held.iter().map(ends).collect();
+        // Compared after rounding: a frame that stands still is logged once.
         if held == self.shown.held {
             return Ok(());
         }
@@ -110,6 +113,7 @@ impl Film {
         track: &FilmTrack,
         snapshot: &FilmSnapshot,
     ) -> RecordingStreamResult<()> {
+        // One empty list must be logged, or the last marks would stay.
         if snapshot.in_contact.is_empty() && !self.shown.in_contact {
             return Ok(());
         }
@@ -141,6 +145,7 @@ pub(crate) fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {
 /// The power of two nearest to the length that divides a size into [`STEPS`]; of no size, to that of a metre.
 fn step(size: f32) -> f32 {
     let size = if size.is_normal() { size } else { 1.0 };
+    // A power of two, so that rounded coordinates end in zero bits, which compress.
     (size / STEPS).log2().round().exp2()
 }
 

@@ -10,7 +10,7 @@ const EDGE: f32 = 0.866;
 
 /// One normal a node, weighted by the area of the triangles that are left around it; on a mirror
 /// plane, which nodes nearer than `near` stand on, it lies in that plane, so that no crease shows.
-pub fn of(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]> {
+pub fn node_normals(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]> {
     let left = film.triangles.iter().zip(&snapshot.visible);
     let left = left.filter(|(_, visible)| **visible).map(|(t, _)| *t);
     let mut normals = sums(&snapshot.positions, left);
@@ -26,13 +26,14 @@ pub fn of(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]>
 
 /// The normals at the corners of each triangle of a closed surface, weighted by the area of those around the corner
 /// that do not turn away from it by more than an edge does.
-pub fn of_corners(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3]; 3]> {
+pub fn corner_normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3]; 3]> {
     let areas: Vec<[f32; 3]> = triangles.iter().map(|triangle| area(points, triangle)).collect();
     let mut around: Vec<Vec<usize>> = vec![vec![]; points.len()];
     for (index, triangle) in triangles.iter().enumerate() {
         triangle.iter().for_each(|node| around[*node as usize].push(index));
     }
     let is_smooth = |one: &[f32; 3], other: &[f32; 3]| dot(one, other) > EDGE * length(one) * length(other);
+    // A normal a corner, not a node: at an edge of a body the faces keep their own.
     let normal = |index: usize, node: u32| {
         let smooth = around[node as usize].iter().map(|other| areas[*other]).filter(|o| is_smooth(&areas[index], o));
         rounded_unit(smooth.fold([0.0; 3], plus))
@@ -43,6 +44,7 @@ pub fn of_corners(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3];
 fn sums(points: &[[f32; 3]], triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[f32; 3]> {
     let mut normals = vec![[0.0; 3]; points.len()];
     for triangle in triangles {
+        // Not made a unit: a longer cross product gives a larger triangle its larger weight.
         let area = area(points, &triangle);
         for node in triangle {
             let normal = &mut normals[node as usize];
@@ -60,6 +62,7 @@ fn area(points: &[[f32; 3]], triangle: &[u32; 3]) -> [f32; 3] {
 
 fn rounded_unit(normal: [f32; 3]) -> [f32; 3] {
     let length = length(&normal);
+    // Upward where no triangle is left: the viewer needs some direction.
     if length > 0.0 { normal.map(|c| (c / length * STEPS).round() / STEPS) } else { [0.0, 0.0, 1.0] }
 }
 

@@ -117,7 +117,7 @@ impl Playback {
         rows(self.recording.get(entity), timeline, component)
     }
 
-    /// The same of the blueprint.
+    /// Messages of the blueprint.
     pub fn blueprint_rows<T: Loggable>(&self, entity: &str, component: ComponentIdentifier) -> Rows<T> {
         rows(self.blueprint.get(entity), "blueprint", component)
     }

@@ -15,7 +15,7 @@ pub struct Quantity {
     pub key: &'static str,
     /// Title of its tab.
     pub title: String,
-    /// The same with its unit, over the bar of colours.
+    /// Name with its unit, over the bar of colours.
     pub words: String,
     /// Values that get the first and the last colour.
     pub range: [f32; 2],
@@ -42,7 +42,7 @@ impl Quantity {
         let values: Vec<f32> = (0..BANDS).map(|band| low + middle(band) * (high - low)).collect();
         let strips = (0..BANDS).map(|band| [[0.0, 1.0 - middle(band)], [WIDTH, 1.0 - middle(band)]]);
         let bar = LineStrips2D::new(strips)
-            .with_colors(colour::of(self.colours, &values, self.range))
+            .with_colors(colour::colours(self.colours, &values, self.range))
             .with_radii([Radius::new_scene_units(0.8 / BANDS as f32)]);
         stream.log_static(format!("{}/bar", self.legend()), &bar)
     }

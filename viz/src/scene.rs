@@ -1,4 +1,4 @@
-//! What a recording shows, as plain values: lengths in m, times in s.
+//! Content of a recording, as plain values: lengths in m, times in s.
 
 use crate::VizError;
 use crate::diagram::Diagram;
@@ -15,7 +15,7 @@ pub struct Scene {
     pub duration: f64,
     /// Whether it is shown while it is computed: the viewer then follows its end.
     pub is_live: bool,
-    /// What of the films is in view, and as how large as they are coordinates are rounded.
+    /// Part of the films that is in view, and as how large as they are coordinates are rounded.
     pub extent: Extent,
     /// Texts, the open one first.
     pub documents: Vec<Document>,
@@ -109,7 +109,7 @@ pub struct Event {
     pub at: Moment,
     /// How much it matters.
     pub severity: Severity,
-    /// What happens.
+    /// Description of the event.
     pub text: String,
 }
 

@@ -57,6 +57,7 @@ pub struct Chart {
 impl Moment {
     /// Sets the place of what is logged next.
     pub(crate) fn set(self, stream: &RecordingStream) {
+        // Else a value on one timeline would also stand at the last place of the other.
         stream.reset_time();
         match self {
             Moment::Time(time) => stream.set_duration_secs(TIME, time),

@@ -40,7 +40,7 @@ impl Stage {
         Stage::begin(stream, scene)
     }
 
-    /// The same in the viewer at `address`.
+    /// A stage in the viewer at `address`.
     ///
     /// # Errors
     /// Lists of the scene do not fit each other. [`Address::answers`] reports whether there is a viewer.
@@ -113,11 +113,13 @@ impl Stage {
     }
 
     fn begin(stream: RecordingStream, scene: Scene) -> Result<Stage, VizError> {
+        // Timelines of the recorder itself would differ from run to run.
         stream.set_log_tick_enabled(false);
         stream.set_log_time_enabled(false);
         blueprint::send(&stream, &scene)?;
         stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
         let enlargement = Eye::on(&scene).enlargement;
+        // On the root of the scene: positions in the recording stay in metres.
         if enlargement > 1.0 {
             stream.log_static("scene", &Transform3D::from_scale(enlargement))?;
         }

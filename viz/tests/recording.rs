@@ -151,7 +151,7 @@ fn failed_triangles_are_hidden() {
     let films = [(track, snapshots)];
     let triangles = written(scene(&films, Vec::new()), &films).triangles("/scene/film");
     let counts: Vec<_> = triangles.iter().map(|(time, t)| (*time, t.len())).collect();
-    // What is left of nothing is one triangle without area.
+    // An empty film is one triangle without area.
     assert_eq!(counts, [(0, 8), (1_000_000, 7), (1_500_000, 1)]);
 }
 
@@ -254,7 +254,7 @@ fn a_scene_is_completed_when_its_run_has_ended() {
     assert_eq!((force.len(), force[3]), (4, (400_000, 7.0)));
     assert_eq!(played.values(TIME, "/signals/filtered").len(), 4);
     assert!(played.entities().any(|entity| entity == "/searches/0/frame"), "a diagram of the end");
-    // Those of the beginning, and those of the end with one diagram more.
+    // Views of the beginning, and of the end with one diagram more.
     let planes = views(&played).iter().filter(|class| *class == "2D").count();
     assert_eq!(planes, 2 + 3);
 }

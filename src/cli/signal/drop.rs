@@ -339,7 +339,7 @@ fn guide(friction: &GuideFriction, figures: &Figures) -> String {
     let speed = figures.impact_velocity_m_s;
     let force = match friction.per_speed == 0.0 {
         true => format!("{:.1} N in the fall", friction.constant),
-        false => format!("{:.1} N at the release, {:.1} N at contact", friction.constant, friction.at(speed)),
+        false => format!("{:.1} N at the release, {:.1} N at contact", friction.constant, friction.force_at(speed)),
     };
     let film = figures.film_energy_absorption.map(|d| format!("; going on, the film absorbs {:.1} %", 100.0 * d));
     let per_speed =

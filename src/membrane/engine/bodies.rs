@@ -6,8 +6,8 @@ use super::rigid_body::RigidBody;
 use super::{BodyTrack, Engine, Fault, collision, resolution};
 
 impl Engine {
-    /// The first two impactors that move from the start and overlap, by their indices, and how deep, m; of those pairs that
-    /// `are_looked_at`.
+    /// The first two impactors that move from the start and overlap, by their indices, and how deep, m; of those pairs
+    /// that `are_looked_at`.
     pub fn overlap_of_impactors(&self, are_looked_at: impl Fn([&Impact; 2]) -> bool) -> Option<([usize; 2], f64)> {
         let released = || self.impacts.iter().enumerate().filter(|(_, impact)| !impact.is_held());
         released().find_map(|(second, b)| {
@@ -28,6 +28,8 @@ impl Engine {
             if gap < -collision::TOUCH * impact.contact.surface().size() {
                 return Err(Fault::ReleasedInFilm { time, impactor, depth: -gap });
             }
+            // Those that are released in this step, too, as far as they come before it: two bodies must not appear in
+            // one place.
             let others = self.impacts.iter().enumerate().filter(|(_, other)| !other.is_held());
             for (other, at) in others {
                 if let Some(depth) = collision::overlap(at, impact) {
@@ -44,11 +46,13 @@ impl Engine {
     /// Kicks the bodies, resolves their contact and adds its losses to the ledger and to `sums`. Returns the largest
     /// speed of a node in contact, m/s.
     pub(super) fn resolve_contact(&mut self, over: f64, dt: f64, sums: &mut StepSums) -> f64 {
+        // Before the kick: works take the mean of the velocities on both sides of the full step.
         let before: Vec<RigidBody> = self.impacts.iter().map(|impact| impact.body.clone()).collect();
         let damped = self.loads.damping > 0.0;
         let between = &mut self.film_contact;
         between
             .iter_mut()
+            // Only damping needs them: its force is that of the predictor, its work is done along the corrected motion.
             .filter(|between| damped && between.is_near())
             .for_each(|between| between.record_prediction(&self.nodes));
         for impact in &mut self.impacts {
@@ -79,6 +83,7 @@ impl Engine {
         }
         for (place, impact) in self.impacts.iter().enumerate().filter(|(_, impact)| damped && !impact.is_held()) {
             let earlier = self.impacts[..place].iter().filter(|other| !other.is_held());
+            // A node that two bodies list changes its velocity once.
             let is_counted = |node| earlier.clone().any(|other| other.contact.lists(node));
             sums.damped += impact.contact.damping_correction(&self.nodes, is_counted);
         }
@@ -107,6 +112,7 @@ impl Engine {
     pub(super) fn drift_bodies(&mut self, dt: f64, fastest: f64) {
         for Impact { body, contact, .. } in self.impacts.iter_mut().filter(|impact| !impact.is_held()) {
             let rotation = body.spin.norm() * contact.surface().bounding_radius();
+            // A bound by sizes: film and body may move towards each other.
             contact.reduce_skin((fastest + body.velocity.norm() + rotation) * dt);
             body.drift(dt);
         }

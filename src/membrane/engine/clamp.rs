@@ -32,7 +32,7 @@ pub struct ClampedNode {
     pub free: [bool; 3],
 }
 
-/// What a clamp stores from step to step.
+/// History of a clamp: its state from step to step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ClampHistory {
     gone: Vec<bool>,
@@ -45,7 +45,7 @@ struct Moved {
     velocity: Vector3<f64>,
 }
 
-/// What the clamp did in a step.
+/// Report of the clamp on a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Clamping {
     /// Dissipated, J.
@@ -78,19 +78,25 @@ impl Clamp {
             let (n, at, before) = (clamped.node, nodes.position_of(clamped.node), nodes.velocity_of(clamped.node));
             let (mut position, mut velocity) = (at.coords, Vector3::zeros());
             if !gone {
-                let force = Vector3::from(nodes.force.at(n)) - Vector3::z() * (nodes.mass[n] * gravity);
+                let force = Vector3::from(nodes.force.value_at(n)) - Vector3::z() * (nodes.mass[n] * gravity);
+                // As a free node would move: a mirror plane through the node takes its part before friction is asked
+                // for any.
                 let pulled = clamped.free_part(&(before + force * (over / nodes.mass[n])));
                 let normal = bars.map_or(Vector3::z(), |bars| on_bars(bars, n, &position).1);
                 let along = pulled - normal * pulled.dot(&normal);
                 let (momentum, bound) = (nodes.mass[n] * along.norm(), clamped.bound * over);
+                // Else velocity is exactly zero and the position is not touched: film that does not slip stands still
+                // to the bit (theory.md, equation 74).
                 if momentum > bound {
                     velocity = along * (1.0 - bound / momentum);
                     position += velocity * dt;
                     if let Some(bars) = bars {
                         let (gap, normal) = on_bars(bars, n, &position);
+                        // The step along the tangent leaves a round bar by a second-order gap, of either sign.
                         position -= clamped.free_part(&(normal * gap));
                     }
                 }
+                // Friction and the support's reaction together: the reaction does no work along the plane.
                 let impulse = nodes.mass[n] * (velocity - pulled);
                 let half = |velocity: &Vector3<f64>| -0.5 * self.multiplicity * impulse.dot(velocity);
                 sums.loss += half(&before) + half(&velocity);

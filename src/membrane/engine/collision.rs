@@ -51,6 +51,7 @@ impl Collisions {
                 // Twice the travel: a collision may make a body faster.
                 let reach = 2.0 * (travel(a, dt) + travel(b, dt));
                 let tolerance = TOUCH * a.contact.surface().size().min(b.contact.surface().size());
+                // Points and arms hold for the whole step, and velocities alone change: so a sweep needs no search.
                 let found = meetings(a, b, reach + tolerance + a.cover + b.cover);
                 points.extend(found.into_iter().map(|Meeting { point, normal, gap }| Collision {
                     bodies: [first, second],
@@ -76,9 +77,12 @@ impl Collisions {
             let mut any = false;
             for point in &mut self.points {
                 let Ok([a, b]) = impacts.get_disjoint_mut(point.bodies) else { continue };
+                // One after the other, each with the velocities that the one before left: a row of balls passes an
+                // impact on by this.
                 any |= point.solve(&mut a.body, &mut b.body, dt);
             }
             if !any {
+                // The first sweep has found nothing to do, so there was no impulse.
                 return sweep > 0;
             }
         }
@@ -91,6 +95,8 @@ impl Collisions {
         let (mut behind, mut ahead) = (0.0, 0.0);
         for Collision { bodies: [a, b], arms, normal, normal_impulse, tangential_impulse, .. } in &self.points {
             let impulse = normal * *normal_impulse + tangential_impulse;
+            // Summed impulses times the mean of the velocities before and after the step: exact, whatever the sweeps
+            // did in between.
             let half_power =
                 |a: &RigidBody, b: &RigidBody| -0.5 * impulse.dot(&(b.velocity_at(&arms[1]) - a.velocity_at(&arms[0])));
             behind += half_power(&before[*a], &before[*b]);
@@ -135,9 +141,12 @@ impl Collision {
     fn solve(&mut self, a: &mut RigidBody, b: &mut RigidBody, dt: f64) -> bool {
         let velocity = self.relative_velocity(a, b).dot(&self.normal);
         let recovery = if self.gap < -self.tolerance { -RECOVERY * self.gap / dt } else { 0.0 };
+        // `velocity` < 0 closes the gap. The larger one, not the sum: an overlap adds nothing to a rebound.
         let target = recovery.max(-self.restitution * velocity);
         let mass = self.inverse_effective_mass(&self.normal, a, b);
+        // Only a gap that would close in this step gets an impulse, so resting bodies are not held at a distance.
         if self.gap + velocity * dt >= -self.tolerance || velocity >= target || mass == 0.0 {
+            // Neither body yields, but they meet all the same, which `record` notes of the frame.
             self.is_blocked = mass == 0.0 && self.gap + velocity * dt < -self.tolerance;
             return false;
         }
@@ -148,6 +157,7 @@ impl Collision {
         let relative = self.relative_velocity(a, b);
         let slip = relative - self.normal * relative.dot(&self.normal);
         let Some(direction) = slip.try_normalize(0.0) else { return true };
+        // Along the slip: a spinning ball responds 3.5 times as much along its surface as across it.
         let mass = self.inverse_effective_mass(&direction, a, b);
         if mass > 0.0 {
             let sticking = self.tangential_impulse - slip / mass;

@@ -63,6 +63,7 @@ pub(super) fn first_fit(nodes: &[Vec<u32>]) -> Vec<usize> {
     let mut taken = vec![0_u64; nodes.iter().flatten().max().map_or(0, |largest| *largest as usize + 1)];
     let mut count = 0;
     let colour = |part: &Vec<u32>| {
+        // Masks instead of sets: the next free colour is the number of trailing ones.
         let around = part.iter().fold(0, |around, node| around | taken[*node as usize]);
         let free = around.trailing_ones() as usize;
         // Elements in any order can need more colours than the mask has bits: then the part has a colour of its own.

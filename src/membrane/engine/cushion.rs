@@ -40,7 +40,8 @@ pub(super) struct CushionState {
 pub fn area(film: &Film, nodes: &Nodes) -> f64 {
     let mut area = 0.0;
     film.for_each_intact(|corners| {
-        area += ElementLoad::of(corners, &nodes.position).areas[..corners.len()].iter().sum::<Vector3<f64>>().z
+        area +=
+            ElementLoad::from_corners(corners, &nodes.position).areas[..corners.len()].iter().sum::<Vector3<f64>>().z
     });
     area
 }
@@ -54,7 +55,7 @@ pub(super) struct Enclosed {
 }
 
 impl Enclosed {
-    /// That between the first two of `films`, whose nodes come first.
+    /// Cushion between the first two of `films`, whose nodes come first.
     pub(super) fn between(films: &[Film], nodes: &Nodes) -> Enclosed {
         let count = films.iter().take(2).map(|film| film.nodes.end).max().unwrap_or(0);
         let mut out = Enclosed { volume: 0.0, gradient: vec![Vector3::zeros(); count] };
@@ -85,7 +86,7 @@ impl Cushion {
         self.ambient * (ratio - 1.0)
     }
 
-    /// What is left of `mass` (kg) in `volume` (m³) after `dt` (s): an implicit step, so that air does not flow beyond
+    /// Remainder of `mass` (kg) in `volume` (m³) after `dt` (s): an implicit step, so that air does not flow beyond
     /// the equal pressure in one step (theory.md, equation 192).
     fn vented(&self, mass: f64, volume: f64, dt: f64) -> f64 {
         if self.vent == 0.0 {
@@ -97,6 +98,8 @@ impl Cushion {
             self.vent * (2.0 * density * pressure.abs()).sqrt().copysign(pressure)
         };
         // Between no flow and the density of the surroundings.
+        // Bisection with a fixed number of halvings: flow has an infinite slope at equal pressure, where Newton's
+        // method fails.
         let (mut a, mut b) = (mass, self.density * volume);
         for _ in 0..64 {
             let middle = 0.5 * (a + b);

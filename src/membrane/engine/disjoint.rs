@@ -27,6 +27,7 @@ impl<'a, T> Disjoint<'a, T> {
     /// No other part that overlaps with it may be held.
     #[allow(clippy::mut_from_ref)]
     pub(super) unsafe fn range(&self, range: Range<usize>) -> &mut [T] {
+        // Checked in release builds too: the contract is on overlap alone, and a check costs little beside a range.
         assert!(range.start <= range.end && range.end <= self.len);
         // SAFETY: it lies within the slice, and the caller holds no other part of it.
         unsafe { std::slice::from_raw_parts_mut(self.start.add(range.start), range.end - range.start) }
@@ -37,7 +38,7 @@ impl<'a, T> Disjoint<'a, T> {
     /// # Safety
     /// No other part with this entry may be held.
     #[allow(clippy::mut_from_ref)]
-    pub(super) unsafe fn at(&self, index: usize) -> &mut T {
+    pub(super) unsafe fn entry(&self, index: usize) -> &mut T {
         assert!(index < self.len);
         // SAFETY: it lies within the slice, and the caller holds no other part of it.
         unsafe { &mut *self.start.add(index) }

@@ -37,7 +37,7 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Whether the law has a plastic strain.
     fn is_plastic(&self) -> bool;
 
-    /// The same elements with the same history.
+    /// Copy of these elements with their history.
     fn boxed(&self) -> Box<dyn ElementGroup>;
 
     /// Adds the forces of the elements, whose nodes moved to `position` in `dt` (s), to `force`. Whether a fibre is
@@ -237,7 +237,7 @@ where
         let Blocks { corners, tearing, .. } = &self.elements;
         for (b, l) in self.elements.indices() {
             if self.elements.is_deleted(b, l) || tearing.as_ref().is_some_and(|tearing| tearing.is_open(b, l)) {
-                show(&corners[b].of(l));
+                show(&corners[b].in_lane(l));
             }
         }
     }
@@ -246,14 +246,14 @@ where
         let Blocks { count, corners, tearing: Some(tearing), .. } = &mut self.elements else { return };
         for i in 0..*count {
             let (b, l) = (i / LANES, i % LANES);
-            tearing.set_at_tip([b, l], corners[b].of(l).into_iter().any(is_open));
+            tearing.set_at_tip([b, l], corners[b].in_lane(l).into_iter().any(is_open));
         }
     }
 
     fn delete(&mut self, wanted: &dyn Fn(&[u32]) -> bool) -> usize {
         let mut deleted = 0;
         for (b, l) in self.elements.indices() {
-            if !self.elements.is_deleted(b, l) && wanted(&self.elements.corners[b].of(l)) {
+            if !self.elements.is_deleted(b, l) && wanted(&self.elements.corners[b].in_lane(l)) {
                 self.elements.blocks[b].delete(l);
                 deleted += 1;
             }
@@ -264,7 +264,7 @@ where
     fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32])) {
         let Blocks { corners, .. } = &self.elements;
         for (b, l) in self.elements.indices().filter(|(b, l)| !(intact && self.elements.is_deleted(*b, *l))) {
-            show(&corners[b].of(l).map(|n| first + n));
+            show(&corners[b].in_lane(l).map(|n| first + n));
         }
     }
 }

@@ -27,7 +27,7 @@ macro_rules! terms {
 pub struct EnergyTerm {
     /// It ends with the unit.
     pub name: &'static str,
-    /// What it is, as one or more lines.
+    /// Description, as one or more lines.
     pub sentence: &'static [&'static str],
 }
 

@@ -4,7 +4,7 @@ use super::element::{Block, Blocks, ElementEnergy, TooWide, energy_at};
 use crate::lane::LANES;
 use crate::material::{History, MembraneLaw};
 
-/// What failed in a film.
+/// Failures in a film.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Failures {
     /// Elements in which fibres of a layer broke.
@@ -43,6 +43,7 @@ where
     B: Block<NODES, LANES>,
     M: MembraneLaw<History<LANES> = B::History>,
 {
+    // With a criterion of its own film softens and is deleted by that alone; break strains of fibres have no effect.
     if elements.tearing.is_some() {
         return open_tears(elements);
     }
@@ -55,6 +56,7 @@ where
         if left == before {
             continue;
         }
+        // Before and after, with the law itself: what the difference is not stored any more went into rupture.
         let mut lost = energy_at(elements, [block, lane], law, position);
         if left == [0.0; 2] {
             elements.blocks[block].delete(lane);

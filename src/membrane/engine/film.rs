@@ -152,6 +152,7 @@ impl Film {
     /// history variables.
     pub fn add_forces(&mut self, nodes: &mut Nodes, dt: f64) {
         let mut order: Vec<usize> = (0..self.chunks.len()).collect();
+        // The order of the pool, so that forces have the same bits with it and without.
         order.sort_by_key(|chunk| self.chunks[*chunk].colour);
         let own = self.nodes.clone();
         let Nodes { position, force, .. } = nodes;
@@ -209,6 +210,7 @@ impl Film {
     pub fn fail(&mut self, position: [&[f64]; 3]) -> Failures {
         let position = self.own(position);
         let mut total = Failures::default();
+        // The pass over forces has flagged them: nearly always there is none, and no element is looked at.
         for chunk in self.chunks.iter_mut().filter(|chunk| chunk.failed) {
             total.add(&chunk.group.fail(&position));
         }
@@ -236,7 +238,8 @@ impl Film {
     }
 
     /// Cuts the film: deletes the elements through which the lines between successive `corners` (m, in the plane of the
-    /// frame) pass and whose middle lies beside them, and those at its bends. Mass stays at the nodes. The number of the elements.
+    /// frame) pass and whose middle lies beside them, and those at its bends. Mass stays at the nodes. The number of
+    /// the elements.
     pub fn cut(&mut self, nodes: &Nodes, corners: &[[f64; 2]]) -> usize {
         let first = self.nodes.start;
         let at = |node: &u32| nodes.position_of(first + *node as usize).xy();
@@ -276,6 +279,7 @@ fn crosses([from, to]: [Point2<f64>; 2], corners: &[Point2<f64>]) -> bool {
     let along = line.dot(&(middle - from.coords));
     let sides = corners.iter().map(|corner| line.perp(&(corner - from)));
     let (least, most) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(d), b.max(d)));
+    // Round-off beside an edge counts as on it: a line along edges takes the elements on one side of them, not on both.
     let on_edge = 1e-6 * (most - least);
     (0.0..length).contains(&along) && least < -on_edge && most > -on_edge
 }
@@ -308,7 +312,7 @@ impl SharedFilm<'_> {
     pub(super) unsafe fn add_forces(&self, width: Width, chunk: usize, position: [&[f64]; 3], dt: f64) {
         let position = position.map(|axis| &axis[self.nodes.clone()]);
         // SAFETY: by the contract no other thread accesses this chunk or its nodes.
-        let (chunk, force) = unsafe { (self.chunks.at(chunk), self.forces.own()) };
+        let (chunk, force) = unsafe { (self.chunks.entry(chunk), self.forces.own()) };
         chunk.failed = chunk.group.add_forces(width, &position, dt, force);
     }
 }
@@ -317,6 +321,7 @@ impl SharedFilm<'_> {
 pub(super) fn energies(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<ElementEnergy> {
     let mut totals = vec![ElementEnergy::default(); films.len()];
     let parts = for_each_chunk(films, pool, |f, chunk| chunk.group.energy(pool.width(), &films[f].own(position)));
+    // In the order of the chunks, not in that in which threads were done.
     parts.iter().for_each(|(film, energy)| totals[*film].add(energy));
     totals
 }
@@ -362,7 +367,7 @@ fn for_each_chunk<T: Clone + Default + Send>(
         let (film, chunk) = chunks[part];
         let result = work(film, chunk);
         // SAFETY: every part comes up once.
-        unsafe { results.at(part).1 = result };
+        unsafe { results.entry(part).1 = result };
     });
     out
 }

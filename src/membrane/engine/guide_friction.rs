@@ -19,7 +19,7 @@ pub struct GuideFriction {
 
 impl GuideFriction {
     /// The force at `speed` (m/s, of any sign), N.
-    pub fn at(&self, speed: f64) -> f64 {
+    pub fn force_at(&self, speed: f64) -> f64 {
         self.constant + self.per_speed * speed.abs() + self.on_curve(speed.abs())
     }
 
@@ -40,14 +40,14 @@ impl GuideFriction {
     /// The impulse (N s) on a body of `mass` (kg, with all that follows it) that would move at `velocity` (m/s) after
     /// `dt` (s) without friction and moved at `before`: against the velocity, and no more than stops it.
     pub(super) fn impulse(&self, velocity: f64, before: f64, mass: f64, dt: f64) -> f64 {
-        -velocity.signum() * (self.at(before) * dt).min(mass * velocity.abs())
+        -velocity.signum() * (self.force_at(before) * dt).min(mass * velocity.abs())
     }
 
     /// Energy (J) that the guide dissipates up to each sample of a motion with `velocity` (m/s) and `displacement` (m).
     pub fn dissipated(&self, velocity: &[f64], displacement: &[f64]) -> Vec<f64> {
         let mut sum = 0.0;
         let steps = velocity.windows(2).zip(displacement.windows(2)).map(|(v, d)| {
-            sum += 0.5 * (self.at(v[0]) + self.at(v[1])) * (d[1] - d[0]).abs();
+            sum += 0.5 * (self.force_at(v[0]) + self.force_at(v[1])) * (d[1] - d[0]).abs();
             sum
         });
         std::iter::once(0.0).take(velocity.len()).chain(steps).collect()
@@ -111,11 +111,11 @@ mod tests {
         let curve = GuideFriction { curve: vec![[0.0, 12.0], [1.0, 14.0], [4.0, 20.0]], ..GuideFriction::default() };
         let line = GuideFriction { constant: 12.0, per_speed: 2.0, curve: vec![] };
         for speed in [0.0, 0.3, -1.0, 2.5, 4.0] {
-            assert!((curve.at(speed) - line.at(speed)).abs() < 1e-12, "{speed}");
+            assert!((curve.force_at(speed) - line.force_at(speed)).abs() < 1e-12, "{speed}");
         }
-        assert_eq!(curve.at(7.0), 20.0);
+        assert_eq!(curve.force_at(7.0), 20.0);
         let late = GuideFriction { curve: vec![[1.0, 5.0], [2.0, 6.0]], ..GuideFriction::default() };
-        assert_eq!([0.0, 1.5, 3.0].map(|speed| late.at(speed)), [5.0, 5.5, 6.0]);
+        assert_eq!([0.0, 1.5, 3.0].map(|speed| late.force_at(speed)), [5.0, 5.5, 6.0]);
         let [by_curve, by_line] = [curve, line].map(|friction| sliding(friction, 2.0, 0.0));
         assert!(by_curve.iter().zip(by_line).all(|(a, b)| (a - b).abs() < 1e-12), "{by_curve:?} {by_line:?}");
     }

@@ -82,17 +82,17 @@ impl Impact {
         Impact { restitution: 1.0, cover, is_frame: true, ..Impact::new(body, contact) }
     }
 
-    /// The same that starts in contact with the film, or not.
+    /// This impact, starting in contact with the film or not.
     pub fn starting_in_contact(self, in_contact: bool) -> Impact {
         Impact { in_contact, ..self }
     }
 
-    /// The same with the coefficient of `restitution` against other bodies.
+    /// This impact with the coefficient of `restitution` against other bodies.
     pub fn with_restitution(self, restitution: f64) -> Impact {
         Impact { restitution, ..self }
     }
 
-    /// The same held where it is until the time `at` (s), where it is released with its motion; from the start where
+    /// This impact held where it is until the time `at` (s), where it is released with its motion; from the start where
     /// that is zero.
     pub fn released_at(self, at: f64) -> Impact {
         if at <= 0.0 {
@@ -104,7 +104,7 @@ impl Impact {
         Impact { body, release: Release::Held(launch), ..self }
     }
 
-    /// The same of one of several.
+    /// This impact as one of several.
     pub(super) fn beside_others(self) -> Impact {
         Impact { contact: self.contact.beside_others(), ..self }
     }

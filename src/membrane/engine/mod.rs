@@ -203,24 +203,25 @@ impl Engine {
             too_wide: None,
         };
         // The stiffness depends on history variables, which pre-strain changes.
+        // With no time: viscous film is mounted by this pass, and no strain rate arises from the pre-strain.
         engine.forces(0.0);
         engine.nodes.clear_forces();
         engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.pool, &engine.loads);
         engine
     }
 
-    /// The same engine with `pool`, on which no result depends.
+    /// This engine with `pool`, on which no result depends.
     pub fn with_pool(self, pool: ThreadPool) -> Engine {
         Engine { pool, ..self }
     }
 
-    /// The same engine with contact between its faces, with the coefficient `friction`.
+    /// This engine with contact between its faces, with the coefficient `friction`.
     pub fn with_film_contact(self, friction: f64) -> Engine {
         let contact = FilmContact::new(&self.films, &self.nodes, friction, self.loads.multiplicity);
         Engine { film_contact: Some(contact), ..self }
     }
 
-    /// The same engine with film that slips in `clamp`, whose nodes are held in every direction.
+    /// This engine with film that slips in `clamp`, whose nodes are held in every direction.
     pub fn with_clamp(self, clamp: Clamp) -> Engine {
         Engine { clamp: Some(clamp), ..self }
     }
@@ -279,14 +280,18 @@ impl Engine {
     /// Advances by one step. Returns the number of elements that failed in it.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<usize, Fault> {
         let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
+        // Velocities stand half a step after positions (theory.md, equation 15); initial ones stand at the start.
         let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
         let observed = observer.needs_state(self.time);
         self.release()?;
+        // Over the step by which the nodes came here: rates of strain are those of the last step, not of the next.
         self.forces(last);
         self.fill(over, dt);
         self.add_jaw_work(dt, over);
         let jaw_force = self.jaw_force();
         if observed {
+            // Energies of a full step need the velocities on both sides of it (theory.md, equation 23), so it is shown
+            // after the kick.
             self.previous.store(&self.nodes, &self.impacts);
         }
         let fastest = self.advance(over, dt);
@@ -319,12 +324,14 @@ impl Engine {
             self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
             self.film_contact.iter_mut().for_each(|contact| contact.remove_deleted(&self.films));
         }
+        // Collected, as forces are also computed outside of a step.
         self.failed += failures.failed;
     }
 
     /// Adds the forces of the films to those of their nodes.
     fn add_forces(&mut self, dt: f64) {
         let position = self.nodes.position.axes();
+        // Each film gets its own part of the arrays, which is all that its chunks may write to.
         let mut rest = self.nodes.force.axes_mut();
         let mut films: Vec<SharedFilm<'_>> = Vec::with_capacity(self.films.len());
         for film in &mut self.films {
@@ -336,6 +343,8 @@ impl Engine {
             films.push(film.share(own));
         }
         let width = self.pool.width();
+        // Colour after colour: chunks of one share no node, so each node is summed in one order for any number of
+        // threads.
         for colour in self.colouring.colours() {
             self.pool.each(colour.len(), |part| {
                 let (film, chunk) = self.chunks[colour[part]];
@@ -351,17 +360,20 @@ impl Engine {
         let power = |jaw: &Jaw| -self.nodes.total_force(&jaw.nodes, 0) * jaw.velocity;
         let power = self.loads.multiplicity * self.loads.jaws.iter().map(power).sum::<f64>();
         self.ledger.external -= power * kick;
+        // Half of this step's work belongs to the half step after the full one; energies at the full step leave it out.
         self.ledger.external_ahead = -0.5 * power * dt;
     }
 
     /// Kicks nodes and bodies over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the bodies
     /// and with each other. Returns the largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
+        // From the forces before they are used up by the integration below.
         let clamping = self.predict_clamp(over, dt);
         let Engine { films, nodes, impacts, film_contact, .. } = self;
         if let Some(contact) = film_contact {
             contact.prepare(films, nodes);
         }
+        // Lists must be built before the nodes move: each records the velocities that its contact will need.
         let released = impacts.iter_mut().filter(|impact| !impact.is_held());
         let records = released.map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body)).collect();
         let kick = Kick::new(over, self.loads.damping);
@@ -371,8 +383,9 @@ impl Engine {
         let sums_of = Disjoint::new(&mut parts);
         self.pool.each(ranges.len(), |part| {
             // SAFETY: every range comes up once.
-            unsafe { *sums_of.at(part) = integration.advance(width, ranges[part].clone()) };
+            unsafe { *sums_of.entry(part) = integration.advance(width, ranges[part].clone()) };
         });
+        // A slot a range, added in order: sums over threads as they finish would differ from run to run.
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
         if self.clamp.as_mut().is_some_and(|clamp| clamp.advance(&mut self.nodes)) {
             // Film that nothing holds any more snaps back as torn film does.
@@ -430,7 +443,7 @@ impl Engine {
         self.loads.jaws.iter().map(force).sum::<f64>() / count
     }
 
-    /// What observers see.
+    /// The state that observers see.
     fn view(&self) -> View<'_> {
         View {
             time: self.time,

@@ -86,10 +86,13 @@ impl Mount<'_> {
         });
         let rupture = rupture.as_ref().map(|rupture| Arc::new(rupture.clone()));
         let blocks = nodes.len().div_ceil(LANES);
+        // From the mesh alone, never from the number of threads: chunks decide the order of sums.
         let size = LANES * blocks.div_ceil(CHUNKS).clamp(BLOCKS[0], BLOCKS[1]);
         for nodes in nodes.chunks(size) {
             let elements: Vec<B::Element> = element::shaped(nodes, &self.mesh.nodes, &self.stress_free)?;
             for (nodes, element) in nodes.iter().zip(&elements) {
+                // Equal shares by the area of stress-free film, also of distorted elements: equation 17 relies on equal
+                // masses.
                 let share = density * thickness * element.area() / NODES as f64;
                 nodes.iter().for_each(|n| self.masses[*n as usize] += share);
             }

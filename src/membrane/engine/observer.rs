@@ -146,9 +146,11 @@ impl View<'_> {
             out.hourglass += multiplicity * energy.hourglass;
         }
         for (n, mass) in self.nodes.mass.iter().enumerate() {
-            let (v, u) = (self.nodes.velocity.at(n), self.previous.velocity.at(n));
+            let (v, u) = (self.nodes.velocity.value_at(n), self.previous.velocity.value_at(n));
+            // Product of both half steps, not the square of their mean: this is what central differences conserve
+            // (theory.md, equation 23).
             out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
-            out.potential += multiplicity * mass * of_film * self.nodes.position.at(n)[2];
+            out.potential += multiplicity * mass * of_film * self.nodes.position.value_at(n)[2];
         }
         for (Impact { body, contact, .. }, before) in self.impacts.iter().zip(&self.previous.bodies) {
             out.kinetic_impactor += body.kinetic_energy(before);
@@ -156,6 +158,7 @@ impl View<'_> {
             out.contact += contact.work.impact_loss;
             out.friction += contact.work.friction_loss;
             if body.has_prescribed_motion() {
+                // A body with prescribed motion has no energy to give: what it does comes from outside.
                 out.external -= contact.work.on_film - contact.work.ahead;
             }
         }
@@ -173,7 +176,7 @@ impl View<'_> {
 
     /// Velocity of a node at this step, m/s: the mean of those half a step before and after.
     pub fn velocity(&self, node: usize) -> [f64; 3] {
-        let (before, after) = (self.previous.velocity.at(node), self.nodes.velocity.at(node));
+        let (before, after) = (self.previous.velocity.value_at(node), self.nodes.velocity.value_at(node));
         [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]))
     }
 

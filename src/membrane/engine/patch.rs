@@ -29,7 +29,7 @@ impl<M: MembraneLaw, const L: usize> Patch<M, L> {
         Ok(Patch { law, quads: Quads::new(&mesh.quads, &elements, thickness) })
     }
 
-    /// The same elements of viscous film.
+    /// These elements, of viscous film.
     ///
     /// # Panics
     /// Where the law cannot have a Prony series ([`MembraneLaw::viscous`]).

@@ -1,8 +1,8 @@
 //! Pressure: a follower load on the present area, along the present normal.
 //!
 //! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient
-//! `F_a = p ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29). The pressure
-//! is given, or that under which `V` follows the gas that is let in (equation 227).
+//! `F_a = p ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29). The
+//! pressure is given, or that under which `V` follows the gas that is let in (equation 227).
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ impl Inflation {
     /// Pressure at `time` (s), Pa: `s³(10 − 15s + 6s²)` of the final value at the share `s` of the ramp (theory.md,
     /// equation 30). Flat film rises with the cube root of the pressure, and so at a steady rate at first; at the end
     /// of the ramp the rate and its derivative are zero.
-    pub fn at(&self, time: f64) -> f64 {
+    pub fn pressure_at(&self, time: f64) -> f64 {
         rise(self.pressure, time / self.ramp)
     }
 }
@@ -39,7 +39,7 @@ pub struct Filling {
 
 impl Filling {
     /// Volume at `time` (s), m³, by the same function of time as that of a pressure.
-    pub(super) fn at(&self, time: f64) -> f64 {
+    pub(super) fn volume_at(&self, time: f64) -> f64 {
         rise(self.volume, time / self.ramp)
     }
 }
@@ -71,7 +71,7 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
     let mut volume = 0.0;
     if let Some(film) = films.last() {
         film.for_each_intact(|corners| {
-            let load = ElementLoad::of(corners, &nodes.position);
+            let load = ElementLoad::from_corners(corners, &nodes.position);
             for (n, area) in corners.iter().zip(load.areas) {
                 nodes.force.add(*n as usize, (pressure * area).into());
             }
@@ -85,13 +85,13 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
 pub(super) fn volume(films: &[Film], nodes: &Nodes) -> f64 {
     let mut volume = 0.0;
     if let Some(film) = films.last() {
-        film.for_each_intact(|corners| volume += ElementLoad::of(corners, &nodes.position).volume);
+        film.for_each_intact(|corners| volume += ElementLoad::from_corners(corners, &nodes.position).volume);
     }
     volume
 }
 
-/// Adds `sign` times the volume under a film, up to a constant, to `volume` (m³), and its gradient (m²) to that of the nodes
-/// from node `first` on.
+/// Adds `sign` times the volume under a film, up to a constant, to `volume` (m³), and its gradient (m²) to that of the
+/// nodes from node `first` on.
 pub(super) fn add_volume(
     film: &Film,
     position: &Vectors,
@@ -100,7 +100,7 @@ pub(super) fn add_volume(
     (first, gradient): (usize, &mut [Vector3<f64>]),
 ) {
     film.for_each_intact(|corners| {
-        let load = ElementLoad::of(corners, position);
+        let load = ElementLoad::from_corners(corners, position);
         corners.iter().zip(load.areas).for_each(|(n, area)| gradient[*n as usize - first] += sign * area);
         *volume += sign * load.volume;
     });
@@ -131,15 +131,17 @@ pub(super) fn fill(films: &[Film], nodes: &mut Nodes, step: &GasStep) -> Inflate
     let (mut growth, mut response) = (0.0, 0.0);
     for (area, n) in gradient.iter().zip(film.nodes.clone()) {
         let (inverse_mass, velocity, force) =
-            (nodes.effective_inverse_mass().at(n), nodes.velocity.at(n), nodes.force.at(n));
+            (nodes.effective_inverse_mass().value_at(n), nodes.velocity.value_at(n), nodes.force.value_at(n));
         for axis in 0..3 {
             let field = if axis == 2 { -step.gravity } else { 0.0 };
+            // Held nodes with a velocity, as at jaws, change the volume too.
             let is_free = inverse_mass[axis] > 0.0;
             let after = step.kick.after(velocity[axis], force[axis] * inverse_mass[axis] + field);
             growth += area[axis] * if is_free { after } else { velocity[axis] };
             response += area[axis] * area[axis] * step.kick.after(0.0, inverse_mass[axis]);
         }
     }
+    // Linear in the pressure, since it acts on velocities by one kick: no iteration (theory.md, equation 227).
     let pressure = ((step.target - volume) / step.dt - growth) / response;
     for (area, n) in gradient.iter().zip(film.nodes.clone()) {
         nodes.force.add(n, (pressure * area).into());
@@ -156,9 +158,9 @@ pub(super) struct ElementLoad {
 }
 
 impl ElementLoad {
-    /// That of the element with these nodes.
-    pub(super) fn of(corners: &[u32], position: &Vectors) -> ElementLoad {
-        let place = |a: usize| Vector3::from(position.at(corners[a] as usize));
+    /// Load on the element with these nodes.
+    pub(super) fn from_corners(corners: &[u32], position: &Vectors) -> ElementLoad {
+        let place = |a: usize| Vector3::from(position.value_at(corners[a] as usize));
         match corners.len() {
             3 => triangle([place(0), place(1), place(2)]),
             _ => quad([place(0), place(1), place(2), place(3)]),
@@ -168,6 +170,7 @@ impl ElementLoad {
 
 fn triangle(x: [Vector3<f64>; 3]) -> ElementLoad {
     let area = (x[1] - x[0]).cross(&(x[2] - x[0])) / 2.0;
+    // The cone from the origin: another origin changes the volume by a constant as long as the rim is held.
     ElementLoad { areas: [area / 3.0; 4], volume: x[0].dot(&area) / 3.0 }
 }
 
@@ -177,6 +180,7 @@ fn quad(x: [Vector3<f64>; 4]) -> ElementLoad {
     const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let a = (x[1] + x[2] - x[0] - x[3]) / 4.0;
     let b = (x[2] + x[3] - x[0] - x[1]) / 4.0;
+    // Warped quads bulge: with flat areas, work of the pressure would not be p dV.
     let h = (x[0] + x[2] - x[1] - x[3]) / 4.0;
     let (flat, along, across) = (a.cross(&b), a.cross(&h) / 3.0, h.cross(&b) / 3.0);
     let areas = CORNERS.map(|[xi, eta]| flat + along * xi + across * eta);
@@ -244,8 +248,8 @@ mod tests {
     #[test]
     fn pressure_rises_along_the_ramp_and_is_constant_after_it() {
         let inflation = Inflation { pressure: 10e3, ramp: 0.05 };
-        assert_eq!([0.0, 0.025, 0.05, 0.08].map(|time| inflation.at(time)), [0.0, 5e3, 10e3, 10e3]);
-        let early = inflation.at(1e-3 * inflation.ramp) / inflation.pressure;
+        assert_eq!([0.0, 0.025, 0.05, 0.08].map(|time| inflation.pressure_at(time)), [0.0, 5e3, 10e3, 10e3]);
+        let early = inflation.pressure_at(1e-3 * inflation.ramp) / inflation.pressure;
         assert!((early / 1e-8 - 1.0).abs() < 2e-3, "{early}");
     }
 }

@@ -110,11 +110,15 @@ impl Engine {
                     lightness = allowed;
                 }
             }
+            // After each stop it starts anew, with the half kick of a first step.
             let over = if at_rest { 0.5 * dt } else { 0.5 * (last + dt) };
             let step = RelaxationStep { last, dt, kick: over, gravity: self.loads.film_gravity(), lightness };
+            // Kinetic damping: film swings freely and is stopped where its kinetic energy peaks, near the least
+            // potential energy. No damping constant has to fit an unknown frequency.
             let now: f64 = ranges.iter().map(|range| self.nodes.relax(range.clone(), &step)).sum();
             self.settle_on_bars(&ranges);
             steps += 1;
+            // Seen one step late, hence the way back to the peak below.
             at_rest = now < kinetic;
             kinetic = if at_rest { 0.0 } else { now };
             if at_rest {
@@ -124,8 +128,9 @@ impl Engine {
             }
             self.virgin_forces();
         }
+        // Of all films, also of those that were not asked for: it is what the test starts from.
         let residual = self.residual(&all);
-        let moved = |n: usize| (self.nodes.position_of(n) - Point3::from(position.at(n))).norm();
+        let moved = |n: usize| (self.nodes.position_of(n) - Point3::from(position.value_at(n))).norm();
         let displacement = (0..self.nodes.mass.len()).map(moved).fold(0.0, f64::max);
         let highest = |position: &Vectors| position.axes()[2].iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let rise = (highest(&self.nodes.position) - highest(&position)).max(0.0);
@@ -161,7 +166,7 @@ impl Engine {
         let of_node = |n: usize| {
             let (gap, normal) = contact.gap(&self.nodes, &body.pose, n);
             let weight = Vector3::z() * (self.nodes.mass[n] * self.loads.film_gravity());
-            let pressed = (Vector3::from(self.nodes.force.at(n)) - weight).dot(&normal);
+            let pressed = (Vector3::from(self.nodes.force.value_at(n)) - weight).dot(&normal);
             if gap < touching { pressed.min(0.0).powi(2) } else { 0.0 }
         };
         film.nodes.clone().filter(|n| !self.nodes.is_held(*n)).map(of_node).sum()
@@ -179,7 +184,8 @@ impl Engine {
         for film in &self.films {
             film.for_each_intact(|corners| {
                 for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                    let [x, y, z] = [0, 1, 2].map(|k| position.at(*b as usize)[k] - position.at(*a as usize)[k]);
+                    let [x, y, z] =
+                        [0, 1, 2].map(|k| position.value_at(*b as usize)[k] - position.value_at(*a as usize)[k]);
                     slope_squared = slope_squared.max(z * z / (x * x + y * y));
                 }
             });
@@ -198,10 +204,14 @@ impl Engine {
     fn residual(&self, wanted: &[bool]) -> f64 {
         let of_film = |film: &Film| {
             let [free, held] = self.nodes.squared_forces(film.nodes.clone(), self.loads.film_gravity());
+            // A force that bars take is a reaction, like that of a held node: it moves from the one sum to the other.
             let on_bars = self.squared_force_on_bars(film).min(free);
             let (free, held) = (free - on_bars, held + on_bars);
+            // Slack film has neither forces nor reactions; below round-off there is nothing to be settled (theory.md,
+            // equation 172).
             if free == 0.0 { 0.0 } else { (free / held.max(self.squared_round_off(film))).sqrt() }
         };
+        // `max` would drop a NaN, and film that is nowhere would count as settled.
         let larger = |most: f64, residual: f64| if residual > most || residual.is_nan() { residual } else { most };
         chosen(&self.films, wanted).map(of_film).fold(0.0, larger)
     }

@@ -20,7 +20,7 @@ const PINCHES: usize = 10;
 /// Cosine of the angle between the normals of two bodies at a node above which it can yield to both.
 const YIELDING: f64 = -0.9;
 
-/// What contact does in a step besides the motion of nodes and bodies.
+/// Losses and reports of contact in a step, besides the motion of nodes and bodies.
 pub(super) struct Resolved {
     /// Largest speed of a node in contact, m/s.
     pub(super) fastest: f64,
@@ -42,23 +42,28 @@ pub(super) fn resolve(
 ) -> Resolved {
     let mut between = between.take_if(|between| between.is_near());
     if let Some(between) = &mut between {
+        // Before the bodies: they see film where the faces will hold it, which is nearly so from step to step.
         between.predict(nodes, dt);
     }
     let mut collisions = Collisions::within(impacts, dt);
-    let shared = SharedNodes::of(impacts);
+    let shared = SharedNodes::from_impacts(impacts);
+    // Before the film as well, which then follows bodies that move as their impact leaves them.
     collisions.solve(impacts, dt);
     for sweep in 0..SWEEPS {
         for (impact, before) in impacts.iter_mut().zip(before).filter(|(impact, _)| !impact.is_held()) {
             let Impact { body, contact, .. } = impact;
+            // The guide acts once a step, on the motion before it.
             let before = (sweep == 0).then_some(before);
             contact.correct(nodes, body, before, [over, dt], pool, between.as_deref_mut());
         }
         let met = collisions.solve(impacts, dt);
         let pinched = shared.pinch(impacts, nodes, dt);
+        // Bodies with nothing in common are through after one sweep.
         if !met && !pinched {
             break;
         }
     }
+    // Any released body has resolved it in its own sweeps.
     if let Some(between) = between.filter(|_| impacts.iter().all(Impact::is_held)) {
         between.resolve(nodes, dt, pool);
     }
@@ -66,6 +71,7 @@ pub(super) fn resolve(
     for (impact, before) in impacts.iter_mut().zip(before).filter(|(impact, _)| !impact.is_held()) {
         fastest = fastest.max(impact.contact.account(nodes, &impact.body, before));
     }
+    // Works and losses come last, with the velocities at the end of the step (theory.md, equation 22).
     collisions.record(impacts);
     Resolved { fastest, collisions: collisions.losses(impacts, before) }
 }
@@ -76,10 +82,11 @@ struct SharedNodes {
 }
 
 impl SharedNodes {
-    fn of(impacts: &[Impact]) -> SharedNodes {
+    fn from_impacts(impacts: &[Impact]) -> SharedNodes {
         let mut pairs = vec![];
         for (second, b) in impacts.iter().enumerate().filter(|(_, b)| !b.is_held()) {
             for (first, a) in impacts[..second].iter().enumerate().filter(|(_, a)| !a.is_held()) {
+                // By the lists, not by positions: they hold whatever may be in contact until the end of the step.
                 let of_both = a.contact.listed().filter(|node| b.contact.lists(*node));
                 let nodes: Vec<usize> = of_both.map(|node| node as usize).collect();
                 if !nodes.is_empty() {
@@ -95,9 +102,11 @@ impl SharedNodes {
     fn pinch(&self, impacts: &mut [Impact], nodes: &Nodes, dt: f64) -> bool {
         let mut any = false;
         for (bodies, shared) in &self.pairs {
+            // Never fails: a pair has two bodies.
             let Ok([a, b]) = impacts.get_disjoint_mut(*bodies) else { continue };
             for _ in 0..PINCHES {
                 let found: Vec<Pinch> = shared.iter().map(|node| pinch(a, b, nodes, *node, dt)).collect();
+                // Also by a node that yields: it moved for one body and may now be inside the other.
                 any |= found.iter().any(|found| *found != Pinch::None);
                 if !found.contains(&Pinch::Pressed) {
                     break;
@@ -108,7 +117,7 @@ impl SharedNodes {
     }
 }
 
-/// What a node between two bodies does.
+/// Effect of a node between two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pinch {
     /// It penetrates neither, or both are fixed.
@@ -121,6 +130,7 @@ enum Pinch {
 
 /// Looks at `node` between two bodies, which press on each other where it cannot yield.
 fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) -> Pinch {
+    // Anew for each node: the impulse at the one before has changed the bodies' motion.
     let poses = [&*a, &*b].map(|of| of.body.predicted(dt));
     let [(gap, normal), (other_gap, other_normal)] =
         [(&a.contact, &poses[0]), (&b.contact, &poses[1])].map(|(contact, pose)| contact.gap(nodes, pose, node));
@@ -128,10 +138,12 @@ fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) ->
     if nodes.is_held(node) || (gap >= -tolerance(&a.contact) && other_gap >= -tolerance(&b.contact)) {
         return Pinch::None;
     }
+    // Between opposite surfaces the sum of the gaps does not depend on where in between the node lies.
     let (overlap, allowed) = (-(gap + other_gap), tolerance(&a.contact).min(tolerance(&b.contact)));
     if normal.dot(&other_normal) > YIELDING || overlap <= allowed {
         return Pinch::Yields;
     }
+    // Out of the first body into the second: the mean of one normal and the reverse of the other.
     let Some(direction) = (normal - other_normal).try_normalize(0.0) else { return Pinch::Yields };
     let point = nodes.position_of(node);
     let arms = poses.map(|pose| point.coords - pose.translation.vector);

@@ -105,7 +105,7 @@ impl RigidBody {
         }
     }
 
-    /// The same body on a guide with `friction`, which only a body that moves along z by its own inertia has.
+    /// This body on a guide with `friction`, which only a body that moves along z by its own inertia has.
     pub fn with_guide_friction(self, friction: GuideFriction) -> RigidBody {
         let has_guide = self.freedom == Freedom::Z && self.mass.is_finite();
         let guide_friction = if has_guide { friction } else { GuideFriction::default() };
@@ -123,12 +123,12 @@ impl RigidBody {
         body
     }
 
-    /// The same body spinning at `spin` (rad/s, in space axes).
+    /// This body spinning at `spin` (rad/s, in space axes).
     pub fn spinning(self, spin: Vector3<f64>) -> RigidBody {
         RigidBody { spin, ..self }
     }
 
-    /// The same body with the degrees of freedom `freedom`, which admit a part of its motion.
+    /// This body with the degrees of freedom `freedom`, which admit a part of its motion.
     pub fn with_freedom(self, freedom: Freedom) -> RigidBody {
         let mut body = RigidBody { freedom, ..self };
         match freedom {
@@ -215,6 +215,7 @@ impl RigidBody {
     #[inline]
     pub(super) fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         match self.freedom {
+            // No cross product with zero: a guided body has the bits of a point on a line.
             Freedom::Z => self.velocity,
             _ => self.velocity + self.spin.cross(arm),
         }
@@ -240,6 +241,7 @@ impl RigidBody {
         if self.freedom != Freedom::All || self.spin == Vector3::zeros() {
             return self.spin;
         }
+        // Midpoint: over a step the spin of a free body changes although its angular momentum does not.
         let half = UnitQuaternion::from_scaled_axis(self.spin * (0.5 * dt)).to_rotation_matrix();
         // Inverse inertia in the pose that is turned by half the angle.
         half * (self.inverse_inertia * (half.transpose() * (self.space_inertia() * self.spin)))
@@ -250,6 +252,7 @@ impl RigidBody {
         let turns = self.freedom == Freedom::All && self.spin != Vector3::zeros();
         let momentum = turns.then(|| self.space_inertia() * self.spin);
         self.pose = self.predicted(dt);
+        // Products of unit quaternions drift from length one by a round-off a step.
         self.pose.rotation.renormalize();
         self.update_inverse_inertia();
         if let Some(momentum) = momentum {
@@ -388,8 +391,8 @@ impl RigidBody {
         body
     }
 
-    /// The impulse of the guide (N s) over `dt` (s) on the body, which moved as `before` and with all that follows it, of
-    /// `mass` (kg) in total, would move at `velocity` (m/s) without.
+    /// The impulse of the guide (N s) over `dt` (s) on the body, which moved as `before` and with all that follows it,
+    /// of `mass` (kg) in total, would move at `velocity` (m/s) without.
     pub(super) fn guide_impulse(&self, before: &RigidBody, velocity: f64, mass: f64, dt: f64) -> f64 {
         self.guide_friction.impulse(velocity, before.velocity.z, mass, dt)
     }

@@ -35,7 +35,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("the state is of another scene: {found} {what} where there are {expected}")]
 pub struct StateMismatch {
-    /// What differs in number.
+    /// The quantity that differs in number.
     pub what: &'static str,
     /// Number in the state.
     pub found: usize,
@@ -71,9 +71,11 @@ impl Engine {
     /// [`StateMismatch`] where the state has other numbers of nodes, faces, integration points or impactors; then the
     /// engine is unchanged.
     pub fn restore(&mut self, state: State) -> Result<(), StateMismatch> {
+        // All checks before any change: a refused state must leave the engine as it was.
         self.check(&state)?;
         self.time = state.time;
         self.steps = state.steps;
+        // With its countdown to the next update: the step that follows must be the same to the bit.
         self.time_step.restore(state.time_step);
         self.ledger = state.ledger;
         self.inflated = state.inflated;
@@ -82,6 +84,7 @@ impl Engine {
         self.failed = 0;
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;
+        // Films before contacts: these derive their lists and surfaces from the elements that are intact.
         self.films.iter_mut().zip(&state.films).for_each(|(film, history)| film.restore(history));
         for (impact, state) in self.impacts.iter_mut().zip(state.impacts) {
             impact.restore(state, &self.films);
@@ -98,6 +101,7 @@ impl Engine {
     fn check(&self, state: &State) -> Result<(), StateMismatch> {
         let nodes = self.nodes.mass.len();
         for vectors in [&state.position, &state.velocity] {
+            // A damaged file may have axes of different lengths, which would pass by the length of one.
             same("nodes", if vectors.is_whole() { vectors.len() } else { 0 }, nodes)?;
         }
         same("faces", state.films.len(), self.films.len())?;

@@ -41,7 +41,7 @@ struct Task {
 #[repr(align(128))]
 struct Counter(AtomicUsize);
 
-/// What the caller and the workers share.
+/// State that the caller and the workers share.
 struct Shared {
     /// The present task; written by the caller alone, while the epoch is even and no worker is active.
     task: UnsafeCell<Option<Task>>,
@@ -91,7 +91,7 @@ impl ThreadPool {
         ThreadPool { width: Width::best(), shared, workers }
     }
 
-    /// The same pool with other vector instructions, as far as the processor has them.
+    /// This pool with other vector instructions, as far as the processor has them.
     pub fn at_width(mut self, width: Width) -> ThreadPool {
         self.width = width.supported();
         self
@@ -112,6 +112,7 @@ impl ThreadPool {
     /// # Panics
     /// Where a part does, and where a task is under way: a part cannot start another one.
     pub fn each(&self, count: usize, work: impl Fn(usize) + Sync) {
+        // Without a hand-over, which costs more than a short task.
         if self.workers.is_empty() || count < 2 {
             return (0..count).for_each(work);
         }
@@ -125,8 +126,10 @@ impl ThreadPool {
         // SAFETY: there is one caller, the epoch is even and no worker is active: no other thread reads or writes.
         shared.task.with_mut(|present| unsafe { *present = Some(task) });
         for (share, next) in shared.next.iter().enumerate() {
+            // Relaxed: the epoch below publishes it together with the task.
             next.0.store(shared.share(share, count).start, Ordering::Relaxed);
         }
+        // Odd from here on: the task may be joined.
         shared.epoch.fetch_add(1, Ordering::SeqCst);
         // A worker that parks either sees the new epoch or is seen here.
         fence(Ordering::SeqCst);
@@ -137,6 +140,7 @@ impl ThreadPool {
         }
         // Workers must be through with the task even where a part panics in this thread.
         let close = Close(shared);
+        // The caller works too, so a task ends even where no worker gets a processor.
         shared.take_parts(0, task);
         drop(close);
         assert!(!shared.panicked.load(Ordering::Relaxed), "a part of a step panicked");
@@ -148,6 +152,7 @@ struct Close<'a>(&'a Shared);
 
 impl Drop for Close<'_> {
     fn drop(&mut self) {
+        // Even: nobody joins any more, and the task may be replaced once those that did are through.
         self.0.epoch.fetch_add(1, Ordering::SeqCst);
         // A worker that joins either sees the new epoch or is counted here.
         fence(Ordering::SeqCst);
@@ -175,9 +180,13 @@ impl Shared {
     /// Takes the parts of a thread's own share, then what is left of the other shares.
     fn take_parts(&self, thread: usize, task: Task) {
         let threads = self.next.len();
+        // Each thread goes round from its own share, so that those which are done early do not all take from the same
+        // one.
         for share in (0..threads).map(|k| (thread + k) % threads) {
             let end = self.share(share, task.count).end;
             loop {
+                // Counts beyond the end are harmless; a comparison and exchange instead would be retried under
+                // contention.
                 let part = self.next[share].0.fetch_add(1, Ordering::Relaxed);
                 if part >= end {
                     break;
@@ -188,11 +197,13 @@ impl Shared {
         }
     }
 
-    /// What worker `number` does: it joins one task after another.
+    /// Loop of worker `number`: it joins one task after another.
     fn serve(&self, number: usize) {
         let mut last = 0;
         while let Some(epoch) = self.next_epoch(number, last) {
             last = epoch;
+            // Counted before the epoch is looked at again: the caller either waits for this worker or the worker sees
+            // that it is late.
             self.active.fetch_add(1, Ordering::SeqCst);
             fence(Ordering::SeqCst);
             if self.epoch.load(Ordering::SeqCst) == epoch {
@@ -200,6 +211,8 @@ impl Shared {
                 if let Some(task) = self.task.with(|task| unsafe { *task }) {
                     let work = std::panic::AssertUnwindSafe(|| self.take_parts(number, task));
                     if std::panic::catch_unwind(work).is_err() {
+                        // Caught, as a worker that unwinds would leave `active` above zero and the caller waiting for
+                        // ever.
                         self.panicked.store(true, Ordering::Relaxed);
                     }
                 }
@@ -223,8 +236,10 @@ impl Shared {
                 wait(&mut looks);
                 continue;
             }
+            // Announced before the last look: a caller that misses it has opened the epoch which that look finds.
             self.parked[number - 1].store(true, Ordering::SeqCst);
             fence(Ordering::SeqCst);
+            // `park` may return without cause, so the loop looks again in any case.
             if open().is_none() && !self.shutdown.load(Ordering::SeqCst) {
                 park();
             }

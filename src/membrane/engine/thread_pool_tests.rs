@@ -14,7 +14,7 @@ fn every_part_is_done_once_by_pools_of_any_size() {
             let parts = Disjoint::new(&mut done);
             for _ in 0..50 {
                 // SAFETY: every number comes up once.
-                pool.each(count, |part| unsafe { *parts.at(part) += 1 });
+                pool.each(count, |part| unsafe { *parts.entry(part) += 1 });
             }
             assert!(done.iter().all(|times| *times == 50), "{threads} threads, {count} parts");
         }

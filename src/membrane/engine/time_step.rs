@@ -18,8 +18,8 @@ pub fn add_mass(film: &mut Film, nodes: &mut Nodes, step: f64) -> AddedMass {
     film.add_mass(nodes, frequency * frequency)
 }
 
-/// The same after elements have failed: torn film snaps back and flutters between slack and taut, and a step near the
-/// limit of the linear theory gains energy at such kinks (theory.md, section 4).
+/// Share of the limit after elements have failed: torn film snaps back and flutters between slack and taut, and a
+/// step near the limit of the linear theory gains energy at such kinks (theory.md, section 4).
 const TORN_SAFETY: f64 = 0.5;
 
 /// Steps, and time (s), between two updates of the frequency bound: the laws bound the stiffness for strains within
@@ -65,6 +65,7 @@ impl TimeStep {
         });
         let mut step = TimeStep { damping, factor, air, safety: SAFETY, ..TimeStep::default() };
         (step.first, _) = step.stable(films, nodes, pool);
+        // Not by way of `next`: the first step has no last one to grow from.
         (step.now, step.target) = (step.first, step.first);
         step
     }
@@ -90,6 +91,7 @@ impl TimeStep {
         let last = self.now;
         if self.until_update == 0 {
             let (stable, face) = self.stable(films, nodes, pool);
+            // A NaN would pass every comparison below and run on.
             let collapsed = stable.is_nan() || stable < COLLAPSE * self.first;
             if collapsed && films.get(face).is_some_and(Film::has_limit) {
                 return Err(Fault::StretchLimit { time, face: face + 1 });
@@ -98,10 +100,13 @@ impl TimeStep {
                 return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face: face + 1 });
             }
             self.target = stable.min(CEILING * self.first);
+            // Counted in steps of the target: a step that is still growing towards it is shorter, and the bound is on
+            // the safe side.
             let within = (INTERVAL.1 / self.target).min(f64::from(INTERVAL.0)).max(1.0);
             self.until_update = within as u32;
         }
         self.until_update -= 1;
+        // A step shrinks at once, which stability asks for, but grows slowly.
         self.now = self.target.min(GROWTH * last);
         Ok((last, self.now))
     }
@@ -118,10 +123,13 @@ impl TimeStep {
         let (face, squared) = bounds
             .into_iter()
             .enumerate()
+            // Not `max`, which would drop a NaN.
             .fold((0, 0.0), |most, (face, w)| if w <= most.1 || most.1.is_nan() { most } else { (face, w) });
+        // Slack film without any stiffness; `CEILING` keeps its step finite.
         if squared == 0.0 {
             return (f64::INFINITY, face);
         }
+        // Stiffnesses in parallel: the sum bounds the highest frequency of both together.
         let frequency = (squared + self.air).sqrt();
         let damping = if self.damping > 0.0 { self.damping / (2.0 * frequency) } else { 0.0 };
         (self.factor * self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)

@@ -18,8 +18,9 @@ pub(super) struct WeightedNodes {
 impl WeightedNodes {
     /// `of` some nodes, with `weights`.
     pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
-        let response =
-            std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().at(of[k] as usize)) * weights[k]);
+        let response = std::array::from_fn(|k| {
+            Vector3::from(nodes.effective_inverse_mass().value_at(of[k] as usize)) * weights[k]
+        });
         let count = weights.iter().rposition(|weight| *weight != 0.0).map_or(0, |last| last + 1);
         WeightedNodes { nodes: of, weights, response, count }
     }
@@ -27,7 +28,7 @@ impl WeightedNodes {
     /// The sum of what the nodes have: of their velocities, that of the point, m/s.
     #[inline(always)]
     pub(super) fn sum(&self, of: &Vectors) -> Vector3<f64> {
-        (0..self.count).map(|k| Vector3::from(of.at(self.nodes[k] as usize)) * self.weights[k]).sum()
+        (0..self.count).map(|k| Vector3::from(of.value_at(self.nodes[k] as usize)) * self.weights[k]).sum()
     }
 
     /// Adds what an `impulse` (N s) on the sum does to the velocities of the nodes; multiplied by a time, to their
@@ -44,10 +45,11 @@ impl WeightedNodes {
         (0..4).map(|k| self.response[k] * self.weights[k]).sum()
     }
 
-    /// The same of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in all
-    /// of them has no part in it.
+    /// Inverse mass of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in
+    /// all of them has no part in it.
     pub(super) fn inverse_free_mass(&self) -> f64 {
         let free = |k: usize| {
+            // The response of its free direction, as if all were free; zero only where none is.
             let largest = self.response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs()));
             self.weights[k] * largest.copysign(self.weights[k])
         };
@@ -55,8 +57,8 @@ impl WeightedNodes {
     }
 }
 
-/// The tangential impulse within Coulomb's cone: `sticking` (N s), which would stop the slip, or what of it is within the
-/// `bound` (N s).
+/// The tangential impulse within Coulomb's cone: `sticking` (N s), which would stop the slip, or what of it is within
+/// the `bound` (N s).
 #[inline(always)]
 pub(super) fn within_cone(sticking: Vector3<f64>, bound: f64) -> Vector3<f64> {
     let size = sticking.norm();

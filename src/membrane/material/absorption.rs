@@ -52,6 +52,7 @@ impl Absorption {
     pub fn stress<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &mut Lane<L>) -> Lane<L> {
         let mut curve_strain = splat(0.0);
         for l in 0..L {
+            // In this order a NaN strain leaves the peak as it is; the stress has it all the same.
             peak[l] = larger(strain[l], peak[l]);
             curve_strain[l] = self.curve_strain(strain[l], peak[l]);
         }
@@ -88,6 +89,7 @@ impl Absorption {
         }
         let mut largest_slope = curve.largest_slope(&from, &to);
         for l in 0..L {
+            // Loading has the plain slope, but any strain may turn to unloading within the interval.
             largest_slope[l] = if to[l] < 0.0 { 0.0 } else { self.steepening * largest_slope[l] };
         }
         largest_slope

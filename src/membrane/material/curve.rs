@@ -123,7 +123,7 @@ impl Curve {
         self.points[self.points.len() - 1][0]
     }
 
-    /// The same curve with its last point at `strain` > 0: cut there, or continued up to it with its last slope.
+    /// This curve with its last point at `strain` > 0: cut there, or continued up to it with its last slope.
     pub fn ending_at(&self, strain: f64) -> Curve {
         let corners = &self.points[..self.points.len() - 1];
         let mut points: Vec<_> = corners.iter().copied().filter(|point| point[0] < strain).collect();
@@ -177,6 +177,8 @@ impl Curve {
         let mut stress = splat(0.0);
         for s in &self.segments {
             for l in 0..L {
+                // Every segment adds what lies within it: lanes with different strains need neither a search nor a
+                // branch, and curves have few segments.
                 stress[l] += s.slope * smaller(larger(strain[l] - s.start, 0.0), s.length);
             }
         }
@@ -217,6 +219,7 @@ impl Curve {
         for s in &self.segments {
             let end = s.start + s.length;
             for l in 0..L {
+                // Ends included: a strain at a corner may go on along either slope.
                 let overlaps = (s.start <= larger(to[l], 0.0)) & (end >= from[l]);
                 most[l] = if overlaps { larger(s.slope, most[l]) } else { most[l] };
             }

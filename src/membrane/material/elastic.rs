@@ -90,7 +90,9 @@ impl Elastic {
         for l in 0..L {
             let square = [c11[l] + d.stretch_variance[0][l], c22[l] + d.stretch_variance[1][l]];
             for fibre in 0..2 {
+                // (E₁ + νE₂)² mixes both directions; by 2ab ≤ a² + b² each takes the part of the other.
                 bound.along[fibre][l] = self.plane() * (1.0 + self.poisson.abs()) * square[fibre];
+                // Sizes: compression softens, but the bound has to hold for strains nearby, too.
                 bound.across[fibre][l] = s[fibre][l].abs() + s[2][l].abs();
             }
             bound.shear[l] = self.shear() * larger(square[0], square[1]);

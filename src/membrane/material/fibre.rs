@@ -105,6 +105,7 @@ impl FibreLaw for Curve {
 
     #[inline(always)]
     fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &Lane<L>) -> Lane<L> {
+        // Where the argument of equation 8 is zero: ε = D ε_m.
         history.map(|peak| absorption.share() * peak)
     }
 

@@ -4,13 +4,13 @@ use crate::lane::{LANES, Lane, splat};
 
 /// History variables of integration points, one point a lane.
 pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
-    /// Those of virgin film.
+    /// History variables of virgin film.
     fn virgin() -> Self;
     /// Largest engineering strain so far of the MD (0) or TD (1) fibres.
     fn peak(&self, fibre: usize) -> &Lane<L>;
     /// Share of the layers whose MD (0) or TD (1) fibres are not broken.
     fn left(&self, fibre: usize) -> &Lane<L>;
-    /// The same, mutable.
+    /// Share of the layers whose MD (0) or TD (1) fibres are not broken, mutable.
     fn left_mut(&mut self, fibre: usize) -> &mut Lane<L>;
     /// All variables, always in the same order.
     fn variables(&self) -> impl Iterator<Item = &Lane<L>>;
@@ -20,7 +20,7 @@ pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
 
 /// History variables of one fibre set.
 pub trait FibreHistory<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
-    /// Those of virgin fibres.
+    /// History variables of virgin fibres.
     fn virgin() -> Self;
     /// Largest engineering strain so far.
     fn peak(&self) -> &Lane<L>;

@@ -25,13 +25,13 @@ impl LayerBreaks {
         is_valid.then_some(LayerBreaks { factors })
     }
 
-    /// That of the first layer to break.
+    /// Break strain of the first layer to break, over that of the curve.
     #[inline(always)]
     pub(super) fn first(&self) -> f64 {
         self.factors[0]
     }
 
-    /// That of the last one.
+    /// Break strain of the last layer, over that of the curve.
     pub(super) fn last(&self) -> f64 {
         self.factors[self.factors.len() - 1]
     }

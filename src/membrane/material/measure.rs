@@ -1,4 +1,4 @@
-//! What a law states of itself for a Prony series on it: the stress that relaxes, compression, compliance.
+//! Measure of a law, as a Prony series on it needs it: the stress that relaxes, compression, compliance.
 
 use super::Deformation;
 use crate::lane::{Lane, dot, larger, splat};
@@ -8,8 +8,8 @@ use crate::lane::{Lane, dot, larger, splat};
 pub enum Measure {
     /// The second Piola–Kirchhoff stress S.
     SecondPiola,
-    /// The forces along the fibres over their stress-free cross-section, m₁ S₁₁, m₂ S₂₂ and m₁ m₂ S₁₂ with the stretches
-    /// m_I ≥ 1 of the fibres: S itself decreases where a fibre is stretched under constant force.
+    /// The forces along the fibres over their stress-free cross-section, m₁ S₁₁, m₂ S₂₂ and m₁ m₂ S₁₂ with the
+    /// stretches m_I ≥ 1 of the fibres: S itself decreases where a fibre is stretched under constant force.
     Fibres,
 }
 
@@ -24,15 +24,15 @@ pub enum WithoutCompression {
     AnyDirection,
 }
 
-/// What a law states of itself for a Prony series on it.
+/// Measure of a law, as a Prony series on it needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViscousBase {
     /// The stress that relaxes.
     pub measure: Measure,
-    /// What it does under compression.
+    /// Behaviour under compression.
     pub compression: WithoutCompression,
-    /// Compliance of film at rest by the stresses of the measure, 1/Pa: C₁₁, C₂₂, C₁₂ = C₂₁, and that of shear, by which
-    /// the energy is ½ C₃₃ S₁₂².
+    /// Compliance of film at rest by the stresses of the measure, 1/Pa: C₁₁, C₂₂, C₁₂ = C₂₁, and that of shear, by
+    /// which the energy is ½ C₃₃ S₁₂².
     pub compliance: [f64; 4],
 }
 
@@ -60,7 +60,7 @@ impl ViscousBase {
 
 /// A deformation in the measure of a law.
 pub(super) struct Measured<const L: usize> {
-    /// What the stresses do work on.
+    /// Strains that the stresses do work on.
     pub(super) strain: [Lane<L>; 3],
     /// Stress of the measure over S.
     pub(super) scale: [Lane<L>; 3],
@@ -70,7 +70,7 @@ pub(super) struct Measured<const L: usize> {
 
 impl Measure {
     #[inline(always)]
-    pub(super) fn at<const L: usize>(self, d: &Deformation<L>) -> Measured<L> {
+    pub(super) fn evaluate<const L: usize>(self, d: &Deformation<L>) -> Measured<L> {
         let [f1, f2] = &d.f;
         let (mut c, product) = ([dot(f1, f1), dot(f2, f2)], dot(f1, f2));
         for fibre in 0..2 {

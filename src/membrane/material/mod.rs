@@ -146,7 +146,7 @@ pub struct Stiffness<const L: usize> {
 }
 
 impl<const L: usize> Stiffness<L> {
-    /// That of film whose stiffness against any motion is at most `any`, Pa.
+    /// Stiffness of film whose stiffness against any motion is at most `any`, Pa.
     #[inline(always)]
     pub fn in_any_direction(any: Lane<L>) -> Stiffness<L> {
         let nothing = splat(0.0);
@@ -161,12 +161,15 @@ impl<const L: usize> Stiffness<L> {
         for l in 0..L {
             let (first, second) = (self.along[0][l] * g[0][0][l], self.along[1][l] * g[1][1][l]);
             let apart = 0.5 * (first - second);
+            // Two rank-one stiffnesses at an angle: the larger eigenvalue of their Gram matrix instead of one of a 12 ×
+            // 12 matrix.
             let both = first * second * self.alignment[l] * self.alignment[l];
             let fibres = 0.5 * (first + second) + (apart * apart + both).sqrt();
             let tension = self.across[0][l] * g[0][0][l] + self.across[1][l] * g[1][1][l];
             let sheared = self.shear[l] * (g[0][0][l] + g[1][1][l] + 2.0 * g[0][1][l].abs());
             let (mean, half) = (0.5 * (g[0][0][l] + g[1][1][l]), 0.5 * (g[0][0][l] - g[1][1][l]));
             let isotropic = self.any[l] * (mean + (half * half + g[0][1][l] * g[0][1][l]).sqrt());
+            // Eigenvalues of a sum are at most the sum of the eigenvalues.
             out[l] = fibres + tension + sheared + isotropic;
         }
         out
@@ -177,8 +180,8 @@ impl<const L: usize> Stiffness<L> {
 pub trait MembraneLaw {
     /// Its history variables at an integration point.
     type History<const L: usize>: History<L>;
-    /// The stress that relaxes in a Prony series on it, that of [`MembraneLaw::viscous`]; none where it cannot have one. A
-    /// constant, so that kernels have no code for the others.
+    /// The stress that relaxes in a Prony series on it, that of [`MembraneLaw::viscous`]; none where it cannot have
+    /// one. A constant, so that kernels have no code for the others.
     const MEASURE: Option<Measure> = None;
     /// Stress at deformation `d`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero
     /// while film is mounted.
@@ -208,7 +211,7 @@ pub trait MembraneLaw {
     fn break_range(&self) -> [[f64; 2]; 2] {
         [[f64::INFINITY; 2]; 2]
     }
-    /// What a Prony series on it needs; none where it cannot have one.
+    /// Measure that a Prony series on it needs; none where it cannot have one.
     fn viscous(&self) -> Option<ViscousBase> {
         None
     }
@@ -232,11 +235,11 @@ pub trait MembraneLaw {
 pub enum Law {
     /// Two fibre sets and shear.
     Fabric(Fabric),
-    /// The same with curves by strain rate.
+    /// Fabric with curves by strain rate.
     RateFabric(Fabric<RateCurves>),
     /// St. Venant–Kirchhoff plane stress.
     Elastic(Elastic),
-    /// The same without compression.
+    /// Elastic film without compression.
     TensionField(TensionField),
     /// An energy of rubber-like film.
     Hyperelastic(HyperelasticLaw),
@@ -255,7 +258,7 @@ impl Law {
         self.break_range()[1]
     }
 
-    /// The same law of layers that break one after another; a law without fibres is as it was.
+    /// This law of layers that break one after another; a law without fibres is as it was.
     pub fn with_layer_breaks(self, breaks: LayerBreaks) -> Law {
         match self {
             Law::Fabric(fabric) => Law::Fabric(fabric.with_layer_breaks(breaks)),
@@ -288,7 +291,7 @@ impl Law {
         self.visit(BreakRange)
     }
 
-    /// What a Prony series on the law needs; none where it cannot have one.
+    /// Measure that a Prony series on the law needs; none where it cannot have one.
     pub fn viscous(&self) -> Option<ViscousBase> {
         struct Viscous;
         impl LawVisitor for Viscous {
@@ -355,13 +358,13 @@ pub struct Material {
 }
 
 impl Material {
-    /// Strains along MD and TD at which film that is strained slowly breaks or starts to tear; infinite where these do not
-    /// follow from strains.
+    /// Strains along MD and TD at which film that is strained slowly breaks or starts to tear; infinite where these do
+    /// not follow from strains.
     pub fn break_strains(&self) -> [f64; 2] {
         self.limits().unwrap_or_else(|| self.law.break_strains())
     }
 
-    /// The same however fast it is strained.
+    /// Largest of these strains, however fast film is strained.
     pub fn largest_break_strains(&self) -> [f64; 2] {
         self.limits().unwrap_or_else(|| self.law.largest_break_strains())
     }
@@ -380,11 +383,11 @@ impl Material {
 /// Strains of a deformation, the same measures for every law.
 #[inline(always)]
 pub fn strains<const L: usize>(d: &Deformation<L>) -> Strains<L> {
-    let fibres = fabric::Fibres::of(d);
+    let fibres = fabric::Fibres::from_deformation(d);
     Strains { md: fibres.strain(0), td: fibres.strain(1), shear: fibres.angle }
 }
 
 /// Nominal stresses at a deformation where a law has `stress`.
 pub fn stresses<const L: usize>(d: &Deformation<L>, stress: &Stress<L>) -> Stresses<L> {
-    fabric::Fibres::of(d).stresses(stress)
+    fabric::Fibres::from_deformation(d).stresses(stress)
 }

@@ -1,4 +1,5 @@
-//! Rupture by a criterion of the element's own, and the softening that spends a fracture energy (theory.md, section 25).
+//! Rupture by a criterion of the element's own, and the softening that spends a fracture energy (theory.md, section
+//! 25).
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +8,7 @@ use crate::lane::ln;
 /// When film starts to tear, and what a tear takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rupture {
-    /// What is compared with the limit.
+    /// The quantity that is compared with the limit.
     pub criterion: Criterion,
     /// The value at which an element starts to tear, in the unit of the criterion.
     pub limit: Limit,
@@ -15,7 +16,7 @@ pub struct Rupture {
     pub fracture_energy: f64,
 }
 
-/// What of an element is compared with the limit.
+/// Quantity of an element that is compared with the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Criterion {
     /// Largest principal engineering strain.
@@ -53,7 +54,7 @@ impl Limit {
     }
 
     /// The value for this stress triaxiality and this strain rate (1/s).
-    pub(crate) fn at(&self, triaxiality: f64, rate: f64) -> f64 {
+    pub(crate) fn value_at(&self, triaxiality: f64, rate: f64) -> f64 {
         match self {
             Limit::One(value) => *value,
             Limit::ByTriaxiality(points) => interpolated(points, triaxiality),
@@ -70,9 +71,9 @@ fn interpolated(points: &[[f64; 2]], x: f64) -> f64 {
     points.get(after).map_or(value, |[to, next]| value + (next - value) * (x - from) / (to - from))
 }
 
-/// Share of the fracture energy of an element that is stored in it when it starts to tear at the tip of a tear: the mean
-/// over an element of the field of a crack has it when the crack grows, whatever the size of the element (theory.md,
-/// equation 304).
+/// Share of the fracture energy of an element that is stored in it when it starts to tear at the tip of a tear: the
+/// mean over an element of the field of a crack has it when the crack grows, whatever the size of the element
+/// (theory.md, equation 304).
 pub(crate) const AT_TIP: f64 = 0.25;
 
 /// Share of its fracture energy that an element has spent when the elements around it are at the tip.
@@ -86,7 +87,7 @@ const REST: f64 = 0.01;
 pub(crate) struct Tear {
     /// Share of the film's forces that the element has, at the last position.
     pub share: f64,
-    /// The same at the next position.
+    /// Share of the film's forces at the next position.
     pub next: f64,
     /// Energy spent since it started to tear, J/m³.
     pub spent: f64,
@@ -131,7 +132,7 @@ impl Tear {
         [share, next, spent, start, width, stored, absorbed, strain, time]
     }
 
-    /// That of these variables, in the order of [`Tear::variables`].
+    /// Tear with these variables, in the order of [`Tear::variables`].
     pub(crate) fn of_variables(variables: [f64; Tear::VARIABLES]) -> Tear {
         let [share, next, spent, start, width, stored, absorbed, strain, time] = variables;
         Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time] }
@@ -157,15 +158,18 @@ impl Tear {
         }
     }
 
-    /// Moves on to the next position, with these energies there. The energies that were lost on the way: the work of its
-    /// forces is that of their mean (theory.md, equation 302).
+    /// Moves on to the next position, with these energies there. The energies that were lost on the way: the work of
+    /// its forces is that of their mean (theory.md, equation 302).
     pub(crate) fn advance(&mut self, now: Densities) -> Densities {
+        // Forces between two positions go from one share to the next: their mean is what does the work (theory.md,
+        // equation 302).
         let (before, mean) = (self.share, 0.5 * (self.share + self.next));
         self.share = self.next;
         let fallen = before - self.share;
         let stored = 0.5 * (self.stored + now.stored) * fallen;
         let absorbed = 0.5 * (self.absorbed + now.absorbed) * fallen;
         if self.has_started() {
+            // What film absorbs while it tears is part of the fracture energy, which is measured as total work.
             self.spent += stored + mean * (now.absorbed - self.absorbed).max(0.0);
         }
         (self.stored, self.absorbed) = (now.stored, now.absorbed);
@@ -174,19 +178,20 @@ impl Tear {
 
     /// Starts to tear, where the element is `width` (m) across the tear.
     pub(crate) fn start(&mut self, width: f64) {
+        // Positive even without stored energy: √(ψ/ψ₀) must stay defined.
         (self.start, self.width) = (self.stored.max(f64::MIN_POSITIVE), width);
     }
 
-    /// Sets the share of the forces at the next position, in film of this fracture energy (J/m²): with the energy g = Γ/w
-    /// to be spent and the energy ψ stored, the share a follows
+    /// Sets the share of the forces at the next position, in film of this fracture energy (J/m²): with the energy g =
+    /// Γ/w to be spent and the energy ψ stored, the share a follows
     ///
     /// ```text
     /// a √(ψ/ψ₀) = b ,   g db = ψ da
     /// ```
     ///
     /// from the present share a and the energy b g that is left (theory.md, equation 303): forces fall in proportion to
-    /// that energy, which is a straight line over the strain where these are proportional. Where ψ > g √(ψ/ψ₀), what the
-    /// element stores suffices to tear it at once.
+    /// that energy, which is a straight line over the strain where these are proportional. Where ψ > g √(ψ/ψ₀), what
+    /// the element stores suffices to tear it at once.
     pub(crate) fn soften(&mut self, fracture_energy: f64) {
         if !self.has_started() || self.next == 0.0 {
             return;
@@ -199,9 +204,13 @@ impl Tear {
         let left = 1.0 - self.spent / per_volume;
         let (stretched, stored) = ((self.stored / self.start).sqrt(), self.stored / per_volume);
         if self.share * stretched > left {
+            // Equation 303 linear in the next share, solved in closed form; where the denominator is not positive, the
+            // element snaps through at once.
             let next = if stretched > stored { (left - stored * self.share) / (stretched - stored) } else { 0.0 };
+            // A crack does not heal.
             self.next = next.clamp(0.0, self.share);
         }
+        // The last of the energy would be spent only slowly and hold the element for long.
         if left < REST {
             self.next = 0.0;
         }
@@ -256,11 +265,11 @@ mod tests {
     fn limits_by_triaxiality_and_by_rate() {
         let by_triaxiality = Limit::ByTriaxiality(vec![[1.0 / 3.0, 1.2], [2.0 / 3.0, 0.8]]);
         for (triaxiality, value) in [(0.0, 1.2), (0.5, 1.0), (2.0 / 3.0, 0.8), (0.7, 0.8)] {
-            assert!((by_triaxiality.at(triaxiality, 0.0) - value).abs() < 1e-12);
+            assert!((by_triaxiality.value_at(triaxiality, 0.0) - value).abs() < 1e-12);
         }
         let by_rate = Limit::ByRate(vec![[ln(0.1), 1.0], [ln(10.0), 2.0]]);
         for (rate, value) in [(0.0, 1.0), (0.1, 1.0), (1.0, 1.5), (10.0, 2.0), (1e3, 2.0)] {
-            assert!((by_rate.at(0.0, rate) - value).abs() < 1e-12);
+            assert!((by_rate.value_at(0.0, rate) - value).abs() < 1e-12);
         }
         assert_eq!((by_rate.smallest(), by_triaxiality.smallest()), (1.0, 0.8));
     }

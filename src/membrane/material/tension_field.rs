@@ -51,11 +51,14 @@ impl TensionField {
             let (mean, apart) = (0.5 * (e[0][l] + e[1][l]), 0.5 * (e[0][l] - e[1][l]));
             let radius = (apart * apart + e[2][l] * e[2][l]).sqrt();
             let (first, second) = (mean + radius, mean - radius);
+            // theory.md, equation 9b: this bracket is zero from where the film has contracted as a free strip does, and
+            // with it S₂.
             let across = plane * positive(second + poisson * first);
             p.strain[0][l] = first;
             p.strain[1][l] = second;
             p.stress[0][l] = young * positive(first) + poisson * across;
             p.stress[1][l] = across;
+            // Equal strains have no direction: both components become zero, and the mean alone is left.
             let inverse = 1.0 / larger(radius, POINT);
             p.direction[0][l] = apart * inverse;
             p.direction[1][l] = e[2][l] * inverse;

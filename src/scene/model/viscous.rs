@@ -69,7 +69,7 @@ pub(super) fn check(
         // The ranges were checked before.
         Err(ViscosityError::Empty | ViscosityError::InvalidTerm { .. }) => return None,
     };
-    let viscosity = viscosity.of(match written.prony_of.unwrap_or_default() {
+    let viscosity = viscosity.with_written(match written.prony_of.unwrap_or_default() {
         PronyOf::Instantaneous => Written::Instantaneous,
         PronyOf::LongTerm => Written::LongTerm,
     });
@@ -96,9 +96,9 @@ fn shifted(
         }
     };
     let factor = match shift {
-        Shift::Wlf(wlf) => Wlf { c1: wlf.c1, c2: wlf.c2.0, reference: wlf.reference.0 }.at(temperature),
+        Shift::Wlf(wlf) => Wlf { c1: wlf.c1, c2: wlf.c2.0, reference: wlf.reference.0 }.factor_at(temperature),
         Shift::Arrhenius(arrhenius) => {
-            Arrhenius { energy: arrhenius.energy.0, reference: arrhenius.reference.0 }.at(temperature)
+            Arrhenius { energy: arrhenius.energy.0, reference: arrhenius.reference.0 }.factor_at(temperature)
         }
     };
     let is_usable = |factor: &f64| {

@@ -77,7 +77,7 @@ pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed
         let plastic = details.iter().filter(|_| film.is_plastic()).map(|of| of.plastic_strain as f32);
         let damage = details.iter().filter(|_| film.has_rupture()).map(|of| of.damage as f32);
         FilmState {
-            positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
+            positions: film.nodes.clone().map(|n| view.nodes.position.value_at(n).map(|x| x as f32)).collect(),
             strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
             failed: strains.iter().map(ElementStrain::has_failed).collect(),
             thickness_ratio: thickness.collect(),

@@ -6,6 +6,7 @@ pub(super) fn points(factors: usize, samples: usize, seed: u64) -> Vec<Vec<f64>>
     let mut stream = Stream::new(seed);
     let mut points = vec![Vec::with_capacity(factors); samples];
     for _ in 0..factors {
+        // Each factor by an order of its own: each of its strata has one point, whatever the others do.
         let strata = stream.permutation(samples);
         for (point, stratum) in points.iter_mut().zip(strata) {
             point.push(within(stratum, samples, stream.uniform()));

@@ -30,7 +30,7 @@ pub enum Method {
     Random,
 }
 
-/// What values a factor takes.
+/// Values that a factor takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Levels {

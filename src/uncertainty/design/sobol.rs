@@ -48,7 +48,9 @@ pub(super) fn points(factors: usize, samples: usize, seed: u64) -> Result<Vec<Ve
     if factors > MOST_FACTORS {
         return Err(DesignError::TooManyFactors { factors });
     }
+    // A key a factor, hashed: seeds and factors next to each other must not have related flips.
     let keys: Vec<u64> = (0..factors).map(|factor| mixed(mixed(seed) ^ factor as u64)).collect();
+    // From index 0 on: scrambling moves its point off the corner, and the first 2^m points are a net only with it.
     let point = |index| {
         let coordinate = |(v, &key): (&[u32; DIGITS], &u64)| open_unit(scrambled(unscrambled(v, index), key));
         DIRECTIONS.iter().zip(&keys).map(coordinate).collect()
@@ -58,6 +60,7 @@ pub(super) fn points(factors: usize, samples: usize, seed: u64) -> Result<Vec<Ve
 
 /// Digits of the point `index` of the sequence, the first in the highest bit.
 fn unscrambled(directions: &[u32; DIGITS], index: u32) -> u32 {
+    // In natural order instead of Gray's: any point by its index alone, so that a sweep may be shared and extended.
     directions.iter().enumerate().filter(|(digit, _)| (index >> digit) & 1 == 1).fold(0, |sum, (_, v)| sum ^ v)
 }
 
@@ -69,9 +72,11 @@ fn scrambled(digits: u32, key: u64) -> u64 {
     let mut flipped = 0;
     for place in 0..DIGITS {
         // The digits before, with a one ahead that marks their number.
+        // By the digits before any flip, as in Owen's scheme: flips of one place do not depend on those of others.
         let before = (1_u64 << place) | (u64::from(digits) >> (DIGITS - place));
         flipped |= ((mixed(key ^ mixed(before)) >> 63) as u32) << (DIGITS - 1 - place);
     }
+    // Without digits beyond the 32, points would lie on a grid whose lower ends include 0.
     let beyond = mixed(key ^ mixed((1 << DIGITS) | u64::from(digits)));
     (u64::from(digits ^ flipped) << DIGITS) | (beyond >> DIGITS)
 }

@@ -152,7 +152,7 @@ impl Distribution {
         Self::new(Family::Weibull { scale, shape })
     }
 
-    /// The same family conditional on lying between these ends, of which either may be open; they replace ends that
+    /// This family conditional on lying between these ends, of which either may be open; they replace ends that
     /// were set before.
     ///
     /// # Errors
@@ -162,6 +162,7 @@ impl Distribution {
         if let Some((what, Some(value))) = ends.into_iter().find(|(_, end)| end.is_some_and(|end| !end.is_finite())) {
             return Err(DistributionError::NotFinite { what, value });
         }
+        // Both tails are kept: 1 − p has no digits left for a far one.
         let at = |end: Option<f64>, open| end.map_or(open, |end| self.family.tails(end));
         let bottom = at(low, Tails { below: 0.0, above: 1.0 });
         let top = at(high, Tails { below: 1.0, above: 0.0 });
@@ -202,6 +203,7 @@ impl Distribution {
         let within =
             Tails { below: self.cut.below + self.left * tails.below, above: self.cut.above + self.left * tails.above };
         let value = self.family.quantile(within);
+        // Rounding must not lead out of the ends, where density and cumulative probability are zero and one.
         value.max(self.low.unwrap_or(value)).min(self.high.unwrap_or(value))
     }
 

@@ -55,11 +55,13 @@ pub fn main_effects(
     if samples < LEAST_SAMPLES {
         return Err(MainEffectsError::TooFewSamples { samples });
     }
+    // √n: as many bins as points in each, which balances the error of bin means and that of their coarseness.
     let bins = (samples as f64).sqrt().floor().min(MOST_BINS as f64) as usize;
     let of_factor = |factor: usize| {
         let mut order: Vec<usize> = (0..samples).collect();
         order.sort_by(|&a, &b| points[a][factor].total_cmp(&points[b][factor]));
         let mut bin = vec![0; samples];
+        // By rank: bins hold equally many points whatever the distribution of the input.
         order.iter().enumerate().for_each(|(rank, &index)| bin[index] = rank * bins / samples);
         let ratio = |indices: &[usize]| correlation_ratio(indices, &bin, &outputs, bins);
         let value = ratio(&(0..samples).collect::<Vec<_>>()).ok_or(MainEffectsError::Constant)?;
@@ -82,8 +84,10 @@ fn correlation_ratio(indices: &[usize], bin: &[usize], outputs: &[f64], bins: us
         sums[bin[index]] += from_mean;
         total += from_mean * from_mean;
     }
+    // A resample may leave bins empty; they take no degree of freedom.
     let filled = counts.iter().filter(|&&count| count > 0).count();
     let between: f64 = counts.iter().zip(&sums).filter(|(count, _)| **count > 0).map(|(&c, s)| s * s / c as f64).sum();
+    // Unbiased within bins as without: what chance alone spreads the means by drops out (theory.md, equation 314).
     let within = (total - between) / (n - filled) as f64;
     (total > 0.0).then(|| 1.0 - within / (total / (n - 1) as f64))
 }

@@ -112,6 +112,7 @@ fn of_factor(
     if count < 2 {
         return Err(IndicesError::TooFewBlocks { factor, blocks: count });
     }
+    // The estimate is that of the identical resample, by the code that the bootstrap uses.
     let whole: Vec<usize> = (0..count).collect();
     let [Some(first), Some(total)] = blocks.estimate(&whole) else { return Err(IndicesError::Constant) };
     let [first_interval, total_interval] = bootstrap.percentiles(count, |indices| blocks.estimate(indices));
@@ -131,10 +132,13 @@ impl Blocks {
         // Outputs are taken from their mean, which lowers the variance of the first-order estimator.
         let mean = sum(&|i| self.a[i] + self.b[i]) / (2.0 * n);
         let square = |x: f64| x * x;
+        // From A and B, which are independent; the mixed points repeat coordinates of both.
         let variance = sum(&|i| square(self.a[i] - mean) + square(self.b[i] - mean)) / (2.0 * n - 1.0);
         if variance <= 0.0 {
             return [None, None];
         }
+        // B and A_i share coordinate i alone, so their covariance is the first-order part; less that with A, which is
+        // zero on average and takes away noise (theory.md, equation 313).
         let first = sum(&|i| (self.b[i] - mean) * (self.mixed[i] - self.a[i])) / n;
         let total = sum(&|i| square(self.a[i] - self.mixed[i])) / (2.0 * n);
         [Some(first / variance), Some(total / variance)]
@@ -219,7 +223,7 @@ mod tests {
         outputs.iter_mut().for_each(|output| *output = output.filter(|_| stream.uniform() > 0.05));
         let found = indices(3, &outputs, &Bootstrap { resamples: 100, ..Bootstrap::default() }).unwrap();
         assert!(found.iter().all(|f| f.blocks + f.missing == 4096 && (400..800).contains(&f.missing)), "{found:?}");
-        // What is left is a random part of the sequence: the errors are those of independent points.
+        // The remaining blocks are a random part of the sequence: the errors are those of independent points.
         let worst = worst(&found, &first, &total);
         assert!(worst < 0.06, "{worst}");
     }

@@ -71,6 +71,7 @@ pub fn design_point(
     let mut iterations = 0;
     loop {
         let (g, gradient) = linearized(&mut counted, &point, options.step)?;
+        // g has no scale of its own: its value at the origin is the unit in which it counts as zero.
         let scale: f64 = *at_origin.get_or_insert(g.abs());
         let length = dot(&gradient, &gradient).sqrt();
         if length == 0.0 {
@@ -79,10 +80,12 @@ pub fn design_point(
         let direction: Vec<f64> = gradient.iter().map(|slope| -slope / length).collect();
         let index = dot(&direction, &point);
         let off: f64 = point.iter().zip(&direction).map(|(u, a)| (u - index * a) * (u - index * a)).sum();
+        // Both: a point on the limit state need not be its nearest, and one along the gradient need not be on it.
         let converged = g.abs() <= options.tolerance * scale && off.sqrt() <= options.tolerance * index.abs().max(1.0);
         let next = if converged || iterations == options.iterations {
             None
         } else {
+            // theory.md, equation 318: the nearest point of the limit state as linearized here.
             let target: Vec<f64> = direction.iter().map(|a| a * (index + g / length)).collect();
             step(&mut counted, (&point, g), &gradient, &target)?
         };
@@ -104,7 +107,9 @@ fn linearized(counted: &mut Counted, point: &[f64], step: f64) -> Result<(f64, V
         beside
     };
     let sides = (0..point.len()).flat_map(|input| [beside(input, step), beside(input, -step)]);
+    // One batch, so that an expensive limit state is evaluated at all of them in parallel.
     let batch: Vec<Vec<f64>> = std::iter::once(point.to_vec()).chain(sides).collect();
+    // A gradient with a gap would point anywhere; unlike a sample, it cannot leave one out.
     let outputs: Option<Vec<f64>> = counted.evaluate(&batch)?.into_iter().collect();
     let outputs = outputs.ok_or(ReliabilityError::Missing { evaluations: counted.evaluations })?;
     let slopes = outputs[1..].chunks(2).map(|sides| (sides[0] - sides[1]) / (2.0 * step)).collect();
@@ -121,16 +126,22 @@ fn step(
 ) -> Result<Option<Vec<f64>>, ReliabilityError> {
     let way: Vec<f64> = target.iter().zip(point).map(|(target, u)| target - u).collect();
     let length = dot(gradient, gradient).sqrt();
+    // Twice the bound c > |u|/|∇g| with which the step is a descent direction of the merit function (Zhang and Der
+    // Kiureghian 1995).
     let least = 2.0 * dot(point, point).sqrt() / length;
     let weight = if g == 0.0 { least } else { least.max(dot(target, target) / g.abs()) };
     let merit = |u: &[f64], g: f64| 0.5 * dot(u, u) + weight * g.abs();
     let slope = dot(point, &way) + weight * g.signum() * dot(gradient, &way);
     for batch in 0..BATCHES {
+        // Some at once, although the first mostly does: a batch costs no more time than one run where they run in
+        // parallel.
         let lengths = (0..STEPS).map(|half| 0.5_f64.powi(batch * STEPS + half));
         let (lengths, points): (Vec<f64>, Vec<Vec<f64>>) =
             lengths.map(|t| (t, point.iter().zip(&way).map(|(u, way)| u + t * way).collect())).unzip();
         let outputs = counted.evaluate(&points)?;
         for ((t, u), output) in lengths.into_iter().zip(points).zip(outputs) {
+            // In the order of the lengths: the longest step that is good enough, not the best one, which keeps the pace
+            // of the method.
             if output.is_some_and(|new| merit(&u, new) - merit(point, g) <= DECREASE * t * slope) {
                 return Ok(Some(u));
             }

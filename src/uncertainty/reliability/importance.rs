@@ -22,6 +22,7 @@ pub fn importance_sampling(
     }
     let mut stream = Stream::new(options.seed);
     let mut counted = Counted::new(limit_state);
+    // Once for all points; u·u cancels in the ratio of the densities (theory.md, equation 319).
     let half_square = 0.5 * dot(centre, centre);
     let (mut sum, mut squares, mut valid) = (0.0, 0.0, 0_usize);
     counted.sample(
@@ -35,9 +36,11 @@ pub fn importance_sampling(
             valid += 1;
         },
     )?;
+    // Over valid points only: a missing output says nothing of failure here.
     let n = valid as f64;
     let value = sum / n;
     let variation =
+        // Variance of the mean over its square; equal weights may leave less than zero by round-off.
         (sum > 0.0 && valid > 1).then(|| ((squares / n / (value * value) - 1.0).max(0.0) / (n - 1.0)).sqrt());
     Ok(Probability {
         value,

@@ -111,7 +111,7 @@ pub struct SamplingOptions {
     pub batch: usize,
     /// Probability with which the interval should contain the probability of failure, within (0, 1).
     pub confidence: f64,
-    /// What decides the points.
+    /// Seed, which decides the points.
     pub seed: u64,
 }
 

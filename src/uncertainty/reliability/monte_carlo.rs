@@ -27,6 +27,7 @@ pub fn monte_carlo(
         options,
         || normal_point(&mut stream, inputs),
         |_, g| {
+            // The limit state itself counts as failure, as everywhere here.
             failures += u64::from(g <= 0.0);
             valid += 1;
         },
@@ -34,6 +35,7 @@ pub fn monte_carlo(
     let value = failures as f64 / valid as f64;
     Ok(Probability {
         value,
+        // √((1 − p)/(p n)) with p n = failures.
         variation: (failures > 0).then(|| ((1.0 - value) / failures as f64).sqrt()),
         interval: Some(wilson(failures, valid, options.confidence)),
         evaluations: counted.evaluations,

@@ -19,7 +19,7 @@ pub struct SubsetOptions {
     pub reach: f64,
     /// Probability with which the interval should contain the probability of failure, within (0, 1).
     pub confidence: f64,
-    /// What decides the points.
+    /// Seed, which decides the points.
     pub seed: u64,
 }
 
@@ -62,6 +62,7 @@ pub fn subset_simulation(
     if inputs == 0 {
         return Err(ReliabilityError::NoInputs);
     }
+    // A tenth of the samples start the chains, and these must fill the next level exactly.
     if options.samples == 0 || !options.samples.is_multiple_of(CHAIN) {
         return Err(ReliabilityError::Level { samples: options.samples, chain: CHAIN });
     }
@@ -72,11 +73,15 @@ pub fn subset_simulation(
     let (mut thresholds, mut acceptance) = (Vec::new(), Vec::new());
     for number in 0..options.levels.max(1) {
         let threshold = level.threshold();
+        // Counted, not 0.1: at the last level more may fail, and equal outputs may share the threshold.
         let share = level.share(threshold);
+        // Nothing told the samples apart, so the next level would be this one again.
         if share == 1.0 && threshold > 0.0 {
             return Err(ReliabilityError::NoProgress { level: number, threshold });
         }
         value *= share;
+        // Squares of coefficients of variation add up in a product of independent factors; only the first level has no
+        // chains.
         squared_variation += level.squared_variation(threshold, share, number > 0);
         thresholds.push(threshold);
         if threshold == 0.0 {
@@ -104,6 +109,7 @@ fn first_level(
     samples: usize,
 ) -> Result<Level, ReliabilityError> {
     let points: Vec<Vec<f64>> = (0..samples).map(|_| normal_point(stream, inputs)).collect();
+    // Infinity: not failed, and the last of all to start a chain.
     let outputs: Vec<f64> = counted.evaluate(&points)?.into_iter().map(|g| g.unwrap_or(f64::INFINITY)).collect();
     if counted.missing == samples {
         return Err(ReliabilityError::AllMissing { evaluations: counted.evaluations });
@@ -122,6 +128,7 @@ impl Level {
         let mut sorted = self.outputs.clone();
         sorted.sort_by(f64::total_cmp);
         let (last, next) = (sorted[self.chains() - 1], sorted[self.chains()]);
+        // Between two samples, so that none lies on the threshold by rounding.
         let between = if next.is_finite() { 0.5 * (last + next) } else { last };
         between.max(0.0)
     }
@@ -159,14 +166,18 @@ impl Level {
     ) -> Result<(Self, f64), ReliabilityError> {
         let chains = self.chains();
         let mut order: Vec<usize> = (0..self.outputs.len()).collect();
+        // Stable: of equal outputs the earlier sample, the same in every run.
         order.sort_by(|&a, &b| self.outputs[a].total_cmp(&self.outputs[b]));
         let mut points: Vec<Vec<f64>> = order[..chains].iter().map(|&seed| self.points[seed].clone()).collect();
         let mut outputs: Vec<f64> = order[..chains].iter().map(|&seed| self.outputs[seed]).collect();
         let mut accepted = 0;
+        // All chains go a place on together: one batch a place, where chain after chain would be one run at a time.
         for place in 1..CHAIN {
             let before = (place - 1) * chains..place * chains;
+            // A rejected step repeats its sample, and the copy counts: Metropolis would be biased without it.
             points.extend_from_within(before.clone());
             outputs.extend_from_within(before.clone());
+            // Where no component moved the output is known, and a run is saved.
             let candidates = before.filter_map(|at| Some((at + chains, proposed(&points[at], reach, stream)?)));
             let (places, candidates): (Vec<usize>, Vec<Vec<f64>>) = candidates.unzip();
             let found = counted.evaluate(&candidates)?;
@@ -186,6 +197,7 @@ impl Level {
 /// moves.
 fn proposed(point: &[f64], reach: f64, stream: &mut Stream) -> Option<Vec<f64>> {
     let moved = |&u: &f64| {
+        // Component by component: in many dimensions, a whole point would hardly ever be accepted (Au and Beck 2001).
         let candidate = u + reach * (2.0 * stream.uniform() - 1.0);
         let ratio = libm::exp(0.5 * (u * u - candidate * candidate));
         if stream.uniform() < ratio { candidate } else { u }

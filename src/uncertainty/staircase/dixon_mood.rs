@@ -53,6 +53,8 @@ impl Staircase {
     /// All specimens had the same outcome.
     pub fn reduce(&self, outcomes: &[Outcome], confidence: f64) -> Result<Reduction, ReductionError> {
         let failed = outcomes.iter().filter(|outcome| **outcome == Outcome::Failed).count();
+        // The less frequent outcome holds all information: each of the other kind answers one of them, but for the way
+        // from the first level.
         let counted = if 2 * failed <= outcomes.len() { Outcome::Failed } else { Outcome::Survived };
         let places = self.places(outcomes).into_iter().zip(outcomes);
         let of_counted: Vec<i32> = places.filter(|(_, outcome)| **outcome == counted).map(|(place, _)| place).collect();
@@ -60,14 +62,18 @@ impl Staircase {
             return Err(ReductionError::OneOutcome { trials: outcomes.len() });
         };
         let n = of_counted.len() as f64;
+        // From their own lowest level, as in the formula: A and B are then small whole numbers, without round-off.
         let steps = || of_counted.iter().map(|place| f64::from(place - lowest));
         let (a, b) = (steps().sum::<f64>(), steps().map(|i| i * i).sum::<f64>());
+        // Half a step back towards the other outcome: failures lie above the mean, survivors below it (theory.md,
+        // equation 322).
         let half = if counted == Outcome::Failed { -0.5 } else { 0.5 };
-        let mean = self.at(lowest) + self.step * (a / n + half);
+        let mean = self.level_at(lowest) + self.step * (a / n + half);
         let variance_ratio = (n * b - a * a) / (n * n);
         let deviation = (variance_ratio > LEAST_RATIO).then_some(1.62 * self.step * (variance_ratio + 0.029));
         let standard_error = deviation.map(|deviation| {
             let [mm, md, dd] = information(&self.counts(outcomes), mean, deviation);
+            // Entry of the inverse information matrix, with what the mean shares with the deviation.
             (dd / (mm * dd - md * md)).sqrt()
         });
         let interval = standard_error.map(|error| Interval::normal(mean, error, confidence));

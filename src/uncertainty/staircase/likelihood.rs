@@ -14,6 +14,7 @@ fn log_cumulative(z: f64) -> f64 {
 
 /// Derivative of ln Φ: the inverse of Mills's ratio.
 fn hazard(z: f64) -> f64 {
+    // Both underflow farther out, where the asymptotic series leaves out less than 1e-8 of it.
     if z > -37.0 { normal::density(z) / normal::cumulative(z) } else { -z - 1.0 / z + 2.0 / (z * z * z) }
 }
 
@@ -34,6 +35,7 @@ impl Likelihood {
     pub fn log(&self, a: f64, b: f64) -> f64 {
         let of_group = |&(x, failed, survived): &(f64, f64, f64)| {
             let z = a + b * x;
+            // 0 · −∞ would be a NaN.
             let part = |count: f64, z: f64| if count > 0.0 { count * log_cumulative(z) } else { 0.0 };
             part(failed, z) + part(survived, -z)
         };
@@ -69,6 +71,8 @@ impl Likelihood {
             let (da, db) = ((bb * by_a - ab * by_b) / determinant, (aa * by_b - ab * by_a) / determinant);
             let here = self.log(a, b);
             let mut t = 1.0;
+            // The logarithm is concave, so the direction always rises; a full step may still overshoot where the tails
+            // are flat.
             while self.log(a + t * da, b + t * db) < here && t > 1e-9 {
                 t *= 0.5;
             }
@@ -88,6 +92,7 @@ const MOST_ITERATIONS: usize = 200;
 pub(super) fn information(counts: &[Counts], mean: f64, deviation: f64) -> [f64; 3] {
     counts.iter().fold([0.0; 3], |[mm, md, dd], c| {
         let z = (c.level - mean) / deviation;
+        // φ²/(Φ(z) Φ(−z)) as a product of hazards, which does not underflow in the tails.
         let weight = c.trials as f64 * hazard(z) * hazard(-z) / (deviation * deviation);
         [mm + weight, md + weight * z, dd + weight * z * z]
     })

@@ -11,7 +11,7 @@ use thiserror::Error;
 pub use dixon_mood::{Reduction, ReductionError};
 pub use probit::{ProbitError, ProbitFit, probit};
 
-/// What became of a specimen.
+/// Outcome of the test of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -80,17 +80,18 @@ impl Staircase {
     /// Level of the next specimen after these outcomes, in the order of the tests. It may fall to zero or below;
     /// whether that is a level is for the caller to say.
     pub fn next_level(&self, outcomes: &[Outcome]) -> f64 {
-        self.at(outcomes.iter().map(|outcome| Self::move_after(*outcome)).sum())
+        self.level_at(outcomes.iter().map(|outcome| Self::move_after(*outcome)).sum())
     }
 
     /// Levels of all specimens that were tested.
     pub fn levels(&self, outcomes: &[Outcome]) -> Vec<f64> {
-        self.places(outcomes).into_iter().map(|place| self.at(place)).collect()
+        self.places(outcomes).into_iter().map(|place| self.level_at(place)).collect()
     }
 
     /// Number of steps from the first level, for every specimen.
     fn places(&self, outcomes: &[Outcome]) -> Vec<i32> {
         let moved = |place: &mut i32, outcome: &Outcome| {
+            // Places as integers: summed steps of a level would drift apart, and equal levels must be equal.
             let here = *place;
             *place += Self::move_after(*outcome);
             Some(here)
@@ -98,7 +99,7 @@ impl Staircase {
         outcomes.iter().scan(0, moved).collect()
     }
 
-    fn at(&self, place: i32) -> f64 {
+    fn level_at(&self, place: i32) -> f64 {
         self.start + self.step * f64::from(place)
     }
 
@@ -124,7 +125,7 @@ impl Staircase {
         levels.dedup();
         let here = |level: i32| places.iter().zip(outcomes).filter(move |(place, _)| **place == level);
         let counts = |level: i32| Counts {
-            level: self.at(level),
+            level: self.level_at(level),
             trials: here(level).count() as u64,
             failures: here(level).filter(|(_, outcome)| **outcome == Outcome::Failed).count() as u64,
         };

@@ -80,10 +80,13 @@ pub fn probit(counts: &[Counts], confidence: f64) -> Result<ProbitFit, ProbitErr
     check(counts)?;
     let trials: f64 = counts.iter().map(|c| c.trials as f64).sum();
     let weighted = |of: &dyn Fn(f64) -> f64| counts.iter().map(|c| c.trials as f64 * of(c.level)).sum::<f64>() / trials;
+    // Standardized levels: slope and offset are then of the order of one, and the start (0, 0) of Newton's method is
+    // never far.
     let centre = weighted(&|x| x);
     let scale = weighted(&|x| (x - centre) * (x - centre)).sqrt();
     let likelihood = Likelihood::new(counts, centre, scale);
     let (a, b) = likelihood.maximum();
+    // `check` sees levels only; failures may still become rarer on the whole.
     if b <= 0.0 {
         return Err(ProbitError::NotIncreasing);
     }
@@ -91,7 +94,9 @@ pub fn probit(counts: &[Counts], confidence: f64) -> Result<ProbitFit, ProbitErr
     let log_likelihood = likelihood.log(a, b);
     let least = log_likelihood - 0.5 * normal_factor(confidence).powi(2);
     // Signed distances from the maximum, the deviation's in its logarithm.
+    // By the profile instead of the curvature at the maximum: the likelihood of few specimens is far from a parabola.
     let of_mean = |from: f64| profile_of_mean(&likelihood, mean + from * deviation) >= least;
+    // In the logarithm, so that no step leads to a deviation of zero or below.
     let of_deviation = |from: f64| profile_of_slope(&likelihood, b * libm::exp(-from)) >= least;
     let mean_interval = Interval {
         low: centre + scale * (mean - deviation * reach(|t| of_mean(-t))),
@@ -125,6 +130,7 @@ fn check(counts: &[Counts]) -> Result<(), ProbitError> {
         return Err(ProbitError::NotIncreasing);
     }
     let (survived, failed) = (highest(&mut survived()), lowest(&mut failed()));
+    // Separated outcomes: a deviation of zero explains them all, and the likelihood has no maximum.
     if failed >= survived {
         return Err(ProbitError::NoOverlap { survived, failed });
     }
@@ -150,6 +156,8 @@ fn reach(inside: impl Fn(f64) -> bool) -> f64 {
 fn root(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = 0.5 * (low + high);
+        // The first two hold where numbers resolve no further, also about zero, where the relative width never gets
+        // small.
         if middle <= low || middle >= high || high - low <= 1e-13 * high.abs() {
             return middle;
         }
@@ -163,6 +171,7 @@ fn profile_of_mean(likelihood: &Likelihood, mean: f64) -> f64 {
         let [by_a, by_b] = likelihood.gradient(-b * mean, b);
         by_b - mean * by_a > 0.0
     };
+    // The best slope at this mean is not positive: the profile ends at b = 0, where all levels fail alike.
     if !rising(0.0) {
         return likelihood.log(0.0, 0.0);
     }

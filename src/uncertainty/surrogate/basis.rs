@@ -33,6 +33,7 @@ impl Family {
         };
         let mut values = vec![1.0];
         for n in 0..highest {
+            // Normalized within the recurrence, so that values stay of the order of one at any degree.
             let before = if n == 0 { 0.0 } else { norm(n) * values[n - 1] };
             values.push((x * values[n] - before) / norm(n + 1));
         }
@@ -63,6 +64,7 @@ pub(super) fn hyperbolic(inputs: usize, degree: usize, q: f64, most: usize) -> O
                     longer.push(([degrees.as_slice(), &[(input, own)]].concat(), sum));
                 }
             }
+            // Checked while the list grows: it may be astronomically long for many inputs.
             if all.len() + longer.len() > most {
                 return None;
             }

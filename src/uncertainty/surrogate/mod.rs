@@ -92,7 +92,7 @@ pub struct Options {
     pub truncation: f64,
     /// Folds of the cross-validation.
     pub folds: usize,
-    /// What decides which sample is in which fold.
+    /// Seed, which decides which sample is in which fold.
     pub seed: u64,
 }
 
@@ -145,9 +145,12 @@ impl Surrogate {
         if spread <= 0.0 {
             return Err(SurrogateError::Constant);
         }
+        // Mixed: folds of successive points of a design would leave out whole regions.
         let order = Stream::new(options.seed).permutation(outputs.len());
         let mut best: Option<(Choice, usize)> = None;
         for degree in 1..=options.highest_degree.max(1) {
+            // A symmetric output gains nothing from odd degrees, so one degree without an improvement does not end the
+            // search.
             let tried_enough = best.as_ref().is_some_and(|(_, at)| degree > at + DEGREES_TRIED);
             let candidates = basis::hyperbolic(families.len(), degree, options.truncation, MOST_CANDIDATES);
             let Some(candidates) = candidates.filter(|_| !tried_enough) else { break };
@@ -158,6 +161,7 @@ impl Surrogate {
             }
         }
         let (choice, degree) = best.ok_or(SurrogateError::TooManyInputs { inputs: families.len() })?;
+        // Chosen anew with all samples, now that their number is known.
         let terms = choice.terms(&outputs);
         Ok(Self { families: families.to_vec(), terms, degree, q2: 1.0 - choice.error / spread })
     }
@@ -295,7 +299,7 @@ fn checked<'a>(
     let sample: Sample =
         points.iter().zip(outputs).filter_map(|(point, output)| Some((point.as_slice(), present(*output)?))).unzip();
     let (samples, terms) = (sample.1.len(), inputs + 1);
-    // What is left of the samples without one fold must still be two a term.
+    // The samples without one fold must still be two a term.
     let needed = (2 * terms * options.folds).div_ceil(options.folds - 1) + 1;
     if samples < needed.max(options.folds) {
         return Err(SurrogateError::TooFewSamples { samples, terms, needed: needed.max(options.folds) });

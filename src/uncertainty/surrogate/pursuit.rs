@@ -46,6 +46,7 @@ impl<'a> Pursuit<'a> {
         if 2 * (self.chosen.len() + 1) > self.fitted {
             return false;
         }
+        // The constant first, whatever its correlation: every fit needs it.
         while let Some(column) = if self.chosen.is_empty() { Some(0) } else { self.most_correlated() } {
             self.usable[column] = false;
             if self.add(column) {
@@ -66,6 +67,8 @@ impl<'a> Pursuit<'a> {
         for (index, column) in self.columns.iter().enumerate().filter(|(index, _)| self.usable[*index]) {
             let column = &column[..self.fitted];
             let product = dot(column, &self.residual);
+            // Over the squared length: in a sample the columns are not quite orthonormal, and a long one must not win
+            // by its length.
             let correlation = product * product / dot(column, column);
             if correlation > best.1 {
                 best = (Some(index), correlation);
@@ -82,6 +85,8 @@ impl<'a> Pursuit<'a> {
         let mut products = vec![0.0; self.q.len()];
         // Twice is enough (Kahan; Parlett 1980).
         for _ in 0..2 {
+            // Over the rows that are fitted, but applied to all: rows left out go along and give the prediction error
+            // without another fit.
             for (basis, product) in self.q.iter().zip(&mut products) {
                 let part = dot(&basis[..fitted], &q);
                 *product += part;
@@ -89,12 +94,14 @@ impl<'a> Pursuit<'a> {
             }
         }
         let rest = dot(&q[..fitted], &q[..fitted]).sqrt();
+        // What is left of it is round-off, and dividing by that would make it look like a term.
         if rest <= DEPENDENT * length {
             return false;
         }
         q.iter_mut().for_each(|q| *q /= rest);
         let mut inverse = vec![0.0; self.q.len() + 1];
         for (column, product) in self.inverse.iter().zip(&products) {
+            // R⁻¹ grows by a column a step, so that coefficients need no back substitution.
             inverse.iter_mut().zip(column).for_each(|(sum, entry)| *sum -= entry * product / rest);
         }
         inverse[self.q.len()] = 1.0 / rest;

@@ -117,7 +117,7 @@ fn creep(friction: &str, enough: f64) -> f64 {
     loop {
         let (falling, arms) = observe_step(&mut scene.engine, |view| {
             let body = view.bodies().next().expect("a body");
-            let arm = |n: &usize| Vector3::from(view.nodes.position.at(*n)) - body.pose.translation.vector;
+            let arm = |n: &usize| Vector3::from(view.nodes.position.value_at(*n)) - body.pose.translation.vector;
             let arms: BTreeMap<usize, Vector3<f64>> = view
                 .nodes_in_contact()
                 .iter()

@@ -86,7 +86,7 @@ pub fn positions(nodes: &Nodes) -> Vec<[f64; 3]> {
 
 /// Sets the position of every node to `to` of its number and position.
 pub fn set_positions(nodes: &mut Nodes, mut to: impl FnMut(usize, [f64; 3]) -> [f64; 3]) {
-    (0..nodes.position.len()).for_each(|n| nodes.position.set(n, to(n, nodes.position.at(n))));
+    (0..nodes.position.len()).for_each(|n| nodes.position.set(n, to(n, nodes.position.value_at(n))));
 }
 
 /// The film's forces on its nodes.

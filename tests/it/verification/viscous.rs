@@ -150,7 +150,7 @@ fn film_that_catches_a_mass_absorbs_by_its_loss_modulus() {
             let now = observe_step(&mut engine, |view| {
                 let right = positions(view.nodes).iter().position(is_right).expect("a node");
                 let energies = view.energies();
-                let displacement = view.nodes.position.at(right)[0] - length;
+                let displacement = view.nodes.position.value_at(right)[0] - length;
                 [view.time, displacement, energies.kinetic_film, energies.stored, energies.absorbed]
             });
             if now[1] * last[1] < 0.0 {

@@ -29,7 +29,7 @@ type Point = [f32; 2];
 
 /// Logs border, ticks, legend and all curves.
 pub(crate) fn log(stream: &RecordingStream, diagram: &Diagram) -> RecordingStreamResult<()> {
-    let page = Page::of(diagram);
+    let page = Page::from_diagram(diagram);
     let entity = |part: &str| format!("{}/{part}", diagram.path);
     stream.log_static(entity("frame"), &page.border())?;
     stream.log_static(entity("labels"), &page.labels(diagram))?;
@@ -59,7 +59,7 @@ struct Page {
 }
 
 impl Page {
-    fn of(diagram: &Diagram) -> Page {
+    fn from_diagram(diagram: &Diagram) -> Page {
         let points = || diagram.all_curves().flat_map(|curve| &curve.points);
         let [across, up] = [&diagram.axes[0], &diagram.axes[1]];
         Page {
@@ -68,7 +68,7 @@ impl Page {
         }
     }
 
-    fn at(&self, [x, y]: [f64; 2]) -> Option<Point> {
+    fn point_at(&self, [x, y]: [f64; 2]) -> Option<Point> {
         Some(place(self.x.share(x)?, self.y.share(y)?))
     }
 
@@ -112,11 +112,11 @@ impl Page {
     fn drawn(&self, curve: &Curve, stroke: Stroke) -> Box<dyn AsComponents> {
         let radius = Radius::new_ui_points(0.5 * stroke.width);
         if curve.look == Look::Points {
-            let points = curve.points.iter().filter_map(|point| self.at(*point));
+            let points = curve.points.iter().filter_map(|point| self.point_at(*point));
             let radius = Radius::new_ui_points(1.5 * stroke.width);
             return Box::new(Points2D::new(points).with_colors([stroke.colour]).with_radii([radius]));
         }
-        let whole = strips(curve.points.iter().map(|point| self.at(*point)));
+        let whole = strips(curve.points.iter().map(|point| self.point_at(*point)));
         let strips = match curve.look {
             Look::Dashed => whole.iter().flat_map(|strip| dashes(strip)).collect(),
             _ => whole,

@@ -28,9 +28,10 @@ impl Scale {
         Scale { logarithmic, low, high }
     }
 
-    /// The same with the ends moved out to the next ticks.
+    /// This scale with the ends moved out to the next ticks.
     pub(crate) fn rounded(self) -> Scale {
         let step = step(self.high - self.low);
+        // An end that is a tick but for round-off stays where it is.
         let out = |value: f64| (value / step - 1e-9).ceil() * step;
         Scale { low: -out(-self.low), high: out(self.high), ..self }
     }
@@ -43,6 +44,7 @@ impl Scale {
     /// Share of the axis and words of every tick.
     pub(crate) fn ticks(&self) -> Vec<(f64, String)> {
         let span = self.high - self.low;
+        // On a logarithmic axis, steps of less than a power of ten have no round exponents.
         let step = if self.logarithmic { step(span).max(1.0) } else { step(span) };
         let [first, last] = [(self.low / step - 1e-9).ceil(), (self.high / step + 1e-9).floor()].map(|k| k as i64);
         let decimals = (-step.log10().floor()).max(0.0) as usize;

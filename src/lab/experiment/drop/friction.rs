@@ -21,7 +21,7 @@ pub(super) fn fit(restored: &[&Series], [from, to]: [f64; 2], body: Body) -> Opt
     let lines = lines.collect::<Option<Vec<GuideFriction>>>()?;
     let (acceleration, speed) = falls.first()?;
     let fastest = speed.values().last()?;
-    let changes = |line: &GuideFriction| line.per_speed * fastest > CHANGES * line.at(*fastest).abs();
+    let changes = |line: &GuideFriction| line.per_speed * fastest > CHANGES * line.force_at(*fastest).abs();
     let best = lines.first()?;
     if lines.iter().all(changes) && best.constant > 0.0 {
         return Some(best.clone());

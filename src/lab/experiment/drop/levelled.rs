@@ -185,7 +185,7 @@ impl<'a> Levelled<'a> {
             Disagreement::LaserSpeed { reached, laser } => Warning::LaserSpeedDiffers { reached, laser },
             Disagreement::Friction { constant } => {
                 let velocity = motion.contact().velocity;
-                let friction = friction.map(|friction| [0.0, velocity].map(|v| friction.at(v)));
+                let friction = friction.map(|friction| [0.0, velocity].map(|v| friction.force_at(v)));
                 Warning::GuideFrictionChanges {
                     time_constant: motion.time_constant().unwrap_or(f64::NAN),
                     constant,

@@ -172,10 +172,10 @@ fn the_friction_of_the_guide_is_that_of_the_fall() {
         let (recording, ..) = recorded_after(share, &quiet(), 2);
         let drop = reduced(&recording, &Reduction::default()).unwrap();
         let friction = drop.guide_friction.unwrap();
-        let [release, contact] = [0.0, SPEED].map(|speed| friction.at(speed));
+        let [release, contact] = [0.0, SPEED].map(|speed| friction.force_at(speed));
         assert!((release / contact - (1.0 - share)).abs() < 0.03, "{share}: {friction:?}");
         let mean = BODY.mass * (GRAVITY - 0.5 * SPEED * SPEED / 1.5);
-        assert!((friction.at(SPEED / 1.5) / mean - 1.0).abs() < 0.05, "{share}: {friction:?} for {mean}");
+        assert!((friction.force_at(SPEED / 1.5) / mean - 1.0).abs() < 0.05, "{share}: {friction:?} for {mean}");
         let [all, film] = [drop.energy_absorption, drop.film_absorption].map(|of| of.unwrap());
         assert!(film < all && all - film < 0.05, "{film} {all}");
     }

@@ -28,6 +28,7 @@ impl Contact {
     /// The state of contact with the impactor at `pose`.
     pub(in crate::engine) fn state(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> ContactState {
         let mut out = ContactState::default();
+        // Film that a node contact has put onto the surface must not count as penetrating by round-off.
         let tolerance = 1e-4 * self.surface.size();
         let mut elements = self.bounded_elements(nodes, pose);
         // Where the deepest come first, most others need not be looked at.
@@ -35,13 +36,17 @@ impl Contact {
         for Bounded { positions, offset, penetration } in &elements {
             let edge = longest_edge(positions);
             let mut within = offset + tolerance + self.neighbours.edge;
+            // Neither of both results can grow by such an element.
             if *penetration <= -tolerance || (edge <= out.longest_edge && *penetration <= out.penetration) {
                 continue;
             }
             if edge <= out.longest_edge {
+                // Only a deeper point matters then, and the search ends sooner the less it is to find; rounding moves
+                // edges inwards by up to `edge`.
                 within = within.min(offset - out.penetration + self.neighbours.edge);
             }
             let Some(found) = self.rounded.deepest_point(pose, positions, within) else { continue };
+            // `extent` is measured to the edges as given, not to the rounded ones that were searched.
             out.penetration = out.penetration.max(offset - found.extent);
             out.longest_edge = out.longest_edge.max(edge);
         }

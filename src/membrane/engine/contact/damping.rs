@@ -19,7 +19,8 @@ impl Contact {
         let of = |(n, predicted): (&u32, &Vector3<f64>)| {
             let n = *n as usize;
             0.25 * nodes.mass[n]
-                * (nodes.velocity_of(n) - predicted).dot(&(Vector3::from(self.previous_velocity.at(n)) + predicted))
+                * (nodes.velocity_of(n) - predicted)
+                    .dot(&(Vector3::from(self.previous_velocity.value_at(n)) + predicted))
         };
         let own = self.neighbours.impulse_nodes.iter().zip(&self.predicted).filter(|(n, _)| !counted(**n));
         own.map(of).sum()

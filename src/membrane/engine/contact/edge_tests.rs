@@ -129,7 +129,7 @@ struct Drop {
 }
 
 impl Drop {
-    fn of(body: Body) -> Drop {
+    fn new(body: Body) -> Drop {
         let turn = UnitQuaternion::identity();
         Drop {
             body,
@@ -184,7 +184,7 @@ fn penetration(view: &View<'_>, body: &Body) -> [f64; 2] {
     let mut deepest = 0.0_f64;
     view.films[0].for_each_intact(|corners| {
         let at: Vec<Vector3<f64>> =
-            corners.iter().map(|n| Vector3::from(view.nodes.position.at(*n as usize))).collect();
+            corners.iter().map(|n| Vector3::from(view.nodes.position.value_at(*n as usize))).collect();
         let mean = at.iter().sum::<Vector3<f64>>() / at.len() as f64;
         let longest = at.iter().map(|c| (c - mean).norm()).fold(0.0, f64::max);
         if body.distance(pose, &mean.into()) > longest + THICKNESS {
@@ -205,7 +205,7 @@ fn penetration(view: &View<'_>, body: &Body) -> [f64; 2] {
     [deepest, view.contact_states().next().unwrap().0.penetration]
 }
 
-/// What a drop shows.
+/// Result of a drop.
 #[derive(Debug)]
 struct Found {
     /// Deepest point, by samples and by the contact's own account, m.
@@ -280,7 +280,7 @@ fn corner_down() -> UnitQuaternion<f64> {
 
 #[test]
 fn rims_of_cylinders() {
-    let cylinder = |name, edge| Drop { cells: 20, ..Drop::of(cylinder(name, 0.06, 0.12, edge)) };
+    let cylinder = |name, edge| Drop { cells: 20, ..Drop::new(cylinder(name, 0.06, 0.12, edge)) };
     judge(vec![
         Drop { cells: 8, ..cylinder("cylinder, 50 mm", 0.0) },
         cylinder("cylinder, 20 mm", 0.0),
@@ -292,36 +292,36 @@ fn rims_of_cylinders() {
 
 #[test]
 fn the_rim_of_a_cylinder_on_a_fine_mesh() {
-    judge(vec![Drop { time: 0.024, ..Drop::of(cylinder("cylinder, 10 mm", 0.06, 0.12, 0.0)) }]);
+    judge(vec![Drop { time: 0.024, ..Drop::new(cylinder("cylinder, 10 mm", 0.06, 0.12, 0.0)) }]);
 }
 
 #[test]
 fn corners_edges_and_tips() {
-    let flat = Drop { cells: 20, ..Drop::of(cuboid("box, 20 mm", [0.1, 0.08, 0.12], 0.0)) };
-    let edge = Drop::of(cuboid("free box on an edge, 10 mm", [0.1, 0.08, 0.12], 0.0));
-    let corner = Drop::of(cuboid("free box on a corner, 10 mm", [0.1, 0.1, 0.1], 0.0));
+    let flat = Drop { cells: 20, ..Drop::new(cuboid("box, 20 mm", [0.1, 0.08, 0.12], 0.0)) };
+    let edge = Drop::new(cuboid("free box on an edge, 10 mm", [0.1, 0.08, 0.12], 0.0));
+    let corner = Drop::new(cuboid("free box on a corner, 10 mm", [0.1, 0.1, 0.1], 0.0));
     judge(vec![
         flat,
         Drop { turn: corner_down(), is_free: true, ..corner },
         Drop { turn: tilted([0.2, 1.0, 0.1], 40.0), is_free: true, ..edge },
-        Drop::of(cone("cone, 10 mm", 0.06, 0.08)),
+        Drop::new(cone("cone, 10 mm", 0.06, 0.08)),
     ]);
 }
 
 #[test]
 fn meshes_with_facets() {
     let turn = || tilted([0.2, 1.0, 0.1], 10.0);
-    let edge = Drop::of(box_mesh("free box of triangles on an edge, 10 mm", [0.1, 0.08, 0.12]));
+    let edge = Drop::new(box_mesh("free box of triangles on an edge, 10 mm", [0.1, 0.08, 0.12]));
     judge(vec![
         Drop {
             turn: corner_down(),
             is_free: true,
-            ..Drop::of(box_mesh("free box of triangles on a corner, 10 mm", [0.1; 3]))
+            ..Drop::new(box_mesh("free box of triangles on a corner, 10 mm", [0.1; 3]))
         },
         Drop { turn: tilted([0.2, 1.0, 0.1], 40.0), is_free: true, ..edge },
-        Drop { turn: turn(), cells: 20, ..Drop::of(icosphere("icosahedron, 20 mm", 0.08, 0)) },
-        Drop { turn: turn(), cells: 20, ..Drop::of(icosphere("80 triangles, 20 mm", 0.08, 1)) },
-        Drop { turn: turn(), cells: 20, ..Drop::of(icosphere("1280 triangles, 20 mm", 0.08, 3)) },
+        Drop { turn: turn(), cells: 20, ..Drop::new(icosphere("icosahedron, 20 mm", 0.08, 0)) },
+        Drop { turn: turn(), cells: 20, ..Drop::new(icosphere("80 triangles, 20 mm", 0.08, 1)) },
+        Drop { turn: turn(), cells: 20, ..Drop::new(icosphere("1280 triangles, 20 mm", 0.08, 3)) },
     ]);
 }
 
@@ -336,7 +336,7 @@ fn held_elements_push_the_body_alone() {
     ];
     for body in bodies {
         let bound = 0.01 * (SIDE / 40.0).max(body.surface.edge_radius());
-        let drop = Drop { mass: 2.0, ..Drop::of(body) };
+        let drop = Drop { mass: 2.0, ..Drop::new(body) };
         let mut engine = drop.engine();
         let all = 0..engine.nodes.mass.len();
         engine.nodes.hold(all, [true; 3]);
@@ -365,7 +365,7 @@ fn plain(name: &'static str, surface: Surface) -> Body {
 #[test]
 fn a_restored_run_goes_on_bit_by_bit() {
     let bodies = [cylinder("cylinder", 0.06, 0.12, 0.0), icosphere("320 triangles", 0.08, 2)];
-    for drop in bodies.map(Drop::of).map(|drop| Drop { cells: 20, ..drop }) {
+    for drop in bodies.map(Drop::new).map(|drop| Drop { cells: 20, ..drop }) {
         let mut engine = drop.engine();
         for _ in 0..150 {
             engine.step(&mut Unobserved).unwrap();
@@ -377,8 +377,9 @@ fn a_restored_run_goes_on_bit_by_bit() {
             engine.step(&mut Unobserved).unwrap();
             restored.step(&mut Unobserved).unwrap();
         }
-        let positions =
-            |engine: &Engine| (0..engine.nodes.mass.len()).map(|n| engine.nodes.position.at(n)).collect::<Vec<_>>();
+        let positions = |engine: &Engine| {
+            (0..engine.nodes.mass.len()).map(|n| engine.nodes.position.value_at(n)).collect::<Vec<_>>()
+        };
         assert_eq!(positions(&engine), positions(&restored), "{}", drop.body.name);
     }
 }

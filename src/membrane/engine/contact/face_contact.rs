@@ -17,14 +17,14 @@ use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
 /// deep when it is listed does not gain velocity.
 const RECOVERY: f64 = 0.02;
 
-/// The same on a body with edges, and of elements beside what holds them: film that is lifted there gains energy, which
-/// a slower recovery leaves to be small.
+/// Share that is recovered on a body with edges, and of elements beside what holds them: film that is lifted there
+/// gains energy, which a slower recovery leaves to be small.
 const RECOVERY_AT_EDGES: f64 = 0.002;
 
 /// Largest number of Gauss–Seidel sweeps in a step.
 const SWEEPS: usize = 10;
 
-/// The same on a body with edges, where an element meets several at once.
+/// Largest number of sweeps on a body with edges, where an element meets several at once.
 const SWEEPS_AT_EDGES: usize = 40;
 
 /// Change of impulse in a sweep, over the largest impulse, below which the sweeps have converged.
@@ -87,6 +87,8 @@ impl Constraint {
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
     /// stays within Coulomb's cone. Returns the size of the change, N s.
     fn solve(&mut self, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) -> f64 {
+        // The sum over the sweeps is clamped, not its change: a later constraint may take back what this one pushed too
+        // much, but never pull (theory.md, section 6).
         let violation = self.target - self.relative_velocity(velocity, body).dot(&self.normal);
         let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
         let normal_change = normal_impulse - self.normal_impulse;
@@ -96,10 +98,13 @@ impl Constraint {
         } else if normal_impulse == 0.0 {
             return 0.0;
         }
+        // Read again: where the normal impulse spins the body, it changes the slip.
         let relative = self.relative_velocity(velocity, body);
         let slip = relative - self.normal * relative.dot(&self.normal);
+        // The response along the normal stands for that along the slip: it decides how fast the sweeps converge, not
+        // where to.
         let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
-        let bound = sweep.friction.at(self.film.nodes[0] as usize) * normal_impulse;
+        let bound = sweep.friction.coefficient_at(self.film.nodes[0] as usize) * normal_impulse;
         let tangential_impulse = within_cone(sticking, bound);
         let tangential_change = tangential_impulse - self.tangential_impulse;
         self.apply(&tangential_change, velocity, body, sweep);
@@ -141,10 +146,12 @@ impl Contact {
         pool: &ThreadPool,
         mut between: Option<&mut FilmContact>,
     ) {
+        // The node contacts have been solved already; without anything between nodes that solution is final.
         if between.is_none() && self.neighbours.face_candidates.is_empty() {
             return;
         }
         let pose = body.predicted(dt);
+        // Taken out of the list so that `self` may be borrowed for the projections; put back on every path below.
         let mut followed = std::mem::take(&mut self.neighbours.followed);
         let mut clearances = std::mem::take(&mut self.neighbours.clearances);
         let faces = self.faces(nodes, body, (&pose, dt), &mut followed, &mut clearances);
@@ -167,13 +174,17 @@ impl Contact {
             .map(|impulse| self.node_constraint(impulse, nodes, body))
             .chain(faces)
             .collect();
+        // Uncoupled impulses are not solved again, but are in the sums that the energy balance is made of.
         let kept: Vec<Impulse> = at_nodes.filter(|impulse| !is_coupled(impulse)).cloned().collect();
         let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction };
+        // After the node constraints: their targets are the velocities with which the corrector put nodes onto the
+        // surface, before `begin` changes any.
         let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
         if !has_faces && !films_meet {
             self.neighbours.followed = followed;
             return;
         }
+        // Warm start by the force of the last step: unlike its impulse it does not depend on the step's length.
         for constraint in &mut constraints {
             if let Some([place, side]) = constraint.source
                 && let Some(points) = followed.get(place)
@@ -182,6 +193,7 @@ impl Contact {
                 constraint.start_from(&impulse, &mut nodes.velocity, body, &sweep);
             }
         }
+        // Points without a constraint in this step must not start from an old force in a later one.
         followed.iter_mut().flatten().for_each(|point| point.force = [0.0; 3]);
         if let Some(between) = &between {
             self.add_near_constraints(&mut constraints, [dt, between.detected_within()], nodes, body, &pose);
@@ -195,10 +207,14 @@ impl Contact {
                     let of_this = constraint.solve(&mut nodes.velocity, body, &sweep);
                     change = change.max(of_this);
                     largest = largest.max(constraint.normal_impulse);
+                    // Film on film converges by distances, as its own sweeps do, here over the distance of film from
+                    // the surface.
                     let offset = self.offset[constraint.film.nodes[0] as usize];
                     moved = moved.max(of_this * constraint.inverse_effective_mass * dt / offset);
                 }
                 let is_converged = match &mut between {
+                    // The body's share is waited for no longer than without film on film; `between` has to converge by
+                    // itself.
                     Some(between) => between.sweep(nodes, dt) && (moved <= film_contact::TOLERANCE || done >= SWEEPS),
                     None => change <= TOLERANCE * largest,
                 };
@@ -206,6 +222,8 @@ impl Contact {
                     break;
                 }
             }
+            // Positions follow only here: the sweeps need velocities alone, and `extend` looks for pairs at the new
+            // positions.
             constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
             let Some(between) = &mut between else { break };
             if !between.extend(nodes, dt, pool) {
@@ -221,6 +239,7 @@ impl Contact {
             }
         }
         self.neighbours.followed = followed;
+        // An impulse that a neighbour took over entirely has neither work nor a node in contact.
         let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
         self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
     }
@@ -234,6 +253,7 @@ impl Contact {
         followed: &mut [Followed],
         clearances: &mut [Clearance],
     ) -> Vec<Constraint> {
+        // Clearances are kept in body axes, where a body that only moves or turns with the film leaves them valid.
         let to_body = pose.rotation.inverse().to_rotation_matrix();
         let in_body = |n: u32| to_body * (nodes.position_of(n as usize).coords - pose.translation.vector);
         let mut faces = vec![];
@@ -270,7 +290,7 @@ impl Contact {
         for impulse in impulses {
             let after = nodes.velocity_of(impulse.node);
             first.largest_speed_squared = first.largest_speed_squared.max(after.norm_squared());
-            let mean = 0.5 * (after + Vector3::from(self.previous_velocity.at(impulse.node)));
+            let mean = 0.5 * (after + Vector3::from(self.previous_velocity.value_at(impulse.node)));
             first.sums.add(&impulse, &mean);
             first.impulses.push(impulse);
         }
@@ -287,9 +307,12 @@ impl Contact {
         {
             return false;
         }
+        // The normal of a corner that is not near is zero, which counts as a right angle: such an element is looked at.
         let normals = element.corners.map(|n| self.normals[n as usize]);
         let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
         let sagitta = 8.0 * SAGITTA_SHARE * self.neighbours.allowance;
+        // Squares on both sides, (2 sin θ/2)² = 2 (1 − cos θ): neither an arccosine nor a root for thousands of
+        // elements a step.
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
     }
 
@@ -306,6 +329,7 @@ impl Contact {
         let mut known: Vec<usize> = constraints.iter().filter_map(Constraint::node).collect();
         known.sort_unstable();
         let listed = self.neighbours.nodes.iter().map(|n| *n as usize);
+        // Projected one by one, since in most steps there are few of these nodes or none.
         for n in listed.filter(|n| known.binary_search(n).is_err() && !nodes.is_held(*n)) {
             let found = self.surface.project(pose, &nodes.position_of(n));
             let gap = found.distance - self.offset[n];
@@ -315,7 +339,9 @@ impl Contact {
             let arm = nodes.position_of(n).coords - pose.translation.vector;
             let impulse = Impulse { node: n, arm, normal: found.normal, tangential: Vector3::zeros() };
             let mut constraint = self.node_constraint(&impulse, nodes, body);
+            // `node_constraint` takes the size of the normal for an impulse that has already acted; this one has not.
             (constraint.normal_impulse, constraint.moved) = (0.0, Vector3::zeros());
+            // The node may still close its gap in this step; without it, it would be held at its distance.
             constraint.target -= gap / dt;
             constraints.push(constraint);
         }
@@ -338,6 +364,7 @@ impl Contact {
             moved: impulse.normal + impulse.tangential,
             source: None,
         };
+        // After the corrector the node is exactly on the surface, so its present velocity is the least allowed one.
         constraint.target = constraint.relative_velocity(&nodes.velocity, body).dot(&normal);
         constraint
     }
@@ -347,6 +374,7 @@ impl Contact {
     fn reaches_support(&self, corners: [u32; 4], nodes: &Nodes, pose: &Isometry3<f64>) -> bool {
         let mut held = corners.map(|n| n as usize).into_iter().filter(|n| nodes.is_held(*n));
         let is_inside = |n: usize| self.surface.project(pose, &nodes.position_of(n)).distance < self.offset[n];
+        // An element that is held all around cannot become an edge of the support, and only it can stop the body there.
         held.clone().count() == corners.len() || held.any(is_inside)
     }
 
@@ -368,6 +396,7 @@ impl Contact {
         if is_supported && !self.reaches_support(corners, nodes, pose) {
             return -1.0;
         }
+        // Corners of an element belong to one face and have one offset.
         let bound = self.offset[corners[0] as usize] - self.neighbours.allowance;
         let found = self.rounded.deep_points(pose, &positions, bound, followed, FOLLOWED * self.neighbours.allowance);
         let recovery = if self.surface.is_round() && !is_supported { RECOVERY } else { RECOVERY_AT_EDGES };
@@ -377,6 +406,7 @@ impl Contact {
             let normal = projection.normal;
             let film = WeightedNodes::new(corners, weights, nodes);
             let inverse_effective_mass =
+                // Held corners take no part in it, so a point beside the support yields as its free corners do.
                 film.inverse_free_mass() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
             if inverse_effective_mass <= 0.0 {
                 continue;
@@ -393,7 +423,10 @@ impl Contact {
                 source: Some([place, side]),
             };
             let along = constraint.relative_velocity(&nodes.velocity, body).dot(&normal);
+            // `distance` is that at the end of the step as predicted, so the present velocity is part of it.
             let to_bound = along + (bound - projection.distance) / dt;
+            // What is left to the bound may be used up at once; what is too deep comes back slowly, since lifting film
+            // against its tension adds energy (theory.md, section 6).
             constraint.target = if to_bound > 0.0 { recovery * to_bound } else { to_bound };
             to.push(constraint);
         }

@@ -14,13 +14,13 @@ pub(super) struct Friction {
 
 impl Friction {
     /// Coefficient at a node.
-    pub(super) fn at(&self, node: usize) -> f64 {
+    pub(super) fn coefficient_at(&self, node: usize) -> f64 {
         if node < self.first_face { self.impactor } else { self.film }
     }
 
     /// Coefficient at each of some nodes.
     #[inline(always)]
     pub(super) fn lanes(&self, nodes: &[u32; LANES]) -> Lane {
-        nodes.map(|node| self.at(node as usize))
+        nodes.map(|node| self.coefficient_at(node as usize))
     }
 }

@@ -1,4 +1,4 @@
-//! What contact stores from step to step, saved and restored.
+//! History of contact, saved and restored.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -9,8 +9,8 @@ use super::{Contact, Work};
 use crate::engine::film::Film;
 use crate::engine::footprint::bytes;
 
-/// What contact stores from step to step. The neighbour list is part of it: when it was built decides which elements
-/// are candidates for face contact until the next one.
+/// History of contact: its state from step to step. The neighbour list is part of it: when it was built decides which
+/// elements are candidates for face contact until the next one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ContactHistory {
     neighbours: NeighbourList,

@@ -26,7 +26,7 @@ struct Sum {
     film: f64,
 }
 
-/// The same sums, one a lane.
+/// Impulse sums, one a lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LaneImpulseSums {
     normal: LaneSum,

@@ -148,12 +148,12 @@ impl Contact {
         }
     }
 
-    /// The same with the coefficient `friction` between faces, the first of which has the first `nodes`.
+    /// This contact with the coefficient `friction` between faces, the first of which has the first `nodes`.
     pub fn with_film_friction(self, friction: f64, nodes: usize) -> Contact {
         Contact { friction: Friction { film: friction, first_face: nodes, ..self.friction }, ..self }
     }
 
-    /// The same of one of several bodies, which a step may resolve in several sweeps.
+    /// This contact as that of one of several bodies, which a step may resolve in several sweeps.
     pub(super) fn beside_others(self) -> Contact {
         Contact { swept: Some(vec![]), ..self }
     }
@@ -178,7 +178,7 @@ impl Contact {
         self.gap_at(&nodes.position_of(node), pose, node)
     }
 
-    /// The same of a `node` that were at `point`.
+    /// Gap (m) and normal of a `node` if it were at `point`.
     pub(super) fn gap_at(&self, point: &Point3<f64>, pose: &Isometry3<f64>, node: usize) -> (f64, Vector3<f64>) {
         let projection = self.surface.project(pose, point);
         (projection.distance - self.offset[node], projection.normal)
@@ -220,9 +220,9 @@ impl Contact {
     }
 
     /// Corrects the velocities of nodes and body and the positions of nodes so that no node penetrates at the end of
-    /// the step of `dt` (s), forces acting `over` (s). The nodes have their predicted positions, the body has not moved;
-    /// `before` is its motion before the forces of this step, left out in further sweeps of the step; `between` is the
-    /// contact between faces, which is resolved together with this one.
+    /// the step of `dt` (s), forces acting `over` (s). The nodes have their predicted positions, the body has not
+    /// moved; `before` is its motion before the forces of this step, left out in further sweeps of the step; `between`
+    /// is the contact between faces, which is resolved together with this one.
     pub(super) fn correct(
         &mut self,
         nodes: &mut Nodes,
@@ -232,21 +232,28 @@ impl Contact {
         pool: &ThreadPool,
         between: Option<&mut FilmContact>,
     ) {
+        // Most steps need the sums alone, which the corrector forms in lanes without a list.
         self.lists_impulses = between.is_some() || self.swept.is_some() || !self.neighbours.face_candidates.is_empty();
         self.contacts.resize_with(self.neighbours.ranges.len(), NodeContacts::default);
         self.predict(nodes, body, dt, pool);
+        // Body and nodes are solved as one system (theory.md, equation 20), not one after the other: nodes follow the
+        // body that has already felt them.
         let (corrected, guide) = self.corrected_body(body, before, over);
         self.correct_nodes(nodes, body, &corrected, dt, pool);
         let sums = self.impulse_sums();
+        // The body gets the impulses that the nodes did get, not `corrected`: nodes that would have to be pulled got
+        // none, and momentum is conserved to round-off.
         body.apply_impulse(&(-self.multiplicity * sums.impulse()), &(-self.multiplicity * sums.moment()));
         if let Some(impulse) = guide {
             body.velocity.z += impulse / body.mass;
         }
+        // First sweep of a step; in further ones the guide has acted already, and impulses are added to the list.
         if before.is_some() {
             self.guide_impulse = guide;
             self.swept.iter_mut().for_each(Vec::clear);
         }
         self.resolve_faces(nodes, body, dt, pool, between);
+        // Later sweeps change velocities, so work is summed in `account` with those at the end of the step.
         if let Some(swept) = &mut self.swept {
             self.contacts.iter_mut().for_each(|contacts| swept.append(&mut contacts.impulses));
         }
@@ -264,7 +271,7 @@ impl Contact {
         for impulse in swept {
             let after = nodes.velocity_of(impulse.node);
             fastest = fastest.max(after.norm_squared());
-            sums.add(impulse, &(0.5 * (after + Vector3::from(self.previous_velocity.at(impulse.node)))));
+            sums.add(impulse, &(0.5 * (after + Vector3::from(self.previous_velocity.value_at(impulse.node)))));
         }
         self.work.add(&sums, self.multiplicity, body, before);
         fastest.sqrt()
@@ -279,6 +286,7 @@ impl Contact {
     fn predict(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, pool: &ThreadPool) {
         let list = &self.neighbours;
         let mut body = body.clone();
+        // Nodes have their positions at the end of the step, so the body must have its pose there, too.
         body.pose = body.predicted(dt);
         let predictor = Predictor {
             surface: &self.surface,
@@ -294,7 +302,7 @@ impl Contact {
         let contacts = Disjoint::new(&mut self.contacts);
         pool.each(list.ranges.len(), |part| {
             // SAFETY: every range comes up once.
-            let contacts = unsafe { contacts.at(part) };
+            let contacts = unsafe { contacts.entry(part) };
             node_contact::predict(pool.width(), &predictor, &list.nodes[list.ranges[part].clone()], contacts);
         });
     }
@@ -308,6 +316,8 @@ impl Contact {
             .map(|first| active.fold(first.coupled_film.clone(), |all, contacts| all.and(&contacts.coupled_film)));
         let mut corrected = all.as_ref().map_or_else(|| body.clone(), |all| body.after_contact(all));
         let guide = before.filter(|_| body.has_guide_friction()).map(|before| {
+            // Film in contact is stopped with the body, so friction that stops the body at most has to stop both
+            // (theory.md, equation 52).
             let mass = body.mass + all.as_ref().map_or(0.0, CoupledFilm::mass_along_z);
             let impulse = body.guide_impulse(before, corrected.velocity.z, mass, over);
             corrected.velocity.z += impulse / mass;
@@ -338,7 +348,7 @@ impl Contact {
         };
         pool.each(self.neighbours.ranges.len(), |part| {
             // SAFETY: every range comes up once.
-            node_contact::correct(pool.width(), &corrector, unsafe { contacts.at(part) });
+            node_contact::correct(pool.width(), &corrector, unsafe { contacts.entry(part) });
         });
     }
 

@@ -13,7 +13,7 @@ use crate::engine::nodes::Nodes;
 /// Skin of the neighbour list over the impactor's size.
 const SKIN: f64 = 0.04;
 
-/// The same of bars, which are thin and beside which much film lies: lists are rebuilt more rarely.
+/// Skin of bars over their radius: they are thin and much film lies beside them, so lists are rebuilt more rarely.
 const LONG_SKIN: f64 = 0.3;
 
 /// Nodes and elements within the skin around the impactor.
@@ -74,6 +74,7 @@ impl Contact {
 
     /// Rebuilds the neighbour list for the present positions.
     pub(super) fn list_neighbours(&mut self, films: &[Film], nodes: &Nodes, pose: &Isometry3<f64>) {
+        // Once a run: a list that is restored has it already.
         if self.neighbours.allowance == 0.0 {
             self.set_allowance(films, nodes);
         }
@@ -81,6 +82,8 @@ impl Contact {
         let (is_smooth, is_long) = (self.surface.is_smooth(), self.surface.is_long());
         let skin = if is_long { LONG_SKIN } else { SKIN } * size;
         let radius = if self.surface.is_round() { size } else { self.surface.edge_radius() };
+        // Square of the longest line with an allowed sagitta L²/(8R) (theory.md, section 6): finer elements are left to
+        // their nodes.
         let fine = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * radius * radius;
         let centre = Point3::from(pose.translation.vector);
         let distance_squared = |n: u32| nalgebra::distance_squared(&nodes.position_of(n as usize), &centre);
@@ -91,9 +94,11 @@ impl Contact {
         let mut within = |n: u32, margin: f64| {
             let margin = margin + offset[n as usize];
             let radius = surface.bounding_radius() + margin;
+            // The bounding sphere first: a projection costs far more.
             if distance_squared(n) >= radius * radius {
                 return false;
             }
+            // A node is asked for by itself and by each element around it, with different margins.
             let distance = &mut distances[n as usize];
             if distance.is_nan() {
                 let arm = nodes.position_of(n as usize).coords - pose.translation.vector;
@@ -109,13 +114,16 @@ impl Contact {
         list.elements.clear();
         list.face_candidates.clear();
         for film in films {
+            // In ascending order, on which the ranges, the binary searches and the order of sums rely.
             list.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
         }
+        // Nodes that have left the list would keep a normal that no step renews.
         self.normals.fill(Vector3::zeros());
         for film in films {
             film.for_each_intact(|corners| {
                 let squared = longest_line_squared(corners, nodes);
                 let longest = squared.sqrt();
+                // No point of an element is farther from its corners than its longest line.
                 if !corners.iter().any(|n| within(*n, skin + longest)) {
                     return;
                 }
@@ -132,6 +140,7 @@ impl Contact {
                 }
             });
         }
+        // Both are indexed by the place among the candidates, which is a new one.
         list.clearances.clear();
         list.clearances.resize(list.face_candidates.len(), Clearance::NONE);
         list.followed.clear();

@@ -47,7 +47,7 @@ pub(super) struct NodeContacts {
     pub(super) largest_speed_squared: f64,
 }
 
-/// What the predictor reads.
+/// Inputs of the predictor.
 pub(super) struct Predictor<'a> {
     pub(super) surface: &'a Surface,
     pub(super) friction: Friction,
@@ -64,7 +64,7 @@ pub(super) struct Predictor<'a> {
     pub(super) per_second: f64,
 }
 
-/// What the corrector reads, and the nodes that it corrects.
+/// Inputs of the corrector, and the nodes that it corrects.
 pub(super) struct Corrector<'a> {
     pub(super) friction: Friction,
     /// Velocities half a step earlier, m/s.
@@ -114,6 +114,8 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
     let centre = at.body.centre();
     let mut sums: [Lane; 2] = [splat(0.0); 2];
     for group in listed.chunks(LANES) {
+        // The last group is padded with copies of its last node, whose `close` is zero below: they count nowhere and
+        // are not stored.
         let nodes: [u32; LANES] = std::array::from_fn(|l| group[l.min(group.len() - 1)]);
         let mut arm = at.nodes.position.gather(&nodes);
         let offset = gather(at.offset, &nodes);
@@ -122,10 +124,12 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
                 arm[axis][l] -= centre[axis];
             }
         }
+        // A sphere around the body sorts out most of the skin before any projection.
         let squared = dot(&arm, &arm);
         let mut close = splat(0.0);
         for l in 0..LANES {
             let radius = at.surface.bounding_radius() + offset[l];
+            // Masks are numbers, not Booleans: a product is a vector instruction where a branch in a lane is not.
             close[l] = if squared[l] <= radius * radius { 1.0 } else { 0.0 };
         }
         close[group.len()..].fill(0.0);
@@ -139,12 +143,17 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
         };
         store_normals(at, group, &normal, &close);
         let block = &mut contacts.blocks[contacts.count];
+        // Written into the next free block, which is counted only if a lane penetrates: no copy, and no memory in a
+        // step.
         block.mass = gather(&at.nodes.mass, &nodes);
         let free = at.nodes.effective_inverse_mass().gather(&nodes);
         for l in 0..LANES {
             let gap = distance[l] - offset[l];
+            // Held in all directions a node cannot yield, and would be a mass that the body has to carry. `&` instead
+            // of `&&` keeps it free of branches.
             let inside = (gap < 0.0) & (free[0][l] + free[1][l] + free[2][l] > 0.0);
             block.penetrates[l] = if inside { close[l] } else { 0.0 };
+            // theory.md, equation 19: the normal velocity that is missing at the end of the step, not the present one.
             block.violation[l] = -gap * at.per_second;
         }
         if block.penetrates == splat(0.0) {
@@ -169,6 +178,7 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
         couple(at, block, &mut sums, &mut contacts.coupled_film);
         contacts.count += 1;
     }
+    // Lanes are added once a range, in one order, so that sums do not depend on the threads.
     let [mass, momentum] = sums.map(|lanes| lanes.iter().sum());
     contacts.coupled_film.add_along_z(mass, momentum);
 }
@@ -182,12 +192,13 @@ fn project_on_mesh(
     close: &Lane,
 ) -> (Lane, Lane3) {
     let (mut distance, mut normal): (Lane, Lane3) = (splat(0.0), [splat(0.0); 3]);
+    // A walk over the triangles differs from lane to lane, so nodes of a mesh are projected one by one.
     for (l, n) in group.iter().enumerate().filter(|(l, _)| close[*l] > 0.0) {
         let node = *n as usize;
         let beyond = Some(at.offset[node]);
         let arm = Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
         // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
-        let nearest = unsafe { nearest.at(node) };
+        let nearest = unsafe { nearest.entry(node) };
         let projection = at.surface.project_on_mesh(&at.body.pose, &arm, beyond, nearest);
         distance[l] = projection.distance;
         (0..3).for_each(|axis| normal[axis][l] = projection.normal[axis]);
@@ -202,7 +213,7 @@ fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane
     for (l, n) in group.iter().enumerate() {
         let stored = if close[l] > 0.0 { [0, 1, 2].map(|axis| normal[axis][l]) } else { [0.0; 3] };
         // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
-        unsafe { *normals.at(*n as usize) = stored.into() };
+        unsafe { *normals.entry(*n as usize) = stored.into() };
     }
 }
 
@@ -215,11 +226,13 @@ fn couple(at: &Predictor<'_>, block: &Block, sums: &mut [Lane; 2], coupled: &mut
     for l in 0..LANES {
         mass[l] = at.multiplicity * block.mass[l] * block.penetrates[l];
     }
+    // Right side of theory.md, equation 20: the change of momentum of the node if the body did not give way.
     let change =
         |axis: usize, l: usize| (block.normal[axis][l] * block.violation[l] - block.slip[axis][l] * share[l]) * mass[l];
     if at.body.is_guided() {
         for l in 0..LANES {
             let z = block.normal[2][l];
+            // P_a of equation 20 along z alone: identity where the node sticks, else ν νᵀ.
             sums[0][l] += mass[l] * if sticks[l] > 0.0 { 1.0 } else { z * z };
             sums[1][l] += change(2, l);
         }
@@ -246,6 +259,8 @@ fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
     impulses.clear();
     let mut lane_sums = LaneImpulseSums::default();
     let mut speeds: Lane = splat(0.0);
+    // The predictor stored violation and slip against the uncorrected body; only the difference is added, instead of
+    // both anew.
     let (velocity, spin) = (at.corrected.velocity - at.body.velocity, at.corrected.spin - at.body.spin);
     for block in &mut blocks[..*count] {
         // The change of the surface's velocity by all contacts, and the violation and slip that it leaves.
@@ -255,10 +270,13 @@ fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
         let mut slip = block.slip;
         for l in 0..LANES {
             violation[l] = block.violation[l] + normal_change[l];
+            // A node from which the body recedes would have to be pulled: it gets no impulse (theory.md, equation 20).
             block.active[l] = if violation[l] > 0.0 { block.penetrates[l] } else { 0.0 };
         }
         for axis in 0..3 {
             for l in 0..LANES {
+                // The tangential part of the change, with the opposite sign: slip is the velocity of film over the
+                // surface.
                 slip[axis][l] += block.normal[axis][l] * normal_change[l] - change[axis][l];
             }
         }
@@ -266,6 +284,8 @@ fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
         let mut normal = [splat(0.0); 3];
         let mut tangential = [splat(0.0); 3];
         for l in 0..LANES {
+            // The own mass, not the effective one, also at nodes held in one direction: `apply_impulses` leaves out
+            // what is held, and its reaction is that of the support.
             let mass = block.active[l] * block.mass[l];
             for axis in 0..3 {
                 normal[axis][l] = block.normal[axis][l] * (violation[l] * mass);
@@ -285,6 +305,8 @@ fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
         for l in 0..LANES {
             speeds[l] = larger(squared[l] * block.active[l], speeds[l]);
             for axis in 0..3 {
+                // Work of an impulse is that along the mean of the velocities before and after (theory.md, equation
+                // 22).
                 film[axis][l] = 0.5 * (after[axis][l] + film[axis][l]);
             }
         }
@@ -307,6 +329,7 @@ fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
 #[inline(always)]
 fn velocity_lanes(velocity: &Vector3<f64>, spin: &Vector3<f64>, arm: &Lane3) -> Lane3 {
     let mut out = [0, 1, 2].map(|axis| splat(velocity[axis]));
+    // A guided body never spins: the branch is the same for all nodes and saves each a cross product.
     if *spin != Vector3::zeros() {
         let rotation = cross(&[splat(spin.x), splat(spin.y), splat(spin.z)], arm);
         for axis in 0..3 {
@@ -326,6 +349,7 @@ fn slip_correction(slip: &Lane3, violation: &Lane, friction: &Lane) -> (Lane, La
     let (mut share, mut sticks): (Lane, Lane) = (splat(1.0), splat(0.0));
     for l in 0..LANES {
         let bound = friction[l] * violation[l];
+        // Infinite or NaN without slip, where `within` holds: both shares are computed so that no lane takes a branch.
         let part = bound / squared[l].sqrt();
         let within = squared[l] <= bound * bound;
         share[l] = if within { 1.0 } else { part };

@@ -91,7 +91,7 @@ pub(crate) trait Block<const NODES: usize, const L: usize> {
     /// History variables and volume (m³) of every integration point.
     fn history(&self) -> impl Iterator<Item = (&Self::History, &Lane<L>)>;
 
-    /// The same, mutable.
+    /// History variables and volume (m³) of every integration point, mutable.
     fn history_mut(&mut self) -> impl Iterator<Item = (&mut Self::History, &mut Lane<L>)>;
 }
 
@@ -262,7 +262,7 @@ impl<const NODES: usize, const L: usize> Corners<NODES, L> {
     }
 
     /// Nodes of the element in a lane.
-    pub(crate) fn of(&self, lane: usize) -> [u32; NODES] {
+    pub(crate) fn in_lane(&self, lane: usize) -> [u32; NODES] {
         match self {
             Corners::Row(first) => first.map(|n| n + lane as u32),
             Corners::Listed(rows) => rows.map(|row| row[lane]),
@@ -295,6 +295,7 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
             Blocks { count, corners: vec![], blocks: vec![], mass_factors: vec![], viscous: None, tearing: None };
         for first in (0..count).step_by(L) {
             let at = |l: usize| (first + l).min(count - 1);
+            // Padding repeats the last element without volume: all it computes is finite and multiplied by zero.
             let weight = |l: usize| if first + l < count { thickness } else { 0.0 };
             out.corners.push(Corners::new(|l| nodes[at(l)]));
             out.blocks.push(B::new(|l| (&elements[at(l)], weight(l))));
@@ -302,13 +303,13 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
         out
     }
 
-    /// The same elements of viscous film.
+    /// These elements, of viscous film.
     pub(crate) fn with_viscosity(self, law: ViscousLaw) -> Self {
         let viscous = ViscousPoints::new(law, self.blocks.len(), self.points());
         Blocks { viscous: Some(viscous), ..self }
     }
 
-    /// The same elements with a rupture criterion of their own.
+    /// These elements with a rupture criterion of their own.
     pub(crate) fn with_rupture(self, rupture: Arc<Rupture>) -> Self {
         let tearing = Tearing::new(rupture, self.blocks.iter().map(B::volume).collect());
         Blocks { tearing: Some(tearing), ..self }

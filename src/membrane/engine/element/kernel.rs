@@ -38,6 +38,7 @@ pub(super) fn gather<const NODES: usize, const L: usize>(
     position: &[&[f64]; 3],
     x: &mut [Lane3<L>; NODES],
 ) {
+    // Structured meshes have their nodes in rows: one load of a vector instead of a gather.
     match corners {
         Corners::Row(first) => {
             for a in 0..NODES {
@@ -84,7 +85,7 @@ fn scatter<const NODES: usize, const L: usize>(
                 for l in 0..L {
                     for axis in 0..3 {
                         // SAFETY: as above.
-                        unsafe { *force[axis].at(rows[a][l] as usize) += out[a][axis][l] };
+                        unsafe { *force[axis].entry(rows[a][l] as usize) += out[a][axis][l] };
                     }
                 }
             }
@@ -116,6 +117,7 @@ fn add_forces_lanewise<
     let mut failed = false;
     let mut x = [[splat(0.0); 3]; NODES];
     let mut out = [[splat(0.0); 3]; NODES];
+    // Known to the compiler, which leaves the viscous path out of laws that cannot have one.
     let mut viscous = match M::MEASURE {
         Some(_) => elements.viscous.as_mut().map(|viscous| viscous.pass(dt)),
         None => {
@@ -127,9 +129,11 @@ fn add_forces_lanewise<
     for (b, (corners, block)) in elements.corners.iter().zip(&mut elements.blocks).enumerate() {
         gather(corners, position, &mut x);
         let viscous = viscous.as_mut().and_then(ViscousPass::next_block);
+        // Gather, law, scatter one after another, each over all lanes: the law is the only part that a new one brings.
         let beyond = block.forces(law, viscous, &x, dt, &mut out);
         match tearing {
             Some(tearing) => {
+                // Softening takes a share of the forces of whole film; the law and its history know nothing of it.
                 let share = tearing.next(b);
                 for force in out.iter_mut().flatten() {
                     for l in 0..L {
@@ -145,8 +149,8 @@ fn add_forces_lanewise<
 }
 
 at_width! {
-    /// Energies of the elements of a block whose nodes are at `x`, J, without what their tears took. The laws are compiled
-    /// into this one function for all who need it.
+    /// Energies of the elements of a block whose nodes are at `x`, J, without what their tears took. The laws are
+    /// compiled into this one function for all who need it.
     pub(super) fn block_energies[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
     ) -> BlockEnergies<L> = block_energies_lanewise, up to AVX2
@@ -180,6 +184,7 @@ fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
     let mut sums = BlockEnergies::NONE;
     for b in blocks {
         gather(&elements.corners[b], position, &mut x);
+        // Summed lane by lane and over the lanes at the end: one order for any number of threads and any width.
         let energies = block_energies(width, &elements.blocks[b], law, elements.viscous_block(b), &x);
         let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         for l in 0..L {
@@ -212,6 +217,7 @@ pub(crate) fn count_mounting<
         viscous.count_mounting(
             b,
             std::array::from_fn(|l| match volume[l] {
+                // Padding and deleted elements: 0/0 would be a NaN in history variables that are saved.
                 0.0 => 0.0,
                 volume => (energies.stored[l] + energies.absorbed[l]) / volume,
             }),
@@ -258,8 +264,8 @@ pub(crate) fn energy_at<
 }
 
 at_width! {
-    /// Bound on the stiffness of the elements of a block whose nodes are at `x`, N/m. The laws are compiled into this one
-    /// function for all who need it.
+    /// Bound on the stiffness of the elements of a block whose nodes are at `x`, N/m. The laws are compiled into this
+    /// one function for all who need it.
     fn block_stiffness[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
     ) -> Lane<L> = block_stiffness_lanewise, up to AVX2
@@ -303,6 +309,8 @@ pub(crate) fn frequency_bound<
         let factor = elements.mass_factors.get(b).copied().unwrap_or(splat(1.0));
         let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         for l in 0..L {
+            // theory.md, equation 17: lumped masses are equal, so the bound of the element is that of its stiffness
+            // over one of them.
             let squared = share[l] * bound[l] * NODES as f64 / (density * factor[l] * volume[l]);
             // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
             let settled = (volume[l] == 0.0) | (squared <= largest[l]) | largest[l].is_nan();
@@ -312,8 +320,8 @@ pub(crate) fn frequency_bound<
     largest.into_iter().fold(0.0, |most, squared| if squared <= most || most.is_nan() { most } else { squared })
 }
 
-/// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and calls
-/// `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
+/// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and
+/// calls `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
 #[inline]
 pub(crate) fn add_mass<
     B: Block<NODES, L>,
@@ -338,8 +346,9 @@ pub(crate) fn add_mass<
             let own = density * volume[l] / NODES as f64;
             let factor = bound[l] / (own * most);
             if factor > 1.0 {
+                // The factor is kept, not the bound: later bounds divide by it while the film's own stiffness changes.
                 factors[l] = factor;
-                add(&corners.of(l), (factor - 1.0) * own);
+                add(&corners.in_lane(l), (factor - 1.0) * own);
             }
         }
     }
@@ -385,6 +394,7 @@ fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
         let BlockStrains { strain, peak, left } = block.strains(&x);
         let volume = block.volume();
         for (l, out) in out.iter_mut().enumerate() {
+            // A deleted element keeps the history that it had; that it is gone shows in its volume alone.
             let left = if volume[l] == 0.0 { [0.0; 2] } else { left.map(|share| share[l]) };
             *out = ElementStrain { strain: strain.map(|s| s[l]), peak: peak.map(|p| p[l]), left, volume: volume[l] };
         }

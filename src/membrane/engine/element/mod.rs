@@ -53,6 +53,7 @@ fn layers_left<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
     [0, 1].map(|fibre| {
         let (peak, limit) = (history.peak(fibre)[lane], first[fibre][lane]);
         let left = if peak > limit { law.share_left(peak / limit) } else { 1.0 };
+        // The break strain may rise again with the rate; broken layers stay broken.
         left.min(history.left(fibre)[lane])
     })
 }
@@ -68,6 +69,7 @@ fn is_beyond<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
     let (peaks, left) = ([0, 1].map(|fibre| history.peak(fibre)), [0, 1].map(|fibre| history.left(fibre)));
     let mut beyond = false;
     for l in 0..L {
+        // `&`, not `&&`: this runs over all lanes in every step, and a branch would be taken once a run.
         let of = |fibre: usize| (peaks[fibre][l] > limits[fibre][l]) & (left[fibre][l] > 0.0);
         beyond |= (volume[l] > 0.0) & (of(0) | of(1));
     }

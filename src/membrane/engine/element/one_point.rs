@@ -60,6 +60,8 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
         let mut q = [splat(0.0); 3];
         for axis in 0..3 {
             for l in 0..L {
+                // At the centre, gradients of opposite nodes are opposite: diagonals take the place of four nodes, with
+                // half of the products.
                 let (first, second) = (x[0][axis][l] - x[2][axis][l], x[1][axis][l] - x[3][axis][l]);
                 let mode = 0.25 * ((x[0][axis][l] + x[2][axis][l]) - (x[1][axis][l] + x[3][axis][l]));
                 let skewed = if SKEWED { self.skew[0][l] * first + self.skew[1][l] * second } else { 0.0 };
@@ -75,6 +77,7 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
         for fibre in 0..2 {
             for l in 0..L {
                 let [first, second] = [self.gradient[0][fibre][l], self.gradient[1][fibre][l]];
+                // H_I of equation 13, whose ∂ξ/∂X are combinations of the gradients of the first two nodes.
                 mean_square[fibre][l] = (8.0 / 3.0) * (first * first + second * second);
                 stretch_variance[fibre][l] = mean_square[fibre][l] * squared[l];
             }
@@ -90,6 +93,8 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
                 let (vp, vq) = (self.volume[l] * stress.p[0][axis][l], self.volume[l] * stress.p[1][axis][l]);
                 let mode = h[axis][l];
                 let skewed = |a: usize| if SKEWED { self.skew[a][l] * mode } else { 0.0 };
+                // Forces on opposite nodes differ in the sign of this part alone, so it is computed for two nodes, and
+                // momentum is conserved.
                 let first = self.gradient[0][0][l] * vp + self.gradient[0][1][l] * vq - skewed(0);
                 let second = self.gradient[1][0][l] * vp + self.gradient[1][1][l] * vq - skewed(1);
                 let quarter = 0.25 * mode;
@@ -119,6 +124,8 @@ impl<const L: usize> Shape<L> {
         let mut tension = splat::<L>(0.0);
         for fibre in 0..2 {
             for l in 0..L {
+                // Broken fibres stabilise nothing, as otherwise torn film would keep a stiffness against the hourglass
+                // mode.
                 stabilising[fibre][l] *= stabilisation[fibre] * self.mean_square[fibre][l] * left[fibre][l];
                 tension[l] += self.mean_square[fibre][l] * stress.tension[fibre][l];
             }
@@ -128,6 +135,8 @@ impl<const L: usize> Shape<L> {
             for l in 0..L {
                 let along = stabilising[0][l] * f[0][axis][l] + stabilising[1][l] * f[1][axis][l];
                 h[axis][l] = volume[l] * (tension[l] * self.q[axis][l] + along);
+                // Second half of equation 14: the energy depends on f_I as well, and without this part it would not be
+                // conserved.
                 stress.p[0][axis][l] += stabilising[0][l] * self.q[axis][l];
                 stress.p[1][axis][l] += stabilising[1][l] * self.q[axis][l];
             }
@@ -222,6 +231,7 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
                 g[i][j][l] = 2.0 * (b(0, i) * b(0, j) + b(1, i) * b(1, j));
             }
             let skewed = self.skew[0][l] * self.skew[0][l] + self.skew[1][l] * self.skew[1][l];
+            // Σ γ_a² over the four nodes, from equation 11 with opposite gradients.
             modes[l] = 0.25 + 2.0 * skewed;
         }
         let mut bound = point_stiffness(law, viscous, 0, &shape.deformation, &self.history).eigenvalue_bound(&g);

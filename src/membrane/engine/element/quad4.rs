@@ -46,9 +46,11 @@ pub(super) fn one_point(x: &[[f64; 2]; 4]) -> OnePointElement {
         }
     }
     let [first, second, ..] = centre.gradient;
+    // Second part of γ_a in equation 11, for two nodes: gradients of opposite nodes are opposite.
     let skew = [first, second].map(|b| 0.25 * (lever[0] * b[0] + lever[1] * b[1]));
     // A parallelogram to within the rounding of its coordinates has no skew.
     let skew = skew.map(|s| if s.abs() < ROUNDING { 0.0 } else { s });
+    // Exact, though only the centre is read: the determinant of a bilinear map is linear.
     OnePointElement { gradient: [first, second], skew, area: 4.0 * centre.determinant }
 }
 

@@ -8,7 +8,8 @@ use crate::lane::{Lane, Width, at_width, larger, splat};
 use crate::material::{AT_TIP, Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
 
 at_width! {
-    /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was lost.
+    /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was
+    /// lost.
     pub(crate) fn tear[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64,
     ) -> bool = tear_lanewise, up to AVX2
@@ -21,6 +22,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
     position: &[&[f64]; 3],
     dt: f64,
 ) -> bool {
+    // Taken out, since tears are written while blocks and their viscous points are read.
     let Some(mut tearing) = elements.tearing.take() else { return false };
     let mut x = [[splat(0.0); 3]; NODES];
     let mut changed = false;
@@ -39,20 +41,24 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
             block_energies(Width::best(), block, law, elements.viscous_block(b), &x);
         let mut stress = None;
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
-            let mut tear = tearing.at(b, l);
+            let mut tear = tearing.element_tear(b, l);
             let had_started = tear.has_started();
             let was_open = tear.open(fracture_energy) > OPEN;
+            // A tear releases the energy of the stabilisation, too.
             let stored = (stored[l] + hourglass[l]) / volume[l];
             let lost = tear.advance(Densities { stored, absorbed: absorbed[l] / volume[l] });
             tearing.lost.energy.stored += volume[l] * lost.stored;
             tearing.lost.energy.absorbed += volume[l] * lost.absorbed;
             if dt > 0.0 && !tear.has_started() {
+                // Once a block and only where a lane is close to its limit: it evaluates the law again.
                 let mut stress = || *stress.get_or_insert_with(|| block.stress(law, elements.viscous_block(b), &x));
                 let value = values.map(|values| values[l]);
                 let element = Element { block, metric: metric.map(|c| c[l]), strain: strains[l], value, lane: l };
                 let starts = element.starts(&tearing.rupture, &mut tear, dt, &mut stress, tearing.is_at_tip(b, l));
                 if let Some(width) = starts {
                     tear.start(width);
+                    // Above one the element stores more than its tear takes: the surplus is lost at once and depends on
+                    // the mesh, which is reported.
                     let ratio = tear.start * width / fracture_energy;
                     let too_wide = (ratio > 1.0 && ratio.is_finite()).then_some(TooWide { width, ratio });
                     tearing.lost.too_wide = TooWide::worse(tearing.lost.too_wide, too_wide);
@@ -60,6 +66,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
             }
             tear.soften(fracture_energy);
             tearing.lost.opened |= !was_open && tear.open(fracture_energy) > OPEN;
+            // Also while a share falls: stiffness and time step change with it.
             changed |= tear.has_started() != had_started || tear.share == 0.0 || tear.share != tear.next;
             changed |= lost.stored != 0.0 || lost.absorbed != 0.0;
             tearing.set(b, l, &tear);
@@ -69,7 +76,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
     changed
 }
 
-/// What the criterion compares with its limit, in each element of a block; none where that is an energy.
+/// The quantity that the criterion compares with its limit, in each element of a block; none where it is an energy.
 #[inline(always)]
 fn values<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
     rupture: &Rupture,
@@ -104,7 +111,7 @@ struct Element<'a, B> {
     metric: [f64; 3],
     /// Largest principal nominal strain.
     strain: f64,
-    /// What the criterion compares with its limit, where that is no energy.
+    /// The quantity that the criterion compares with its limit, where it is no energy.
     value: Option<f64>,
     lane: usize,
 }
@@ -127,19 +134,22 @@ impl<B> Element<'_, B> {
         let strain = self.strain;
         let value = self.value.unwrap_or(tear.stored + tear.absorbed);
         let smallest = rupture.limit.smallest();
+        // The limit depends on the strain rate over the second half of the way: that of a single step is mostly that of
+        // waves.
         if value >= 0.5 * smallest {
             tear.half_way[1] += dt;
         } else {
             tear.half_way = [strain, 0.0];
         }
         let reaches =
-            value >= smallest && value >= rupture.limit.at(triaxiality(stress(), self.metric), tear.rate(strain));
+            value >= smallest && value >= rupture.limit.value_at(triaxiality(stress(), self.metric), tear.rate(strain));
         let energy = rupture.fracture_energy;
         // Film beside a tear may be compressed, which does not open it.
         let may_grow = at_tip && energy > 0.0 && strain > 0.0;
         if !reaches && !may_grow {
             return None;
         }
+        // Kept from now on: across the largest stretch at this moment, whatever the element does later.
         let width = width(&self.block.gradients().map(|of| of.map(|b| b[self.lane])), self.metric);
         (reaches || tear.stored * width >= AT_TIP * energy).then_some(width)
     }
@@ -160,12 +170,14 @@ fn squared_stress([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> [f64;
     [a11 * s11 + a12 * s12, a21 * s12 + a22 * s22, a11 * s12 + a12 * s22]
 }
 
-/// Stress triaxiality, mean stress over von Mises' equivalent stress, of plane stress (theory.md, equation 301); that of
-/// uniaxial tension without stress.
+/// Stress triaxiality, mean stress over von Mises' equivalent stress, of plane stress (theory.md, equation 301); that
+/// of uniaxial tension without stress.
 #[inline(always)]
 fn triaxiality([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> f64 {
     let sum = s11 * c11 + s22 * c22 + 2.0 * s12 * c12;
     let product = (s11 * s22 - s12 * s12) * (c11 * c22 - c12 * c12);
+    // Trace and determinant of the stress are those of S C, so neither principal stresses nor a rotation are needed; J
+    // drops out of the ratio.
     let equivalent = (sum * sum - 3.0 * product).max(0.0).sqrt();
     if equivalent > 0.0 { sum / (3.0 * equivalent) } else { 1.0 / 3.0 }
 }
@@ -180,6 +192,7 @@ fn width<const NODES: usize>(gradients: &[[f64; 2]; NODES], metric: [f64; 3]) ->
     let (smaller, along) = (c11 + c22 - eigenvalue, [c11, c12]);
     let candidates = [[along[0] - smaller, c12], [c12, c22 - smaller]];
     let squared = candidates.map(|[a, b]| a * a + b * b);
+    // Either is an eigenvector, but one of them vanishes where the largest stretch is along MD or TD.
     let [a, b] = if squared[0] >= squared[1] { candidates[0] } else { candidates[1] };
     let length = (a * a + b * b).sqrt();
     let n = if length > 0.0 { [a / length, b / length] } else { [1.0, 0.0] };

@@ -16,13 +16,13 @@ pub(crate) struct Tearing<const L: usize> {
     variables: Vec<[Lane<L>; Tear::VARIABLES]>,
     /// Which elements share a node with one that is open or deleted.
     at_tip: Vec<[bool; L]>,
-    /// What the last pass took.
+    /// Losses of the last pass.
     pub(super) lost: Lost,
     /// Volume of stress-free film of each element, also of deleted ones, m³.
     volumes: Vec<Lane<L>>,
 }
 
-/// What tears took in a pass.
+/// Losses to tears in a pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lost {
     /// Energies that elements lost, J.
@@ -64,7 +64,7 @@ pub struct Torn {
 }
 
 impl Torn {
-    /// Adds that of other elements.
+    /// Adds the tears of other elements.
     pub fn add(&mut self, other: &Torn) {
         self.length += other.length;
         self.area += other.area;
@@ -73,7 +73,7 @@ impl Torn {
 }
 
 impl<const L: usize> Tearing<L> {
-    /// Those of film that does not tear; blocks with elements of these volumes (m³).
+    /// Tears of film that is whole, in blocks with elements of these volumes (m³).
     pub(crate) fn new(rupture: Arc<Rupture>, volumes: Vec<Lane<L>>) -> Tearing<L> {
         let variables = vec![Tear::NONE.variables().map(splat); volumes.len()];
         let at_tip = vec![[false; L]; volumes.len()];
@@ -86,12 +86,12 @@ impl<const L: usize> Tearing<L> {
         self.lost = Lost::default();
     }
 
-    /// That of the element at a block and lane.
-    pub(crate) fn at(&self, block: usize, lane: usize) -> Tear {
+    /// Tear of the element at a block and lane.
+    pub(crate) fn element_tear(&self, block: usize, lane: usize) -> Tear {
         Tear::of_variables(self.variables[block].each_ref().map(|variable| variable[lane]))
     }
 
-    /// Stores that of the element at a block and lane.
+    /// Stores the tear of the element at a block and lane.
     pub(super) fn set(&mut self, block: usize, lane: usize, tear: &Tear) {
         for (variable, value) in self.variables[block].iter_mut().zip(tear.variables()) {
             variable[lane] = value;
@@ -105,7 +105,7 @@ impl<const L: usize> Tearing<L> {
         next
     }
 
-    /// The same at the last position.
+    /// Share of the film's forces that the elements of a block had at the last position.
     #[inline(always)]
     pub(crate) fn share(&self, block: usize) -> &Lane<L> {
         let [share, ..] = &self.variables[block];
@@ -117,7 +117,7 @@ impl<const L: usize> Tearing<L> {
         &self.variables[block]
     }
 
-    /// The same, mutable.
+    /// Variables of one block, mutable.
     pub(crate) fn of_block_mut(&mut self, block: usize) -> &mut [Lane<L>] {
         &mut self.variables[block]
     }
@@ -129,7 +129,7 @@ impl<const L: usize> Tearing<L> {
 
     /// Whether half of the fracture energy of the element at a block and lane is spent.
     pub(crate) fn is_open(&self, block: usize, lane: usize) -> bool {
-        self.at(block, lane).open(self.rupture.fracture_energy) > OPEN
+        self.element_tear(block, lane).open(self.rupture.fracture_energy) > OPEN
     }
 
     /// Whether the element at a block and lane is at the tip of a tear.
@@ -142,8 +142,8 @@ impl<const L: usize> Tearing<L> {
         self.at_tip[block][lane] = at_tip;
     }
 
-    /// Where no element of a block tears, is at the tip of a tear, or reaches the smallest limit with its one of `values`:
-    /// goes on to the next position after `dt` (s) with these strains. Whether that is so.
+    /// Where no element of a block tears, is at the tip of a tear, or reaches the smallest limit with its one of
+    /// `values`: goes on to the next position after `dt` (s) with these strains. Whether that is so.
     #[inline(always)]
     pub(super) fn stays_whole(&mut self, block: usize, values: &Lane<L>, strains: &Lane<L>, dt: f64) -> bool {
         let smallest = self.rupture.limit.smallest();
@@ -164,14 +164,14 @@ impl<const L: usize> Tearing<L> {
         is_whole
     }
 
-    /// What the last pass took.
+    /// Losses of the last pass.
     pub(crate) fn take_lost(&mut self) -> Lost {
         std::mem::take(&mut self.lost)
     }
 
     /// The tear of the element at a block and lane, in film of this thickness (m, all layers).
     pub(crate) fn torn(&self, [block, lane]: [usize; 2], thickness: f64) -> Torn {
-        let (tear, volume) = (self.at(block, lane), self.volumes[block][lane]);
+        let (tear, volume) = (self.element_tear(block, lane), self.volumes[block][lane]);
         if !tear.has_started() {
             return Torn::default();
         }

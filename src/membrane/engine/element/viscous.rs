@@ -18,7 +18,7 @@ pub(crate) struct ViscousPoints<const L: usize> {
 }
 
 impl<const L: usize> ViscousPoints<L> {
-    /// Those of virgin film in `blocks` blocks of `points` integration points.
+    /// Points of virgin film in `blocks` blocks of `points` integration points.
     pub(crate) fn new(law: ViscousLaw, blocks: usize, points: usize) -> ViscousPoints<L> {
         let per_block = points * law.viscosity.variables();
         let step = ViscousStep::mounting(&law.viscosity);

@@ -26,6 +26,7 @@ pub(super) struct Search<'a> {
 impl<'a> Search<'a> {
     /// A search up to the distance `reach` (m) of a node.
     pub(super) fn new(films: &[Film], surface: &'a Surface, position: &'a Vectors, reach: f64) -> Search<'a> {
+        // Boxes of whole faces rule out most pairs before a tree is built for any.
         let of_face = |film: &Film| {
             let axes = position.range(film.nodes.clone());
             let low = axes.map(|axis| axis.iter().copied().fold(f64::INFINITY, f64::min));
@@ -43,16 +44,18 @@ impl<'a> Search<'a> {
 
     /// The foot of a node on `face`, where one is near: on the triangle that lies nearest.
     pub(super) fn nearest(&mut self, node: u32, face: usize) -> Option<Foot> {
-        let at = self.position.at(node as usize);
+        let at = self.position.value_at(node as usize);
         let around = Aabb::from_half_extents(Vector::from(at), Vector::splat(self.reach));
         if !around.intersects(&self.boxes[face]) {
             return None;
         }
         let (surface, position) = (self.surface, self.position);
         let first = surface.faces[face].start;
+        // Built anew in each search, as film has moved by much of an edge by then, and only for faces that a node is
+        // near.
         let tree = self.trees[face].get_or_insert_with(|| {
             let leaf = |triangle: u32| {
-                let corners = surface.corners[triangle as usize].map(|n| Vector::from(position.at(n as usize)));
+                let corners = surface.corners[triangle as usize].map(|n| Vector::from(position.value_at(n as usize)));
                 let low = corners[0].min(corners[1]).min(corners[2]);
                 Aabb::new(low, corners[0].max(corners[1]).max(corners[2]))
             };
@@ -61,6 +64,8 @@ impl<'a> Search<'a> {
         });
         let point = Vector3::from(at);
         let mut nearest = (self.reach * self.reach, NONE);
+        // All within reach instead of the tree's own nearest: that one depends on how the tree was built where several
+        // are as near.
         for triangle in tree.intersect_aabb(&around).map(|leaf| first + leaf) {
             if !surface.is_intact[triangle as usize] {
                 continue;
@@ -83,6 +88,7 @@ impl FilmContact {
         for (face, film) in films.iter().enumerate() {
             for (side, tracking) in self.tracking.iter_mut().enumerate() {
                 let others: Vec<usize> = match side {
+                    // From the next face outwards, so that the first one found is that which lies between.
                     0 => (0..face).rev().filter(|other| search.may_meet(face, *other)).collect(),
                     _ => (face + 1..films.len()).filter(|other| search.may_meet(face, *other)).collect(),
                 };
@@ -95,6 +101,8 @@ impl FilmContact {
                             continue;
                         }
                     }
+                    // A face whose outline ends here must not hide the one behind it, but is followed where there is
+                    // none.
                     let mut beside = None;
                     let over = others.iter().find_map(|other| {
                         let foot = search.nearest(node as u32, *other)?;
@@ -113,6 +121,8 @@ impl FilmContact {
                     };
                     let other = self.surface.face_of(foot.triangle);
                     let same_face = followed != NONE && self.surface.face_of(followed) == other;
+                    // A side is that with respect to one face; towards another one it is decided by where the node is
+                    // now.
                     let kept = if same_face { tracking.sign[node] } else { 0.0 };
                     let sign = match (foot.is_over, kept != 0.0) {
                         (true, true) => kept,
@@ -120,6 +130,7 @@ impl FilmContact {
                         (false, _) => 0.0,
                     };
                     let thickness = self.half[face] + self.half[other];
+                    // Crossings of the edges around both triangles depend on it.
                     if foot.triangle != followed || sign != tracking.sign[node] {
                         changed.push((node as u32, foot.triangle));
                         changed.extend((followed != NONE).then_some((node as u32, followed)));
@@ -129,8 +140,10 @@ impl FilmContact {
                 }
             }
         }
+        // A node farther than `reach` cannot touch before film has moved by that.
         self.margin = self.reach;
         self.is_near = self.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
+        // Only now, since `search` borrows the surface.
         changed.into_iter().for_each(|(node, triangle)| self.mark(node, triangle));
     }
 }
@@ -139,7 +152,7 @@ impl FilmContact {
 fn distance_squared(surface: &Surface, position: &Vectors, point: &Vector3<f64>, triangle: u32) -> f64 {
     use parry3d_f64::query::PointQuery;
     use parry3d_f64::shape::Triangle;
-    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector::from(position.at(n as usize)));
+    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector::from(position.value_at(n as usize)));
     let point = Vector::from(<[f64; 3]>::from(*point));
     let projected = Triangle::new(a, b, c).project_local_point(point, true).point;
     (projected - point).length_squared()

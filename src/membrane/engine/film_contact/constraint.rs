@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::engine::nodes::{Nodes, Vectors};
 use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
 
-/// What a constraint belongs to.
+/// Node or crossing that a constraint belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) enum Source {
     /// A node tracked on one of two sides.
@@ -28,7 +28,7 @@ pub(super) struct Constraint {
     inverse_mass: Vector3<f64>,
     /// Normal velocity per impulse along the normal, 1/kg.
     inverse_effective_mass: f64,
-    /// The same of nodes that are held in no direction, 1/kg: a bound for every direction.
+    /// Velocity per impulse of nodes that are held in no direction, 1/kg: a bound for every direction.
     inverse_free_mass: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
@@ -115,6 +115,7 @@ impl Constraint {
         let inverse_mass = points.inverse_mass();
         let inverse_effective_mass = inverse_mass.component_mul(&normal).dot(&normal);
         let inverse_free_mass = points.inverse_free_mass();
+        // Also true where all nodes are held and both are zero.
         if inverse_effective_mass <= LEAST_RESPONSE * inverse_free_mass {
             return Err(Unusable::Held);
         }
@@ -131,6 +132,7 @@ impl Constraint {
             tangential_impulse: Vector3::zeros(),
             moved: Vector3::zeros(),
         };
+        // Back from the predicted end of the step: only the distance before it tells what was missing already.
         let velocity = constraint.points.sum(&nodes.velocity).dot(&normal);
         let before = distance - velocity * dt;
         if before < -DEEPEST * bound {
@@ -154,18 +156,23 @@ impl Constraint {
     /// stays within Coulomb's cone of `friction`. Returns the change of the normal velocity, m/s.
     pub(super) fn solve(&mut self, friction: f64, velocity: &mut Vectors) -> f64 {
         let relative = self.points.sum(velocity);
+        // Accumulated and clamped impulses, as of the body: a constraint may take back what it gave, but never pull.
         let violation = self.target - relative.dot(&self.normal);
         let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
         let change = normal_impulse - self.normal_impulse;
         let mut impulse = self.normal * change;
         if friction > 0.0 && (normal_impulse > 0.0 || self.tangential_impulse != Vector3::zeros()) {
+            // The velocity after the normal impulse, from the response instead of a second sum over four nodes.
             let relative = relative + self.inverse_mass.component_mul(&impulse);
             let slip = relative - self.normal * relative.dot(&self.normal);
+            // The free mass bounds the response of every direction, so the step never overshoots where nodes are held
+            // in one.
             let sticking = self.tangential_impulse - slip / self.inverse_free_mass;
             let tangential = within_cone(sticking, friction * normal_impulse);
             impulse += tangential - self.tangential_impulse;
             self.tangential_impulse = tangential;
         }
+        // Most constraints of a sweep are settled: this spares them twelve additions.
         if impulse != Vector3::zeros() {
             self.normal_impulse = normal_impulse;
             self.points.apply(&impulse, velocity);
@@ -178,7 +185,7 @@ impl Constraint {
         self.normal_impulse > 0.0
     }
 
-    /// What the next step starts from.
+    /// Impulse that the next step starts from.
     pub(super) fn carried(&self) -> Carried {
         Carried {
             source: self.source,

@@ -16,7 +16,7 @@ const LONGEST: usize = 512;
 /// An edge of one face that crosses an edge of another.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Crossing {
-    /// That of the first of the two faces, then that of the second.
+    /// Edge of the first of the two faces, then edge of the second.
     pub(super) edges: [u32; 2],
     /// Factor on the product of the first edge and the second that makes it point from the second to the first; zero
     /// where they are parallel, or contact was given up.
@@ -57,6 +57,7 @@ pub(super) fn find(
     if first.is_some() {
         follow(surface, position, tracking, edge, ends, out);
     }
+    // From the other end as well, since a walk stops at the outline of a face.
     if second.is_some() && second != first {
         follow(surface, position, tracking, edge, [ends[1], ends[0]], out);
     }
@@ -71,18 +72,21 @@ fn follow(
     [from, to]: [u32; 2],
     out: &mut Vec<Crossing>,
 ) {
-    let [start, end] = [from, to].map(|n| Vector3::from(position.at(n as usize)));
+    let [start, end] = [from, to].map(|n| Vector3::from(position.value_at(n as usize)));
     let direction = {
-        let [a, b] = surface.edges[edge as usize].map(|n| Vector3::from(position.at(n as usize)));
+        let [a, b] = surface.edges[edge as usize].map(|n| Vector3::from(position.value_at(n as usize)));
         b - a
     };
+    // The whole edge lies on the side of its first node: it came from there (theory.md, section 6).
     let (sign, bound) = (tracking.sign[from as usize], tracking.bound[from as usize]);
     let (mut triangle, mut entered) = (tracking.triangle[from as usize], NONE);
     for _ in 0..LONGEST {
         let (at_start, normal, _) = project(surface, position, &start, triangle);
         let (at_end, ..) = project(surface, position, &end, triangle);
         let edges = surface.edges_of[triangle as usize];
+        // Not back over the edge by which it came, where round-off may have both weights near zero.
         let leaves = |k: &usize| at_end[*k] < -BESIDE && at_end[*k] < at_start[*k] && edges[*k] != entered;
+        // Weights are linear along the edge, so the first to vanish is where it leaves the triangle.
         let share = |k: usize| at_start[k] / (at_start[k] - at_end[k]);
         let exit = (0..3).filter(leaves).fold(None, |first: Option<usize>, k| match first {
             Some(other) if share(other) <= share(k) => Some(other),
@@ -96,11 +100,13 @@ fn follow(
         let weight = |l: usize| at_start[l] + at_exit * (at_end[l] - at_start[l]);
         let [l, m] = [(k + 1) % 3, (k + 2) % 3];
         let corner = surface.corners[triangle as usize][if weight(l) > weight(m) { l } else { m }];
+        // That pair of nodes has the same distance already: two constraints for it would only slow the sweeps.
         if tracking.corner(near) != Some(corner) && back.corner(corner) != Some(near) {
-            let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.at(n as usize)));
+            let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.value_at(n as usize)));
             let across = direction.cross(&(d - c));
             let up = across.dot(&normal) * sign;
             let is_across = across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared();
+            // Zero, not left out: an edge that turns out of parallel later is noticed by that.
             let sign = if is_across { 1.0_f64.copysign(up) } else { 0.0 };
             // In the other order both the product and the direction are reversed, and the sign is the same.
             let edges = [edge.min(other), edge.max(other)];

@@ -90,6 +90,7 @@ impl Crossings {
                 places.iter_mut().filter(|other| **other as usize == last).for_each(|other| *other = place as u32);
             }
         }
+        // Structure of arrays without gaps: the narrow phase reads it in whole lanes.
         self.edges.swap_remove(place);
         for all in &mut self.nodes {
             all.swap_remove(place);

@@ -1,4 +1,4 @@
-//! What contact between films stores from step to step, saved and restored.
+//! History of contact between films, saved and restored.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use super::tracking::Tracked;
 use super::{FilmContact, FilmWork};
 use crate::engine::film::Film;
 
-/// What contact between films stores from step to step.
+/// History of contact between films: its state from step to step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FilmContactHistory {
     tracked: [Vec<Tracked>; 2],
@@ -59,12 +59,14 @@ impl FilmContact {
 
     /// Restores the history of a scene of the same `films`, whose elements have failed as they had then.
     pub(in crate::engine) fn restore(&mut self, history: FilmContactHistory, films: &[Film]) {
+        // Before the tracking, whose neighbours across edges it changes.
         self.surface.remove_deleted(films);
         for (tracking, tracked) in self.tracking.iter_mut().zip(&history.tracked) {
             tracking.restore(tracked, &self.surface);
         }
         self.is_near = history.is_near;
         self.crossings = Crossings::new(self.surface.edges.len());
+        // In the order in which they were listed: sweeps go through them in it, and another order gives other bits.
         history.crossings.into_iter().for_each(|crossing| self.crossings.push(crossing, &self.surface));
         self.carried = history.carried;
         self.stale = history.stale;

@@ -61,7 +61,7 @@ pub struct FilmContact {
     /// Whether the constraints of the present step have been found.
     has_begun: bool,
     sweeps: Sweeps,
-    /// What each task of a detection finds.
+    /// Results of each task of a detection.
     found: Vec<Found>,
     /// Positions at the last detection, m.
     detected: Vectors,
@@ -177,6 +177,7 @@ impl FilmContact {
                 }
             }
         }
+        // From the last one on, since a removed place is filled by the last crossing.
         for place in self.crossings.places().rev() {
             if self.crossings.edges(place).iter().any(|edge| !self.surface.is_intact_edge[*edge as usize]) {
                 self.crossings.remove(place);
@@ -188,12 +189,14 @@ impl FilmContact {
     /// Searches where that is due, before the nodes move, and records their velocities.
     pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes) {
         // Films that were too far apart may come nearer by the motion of both.
+        // A motion that is not finite must not leave a list in use for ever.
         if self.margin.is_nan() || self.margin <= 2.0 * self.last_motion {
             self.search(films, nodes);
         }
         self.list_crossings(&nodes.position);
         self.constraints.clear();
         if self.is_near {
+            // All nodes: which of them contact will reach is known only in the step.
             self.previous_velocity.clone_from(&nodes.velocity);
         } else {
             self.carried.clear();
@@ -232,17 +235,20 @@ impl FilmContact {
         places.dedup();
         // From the last one on, since it takes the place of what is removed.
         for place in places.iter().rev() {
+            // The partner may cross others as well by now: it is looked at, too.
             edges.extend(self.crossings.remove(*place as usize).edges);
         }
         edges.sort_unstable();
         edges.dedup();
         edges.retain(|edge| self.surface.is_intact_edge[*edge as usize]);
+        // Corners first: a crossing next to a node that lies on a corner is not listed.
         for node in edges.iter().flat_map(|edge| self.surface.edges[*edge as usize]) {
             self.tracking.iter_mut().for_each(|tracking| tracking.find_corner(node as usize, position));
         }
         let [before, after] = &self.tracking;
         let mut found = vec![];
         for edge in &edges {
+            // From both faces: each edge is walked over the other face, and a crossing that both find is pushed once.
             for tracking in [[before, after], [after, before]] {
                 crossing::find(&self.surface, position, tracking, *edge, &mut found);
             }
@@ -266,7 +272,7 @@ impl FilmContact {
     pub(super) fn damping_correction(&self, nodes: &Nodes) -> f64 {
         let of = |n: usize| {
             let [before, predicted, after] =
-                [&self.previous_velocity, &self.predicted, &nodes.velocity].map(|all| Vector3::from(all.at(n)));
+                [&self.previous_velocity, &self.predicted, &nodes.velocity].map(|all| Vector3::from(all.value_at(n)));
             0.25 * nodes.mass[n] * (after - predicted).dot(&(before + predicted))
         };
         (0..nodes.mass.len()).map(of).sum()
@@ -280,6 +286,7 @@ impl FilmContact {
             let followed = |n: &usize| tracking.triangle[*n] != NONE && tracking.sign[*n] != 0.0;
             for n in (0..tracking.triangle.len()).filter(followed) {
                 let foot = tracking::foot(&self.surface, position, &place(position, n), tracking.triangle[n]);
+                // Beside the outline the distance along the normal means nothing.
                 if foot.is_over {
                     distance = distance.min(tracking.sign[n] * foot.distance);
                 }

@@ -21,7 +21,7 @@ const NODES_PER_RANGE: usize = 1024;
 /// Crossings of a task.
 const CROSSINGS_PER_RANGE: usize = 512;
 
-/// What is looked at at once.
+/// Range of nodes or crossings that one call examines.
 #[derive(Clone, Debug)]
 struct Task {
     /// The side of nodes; none of crossings.
@@ -29,7 +29,7 @@ struct Task {
     range: Range<usize>,
 }
 
-/// What a task finds.
+/// Results of a task.
 #[derive(Default)]
 pub(super) struct Found {
     nodes: FoundNodes,
@@ -76,12 +76,13 @@ impl FilmContact {
         let of_crossings = cut(crossings, CROSSINGS_PER_RANGE).map(|range| Task { side: None, range });
         let tasks: Vec<Task> = of_nodes.chain(of_crossings).collect();
         let mut found = std::mem::take(&mut self.found);
+        // Kept from step to step for their capacity, also where fewer tasks need them now.
         found.resize_with(tasks.len().max(found.len()), Found::default);
         let results = Disjoint::new(&mut found);
         let step = Step { nodes, dt, margin };
         pool.each(tasks.len(), |part| {
             // SAFETY: every part comes up once.
-            let found = unsafe { results.at(part) };
+            let found = unsafe { results.entry(part) };
             found.clear();
             let Task { side, range } = tasks[part].clone();
             match side {
@@ -89,6 +90,7 @@ impl FilmContact {
                 None => self.detect_crossings(pool, step, range, found),
             }
         });
+        // In the order of the tasks, whichever thread had them: the sweeps go through the constraints in this order.
         for (task, found) in tasks.iter().zip(&mut found) {
             self.constraints.append(&mut found.constraints);
             self.lost += found.lost.len() as u64;
@@ -109,6 +111,8 @@ impl FilmContact {
         for (node, foot) in &found.moved {
             let n = *node as usize;
             let (before, sign) = (self.tracking[side].triangle[n], self.tracking[side].sign[n]);
+            // A known side is kept, whatever the distance says: film that has passed through must come back (theory.md,
+            // section 6).
             let sign = match (foot.is_over, sign == 0.0) {
                 (true, false) => sign,
                 // The side on which it was before the step.
@@ -123,6 +127,7 @@ impl FilmContact {
             self.tracking[side].leave_corner(*node as usize);
             self.stale.extend_from_slice(self.surface.edges_at(*node));
         }
+        // Given up, so that the next search decides anew on which side it lies.
         for n in &found.lost {
             self.mark(*n as u32, self.tracking[side].triangle[*n]);
             self.tracking[side].lose(*n);
@@ -149,6 +154,7 @@ impl FilmContact {
         };
         for CloseNode { node, weights: [a, b, c], normal, distance } in &found.nodes.close {
             let n = *node as usize;
+            // In the order of the tracking, which may be turned so that the corner under the node comes first.
             let corners = tracking.corners.each_ref().map(|corner| corner[n]);
             let pair = Pair {
                 nodes: [*node, corners[0], corners[1], corners[2]],
@@ -162,7 +168,10 @@ impl FilmContact {
         for node in &found.nodes.beside {
             let n = *node as usize;
             let (triangle, sign, bound) = (tracking.triangle[n], tracking.sign[n], tracking.bound[n]);
+            // `additional` is infinite where the pair had an impulse in the last step, which has been applied already
+            // and must find its constraint.
             let limit = bound + margin + tracking.additional[n];
+            // The walk over neighbours is a branch a step, so nodes beside their triangle leave the lanes for it.
             let foot = tracking::foot(&self.surface, &nodes.position, &place(&nodes.position, n), triangle);
             if foot.triangle != triangle || foot.is_over != (sign != 0.0) {
                 found.moved.push((*node, foot));
@@ -223,13 +232,13 @@ struct CloseNode {
     distance: f64,
 }
 
-/// What is found among nodes.
+/// Results of a task among nodes.
 #[derive(Clone, Debug, Default)]
 struct FoundNodes {
     close: Vec<CloseNode>,
-    /// Those that are not over their triangle, or on no side of it so far.
+    /// Nodes that are not over their triangle, or on no side of it so far.
     beside: Vec<u32>,
-    /// Those that do not lie on a corner any more.
+    /// Nodes that do not lie on a corner any more.
     off_corner: Vec<u32>,
 }
 
@@ -257,12 +266,14 @@ fn close_nodes_lanewise(
     for start in range.clone().step_by(LANES) {
         let count = LANES.min(range.end - start);
         let all = &tracking.triangle[start..start + count];
+        // Most groups of a face are far from any other.
         if all.iter().all(|triangle| *triangle == NONE) {
             continue;
         }
         let (mut nodes, mut corners) = ([0_u32; LANES], [[0_u32; LANES]; 3]);
         let [mut sign, mut limit, mut on_corner]: [Lane; 3] = [splat(0.0); 3];
         for l in 0..LANES {
+            // The last group repeats its last node; only the first `count` lanes are read again below.
             let n = start + l.min(count - 1);
             nodes[l] = n as u32;
             (corners[0][l], corners[1][l], corners[2][l]) = (first[n], second[n], third[n]);
@@ -280,14 +291,18 @@ fn close_nodes_lanewise(
         let (mut is_over, mut is_close, mut is_off) = ([0_u8; LANES], [0_u8; LANES], [0_u8; LANES]);
         let [mut distance, mut length]: [Lane; 2] = [splat(0.0); 2];
         for l in 0..LANES {
+            // No division by the square of the area: it would be by zero where a node follows nothing, and lanes do not
+            // branch.
             let beside = -BESIDE * squared[l];
             length[l] = squared[l].sqrt();
             distance[l] = sign[l] * (height[l] / length[l]);
+            // Comparisons as numbers joined by `&`, for `&&` is a branch.
             let inside = u8::from(of_b[l] >= beside)
                 & u8::from(of_c[l] >= beside)
                 & u8::from(squared[l] - of_b[l] - of_c[l] >= beside);
             is_over[l] = inside & u8::from(sign[l] != 0.0);
             is_close[l] = u8::from(distance[l] < limit[l]);
+            // Pythagoras: the square of the distance along the triangle, without the foot itself.
             is_off[l] = u8::from(from_corner[l] - distance[l] * distance[l] > on_corner[l]);
         }
         let mut any = 0;
@@ -299,6 +314,7 @@ fn close_nodes_lanewise(
             is_over[l] |= 1 - follows;
             any |= is_off[l] | is_close[l] | (1 - is_over[l]);
         }
+        // In most groups no lane has anything to report, and what follows is scalar.
         if any == 0 {
             continue;
         }
@@ -336,7 +352,7 @@ struct CloseCrossing {
     distance: f64,
 }
 
-/// What is found among crossings.
+/// Results of a task among crossings.
 #[derive(Clone, Debug, Default)]
 struct FoundCrossings {
     close: Vec<CloseCrossing>,
@@ -384,6 +400,7 @@ fn close_crossings_lanewise(
         let (mut is_close, mut has_turned) = ([0_u8; LANES], [0_u8; LANES]);
         let [mut distance, mut factor]: [Lane; 2] = [splat(0.0); 2];
         for l in 0..LANES {
+            // Infinite or NaN for parallel edges; `is_across` is zero there, and nothing of it is read.
             factor[l] = sign[l] / squared[l].sqrt();
             distance[l] = factor[l] * height[l];
             let is_across = u8::from(squared[l] > PARALLEL * of_e[l] * of_f[l]);
@@ -391,6 +408,8 @@ fn close_crossings_lanewise(
                 & u8::from(s[l] <= squared[l])
                 & u8::from(t[l] >= 0.0)
                 & u8::from(t[l] <= squared[l]);
+            // The sign was decided when the edges were listed; an edge that became or ceased to be parallel needs a new
+            // one.
             has_turned[l] = is_across ^ u8::from(sign[l] != 0.0);
             is_close[l] = is_across & is_inside & u8::from(distance[l] < limit[l]) & (1 - has_turned[l]);
         }

@@ -20,7 +20,8 @@ pub(in crate::engine) const TOLERANCE: f64 = 0.02;
 /// Motion by contact that a detection allows for, over that of the last step.
 const MARGIN: f64 = 1.5;
 
-/// The same over the least allowed distance, at most: where film moves farther it is looked at again.
+/// Largest motion that a detection allows for, over the least allowed distance: where film moves farther it is looked
+/// at again.
 const LARGEST_MARGIN: f64 = 0.02;
 
 /// Where the sweeps of a step are.
@@ -53,6 +54,7 @@ impl FilmContact {
     /// of a step, adds what comes too close by the impulses of other contacts. Returns whether there is any constraint,
     /// or was one in the last step.
     pub(in crate::engine) fn begin(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
+        // Several bodies each resolve film on film in their turn; only the first of a step starts from the last one.
         if self.has_begun {
             self.extend(nodes, dt, pool);
             return self.has_impulses();
@@ -60,9 +62,11 @@ impl FilmContact {
         self.has_begun = true;
         self.sweeps.restart();
         self.detected.clone_from(&nodes.position);
+        // The thinnest film limits the margin for all: beyond, most of what is found would never touch.
         let least = self.half.iter().copied().fold(f64::INFINITY, f64::min);
         self.detected_within = (MARGIN * self.pushed).min(LARGEST_MARGIN * 2.0 * least);
         self.pushed = 0.0;
+        // Whatever had an impulse must be found, however far `predict` has moved it apart by that impulse.
         self.keep_carried(f64::INFINITY);
         self.detect(nodes, [dt, 2.0 * self.detected_within], pool);
         self.keep_carried(0.0);
@@ -71,6 +75,8 @@ impl FilmContact {
         }
         for constraint in &mut self.constraints {
             if let Ok(place) = self.carried.binary_search_by_key(&constraint.source, |carried| carried.source) {
+                // Along the present normal, which has turned since: the old impulse was taken back above and is not
+                // simply kept.
                 constraint.start_from(&self.carried[place], &mut nodes.velocity);
                 constraint.move_nodes(&mut nodes.position, dt);
             }
@@ -118,6 +124,7 @@ impl FilmContact {
         let mut place = 0;
         self.constraints.retain(|constraint| {
             place += 1;
+            // Constraints of before keep their place and their impulse; only what is new is added behind them.
             place <= known || listed.binary_search(&constraint.source).is_err()
         });
         true
@@ -138,12 +145,15 @@ impl FilmContact {
             self.constraints[*place].solve(friction, velocity);
         }
         let mut largest = 0.0_f64;
+        // There and back: against the order of the constraints, an impulse passes through a stack by one face a sweep.
         for place in active.iter().rev() {
             let constraint = &mut self.constraints[*place];
             let moved = constraint.solve(friction, velocity) * dt;
             largest = largest.max(moved / constraint.bound);
         }
         let is_settled = largest <= TOLERANCE;
+        // Sweeps over active constraints cost a fraction of one over all; these end only after a whole one has
+        // confirmed it.
         *skips = !is_settled;
         if is_whole && !is_settled {
             active.retain(|place| self.constraints[*place].is_active());
@@ -176,6 +186,7 @@ impl FilmContact {
         let mut fastest = 0.0_f64;
         self.carried.clear();
         for constraint in &mut self.constraints {
+            // What the last sweep changed since `extend`.
             constraint.move_nodes(position, dt);
             if !constraint.is_active() {
                 continue;
@@ -184,9 +195,10 @@ impl FilmContact {
             let [normal, tangential] = constraint.work(&self.previous_velocity, velocity);
             self.work.impact_loss -= self.multiplicity * normal;
             self.work.friction_loss -= self.multiplicity * tangential;
-            let squared = |n: &u32| Vector3::from(velocity.at(*n as usize)).norm_squared();
+            let squared = |n: &u32| Vector3::from(velocity.value_at(*n as usize)).norm_squared();
             fastest = constraint.points.nodes.iter().map(squared).fold(fastest, f64::max);
         }
+        // By source, for the search in `begin`; also, a checkpoint then has the same order for any number of threads.
         self.carried.sort_unstable_by_key(|carried| carried.source);
         self.unresolved += u64::from(!self.constraints.is_empty() && !self.sweeps.has_converged);
         fastest.sqrt()

@@ -34,7 +34,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// That of `films`, none of whose elements is deleted.
+    /// Surface of `films`, none of whose elements is deleted.
     pub(super) fn new(films: &[Film]) -> Surface {
         let (mut corners, mut faces, mut elements) = (vec![], vec![], vec![]);
         for film in films {
@@ -44,6 +44,8 @@ impl Surface {
                 let from = corners.len() as u32;
                 corners.push([nodes[0], nodes[1], nodes[2]]);
                 if let [a, _, c, d] = *nodes {
+                    // The same diagonal in every quadrilateral and for the whole run: one that follows the shape would
+                    // jump.
                     corners.push([a, c, d]);
                 }
                 of_film.push(from..corners.len() as u32);
@@ -84,6 +86,7 @@ impl Surface {
             let edge = self.edges.len() as u32;
             self.edges.push(of_edge[0].0);
             of_edge.iter().for_each(|(_, triangle, k)| self.edges_of[*triangle as usize][*k] = edge);
+            // Not across an edge of three faces, where there is no one neighbour: it counts as an outline.
             if let [(_, one, k), (_, other, l)] = *of_edge {
                 self.across[one as usize][k] = other;
                 self.across[other as usize][l] = one;
@@ -106,7 +109,7 @@ impl Surface {
             let mut next = 0;
             let mut deleted = vec![];
             film.for_each_intact(|nodes| {
-                // Those that are intact follow in the order in which all were listed.
+                // Intact triangles follow in the order in which all were listed.
                 while self.corners[elements[next].start as usize] != nodes[..3] {
                     deleted.push(next);
                     next += 1;
@@ -130,6 +133,7 @@ impl Surface {
             }
         }
         if any {
+            // An edge lasts as long as one of its triangles.
             self.is_intact_edge.fill(false);
             for (edges, _) in self.edges_of.iter().zip(&self.is_intact).filter(|(_, intact)| **intact) {
                 edges.iter().for_each(|edge| self.is_intact_edge[*edge as usize] = true);

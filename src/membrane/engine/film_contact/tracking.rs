@@ -15,7 +15,7 @@ pub(super) const BESIDE: f64 = 1e-3;
 /// to them.
 const ON_CORNER: f64 = 0.5;
 
-/// The same at which it does not do so any more.
+/// Distance along the triangle, over the least allowed one, beyond which it has left the corner.
 const OFF_CORNER: f64 = 1.0;
 
 /// Triangles over which a node is followed at most at once.
@@ -40,7 +40,7 @@ pub(super) struct Tracking {
     pub(super) additional: Vec<f64>,
 }
 
-/// What a tracked node stores from step to step.
+/// History of a tracked node.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Tracked {
     pub(super) node: u32,
@@ -97,7 +97,7 @@ impl Tracking {
         }
         let corners = self.corners.each_ref().map(|corner| corner[node]);
         let [a, b, c, point] =
-            [corners[0], corners[1], corners[2], node as u32].map(|n| Vector3::from(position.at(n as usize)));
+            [corners[0], corners[1], corners[2], node as u32].map(|n| Vector3::from(position.value_at(n as usize)));
         let normal = (b - a).cross(&(c - a)).normalize();
         for (k, corner) in [a, b, c].iter().enumerate() {
             let from = point - corner;
@@ -128,7 +128,7 @@ impl Tracking {
         self.sign[node] = 0.0;
     }
 
-    /// What is tracked.
+    /// History of the tracked nodes.
     pub(super) fn save(&self) -> Vec<Tracked> {
         let tracked = (0..self.triangle.len()).filter(|n| self.triangle[*n] != NONE);
         let entry = |n: usize| Tracked {
@@ -142,12 +142,13 @@ impl Tracking {
         tracked.map(entry).collect()
     }
 
-    /// Restores what was saved for the same faces.
+    /// Restores the history of the same faces.
     pub(super) fn restore(&mut self, saved: &[Tracked], surface: &Surface) {
         *self = Tracking::new(self.triangle.len());
         for Tracked { node, triangle, corner, on_corner, sign, bound } in saved {
             let n = *node as usize;
             self.follow(n, *triangle, *sign, surface);
+            // Corners are stored in the order of the mesh; what lies under the node was turned to be the first.
             while self.corners[0][n] != *corner {
                 let [a, b, c] = self.corners.each_ref().map(|corner| corner[n]);
                 (self.corners[0][n], self.corners[1][n], self.corners[2][n]) = (b, c, a);
@@ -180,8 +181,10 @@ impl Tracked {
 /// The foot of `point` on `surface` with nodes at `position`, followed from `triangle` over its neighbours.
 pub(super) fn foot(surface: &Surface, position: &Vectors, point: &Vector3<f64>, triangle: u32) -> Foot {
     let (mut now, mut before) = (triangle, NONE);
+    // Bounded: over crumpled film the walk need not end by itself.
     for _ in 0..HOPS {
         let (weights, normal, distance) = project(surface, position, point, now);
+        // Over the side that the point lies farthest beyond, by the most negative weight.
         let (k, least) = least(&weights);
         if least >= -BESIDE {
             return Foot { triangle: now, weights, normal, distance, is_over: true };
@@ -194,7 +197,7 @@ pub(super) fn foot(surface: &Surface, position: &Vectors, point: &Vector3<f64>, 
         match leads_on(k) {
             // Over a ridge: beside both triangles, but over their common edge.
             Some(next) if next == before => {
-                // The same triangle whichever of the two it was followed from.
+                // One triangle, whichever of the two the point was followed from: the foot does not depend on the path.
                 let first = now.min(next);
                 let edge = surface.edges_of[now as usize][k];
                 let k = (0..3).find(|k| surface.edges_of[first as usize][*k] == edge).unwrap_or(k);
@@ -220,11 +223,13 @@ pub(super) fn foot(surface: &Surface, position: &Vectors, point: &Vector3<f64>, 
 fn beside(surface: &Surface, position: &Vectors, point: &Vector3<f64>, triangle: u32, k: usize, is_over: bool) -> Foot {
     let corners = surface.corners[triangle as usize];
     let [from, to] = [(k + 1) % 3, (k + 2) % 3];
-    let [a, b] = [from, to].map(|c| Vector3::from(position.at(corners[c] as usize)));
+    let [a, b] = [from, to].map(|c| Vector3::from(position.value_at(corners[c] as usize)));
     let along = b - a;
     let share = ((point - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
     let mut weights = [0.0; 3];
     (weights[from], weights[to]) = (1.0 - share, share);
+    // The mean normal of both sides of an edge, so that the direction of contact does not jump where a node passes the
+    // ridge.
     let mut normal = normal_of(surface, position, triangle);
     let other = surface.across[triangle as usize][k];
     if other != NONE {
@@ -241,7 +246,7 @@ pub(super) fn project(
     point: &Vector3<f64>,
     triangle: u32,
 ) -> ([f64; 3], Vector3<f64>, f64) {
-    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.at(n as usize)));
+    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.value_at(n as usize)));
     let (u, v, r) = (b - a, c - a, point - a);
     let area = u.cross(&v);
     let squared = area.norm_squared();
@@ -252,14 +257,14 @@ pub(super) fn project(
 
 /// Unit normal of a triangle.
 pub(super) fn normal_of(surface: &Surface, position: &Vectors, triangle: u32) -> Vector3<f64> {
-    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.at(n as usize)));
+    let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.value_at(n as usize)));
     let area = (b - a).cross(&(c - a));
     area / area.norm()
 }
 
 /// Position of a node.
 pub(super) fn place(position: &Vectors, node: usize) -> Vector3<f64> {
-    Vector3::from(position.at(node))
+    Vector3::from(position.value_at(node))
 }
 
 /// The least of three weights and its corner.
@@ -320,7 +325,7 @@ mod tests {
                     assert!((found.distance - distance).abs() < 1e-12, "{point:?} from {from}: {found:?}");
                     assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
                     let corners = surface.corners[found.triangle as usize];
-                    let at = |k: usize| Vector3::from(nodes.position.at(corners[k] as usize)) * found.weights[k];
+                    let at = |k: usize| Vector3::from(nodes.position.value_at(corners[k] as usize)) * found.weights[k];
                     let apart = Vector3::from(point) - (at(0) + at(1) + at(2));
                     assert!((apart - found.normal * found.distance).norm() < 1e-12, "{point:?} from {from}: {found:?}");
                 }

@@ -57,12 +57,12 @@ impl Correction<'_> {
     /// No other thread may access this node.
     #[inline(always)]
     pub(in crate::engine) unsafe fn apply_impulse(&self, node: usize, impulse: &[f64; 3], dt: f64) -> [f64; 3] {
-        let inverse_mass = self.effective_inverse_mass.at(node);
+        let inverse_mass = self.effective_inverse_mass.value_at(node);
         let mut after = [0.0; 3];
         for axis in 0..3 {
             let change = impulse[axis] * inverse_mass[axis];
             // SAFETY: by the contract no other thread accesses this node.
-            let (x, v) = unsafe { (self.position[axis].at(node), self.velocity[axis].at(node)) };
+            let (x, v) = unsafe { (self.position[axis].entry(node), self.velocity[axis].entry(node)) };
             *x += change * dt;
             *v += change;
             after[axis] = *v;
@@ -91,8 +91,8 @@ mod tests {
                 let has_impulse = group[..3].contains(&(n as u32));
                 let along_x = if has_impulse && n != 42 { 2.0 } else { 0.0 };
                 let along_y = if has_impulse { 3.0 } else { 0.0 };
-                assert_eq!(nodes.velocity.at(n), [along_x, along_y, 0.0], "node {n}");
-                assert_eq!(nodes.position.at(n), [n as f64 + 0.5 * along_x, 0.5 * along_y, 0.0], "node {n}");
+                assert_eq!(nodes.velocity.value_at(n), [along_x, along_y, 0.0], "node {n}");
+                assert_eq!(nodes.position.value_at(n), [n as f64 + 0.5 * along_x, 0.5 * along_y, 0.0], "node {n}");
             }
         }
     }

@@ -30,7 +30,7 @@ impl Kick {
     }
 }
 
-/// What a step reports of the nodes that it moved.
+/// Report of a step on the nodes that it moved.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::engine) struct StepSums {
     /// Square of the largest speed, m²/s².
@@ -120,6 +120,7 @@ impl Integration<'_> {
         let mut sums = StepSums::default();
         // SAFETY: by the contract no other thread accesses these nodes.
         unsafe { self.record(nodes.clone()) };
+        // In pieces, as three axes of a whole range would leave the cache before the speeds are taken.
         for start in nodes.clone().step_by(CACHED) {
             let some = start..nodes.end.min(start + CACHED);
             // SAFETY: by the contract no other thread accesses these nodes.
@@ -132,6 +133,8 @@ impl Integration<'_> {
                 }
             });
             let mut axes = [x, y, z];
+            // Held directions then need no branch in the loop below; what damping would count of them is taken off
+            // again.
             sums.damped -= self.set_reactions(some.clone(), &mut axes);
             sums = sums.and(&advance(width, self.kick, self.dt, &self.inverse_mass[some], &mut axes));
         }
@@ -147,7 +150,7 @@ impl Integration<'_> {
             let from = nodes.partition_point(|n| (*n as usize) < range.start);
             for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
                 // SAFETY: by the contract no other thread accesses these nodes.
-                (0..3).for_each(|axis| unsafe { *velocity[axis].at(n) = *self.velocity[axis].at(n) });
+                (0..3).for_each(|axis| unsafe { *velocity[axis].entry(n) = *self.velocity[axis].entry(n) });
             }
         }
     }
@@ -159,7 +162,7 @@ impl Integration<'_> {
         let from = self.constrained.partition_point(|n| (*n as usize) < some.start);
         for &n in self.constrained[from..].iter().take_while(|n| (**n as usize) < some.end) {
             let (n, at) = (n as usize, n as usize - some.start);
-            let inverse_mass = self.effective_inverse_mass.at(n);
+            let inverse_mass = self.effective_inverse_mass.value_at(n);
             for axis in (0..3).filter(|axis| inverse_mass[*axis] == 0.0) {
                 let axis = &mut axes[axis];
                 axis.force[at] = -axis.field * self.mass[n];
@@ -182,6 +185,7 @@ at_width! {
 fn advance_lanewise(kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> StepSums {
     let mut damped = 0.0;
     for axis in axes.iter_mut() {
+        // Two loops are compiled: without damping, nothing of it is computed, and velocities keep their bits.
         if kick.decay == 1.0 {
             move_axis::<false>(kick, dt, inverse_mass, axis);
         } else {
@@ -211,10 +215,12 @@ fn move_axis<const DAMPED: bool>(kick: Kick, dt: f64, inverse_mass: &[f64], axis
         let v = decayed + kick.gain * (force[n] * inverse_mass[n] + field);
         if DAMPED {
             let mean = 0.5 * (velocity[n] + v);
+            // Damping works along the mean velocity, as contact does (theory.md, equations 15 and 22).
             sum += mean * mean / inverse_mass[n];
         }
         velocity[n] = v;
         position[n] += v * dt;
+        // Here, where it is in the cache: the next step adds to it.
         force[n] = 0.0;
     }
     sum

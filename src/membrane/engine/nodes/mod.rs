@@ -54,20 +54,20 @@ impl Nodes {
         self.mass[node] += mass;
         let inverse = 1.0 / self.mass[node];
         self.inverse_mass[node] = inverse;
-        let free = self.effective_inverse_mass.at(node);
+        let free = self.effective_inverse_mass.value_at(node);
         self.effective_inverse_mass.set(node, free.map(|old| if old == 0.0 { 0.0 } else { inverse }));
     }
 
     /// Position of one node.
     #[inline]
     pub fn position_of(&self, node: usize) -> Point3<f64> {
-        Point3::from(self.position.at(node))
+        Point3::from(self.position.value_at(node))
     }
 
     /// Velocity of one node.
     #[inline]
     pub fn velocity_of(&self, node: usize) -> Vector3<f64> {
-        Vector3::from(self.velocity.at(node))
+        Vector3::from(self.velocity.value_at(node))
     }
 
     /// Velocity per impulse, 1/kg; zero along directions that are held or prescribed.
@@ -78,7 +78,7 @@ impl Nodes {
     /// Whether a node is held in every direction.
     #[inline]
     pub fn is_held(&self, node: usize) -> bool {
-        self.effective_inverse_mass.at(node) == [0.0; 3]
+        self.effective_inverse_mass.value_at(node) == [0.0; 3]
     }
 
     /// Sets all forces to zero.
@@ -113,7 +113,7 @@ impl Nodes {
     pub(super) fn squared_forces(&self, nodes: Range<usize>, gravity: f64) -> [f64; 2] {
         let mut sums = [0.0; 2];
         for n in nodes {
-            let ([x, y, z], free) = (self.force.at(n), self.effective_inverse_mass.at(n));
+            let ([x, y, z], free) = (self.force.value_at(n), self.effective_inverse_mass.value_at(n));
             for (force, free) in [x, y, z - self.mass[n] * gravity].into_iter().zip(free) {
                 sums[usize::from(free == 0.0)] += force * force;
             }
@@ -134,17 +134,17 @@ impl Nodes {
 
     /// Sum of the forces on some nodes along an axis, N.
     pub fn total_force(&self, nodes: &[u32], axis: usize) -> f64 {
-        nodes.iter().map(|n| self.force.at(*n as usize)[axis]).sum()
+        nodes.iter().map(|n| self.force.value_at(*n as usize)[axis]).sum()
     }
 
     /// Along which axes a node is neither held nor prescribed.
     pub fn free_axes(&self, node: usize) -> [bool; 3] {
-        self.effective_inverse_mass.at(node).map(|inverse_mass| inverse_mass > 0.0)
+        self.effective_inverse_mass.value_at(node).map(|inverse_mass| inverse_mass > 0.0)
     }
 
     /// Lets go of a node along the marked axes.
     pub(super) fn release(&mut self, node: usize, axes: [bool; 3]) {
-        let (held, inverse_mass) = (self.effective_inverse_mass.at(node), self.inverse_mass[node]);
+        let (held, inverse_mass) = (self.effective_inverse_mass.value_at(node), self.inverse_mass[node]);
         let free = [0, 1, 2].map(|axis| if axes[axis] { inverse_mass } else { held[axis] });
         self.effective_inverse_mass.set(node, free);
         if !free.contains(&0.0) {
@@ -155,10 +155,10 @@ impl Nodes {
     /// Holds some nodes along the marked axes, where their velocity stays constant.
     pub fn hold(&mut self, nodes: impl IntoIterator<Item = usize>, axes: [bool; 3]) {
         for n in nodes {
-            let inverse_mass = self.effective_inverse_mass.at(n);
+            let inverse_mass = self.effective_inverse_mass.value_at(n);
             self.effective_inverse_mass.set(n, [0, 1, 2].map(|axis| if axes[axis] { 0.0 } else { inverse_mass[axis] }));
         }
-        let constrained = (0..self.mass.len()).filter(|n| self.effective_inverse_mass.at(*n).contains(&0.0));
+        let constrained = (0..self.mass.len()).filter(|n| self.effective_inverse_mass.value_at(*n).contains(&0.0));
         self.constrained = constrained.map(|n| n as u32).collect();
     }
 }

@@ -36,7 +36,7 @@ impl Vectors {
 
     /// The vector at one node.
     #[inline(always)]
-    pub fn at(&self, node: usize) -> [f64; 3] {
+    pub fn value_at(&self, node: usize) -> [f64; 3] {
         [self.axes[0][node], self.axes[1][node], self.axes[2][node]]
     }
 
@@ -61,7 +61,7 @@ impl Vectors {
 
     /// The vectors of all nodes.
     pub fn iter(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
-        (0..self.len()).map(|node| self.at(node))
+        (0..self.len()).map(|node| self.value_at(node))
     }
 
     /// The vectors of some nodes, an array an axis.

@@ -40,7 +40,7 @@ impl Patch {
         let film = Film::mount(&mesh, &section, 0.0, &mut nodes).unwrap();
         let across = if self.straining == Straining::Equibiaxial { self.rate } else { 0.0 };
         for n in 0..nodes.mass.len() {
-            let [x, y, _] = nodes.position.at(n);
+            let [x, y, _] = nodes.position.value_at(n);
             nodes.velocity.set(n, [self.rate * x, across * y, 0.0]);
             let (on_jaw, on_side) = (x != 0.0, y != 0.0 && self.straining != Straining::Uniaxial);
             nodes.hold([n], [on_jaw, on_jaw || on_side, true]);

@@ -87,7 +87,7 @@ impl Strip {
         };
         let jaws = vec![jaw(0, -speed), jaw(1, speed)];
         for n in 0..nodes.mass.len() {
-            nodes.velocity.set(n, [2.0 * speed * nodes.position.at(n)[0] / height, 0.0, 0.0]);
+            nodes.velocity.set(n, [2.0 * speed * nodes.position.value_at(n)[0] / height, 0.0, 0.0]);
         }
         for jaw in &jaws {
             nodes.hold(jaw.nodes.iter().map(|n| *n as usize), [true; 3]);
@@ -103,7 +103,8 @@ impl Strip {
         let mut engine = self.mounted();
         let (mut start, mut imbalance, mut first, mut history) = (f64::NAN, 0.0_f64, None, vec![]);
         loop {
-            let read = |view: &View<'_>| (view.time, view.energies(), view.torn().unwrap(), PlasticElements::of(view));
+            let read =
+                |view: &View<'_>| (view.time, view.energies(), view.torn().unwrap(), PlasticElements::from_view(view));
             let (time, energies, torn, plastic) = engine.read_step(read).unwrap();
             let first = *first.get_or_insert(energies);
             let exchanged = energies.exchanged(&first);
@@ -125,7 +126,7 @@ impl Strip {
     }
 }
 
-/// What a test of a strip gave.
+/// Result of a test of a strip.
 #[derive(Debug)]
 struct Outcome {
     /// Strain at which the tear started.
@@ -185,10 +186,10 @@ fn a_wide_strip_tears_at_its_fracture_energy_on_any_mesh() {
 /// Film whose stress relaxes by this share.
 const RELAXING: f64 = 0.4;
 
-/// The tear takes Γ within the hundredth that an element loses with its rest, and what the law absorbs in its elements is
-/// part of it. Film that relaxes much faster or much slower than it is strained tears at the strain of Griffith's balance
-/// for its long-term or its instantaneous modulus; all other film takes more than with the latter. The balance errs by the
-/// square of the step; 2·10⁻⁴ is the error of the first steps, which exchange next to nothing.
+/// The tear takes Γ within the hundredth that an element loses with its rest, and what the law absorbs in its elements
+/// is part of it. Film that relaxes much faster or much slower than it is strained tears at the strain of Griffith's
+/// balance for its long-term or its instantaneous modulus; all other film takes more than with the latter. The balance
+/// errs by the square of the step; 2·10⁻⁴ is the error of the first steps, which exchange next to nothing.
 #[test]
 fn a_viscous_strip_takes_its_fracture_energy_besides_what_it_absorbs() {
     let lengths @ [height, ..] = [0.06, 0.1, 0.03];
@@ -233,7 +234,7 @@ fn plastic_work(p: f64) -> f64 {
     VOCE.saturation * p - (VOCE.saturation - VOCE.initial) / VOCE.rate * (1.0 - (-VOCE.rate * p).exp())
 }
 
-/// What a plastic strip tells of its elements.
+/// Elements of a plastic strip: how they strained and tore.
 #[derive(Debug)]
 struct PlasticElements {
     /// Plastic work in those that do not tear, J.
@@ -243,7 +244,7 @@ struct PlasticElements {
 }
 
 impl PlasticElements {
-    fn of(view: &View<'_>) -> PlasticElements {
+    fn from_view(view: &View<'_>) -> PlasticElements {
         let mut strains = vec![];
         view.strains(&mut strains);
         let details = view.films[0].details(&view.nodes.position);
@@ -255,9 +256,9 @@ impl PlasticElements {
 }
 
 /// The criterion is the energy stored and absorbed, 4 MJ/m³: of the work on the strip, Γ for the area of the tear, the
-/// plastic work in elements that do not tear, by the integral of Voce's law over their plastic strain, and 4 MJ/m³ of each
-/// that does are lost. Of the last, what was stored elastically does not count twice: with the flow stress σ at 4 MJ/m³ at
-/// most (1 − ν) σ²/Y, which equal stresses in both directions store, and what hourglass modes store.
+/// plastic work in elements that do not tear, by the integral of Voce's law over their plastic strain, and 4 MJ/m³ of
+/// each that does are lost. Of the last, what was stored elastically does not count twice: with the flow stress σ at 4
+/// MJ/m³ at most (1 − ν) σ²/Y, which equal stresses in both directions store, and what hourglass modes store.
 #[test]
 fn a_plastic_strip_takes_its_fracture_energy_besides_plastic_work() {
     let (limit, fracture_energy, young) = (4e6, 3e4, 5e9);

@@ -20,7 +20,7 @@ fn trousers(section: &Section, size: f64, [width, leg, body]: [f64; 3], speed: f
     film.cut(&nodes, &[[0.0, leg + size], [0.0, 0.0]]);
     let mut jaws = [-1.0, 1.0].map(|side| Jaw { nodes: vec![], velocity: 0.5 * side * speed });
     for n in 0..nodes.mass.len() {
-        let [y, x, _] = nodes.position.at(n);
+        let [y, x, _] = nodes.position.value_at(n);
         let (jaw, side) = if y > 0.0 { (1, 1.0) } else { (0, -1.0) };
         nodes.position.set(n, if x < 0.0 { [0.0, y, x] } else { [side * x, y, 0.0] });
         if x > leg - 0.5 * size {

@@ -43,7 +43,7 @@ fn angle_over_sine(cosine: f64) -> f64 {
     eight(0) + eight(1) * (t4 * t4)
 }
 
-/// What the law takes of a deformation.
+/// Metric of a deformation: all that the law depends on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Metric<const L: usize> {
     /// λ₁² and λ₂².
@@ -54,7 +54,7 @@ pub(super) struct Metric<const L: usize> {
 
 impl<const L: usize> Metric<L> {
     #[inline(always)]
-    pub(super) fn of(d: &Deformation<L>) -> Metric<L> {
+    pub(super) fn from_deformation(d: &Deformation<L>) -> Metric<L> {
         let [f1, f2] = &d.f;
         let mut metric = Metric { square: [dot(f1, f1), dot(f2, f2)], product: dot(f1, f2) };
         for l in 0..L {
@@ -81,12 +81,12 @@ pub(in super::super) struct Fibres<const L: usize> {
 
 impl<const L: usize> Fibres<L> {
     #[inline(always)]
-    pub(in super::super) fn of(d: &Deformation<L>) -> Fibres<L> {
-        Fibres::at(&Metric::of(d))
+    pub(in super::super) fn from_deformation(d: &Deformation<L>) -> Fibres<L> {
+        Fibres::from_metric(&Metric::from_deformation(d))
     }
 
     #[inline(always)]
-    pub(super) fn at(metric: &Metric<L>) -> Fibres<L> {
+    pub(super) fn from_metric(metric: &Metric<L>) -> Fibres<L> {
         let mut out = Fibres {
             stretch: [splat(0.0); 2],
             inverse: [splat(0.0); 2],
@@ -98,6 +98,7 @@ impl<const L: usize> Fibres<L> {
             out.stretch[0][l] = metric.square[0][l].sqrt();
             out.stretch[1][l] = metric.square[1][l].sqrt();
             let (m1, m2) = (larger(out.stretch[0][l], 1.0), larger(out.stretch[1][l], 1.0));
+            // One division for two inverses: divisions are what this loop costs.
             let both = 1.0 / (m1 * m2);
             out.inverse[0][l] = m2 * both;
             out.inverse[1][l] = m1 * both;
@@ -108,6 +109,8 @@ impl<const L: usize> Fibres<L> {
             let cosine = (1.0 - bounded * bounded).sqrt();
             out.sine[l] = sine;
             out.secant[l] = 1.0 / cosine;
+            // Beyond the bound along the tangent (theory.md, equation 7), in the same expression: the second term is
+            // zero within it.
             out.angle[l] = bounded * angle_over_sine(cosine) + (sine - bounded) * out.secant[l];
         }
         out
@@ -145,8 +148,10 @@ impl<const L: usize> Fibres<L> {
         let mut out = Tensions { tension: [splat(0.0); 2], cross: splat(0.0) };
         for l in 0..L {
             let [r1, r2] = [self.inverse[0][l], self.inverse[1][l]];
+            // Curves know |γ| alone; the sign of the angle is put back by its bit, without a branch.
             let shear = shear[l].copysign(self.angle[l]) * self.secant[l];
             out.cross[l] = shear * r1 * r2;
+            // The bracket [λ > 1] of equation 6.
             let taut1 = if self.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
             let taut2 = if self.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
             out.tension[0][l] = md[l] * r1 - shear * self.sine[l] * taut1;
@@ -169,6 +174,7 @@ impl<const L: usize> Tensions<L> {
     #[inline(always)]
     pub(super) fn add_biaxial(&mut self, fibres: &Fibres<L>, stress: &Lane<L>) {
         for l in 0..L {
+            // By λ, not by m: σ_b pulls at slack fibres, too (theory.md, below equation 4b).
             self.tension[0][l] += stress[l] / fibres.stretch[0][l];
             self.tension[1][l] += stress[l] / fibres.stretch[1][l];
         }
@@ -210,7 +216,7 @@ mod tests {
                 let tangent = 1.0 / (1.0 - SINE_BOUND * SINE_BOUND).sqrt();
                 sine.signum() * (SINE_BOUND.asin() + tangent * (sine.abs() - SINE_BOUND))
             };
-            assert!((Fibres::<1>::of(&f.into()).angle[0] - expected).abs() < 2e-15, "at {sine}");
+            assert!((Fibres::<1>::from_deformation(&f.into()).angle[0] - expected).abs() < 2e-15, "at {sine}");
         }
     }
 }

@@ -41,7 +41,7 @@ pub struct Fabric<F = Curve> {
     coupling: Coupling<F>,
 }
 
-/// What couples the fibre sets besides shear.
+/// Coupling of the fibre sets besides shear.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Coupling<F> {
     /// Nothing.
@@ -60,7 +60,7 @@ impl<F: FibreLaw> Fabric<F> {
         Fabric { md, td, shear, absorption, layer_breaks: LayerBreaks::default(), coupling: Coupling::None }
     }
 
-    /// The same film with biaxial coupling: where the strains of both directions are equal, each carries `ratio` > 0
+    /// This film with biaxial coupling: where the strains of both directions are equal, each carries `ratio` > 0
     /// times the mean stress of both curves besides its own (theory.md, equation 4b). It does not wrinkle.
     pub fn with_biaxial(self, ratio: f64) -> Fabric<F> {
         assert!(ratio > 0.0 && ratio.is_finite(), "ratio of biaxial coupling: {ratio}");
@@ -68,13 +68,13 @@ impl<F: FibreLaw> Fabric<F> {
         Fabric { coupling, ..self }
     }
 
-    /// The same film without compression along any direction (tension field; theory.md, equation 8b) and without
+    /// This film without compression along any direction (tension field; theory.md, equation 8b) and without
     /// biaxial coupling.
     pub fn with_wrinkling(self) -> Fabric<F> {
         Fabric { coupling: Coupling::Wrinkles, ..self }
     }
 
-    /// The same film of layers that break one after another.
+    /// This film of layers that break one after another.
     pub fn with_layer_breaks(self, layer_breaks: LayerBreaks) -> Fabric<F> {
         Fabric { layer_breaks, ..self }
     }
@@ -113,6 +113,7 @@ impl<F: FibreLaw, const L: usize> TrialStresses<L> for Curves<'_, F, L> {
     fn stresses(&self, strains: &[Lane<L>; 3]) -> [Lane<L>; 3] {
         let (fabric, history) = (self.fabric, self.history);
         let along = |fibre: usize, law: &F| match self.dt {
+            // On a copy: trials must not raise the peak strains, as only the last one is where the film is.
             Some(dt) => law.stress(&fabric.absorption, &strains[fibre], &mut history.fibres[fibre].clone(), dt),
             None => law.stress_near(&fabric.absorption, &strains[fibre], &history.fibres[fibre]),
         };
@@ -137,10 +138,12 @@ impl<F: FibreLaw> Fabric<F> {
         history: &PointHistory<F::History<L>, L>,
         dt: Option<f64>,
     ) -> Fibres<L> {
-        let metric = Metric::of(d);
+        let metric = Metric::from_deformation(d);
         match self.coupling {
-            Coupling::Wrinkles => Fibres::at(&wrinkles::relaxed(&metric, &Curves { fabric: self, history, dt })),
-            Coupling::None | Coupling::Biaxial(_) => Fibres::at(&metric),
+            Coupling::Wrinkles => {
+                Fibres::from_metric(&wrinkles::relaxed(&metric, &Curves { fabric: self, history, dt }))
+            }
+            Coupling::None | Coupling::Biaxial(_) => Fibres::from_metric(&metric),
         }
     }
 }
@@ -153,6 +156,8 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L> {
         let fibres = self.fibres(d, history, Some(dt));
         let [history_md, history_td] = &mut history.fibres;
+        // Histories follow the fibres at C*, by whose strains they break, not the film, which may be shorter
+        // (theory.md, below equation 8c).
         let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
         let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
         let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut history.shear);
@@ -185,6 +190,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             let (stored, absorbed) = law.energy(&self.absorption, &fibres.mean_strain(), &history.biaxial);
             let (stored, absorbed) = (of_both_left(stored, &history.left), of_both_left(absorbed, &history.left));
             for l in 0..L {
+                // The curve is over the mean strain, W_b over the sum of both: dW_b = σ_b d(ε₁ + ε₂) = 2 σ_b d(mean).
                 total.stored[l] += 2.0 * stored[l];
                 total.absorbed[l] += 2.0 * absorbed[l];
             }
@@ -223,13 +229,17 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         }
         let [_, _, stress] = of_layers_left([md, td, self.shear.stress_lanes(&largest)], &history.left);
         for l in 0..L {
+            // `across` acts on every motion of the fibre, also on that along it: what is counted there is not counted
+            // twice.
             along[0][l] = larger(along[0][l] - across[0][l], 0.0);
             along[1][l] = larger(along[1][l] - across[1][l], 0.0);
             let secant = fibres.secant[l];
+            // The curve's own slope, and what its stress adds as directions turn; the larger of loading and largest
+            // stress so far bounds unloading.
             shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
         }
         // Motion acts on the tangent vectors of the film, wrinkled or not.
-        let product = Metric::of(d).product;
+        let product = Metric::from_deformation(d).product;
         let alignment = std::array::from_fn(|l| product[l] * fibres.inverse[0][l] * fibres.inverse[1][l]);
         Stiffness { along, across, shear, alignment, any: splat(0.0) }
     }

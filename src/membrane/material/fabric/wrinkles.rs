@@ -53,10 +53,11 @@ fn length(x: f64, y: f64) -> f64 {
 pub(super) fn relaxed<const L: usize>(metric: &Metric<L>, stresses: &impl TrialStresses<L>) -> Metric<L> {
     let mut searches = started(metric, stresses);
     for _ in 0..TRIALS {
+        // Lanes wait for the slowest one; what is found does not move any more.
         if searches.iter().all(|search| search.found) {
             break;
         }
-        let trial = Trial::at(&lengthened(metric, &searches), stresses);
+        let trial = Trial::from_metric(&lengthened(metric, &searches), stresses);
         for (l, search) in searches.iter_mut().enumerate().filter(|(_, search)| !search.found) {
             search.improve(&trial.slope(l, search.at));
         }
@@ -64,6 +65,7 @@ pub(super) fn relaxed<const L: usize>(metric: &Metric<L>, stresses: &impl TrialS
     let mut relaxed = lengthened(metric, &searches);
     for (l, search) in searches.iter().enumerate() {
         let failed = if search.found || search.residual <= FAILURE { 1.0 } else { f64::NAN };
+        // The search works with |f₁·f₂|, by symmetry of the shear curve; the sign comes back here.
         relaxed.product[l] *= failed.copysign(metric.product[l]);
     }
     relaxed
@@ -77,6 +79,8 @@ fn lengthened<const L: usize>(metric: &Metric<L>, searches: &[Search; L]) -> Met
         let [x, y] = search.at;
         out.square[0][l] += x * x;
         out.square[1][l] += y * y;
+        // Wrinkles always reduce the shear: the sign of d's second component is that of −C₁₂ (theory.md, below equation
+        // 8b).
         out.product[l] = metric.product[l].abs() - x * y;
     }
     out
@@ -93,34 +97,40 @@ fn started<const L: usize>(metric: &Metric<L>, stresses: &impl TrialStresses<L>)
         });
         Search::from(least, metric.product[l].abs())
     });
-    let unwrinkled = Trial::at(&lengthened(metric, &searches), stresses);
+    let unwrinkled = Trial::from_metric(&lengthened(metric, &searches), stresses);
     let mut direction = [[0.0; 2]; L];
     for (l, search) in searches.iter_mut().enumerate() {
+        // Where slack is taken up anyway, the search begins at `least`; only taut film needs a direction.
         if search.found || search.least != [0.0; 2] {
             continue;
         }
         let [t1, t2, cross] = unwrinkled.tensions(l);
+        // Both principal stresses of S are tensions: film is taut, as most of it is most of the time.
         if smaller(t1, t2) >= 0.0 && t1 * t2 >= cross * cross {
             search.found = true;
             continue;
         }
         // The direction of the largest compression, and a square of wrinkles at which shear vanishes or fibres resist.
         let compression = 0.5 * (t1 + t2) - length(0.5 * (t1 - t2), cross);
+        // The eigenvector by that row of S − S₂ which does not vanish.
         let (x, y) = if t1 > t2 { (cross, t1 - compression) } else { (t2 - compression, cross) };
         let size = length(x, y);
         direction[l] = [x / size, y / size];
         let [x, y] = direction[l];
+        // At x y = |C₁₂| there is no shear left: beyond, wrinkles would only slacken the film.
         let most = smaller(metric.product[l].abs() / (x * y), GUESS).sqrt();
         search.at = [most * x, most * y];
     }
     if direction == [[0.0; 2]; L] {
         return searches;
     }
-    let farthest = Trial::at(&lengthened(metric, &searches), stresses);
+    let farthest = Trial::from_metric(&lengthened(metric, &searches), stresses);
     for (l, search) in searches.iter_mut().enumerate().filter(|(l, _)| direction[*l] != [0.0; 2]) {
         let [x, y] = direction[l];
         let along = |[t1, t2, cross]: [f64; 3]| t1 * x * x + t2 * y * y - 2.0 * cross * x * y;
         let (before, after) = (along(unwrinkled.tensions(l)), along(farthest.tensions(l)));
+        // The compression is about linear in the square of the wrinkles: where it vanishes on this line, Newton's
+        // method is close.
         let share = if after > 0.0 { (before / (before - after)).sqrt() } else { 1.0 };
         search.at = search.at.map(|part| share * part);
     }
@@ -140,8 +150,8 @@ struct Trial<const L: usize> {
 
 impl<const L: usize> Trial<L> {
     #[inline(always)]
-    fn at(metric: &Metric<L>, curves: &impl TrialStresses<L>) -> Trial<L> {
-        let fibres = Fibres::at(metric);
+    fn from_metric(metric: &Metric<L>, curves: &impl TrialStresses<L>) -> Trial<L> {
+        let fibres = Fibres::from_metric(metric);
         let strains = [fibres.strain(0), fibres.strain(1), fibres.angle.map(f64::abs)];
         let stresses = curves.stresses(&strains);
         let beyond = curves.stresses(&strains.map(|strain| strain.map(|e| e + DIFFERENCE)));
@@ -152,17 +162,20 @@ impl<const L: usize> Trial<L> {
             hessian: [splat(0.0); 6],
         };
         for l in 0..L {
+            // One-sided and never negative: at a corner of a curve the slope ahead is taken.
             let slope = |curve: usize| larger((beyond[curve][l] - stresses[curve][l]) / DIFFERENCE, 0.0);
             let (s, secant) = (fibres.sine[l].abs(), fibres.secant[l]);
             // dW/ds and d²W/ds² of shear; beyond the bound the angle is linear in s.
             let secant_slope = if s < SINE_BOUND { s * secant * secant * secant } else { 0.0 };
             let first = stresses[2][l] * secant;
             let second = slope(2) * secant * secant + stresses[2][l] * secant_slope;
+            // m_I is constant for slack fibres (equation 5), so shear has no derivative by their stretch.
             let taut = [0, 1].map(|i| if fibres.stretch[i][l] > 1.0 { fibres.inverse[i][l] } else { 0.0 });
             let both = fibres.inverse[0][l] * fibres.inverse[1][l];
             let sign = 1.0_f64.copysign(metric.product[l]);
             for i in 0..2 {
                 trial.gradient[i][l] = stresses[i][l] - first * s * taut[i];
+                // Equilibrium is a difference of these terms; their sum tells which difference is round-off.
                 trial.size[i][l] = stresses[i][l] + first * s * taut[i];
                 trial.hessian[i][l] = slope(i) + (second * s + 2.0 * first) * s * taut[i] * taut[i];
                 trial.hessian[3 + i][l] = -sign * (second * s + first) * taut[i] * both;
@@ -192,6 +205,8 @@ impl<const L: usize> Trial<L> {
         Slope {
             gradient: [w1 * dx - wc * y, w2 * dy - wc * x],
             size: [
+                // Where all stresses vanish, a strain of `RESOLUTION` still counts as equilibrium: stiffness takes the
+                // place of stress.
                 (self.size[0][l] + w11 * (RESOLUTION / TOLERANCE)) * dx + wc.abs() * y,
                 (self.size[1][l] + w22 * (RESOLUTION / TOLERANCE)) * dy + wc.abs() * x,
             ],
@@ -230,7 +245,9 @@ impl Slope {
         let radius = length(apart, xy);
         // cos 2θ and sin 2θ of the first principal direction.
         let (cosine, sine) = if radius > 0.0 { (apart / radius, xy / radius) } else { (1.0, 0.0) };
+        // The energy is not convex in (x, y): with the sizes of both curvatures the step leads down in any case.
         let (first, second) = ((mean + radius).abs(), (mean - radius).abs());
+        // A direction without curvature, as along slack, must not give an infinite step.
         let floor = f64::EPSILON * larger(first, second) + f64::MIN_POSITIVE;
         let (i, j) = (1.0 / (first + floor), 1.0 / (second + floor));
         let (sum, difference) = (0.5 * (i + j), 0.5 * (i - j));
@@ -296,6 +313,8 @@ impl Search {
         let [g1, g2] = slope.gradient;
         let along = g1 * self.step[0] + g2 * self.step[1];
         let closed = self.bracket[1][1] > 0.0;
+        // `initial_slope` < 0. Too short a step is no reason to stay on the line, unless a minimum is bracketed on it:
+        // Newton's next step goes on from there.
         let is_steep = along > -CURVATURE * self.initial_slope || (closed && along < CURVATURE * self.initial_slope);
         if is_steep && self.narrow(along) {
             return;
@@ -328,6 +347,7 @@ impl Search {
     fn narrow(&mut self, along: f64) -> bool {
         let side = usize::from(along > 0.0);
         self.bracket[side] = [self.step_length, along];
+        // Without this one end of the bracket may stay for ever on a curve with a corner.
         if self.replaced == Some(side) {
             self.bracket[1 - side][1] *= 0.5;
         }
@@ -358,7 +378,7 @@ mod tests {
     }
 
     fn energy(film: &Fabric, history: &PeakStrains<1>, metric: &Metric<1>) -> f64 {
-        let fibres = Fibres::at(metric);
+        let fibres = Fibres::from_metric(metric);
         let curves = [film.md(), film.td(), film.shear()];
         let strains = [fibres.strain(0), fibres.strain(1), fibres.angle.map(f64::abs)];
         let peaks = [history.fibres[0], history.fibres[1], history.shear];
@@ -406,7 +426,7 @@ mod tests {
             found <= least + 1e-6 * least.max(1.0),
             "{found} J/m³ for {least} at {at:?}, largest strains {peaks:?}"
         );
-        let trial = Trial::at(&relaxed, &curves);
+        let trial = Trial::from_metric(&relaxed, &curves);
         let [t1, t2, cross] = trial.tensions(0);
         let scale = 1e6 + trial.size[0][0] + trial.size[1][0];
         assert!(t1 >= -1e-9 * scale && t2 >= -1e-9 * scale, "compression {t1} {t2} at {at:?}, {peaks:?}");

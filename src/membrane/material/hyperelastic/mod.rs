@@ -51,7 +51,7 @@ pub trait StrainEnergy {
     /// Second Piola–Kirchhoff stress, Pa, where `c` has C₁₁, C₂₂ and C₁₂.
     #[inline(always)]
     fn plane_stress<const L: usize>(&self, c: &Plane<L>) -> Plane<L> {
-        let principal = Principal::of(c);
+        let principal = Principal::from_cauchy_green(c);
         principal.turned(self.stress(&principal.squares))
     }
 
@@ -176,7 +176,7 @@ impl<E: StrainEnergy> Hyperelastic<E> {
     /// Squared principal stretches at which the energy is evaluated.
     #[inline(always)]
     fn squares<const L: usize>(&self, d: &Deformation<L>) -> Squares<L> {
-        let principal = Principal::of(&d.metric());
+        let principal = Principal::from_cauchy_green(&d.metric());
         if self.wrinkling { principal.relaxed(&self.energy).squares } else { principal.squares }
     }
 }
@@ -189,7 +189,7 @@ impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
     fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {
         let c = d.metric();
         let s = if self.wrinkling {
-            let relaxed = Principal::of(&c).relaxed(&self.energy);
+            let relaxed = Principal::from_cauchy_green(&c).relaxed(&self.energy);
             let mut stress = self.energy.stress(&relaxed.squares);
             for l in 0..L {
                 stress[1][l] = if relaxed.taut[l] { stress[1][l] } else { 0.0 };
@@ -206,8 +206,8 @@ impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
         Energy { stored: self.energy.energy(&self.squares(d)), absorbed: splat(0.0) }
     }
 
-    /// That at the relaxed stretches: relaxation reduces the stiffness, since the tension of wrinkled film rotates with
-    /// ∂W/∂λ₁/(λ₁ − λ₂), which is less than at its natural width.
+    /// Bound at the relaxed stretches: relaxation reduces the stiffness, since the tension of wrinkled film rotates
+    /// with ∂W/∂λ₁/(λ₁ − λ₂), which is less than at its natural width.
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Stiffness<L> {
         let squares = self.squares(d);

@@ -132,7 +132,7 @@ impl StrainEnergy for Ogden {
         let mut out = Tangent { stress: [nothing; 2], along: [nothing; 2], between: nothing, shear: nothing };
         for OgdenTerm { mu, alpha } in self.terms() {
             let powers = powers(*alpha, &log);
-            // What strains within `NEAR` change the powers by.
+            // Change of the powers by strains within `NEAR`.
             let mu = mu * (1.0 + 2.0 * NEAR * alpha.abs());
             for l in 0..L {
                 let [third, product] = [powers[2][l], c[0][l] * c[1][l]];

@@ -18,9 +18,9 @@ pub(super) struct Principal<const L: usize> {
 }
 
 impl<const L: usize> Principal<L> {
-    /// Those of C₁₁, C₂₂ and C₁₂.
+    /// Principal stretches of C₁₁, C₂₂ and C₁₂.
     #[inline(always)]
-    pub(super) fn of(c: &Plane<L>) -> Principal<L> {
+    pub(super) fn from_cauchy_green(c: &Plane<L>) -> Principal<L> {
         let mut out = Principal { squares: [splat(0.0); 2], direction: [splat(0.0); 2], taut: [true; L] };
         for l in 0..L {
             let (mean, apart) = (0.5 * (c[0][l] + c[1][l]), 0.5 * (c[0][l] - c[1][l]));

@@ -19,7 +19,7 @@ impl HyperelasticLaw {
         self.instability_up_to(MOST)
     }
 
-    /// The same up to the stretch `most`.
+    /// Stability up to the stretch `most`.
     pub fn instability_up_to(&self, most: f64) -> Option<(Tension, f64)> {
         with_energy!(self, energy => instability(energy, most))
     }

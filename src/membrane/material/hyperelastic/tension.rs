@@ -9,7 +9,7 @@ use super::{Hyperelastic, HyperelasticLaw, StrainEnergy, with_energy};
 pub enum Tension {
     /// Of a strip, which contracts across.
     Uniaxial,
-    /// The same stretch in both directions.
+    /// Equal stretches in both directions.
     Equibiaxial,
     /// Of a wide strip, which keeps its width: pure shear.
     Plane,

@@ -1,7 +1,7 @@
 //! The plastic part of a step: the amount of flow after which stress and flow stress agree.
 //!
-//! While a trial relaxes by the flow `γ` to `σ̄`, p grows by `γ σ̄` (theory.md, equations 258 and 261). Both are monotone, so the
-//! root is unique.
+//! While a trial relaxes by the flow `γ` to `σ̄`, p grows by `γ σ̄` (theory.md, equations 258 and 261). Both are
+//! monotone, so the root is unique.
 
 use super::hardening::Hardening;
 use super::overstress::Overstress;
@@ -21,8 +21,10 @@ impl<const L: usize> Trial<'_, L> {
         let excess = self.excess();
         let mut open = splat::<L>(0.0);
         for l in 0..L {
+            // Also the residual with which `root` starts: infinite where there is something to be found.
             open[l] = if excess[l] > ROUND_OFF { f64::INFINITY } else { 0.0 };
         }
+        // Most steps of most elements are elastic, and the search costs many times the trial.
         if open == splat(0.0) {
             return None;
         }
@@ -44,6 +46,7 @@ impl<const L: usize> Trial<'_, L> {
         for l in 0..L {
             most[l] = if open[l] > 0.0 { self.most(excess[l]) } else { 0.0 };
         }
+        // Over σ̄ instead of as a difference: the ratio has no unit, so one tolerance serves every film.
         root(splat(0.0), [splat(0.0), most], open, |gamma| {
             let Relaxed { stress, slope, .. } = self.relaxed(gamma);
             let mut p = *self.before;
@@ -65,6 +68,8 @@ impl<const L: usize> Trial<'_, L> {
     /// The root with the flow stress at the rate γσ̄/dt, in ln γ.
     #[inline(always)]
     fn rated(&self, hardening: &Hardening, rate: &RateTable, dt: f64, excess: &Lane<L>, open: Lane<L>) -> Lane<L> {
+        // In ln γ: the flow stress is linear in the logarithm of the rate, and γ may lie orders of magnitude below its
+        // bound.
         let log_dt = ln(dt);
         let (mut least, mut most) = (splat(0.0), splat(0.0));
         for l in 0..L {

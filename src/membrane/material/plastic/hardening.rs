@@ -20,7 +20,7 @@ pub enum Hardening {
 pub struct FlowCurve {
     /// Flow stress at p = 0, Pa.
     initial: f64,
-    /// What is above that.
+    /// Flow stress above that.
     rise: Curve,
     /// p of the last point.
     end: f64,
@@ -46,7 +46,7 @@ pub enum FlowCurveError {
     /// The first point is not at zero plastic strain.
     #[error("the first plastic strain is {strain}, not zero")]
     StartsLate {
-        /// That strain.
+        /// Strain of the first point.
         strain: f64,
     },
     /// The first flow stress is not above zero.
@@ -82,6 +82,7 @@ impl FlowCurve {
         let end = rest.last().map_or(0.0, |point| point[0]);
         let above = rest.iter().map(|[strain, stress]| [*strain, stress - initial]);
         let last = rest.last().map_or(0.0, |point| point[1] - initial);
+        // A curve goes on with its last slope: a flat piece behind the last point keeps the flow stress constant.
         let flat = [2.0 * end.max(0.5), last];
         let rise = Curve::new(above.chain([flat]).collect()).map_err(|error| {
             FlowCurveError::Curve(match error {

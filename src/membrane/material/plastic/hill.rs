@@ -22,15 +22,15 @@ pub struct Hill {
 }
 
 impl Default for Hill {
-    /// That of von Mises.
+    /// Hill's function that is von Mises'.
     fn default() -> Hill {
         Hill { f: 0.5, g: 0.5, h: 0.5, n: 1.5 }
     }
 }
 
 impl Hill {
-    /// That of film with the plastic strain ratios `[r₀, r₄₅, r₉₀]` (width over thickness in uniaxial tension at these
-    /// angles from MD) and the yield stress of the hardening along MD (theory.md, equation 255).
+    /// Hill's function of film with the plastic strain ratios `[r₀, r₄₅, r₉₀]` (width over thickness in uniaxial
+    /// tension at these angles from MD) and the yield stress of the hardening along MD (theory.md, equation 255).
     pub fn from_strain_ratios([r0, r45, r90]: [f64; 3]) -> Hill {
         let g = 1.0 / (1.0 + r0);
         let h = r0 * g;
@@ -38,8 +38,8 @@ impl Hill {
         Hill { f, g, h, n: (r45 + 0.5) * (f + g) }
     }
 
-    /// That of film whose yield stresses along MD, TD and its normal are `[R₁₁, R₂₂, R₃₃]` times that of the hardening,
-    /// and in shear `r12` times that of the hardening over √3 (theory.md, equation 256).
+    /// Hill's function of film whose yield stresses along MD, TD and its normal are `[R₁₁, R₂₂, R₃₃]` times that of the
+    /// hardening, and in shear `r12` times that of the hardening over √3 (theory.md, equation 256).
     pub fn from_stress_ratios(ratios: [f64; 3], r12: f64) -> Hill {
         let [first, second, third] = ratios.map(|ratio| 0.5 / (ratio * ratio));
         Hill { f: second + third - first, g: third + first - second, h: first + second - third, n: 1.5 / (r12 * r12) }
@@ -89,7 +89,8 @@ mod tests {
         assert_eq!(Hill::from_stress_ratios([1.0; 3], 1.0), mises);
     }
 
-    /// The same film by both: the ratios of yield stress that follow from strain ratios give back its coefficients.
+    /// One film described by both: the ratios of yield stress that follow from strain ratios give back its
+    /// coefficients.
     #[test]
     fn stress_ratios_are_those_written() {
         let ratios = [1.1, 0.9, 0.95];

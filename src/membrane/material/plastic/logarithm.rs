@@ -1,7 +1,8 @@
 //! Logarithmic strain in the plane and the stress that does work on it.
 //!
 //! `E = ½ ln C` and `S = T : 2 ∂E/∂C` without principal directions, which equal stretches do not have (theory.md,
-//! equations 250 to 252). With the mean `m` and the deviator `q = (½(C₁₁ − C₂₂), C₁₂)` of C, its radius `ρ = |q|`, `r = ρ/m`:
+//! equations 250 to 252). With the mean `m` and the deviator `q = (½(C₁₁ − C₂₂), C₁₂)` of C, its radius `ρ = |q|`, `r =
+//! ρ/m`:
 //!
 //! ```text
 //! A = artanh(r)/r ,   B = (1/(1 − r²) − A)/r²
@@ -38,7 +39,7 @@ const SERIES: [f64; 9] = [19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0];
 impl<const L: usize> Logarithm<L> {
     /// Of C₁₁, C₂₂ and C₁₂.
     #[inline(always)]
-    pub(super) fn of(c: &Plane<L>) -> Logarithm<L> {
+    pub(super) fn from_cauchy_green(c: &Plane<L>) -> Logarithm<L> {
         let nothing = splat::<L>(0.0);
         let mut out = Logarithm {
             strain: [nothing; 3],
@@ -56,6 +57,7 @@ impl<const L: usize> Logarithm<L> {
             out.mean[l] = mean;
             out.deviator[0][l] = apart;
             out.deviator[1][l] = c[2][l];
+            // Not `hypot`, whose bits differ between platforms and which is no vector instruction.
             out.radius[l] = (apart * apart + c[2][l] * c[2][l]).sqrt();
             out.per_det[l] = 1.0 / det[l];
         }
@@ -63,13 +65,17 @@ impl<const L: usize> Logarithm<L> {
             let (mean, radius) = (out.mean[l], out.radius[l]);
             let per_mean = 1.0 / mean;
             let r = radius * per_mean;
+            // c₁; c₂ is det C over it, since mean − radius would lose all digits of a small c₂.
             let first = mean + radius;
             // c₁/c₂ = 2ⁿ k with √½ ≤ k < √2, so that artanh r = ½ n ln 2 + artanh t; t is r itself where n is zero.
             const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
             let ratio = first * first * out.per_det[l];
+            // Subtracting √½ before the shift rounds to the nearest power: n by integer instructions, in all lanes
+            // alike.
             let exponent = (ratio.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52;
             let power = f64::from_bits((exponent.wrapping_add(1023) as u64) << 52);
             let second = power * (det[l] / first);
+            // Near equal stretches r itself is the exact argument: c₁ − c₂ would be a difference of equals.
             let is_near = exponent == 0;
             let t = if is_near { r } else { (first - second) / (first + second) };
             let square = t * t;
@@ -82,11 +88,13 @@ impl<const L: usize> Logarithm<L> {
             let far = (0.5 * std::f64::consts::LN_2 * f64::from(exponent as i32) + t * whole) / r;
             let a = if is_near { whole } else { far };
             let inverse = mean * mean * out.per_det[l];
+            // B of equation 251: the difference over r² cancels as r → 0, where the series has it term by term.
             let b = if is_near { inverse - second_part } else { (inverse - a) / (r * r) };
             out.across[l] = a * per_mean;
             out.bent[l] = b * per_mean * per_mean * per_mean;
         }
         for l in 0..L {
+            // Mean of the principal E by the determinant: ln c₁ + ln c₂ without either of them.
             let mean = 0.25 * ln(det[l]);
             let apart = 0.5 * out.across[l] * out.deviator[0][l];
             out.strain[0][l] = mean + apart;
@@ -103,6 +111,7 @@ impl<const L: usize> Logarithm<L> {
         for l in 0..L {
             let (mean, apart, shear) = (0.5 * (t[0][l] + t[1][l]), 0.5 * (t[0][l] - t[1][l]), t[2][l]);
             let [q, w] = [self.deviator[0][l], self.deviator[1][l]];
+            // theory.md, equation 252, with d·q of the deviators as two components.
             let along = apart * q + shear * w;
             let level = (mean * self.mean[l] - along) * self.per_det[l];
             let turned = self.bent[l] * along - mean * self.per_det[l];
@@ -114,14 +123,15 @@ impl<const L: usize> Logarithm<L> {
         s
     }
 
-    /// Bound on the eigenvalues of the second derivative by F of the energy ½ E_e·T with the moduli `plane` = Y/(1 − ν²)
-    /// and `shear` = G (Pa), at the stress `t` (theory.md, equation 265).
+    /// Bound on the eigenvalues of the second derivative by F of the energy ½ E_e·T with the moduli `plane` = Y/(1 −
+    /// ν²) and `shear` = G (Pa), at the stress `t` (theory.md, equation 265).
     #[inline(always)]
     pub(super) fn bound(&self, t: &Plane<L>, [plane, poisson, shear]: [f64; 3]) -> Lane<L> {
         let mut out = splat(0.0);
         for l in 0..L {
             let (mean, apart) = (0.5 * (t[0][l] + t[1][l]), 0.5 * (t[0][l] - t[1][l]));
             let cross = (apart * apart + t[2][l] * t[2][l]).sqrt();
+            // Largest size of a principal stress: the bound must hold for tension and compression.
             let most = mean.abs() + cross;
             let (sum, radius) = (2.0 * self.mean[l], self.radius[l]);
             let (first, second) = (1.0 / (self.mean[l] + radius), (self.mean[l] + radius) * self.per_det[l]);

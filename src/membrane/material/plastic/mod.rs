@@ -2,8 +2,8 @@
 //! isotropic hardening and rate dependence.
 //!
 //! The plastic strain is subtracted from the logarithmic strain of Lagrange (Miehe, Apel and Lambrecht, Comput. Methods
-//! Appl. Mech. Engng 191, 2002; theory.md, equations 250 to 267), so that the law of small strain holds between E and T,
-//! with MD and TD of stress-free film as axes:
+//! Appl. Mech. Engng 191, 2002; theory.md, equations 250 to 267), so that the law of small strain holds between E and
+//! T, with MD and TD of stress-free film as axes:
 //!
 //! ```text
 //! E = ½ ln C ,   T = ℂ (E − E_p) ,   S = T : 2 ∂E/∂C
@@ -48,8 +48,8 @@ pub struct Plastic {
 }
 
 impl Plastic {
-    /// Film with isotropic elasticity, Hill's yield function, whose yield surface must be closed, and the flow stress of
-    /// `hardening` along MD at the lowest `rate`.
+    /// Film with isotropic elasticity, Hill's yield function, whose yield surface must be closed, and the flow stress
+    /// of `hardening` along MD at the lowest `rate`.
     pub fn new(elastic: Elastic, hill: Hill, hardening: Hardening, rate: FlowRate) -> Plastic {
         let modes = Modes::new(elastic.young, elastic.poisson, &hill);
         Plastic { elastic, hill, hardening, rate, modes }
@@ -77,7 +77,7 @@ impl Plastic {
 
     /// Flow stress at the equivalent plastic strain `p` and its constant rate, 1/s, Pa.
     pub fn flow_stress(&self, p: f64, rate: f64) -> f64 {
-        self.rate.at(self.hardening.flow(&[p]), p, rate)
+        self.rate.stress_at(self.hardening.flow(&[p]), p, rate)
     }
 
     /// Amplitudes of the elastic strain with the plastic strain `plastic`.
@@ -101,6 +101,8 @@ impl Plastic {
         amplitudes: &mut Plane<L>,
         history: &mut PlasticHistory<L>,
     ) -> Plane<L> {
+        // In the modes of equation 257 elasticity and yield function are both diagonal, so relaxation scales each
+        // amplitude by itself.
         let relaxed = trial.relaxed(gamma);
         for i in 0..3 {
             for l in 0..L {
@@ -111,7 +113,9 @@ impl Plastic {
         let ([along, across], Hill { h, n, .. }) = (self.hill.normal(), self.hill);
         let mut p = *trial.before;
         for l in 0..L {
+            // Δp = γ σ̄, as σ̄ is homogeneous of degree one.
             p[l] += gamma[l] * relaxed.stress[l];
+            // ΔE_p = γ P T with the stress at the end of the step (equation 258): backward Euler, stable for any step.
             history.strain[0][l] += gamma[l] * (along * t[0][l] - h * t[1][l]);
             history.strain[1][l] += gamma[l] * (across * t[1][l] - h * t[0][l]);
             history.strain[2][l] += gamma[l] * n * t[2][l];
@@ -123,6 +127,8 @@ impl Plastic {
                 let above = larger(relaxed.stress[l] - slow[l], 0.0);
                 // Of a lane that does not flow what is left is round-off.
                 over[l] = if gamma[l] > 0.0 { above } else { 0.0 };
+                // Trapezoid of the overstress over p (equation 262); the slow part is the integral of the curve and
+                // needs no sum.
                 work[l] = 0.5 * (history.overstress[l] + over[l]) * (p[l] - history.equivalent[l]);
             }
             for l in 0..L {
@@ -140,7 +146,7 @@ impl MembraneLaw for Plastic {
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut PlasticHistory<L>, dt: f64) -> Stress<L> {
-        let log = Logarithm::of(&d.metric());
+        let log = Logarithm::from_cauchy_green(&d.metric());
         let mut amplitudes = self.amplitudes(&log, &history.strain);
         let (before, overstress) = (history.equivalent, history.overstress);
         let trial = Trial {
@@ -164,7 +170,7 @@ impl MembraneLaw for Plastic {
 
     #[inline(always)]
     fn stress_of<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Stress<L> {
-        let log = Logarithm::of(&d.metric());
+        let log = Logarithm::from_cauchy_green(&d.metric());
         let t = self.modes.stress(&self.amplitudes(&log, &history.strain));
         Elastic::first_piola(d, log.second_piola(&t))
     }
@@ -172,7 +178,7 @@ impl MembraneLaw for Plastic {
     /// All plastic work is absorbed: what hardening stores in the film does not come back.
     #[inline(always)]
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Energy<L> {
-        let amplitudes = self.amplitudes(&Logarithm::of(&d.metric()), &history.strain);
+        let amplitudes = self.amplitudes(&Logarithm::from_cauchy_green(&d.metric()), &history.strain);
         let mut absorbed = self.hardening.work(&history.equivalent);
         for l in 0..L {
             absorbed[l] += history.surplus[l];
@@ -180,10 +186,10 @@ impl MembraneLaw for Plastic {
         Energy { stored: self.modes.stored(&amplitudes), absorbed }
     }
 
-    /// That of elastic loading: flow lowers it.
+    /// Bound of elastic loading: flow lowers it.
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Stiffness<L> {
-        let log = Logarithm::of(&d.metric());
+        let log = Logarithm::from_cauchy_green(&d.metric());
         let t = self.modes.stress(&self.amplitudes(&log, &history.strain));
         let Elastic { young, poisson } = self.elastic;
         Stiffness::in_any_direction(log.bound(&t, [self.elastic.plane(), poisson, 0.5 * young / (1.0 + poisson)]))

@@ -1,7 +1,8 @@
 //! Modes of stress that elasticity and yield do not couple.
 //!
 //! With the compliance `S` of plane stress and P of Hill's function, `P v = κ S v` has three modes `v_i` of stress with
-//! `v_i·S v_j = δ_ij`; the third is shear. In the amplitudes `y_i = v_i·E` of an elastic strain `E` (theory.md, equation 257)
+//! `v_i·S v_j = δ_ij`; the third is shear. In the amplitudes `y_i = v_i·E` of an elastic strain `E` (theory.md,
+//! equation 257)
 //!
 //! ```text
 //! T = Σ v_i y_i ,   σ̄² = Σ κ_i y_i² ,   ½ E·T = ½ Σ y_i²
@@ -25,7 +26,7 @@ pub(super) struct Modes {
 }
 
 impl Modes {
-    /// Those of isotropic elasticity with Young's modulus `young` (Pa) and Hill's function.
+    /// Modes of isotropic elasticity with Young's modulus `young` (Pa) and Hill's function.
     pub(super) fn new(young: f64, poisson: f64, hill: &Hill) -> Modes {
         // In (T₁₁ + T₂₂)/√2 and (T₁₁ − T₂₂)/√2 the compliance is diagonal; scaled by its roots, P is m.
         let root = [1.0 - poisson, 1.0 + poisson].map(|compliance| (young / compliance).sqrt());
@@ -34,6 +35,7 @@ impl Modes {
         let m22 = 0.5 * (along + across + 2.0 * hill.h) * root[1] * root[1];
         let m12 = 0.5 * (along - across) * root[0] * root[1];
         // Jacobi's rotation.
+        // The smaller angle of the two that make it diagonal, by a formula that does not cancel for small m₁₂.
         let tangent = if m12 == 0.0 {
             0.0
         } else {
@@ -59,6 +61,7 @@ impl Modes {
             for i in 0..2 {
                 out[i][l] = self.normal[i][0] * strain[0][l] + self.normal[i][1] * strain[1][l];
             }
+            // Twice, as T₁₂ works on both E₁₂ and E₂₁.
             out[2][l] = 2.0 * self.shear * strain[2][l];
         }
         out

@@ -36,6 +36,7 @@ impl CowperSymonds {
     #[inline(always)]
     pub(super) fn power_below<const L: usize>(&self, q: &Lane<L>) -> Lane<L> {
         let power = self.exponent - 1.0;
+        // The branch is the same for all lanes and the whole run.
         if power.fract() != 0.0 || power > PRODUCTS {
             let (mut log, mut out) = (splat::<L>(0.0), splat::<L>(0.0));
             for l in 0..L {
@@ -150,7 +151,7 @@ impl FlowRate {
     }
 
     /// Flow stress at p and the constant rate (1/s) where slow flow has that of `slow`, Pa.
-    pub(super) fn at(&self, slow: Flow<1>, p: f64, rate: f64) -> f64 {
+    pub(super) fn stress_at(&self, slow: Flow<1>, p: f64, rate: f64) -> f64 {
         match self {
             FlowRate::Independent => slow.stress[0],
             FlowRate::CowperSymonds(CowperSymonds { reference, exponent }) => {
@@ -199,7 +200,7 @@ mod tests {
         assert_eq!(rate.range(), Some([0.1, 100.0]));
         let slow = Hardening::Table(slow);
         for (at, factor) in [(1e-6, 1.0), (0.1, 1.0), (0.316_227_766, 1.1), (1.0, 1.2), (10.0, 1.4), (1e4, 1.6)] {
-            let stress = rate.at(slow.flow(&[0.05]), 0.05, at);
+            let stress = rate.stress_at(slow.flow(&[0.05]), 0.05, at);
             assert!((stress / (factor * 10e6) - 1.0).abs() < 1e-9, "{at}: {stress}");
         }
     }

@@ -69,7 +69,7 @@ fn strained([e11, e22, e12]: [f64; 3]) -> Gradient<1> {
 
 /// The stress T that does work on E, of a history that includes this strain.
 fn work_stress(law: &Plastic, f: Gradient<1>, history: &Point) -> [f64; 3] {
-    let log = Logarithm::of(&Deformation::from(f).metric());
+    let log = Logarithm::from_cauchy_green(&Deformation::from(f).metric());
     law.modes.stress(&law.amplitudes(&log, &history.strain)).map(|t| t[0])
 }
 
@@ -98,7 +98,7 @@ fn the_strain_is_the_logarithm() {
     for _ in 0..5000 {
         let stretches = [0, 1].map(|_| 0.2 * 25.0_f64.powf(random()));
         let f = turned(stretches, [6.3 * random(), 6.3 * random()]);
-        let found = Logarithm::of(&Deformation::from(f).metric()).strain;
+        let found = Logarithm::from_cauchy_green(&Deformation::from(f).metric()).strain;
         let expected = logarithm_of(metric_of(f));
         for (found, expected) in found.iter().zip(expected) {
             assert!((found[0] - expected).abs() < 2e-13, "{stretches:?}: {found:?} {expected}");
@@ -112,7 +112,7 @@ fn nearly_equal_stretches_lose_no_bits() {
     for square in [0.3, 1.0, 5.0_f64] {
         for size in [0.0, 1e-300, 1e-200, 1e-30, 1e-15, 1e-9] {
             let c = [square, square, size * square].map(splat);
-            let log = Logarithm::<1>::of(&c);
+            let log = Logarithm::<1>::from_cauchy_green(&c);
             assert!((log.strain[2][0] - 0.5 * size).abs() <= 4e-16 * size, "{size}: {:?}", log.strain[2]);
             assert!((log.strain[0][0] - 0.5 * square.ln()).abs() < 2e-16 + 0.5 * size * size);
             let s = log.second_piola(&[1.0, 3.0, 2.0].map(splat));
@@ -132,7 +132,7 @@ fn stresses_do_the_same_work() {
         let stretches = [1.0 + random(), 0.4 + random()];
         let c = metric_of(turned(stretches, [6.3 * random(), 0.0]));
         let t = [0, 1, 2].map(|_| random() - 0.5);
-        let s = Logarithm::<1>::of(&c.map(splat)).second_piola(&t.map(splat));
+        let s = Logarithm::<1>::from_cauchy_green(&c.map(splat)).second_piola(&t.map(splat));
         let motion = [0, 1, 2].map(|_| random() - 0.5);
         let at = |way: f64| logarithm_of([0, 1, 2].map(|i| c[i] + way * 1e-5 * motion[i]));
         let (above, below) = (at(1.0), at(-1.0));
@@ -295,7 +295,7 @@ fn the_bound_holds_at_random_states() {
             let f = turned([first, second], [6.3 * random(), 6.3 * random()]);
             let mut history = Point::virgin();
             // An elastic strain of up to twice what the film yields at.
-            let strain = Logarithm::of(&Deformation::from(f).metric()).strain;
+            let strain = Logarithm::from_cauchy_green(&Deformation::from(f).metric()).strain;
             history.strain = strain.map(|total| [total[0] + 0.08 * (random() - 0.5)]);
             let bound = law.stiffness(&Deformation::from(f), &history).any[0];
             for _ in 0..12 {
@@ -325,7 +325,8 @@ fn stress_is_the_derivative_of_the_stored_energy() {
         let f = turned([0.7 + random(), 0.5 + random()], [6.3 * random(), 6.3 * random()]);
         let d = Deformation { f, stretch_variance: [[0.1 * random()], [0.1 * random()]] };
         let mut history = Point::virgin();
-        history.strain = Logarithm::of(&d.metric()).strain.map(|total| [total[0] + 0.05 * (random() - 0.5)]);
+        history.strain =
+            Logarithm::from_cauchy_green(&d.metric()).strain.map(|total| [total[0] + 0.05 * (random() - 0.5)]);
         let stress = law.stress_of(&d, &history);
         let energy = |d: &Deformation<1>| law.energy(d, &history).stored[0];
         for fibre in 0..2 {
@@ -449,7 +450,8 @@ fn what_is_no_number_stays_none() {
     }
 }
 
-/// The logarithmic strain across at which film that is stretched by `along`, the direction `axis`, has no stress across.
+/// The logarithmic strain across at which film that is stretched by `along`, the direction `axis`, has no stress
+/// across.
 fn free_width(law: &Plastic, along: f64, axis: usize, history: &Point, dt: f64) -> f64 {
     let (mut low, mut high) = (-0.6 - along.abs(), 0.6 + along.abs());
     for _ in 0..200 {

@@ -1,7 +1,7 @@
 //! An elastic trial, and the stress to which it relaxes as film flows.
 //!
-//! A trial with the squares `a_i = κ_i y_i²` relaxes by the flow `γ` to `σ̄² = Σ a_i/(1 + γκ_i)²` (theory.md, equation 258; Simo
-//! and Taylor, Int. J. Numer. Meth. Engng 22, 1986).
+//! A trial with the squares `a_i = κ_i y_i²` relaxes by the flow `γ` to `σ̄² = Σ a_i/(1 + γκ_i)²` (theory.md, equation
+//! 258; Simo and Taylor, Int. J. Numer. Meth. Engng 22, 1986).
 
 use crate::lane::{Lane, splat};
 use crate::material::elastic::Plane;
@@ -52,6 +52,7 @@ impl<const L: usize> Trial<'_, L> {
                 let square = self.squares[i][l] * share * share;
                 out.shares[i][l] = share;
                 out.stress[l] += square;
+                // The derivative comes with the value: both need the same quotient.
                 falls[l] += square * share * self.stiffness[i];
             }
         }

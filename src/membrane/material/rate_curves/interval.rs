@@ -59,6 +59,7 @@ impl RateInterval {
         }
         let mut bound = splat(0.0);
         for l in 0..L {
+            // Up to ℓ the averaging length is the strain itself, λ = min(ε_m, ℓ), so the bound is a secant there.
             let early = if from[l] < averaging_strain { self.secant } else { 0.0 };
             let hardening = self.log.per_log() * larger(early, largest[l] / averaging_strain);
             bound[l] = if to[l] >= from[l] { hardening } else { 0.0 };
@@ -92,6 +93,7 @@ fn secant(difference: &[[f64; 2]], averaging_strain: f64) -> f64 {
         }
         let slope = (last - first) / (end - start);
         let until = end.min(averaging_strain);
+        // 0/0 at the origin: the limit is the slope.
         let at_start = if start == 0.0 { slope } else { first / start };
         largest = largest.max(at_start.abs()).max(((first + slope * (until - start)) / until).abs());
     }

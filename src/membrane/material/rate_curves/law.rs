@@ -71,6 +71,8 @@ impl RateCurves {
     fn steepening<const L: usize>(absorption: &Absorption, history: &RateHistory<L>, peak_energy: &Lane<L>) -> Lane<L> {
         let mut steepening = splat(0.0);
         for l in 0..L {
+            // w = W + surplus is the work that was put in. Where the rate has grown since, it is less than the present
+            // curve has, and the fibre unloads steeper to return no more (theory.md, equation 144).
             steepening[l] = larger(peak_energy[l] / (peak_energy[l] + history.surplus[l]), absorption.steepening());
         }
         steepening
@@ -168,6 +170,7 @@ impl FibreLaw for RateCurves {
             let below = history.peak[l] - strain[l];
             let bounds =
                 [absorption.steepening(), steepening[l]].map(|steepening| history.peak[l] - below * steepening);
+            // Either steepening may turn out to act: the range of the curve is that of both.
             from[l] = smaller(bounds[0], bounds[1]) - reach * steepening[l];
             to[l] = larger(bounds[0], bounds[1]) + reach * steepening[l];
             most[l] = strain[l] + reach;
@@ -184,6 +187,8 @@ impl FibreLaw for RateCurves {
             }
         }
         for l in 0..L {
+            // Equation 142: slope of the slowest to the fastest curve in reach, and growth of the rate from one to the
+            // next.
             slope[l] = if to[l] < 0.0 { 0.0 } else { steepening[l] * slope[l] + hardening[l] };
         }
         slope

@@ -43,11 +43,11 @@ impl Fibre {
         let steps = ((strain - self.strain).abs() / 1e-5).ceil();
         let (from, step) = (self.strain, (strain - self.strain) / steps);
         for k in 1..=steps as usize {
-            self.at(from + k as f64 * step, step.abs() / rate);
+            self.strain_to(from + k as f64 * step, step.abs() / rate);
         }
     }
 
-    fn at(&mut self, strain: f64, dt: f64) {
+    fn strain_to(&mut self, strain: f64, dt: f64) {
         let stress = self.law.stress(&self.absorption, &[strain], &mut self.history, dt)[0];
         self.work += 0.5 * (self.stress + stress) * (strain - self.strain);
         (self.strain, self.stress) = (strain, stress);
@@ -102,7 +102,7 @@ fn the_rate_is_averaged_over_growth_and_constant_below_the_largest_strain() {
 #[test]
 fn mounting_counts_as_the_lowest_rate() {
     let mut fibre = Fibre::new(family(), 0.9);
-    fibre.at(0.1, 0.0);
+    fibre.strain_to(0.1, 0.0);
     assert!((fibre.stress / curves()[0].stress(0.1) - 1.0).abs() < 1e-12);
     let [stored, absorbed] = fibre.energy();
     assert!(((stored + absorbed) / curves()[0].energy(0.1) - 1.0).abs() < 1e-12);
@@ -207,7 +207,7 @@ fn the_slope_is_bounded_at_any_rate() {
                                 slope <= bound * (1.0 + 1e-6) + 1.0,
                                 "D {share}, {before} then {rate}: {slope} over {bound}"
                             );
-                            moved.at(strain, step / rate);
+                            moved.strain_to(strain, step / rate);
                         }
                     }
                 }

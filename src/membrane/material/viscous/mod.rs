@@ -7,8 +7,8 @@
 //! S = (1 − Σ g_i) S° + Σ q_i ,   dq_i/dt = g_i dS°/dt − q_i/τ_i
 //! ```
 //!
-//! It follows the law and precedes whatever reduces the stress afterwards: [`ViscousLaw::advance`] replaces the stress that
-//! a law returned, the same for every law.
+//! It follows the law and precedes whatever reduces the stress afterwards: [`ViscousLaw::advance`] replaces the stress
+//! that a law returned, the same for every law.
 
 mod point;
 mod shift;
@@ -91,17 +91,17 @@ impl Viscosity {
         Ok(Viscosity { terms, written: Written::Instantaneous, rest: None })
     }
 
-    /// The same series on a law of film that is `written`.
-    pub fn of(self, written: Written) -> Viscosity {
+    /// This series on a law of film that is `written`.
+    pub fn with_written(self, written: Written) -> Viscosity {
         Viscosity { written, ..self }
     }
 
-    /// The same film, mounted at once and loaded `rest` (s) later.
+    /// This film, mounted at once and loaded `rest` (s) later.
     pub fn rested(self, rest: f64) -> Viscosity {
         Viscosity { rest: Some(rest), ..self }
     }
 
-    /// The same film with all times multiplied by `factor`, a_T.
+    /// This film with all times multiplied by `factor`, a_T.
     pub fn shifted(mut self, factor: f64) -> Viscosity {
         self.terms.iter_mut().for_each(|term| term.time *= factor);
         self

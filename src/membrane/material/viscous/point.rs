@@ -44,8 +44,8 @@ impl ViscousLaw {
         }
     }
 
-    /// Replaces the `stress` of the law at deformation `d` by that of viscous film after `step`, and updates the history
-    /// variables (theory.md, equations 280 to 284). `measure` is that of the law, for the compiler to know.
+    /// Replaces the `stress` of the law at deformation `d` by that of viscous film after `step`, and updates the
+    /// history variables (theory.md, equations 280 to 284). `measure` is that of the law, for the compiler to know.
     #[inline(always)]
     pub fn advance<const L: usize>(
         &self,
@@ -55,8 +55,9 @@ impl ViscousLaw {
         stress: &mut Stress<L>,
         variables: &mut [Stored<L>],
     ) {
-        let at = measure.at(d);
+        let at = measure.evaluate(d);
         let base = self.base_stress(&at, stress);
+        // Fixed sizes for the compiler, which then drops the bounds checks of the innermost loops.
         let Some((head, terms)) = variables.split_first_chunk_mut::<FIRST_TERM>() else { return };
         let (terms, _) = terms.as_chunks_mut::<3>();
         let (mut before, mut now) = ([splat::<L>(0.0); 3], [splat::<L>(0.0); 3]);
@@ -84,8 +85,8 @@ impl ViscousLaw {
         *stress = Elastic::first_piola(d, at.unmeasured(&now));
     }
 
-    /// Component `k` of the total stress before and after a step in which that of the law changes from `own`, its history
-    /// variable, to `base`.
+    /// Component `k` of the total stress before and after a step in which that of the law changes from `own`, its
+    /// history variable, to `base`.
     #[inline(always)]
     fn relax<const L: usize>(
         &self,
@@ -98,6 +99,8 @@ impl ViscousLaw {
         let (mut change, mut before, mut now) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));
         for l in 0..L {
             change[l] = base[l] - own[l];
+            // The stress before the step is summed again from the variables: storing it would be three more of them a
+            // point.
             before[l] = self.long_term * own[l];
             now[l] = self.long_term * base[l];
         }
@@ -106,6 +109,8 @@ impl ViscousLaw {
             let mut overstress_now = splat::<L>(0.0);
             for l in 0..L {
                 let old = overstress[k][l];
+                // Exact for a stress that changes steadily over the step (theory.md, equation 281), so the step limits
+                // accuracy of the loading alone.
                 overstress_now[l] = kept[l] * old + taken[l] * change[l];
                 before[l] += old;
                 now[l] += overstress_now[l];
@@ -140,10 +145,13 @@ impl ViscousLaw {
         for l in 0..L {
             let mut work = 0.0;
             for k in 0..2 {
+                // Trapezoid in the strains on which this stress does work; halved once at the end.
                 work += (before[k][l] + now[k][l]) * (at.strain[k][l] - head[STRAIN + k][l]);
             }
             let inverse = match measure {
                 Measure::SecondPiola => 1.0,
+                // m₁ m₂ of the last step, from the strains that are stored anyway: shear works on f₁·f₂, whose stress
+                // is τ/(m₁ m₂).
                 Measure::Fibres => 1.0 / (larger(head[STRAIN][l], 1.0) * larger(head[STRAIN + 1][l], 1.0)),
             };
             let shear = before[2][l] * inverse + now[2][l] * at.inverse[2][l];
@@ -177,6 +185,7 @@ impl ViscousLaw {
         let mut is_compressed = false;
         for k in 0..2 {
             for l in 0..L {
+                // A law that carries some compression itself keeps that much: only what viscosity adds to it is taken.
                 let least = smaller(base[k][l], 0.0);
                 is_compressed |= least > total[k][l];
                 out[k][l] = larger(least, total[k][l]);
@@ -205,7 +214,8 @@ impl ViscousLaw {
         let mut out = *total;
         for l in 0..L {
             let least = mean[l] - radius[l];
-            // Wrinkled film is wider by its compression over the modulus, and carries Poisson's ratio of it along the wrinkles.
+            // Wrinkled film is wider by its compression over the modulus, and carries Poisson's ratio of it along the
+            // wrinkles.
             let released = poisson * smaller(least, 0.0);
             let (first, second) = (larger(mean[l] + radius[l] - released, 0.0), larger(least, 0.0));
             let inverse = 1.0 / larger(radius[l], POINT);
@@ -223,7 +233,7 @@ impl ViscousLaw {
 
     /// Stress of the point with these history variables, where it is deformed by `d`.
     pub fn stress<const L: usize>(&self, d: &Deformation<L>, variables: &[Stored<L>]) -> Stress<L> {
-        Elastic::first_piola(d, self.base.measure.at(d).unmeasured(&self.total(variables)))
+        Elastic::first_piola(d, self.base.measure.evaluate(d).unmeasured(&self.total(variables)))
     }
 
     /// (1 − Σg) S° + Σ q, in the measure of the law.
@@ -243,7 +253,8 @@ impl ViscousLaw {
         total
     }
 
-    /// Energy of viscous film, where the law has `stress` and `energy` at deformation `d` (theory.md, equations 285, 286).
+    /// Energy of viscous film, where the law has `stress` and `energy` at deformation `d` (theory.md, equations 285,
+    /// 286).
     #[inline(always)]
     pub fn energy<const L: usize>(
         &self,
@@ -252,7 +263,7 @@ impl ViscousLaw {
         energy: &Energy<L>,
         variables: &[Stored<L>],
     ) -> Energy<L> {
-        let base = self.base_stress(&self.base.measure.at(d), stress);
+        let base = self.base_stress(&self.base.measure.evaluate(d), stress);
         let own = [0, 1, 2].map(|k| variables[STRESS + k].0);
         let (of_base, of_own) = (self.base.complementary(&base), self.base.complementary(&own));
         let mut springs = splat::<L>(0.0);
@@ -293,7 +304,7 @@ impl ViscousLaw {
         mut stiffness: Stiffness<L>,
         variables: &[Stored<L>],
     ) -> Stiffness<L> {
-        let at = self.base.measure.at(d);
+        let at = self.base.measure.evaluate(d);
         let (total, base) =
             (at.unmeasured(&self.total(variables)), at.unmeasured(&[0, 1, 2].map(|k| variables[STRESS + k].0)));
         for l in 0..L {
@@ -309,8 +320,8 @@ impl ViscousLaw {
         stiffness
     }
 
-    /// Takes from the point in a lane what the fibres that broke carried, where the shares of the layers whose MD and TD
-    /// fibres are not broken fell from `before` to `left`.
+    /// Takes from the point in a lane what the fibres that broke carried, where the shares of the layers whose MD and
+    /// TD fibres are not broken fell from `before` to `left`.
     pub fn break_fibres<const L: usize>(
         &self,
         variables: &mut [Stored<L>],
@@ -320,6 +331,7 @@ impl ViscousLaw {
     ) {
         let both = |[md, td]: [f64; 2]| [md, td, md.min(td)];
         let carried = both(left).into_iter().zip(both(before));
+        // The variables are those of the layers that were left before.
         let shares = carried.map(|(left, before)| if before > 0.0 { left / before } else { 0.0 });
         for (k, share) in shares.enumerate() {
             for first in std::iter::once(STRESS).chain((FIRST_TERM..variables.len()).step_by(3)) {

@@ -28,13 +28,13 @@ pub struct Arrhenius {
 
 /// A factor on relaxation times.
 pub trait ShiftFactor {
-    /// a_T at `temperature` (K): relaxation times there over those at the reference temperature; none where the equation
-    /// has no value.
-    fn at(&self, temperature: f64) -> Option<f64>;
+    /// a_T at `temperature` (K): relaxation times there over those at the reference temperature; none where the
+    /// equation has no value.
+    fn factor_at(&self, temperature: f64) -> Option<f64>;
 }
 
 impl ShiftFactor for Wlf {
-    fn at(&self, temperature: f64) -> Option<f64> {
+    fn factor_at(&self, temperature: f64) -> Option<f64> {
         let above = temperature - self.reference;
         let factor = 10.0_f64.powf(-self.c1 * above / (self.c2 + above));
         (self.c2 + above > 0.0 && factor.is_normal()).then_some(factor)
@@ -42,7 +42,7 @@ impl ShiftFactor for Wlf {
 }
 
 impl ShiftFactor for Arrhenius {
-    fn at(&self, temperature: f64) -> Option<f64> {
+    fn factor_at(&self, temperature: f64) -> Option<f64> {
         let factor = (self.energy / GAS_CONSTANT * (1.0 / temperature - 1.0 / self.reference)).exp();
         factor.is_normal().then_some(factor)
     }

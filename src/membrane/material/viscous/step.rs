@@ -1,4 +1,4 @@
-//! What a Prony series does within one time step.
+//! Coefficients of a Prony series over one time step.
 
 use super::Viscosity;
 use crate::lane::{Stored, exp, splat};
@@ -6,8 +6,8 @@ use crate::lane::{Stored, exp, splat};
 /// Δt/τ below which the mean of the decay is its series.
 const SHORT: f64 = 0.5;
 
-/// Coefficients of a step, the same at every point. They are stored in every lane, so that kernels load them as they load
-/// what they multiply.
+/// Coefficients of a step, the same at every point. They are stored in every lane, so that kernels load them as they
+/// load what they multiply.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViscousStep<const L: usize> {
     /// Of each term: the share of its overstress that is kept over the step, and the part of the change of the
@@ -24,16 +24,16 @@ impl<const L: usize> ViscousStep<L> {
             let [kept, mean] = decay(dt / term.time);
             [kept, term.share * mean]
         };
-        ViscousStep::of(viscosity, viscosity.terms.iter().map(of_term).collect())
+        ViscousStep::from_terms(viscosity, viscosity.terms.iter().map(of_term).collect())
     }
 
     /// Mounting of film that is free of stress and rests then.
     pub fn mounting(viscosity: &Viscosity) -> ViscousStep<L> {
         let of_term = |term: &super::PronyTerm| [0.0, term.share * viscosity.left(term)];
-        ViscousStep::of(viscosity, viscosity.terms.iter().map(of_term).collect())
+        ViscousStep::from_terms(viscosity, viscosity.terms.iter().map(of_term).collect())
     }
 
-    fn of(viscosity: &Viscosity, terms: Vec<[f64; 2]>) -> ViscousStep<L> {
+    fn from_terms(viscosity: &Viscosity, terms: Vec<[f64; 2]>) -> ViscousStep<L> {
         let fresh = viscosity.long_term() + terms.iter().map(|[_, taken]| taken).sum::<f64>();
         let terms = terms.into_iter().map(|term| term.map(|coefficient| Stored(splat(coefficient)))).collect();
         ViscousStep { terms, fresh }

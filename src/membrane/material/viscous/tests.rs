@@ -221,7 +221,8 @@ fn moduli(viscosity: &Viscosity, omega: f64) -> [f64; 2] {
     [viscosity.long_term() + of(&storage), of(&loss)]
 }
 
-/// Film that is already stretched, of which one strain oscillates: amplitude, loss angle and what is absorbed per cycle.
+/// Film that is already stretched, of which one strain oscillates: amplitude, loss angle and what is absorbed per
+/// cycle.
 #[test]
 fn loss_angle_and_absorption_of_a_cycle_are_those_of_the_loss_modulus() {
     fn check<M: MembraneLaw<History<1> = PeakStrains<1>> + Clone>(law: M, mean: f64, energy: f64) {
@@ -287,7 +288,7 @@ fn mounted_film_has_relaxed_for_its_rest() {
     assert!((of(&viscosity.clone().rested(0.0)) - 1.0).abs() < 1e-14);
     let ten = 0.5 + 0.3 * (-10.0_f64).exp() + 0.2 * (-0.1_f64).exp();
     assert!((of(&viscosity.clone().rested(10.0)) - ten).abs() < 1e-14);
-    assert!((of(&viscosity.of(Written::LongTerm)) - 1.0).abs() < 1e-14);
+    assert!((of(&viscosity.with_written(Written::LongTerm)) - 1.0).abs() < 1e-14);
 }
 
 /// Film that is written as relaxed is the film of an instantaneous law that is stiffer, to round-off.
@@ -295,7 +296,8 @@ fn mounted_film_has_relaxed_for_its_rest() {
 fn a_law_of_relaxed_film_is_scaled() {
     let viscosity = series(&[[0.3, 1e-3], [0.2, 2e-2]]);
     let stiffer = Elastic { young: 1e8, ..elastic() };
-    let mut written = Point::new(elastic(), viscosity.clone().of(Written::LongTerm)).mounted(&plane(1.0, 0.0, 1.0));
+    let mut written =
+        Point::new(elastic(), viscosity.clone().with_written(Written::LongTerm)).mounted(&plane(1.0, 0.0, 1.0));
     let mut scaled = Point::new(stiffer, viscosity).mounted(&plane(1.0, 0.0, 1.0));
     for k in 1..200 {
         let d = plane(1.0 + 0.1 * (0.05 * f64::from(k)).sin(), 0.02, 1.0 + 1e-4 * f64::from(k));
@@ -326,7 +328,7 @@ fn film_shortened_at_once_carries_no_compression() {
     let recovered = share * 0.2 * (-(1.0 - share) / time).exp();
     let found = point.moved(&plane(1.0 + recovered + 0.01, 0.0, 1.0), 0.0).p[0][0][0];
     assert!((found / (5e7 * 0.01) - 1.0).abs() < 1e-3, "{found}");
-    // The same of wrinkling film in any direction.
+    // Wrinkling film in any direction does so too.
     let mut point = Point::new(TensionField(elastic()), series(&[[share, time]])).mounted(&plane(1.1, 0.05, 1.1));
     for k in 0..200 {
         let shortened = 0.001 * f64::from(k);
@@ -343,12 +345,12 @@ fn film_shortened_at_once_carries_no_compression() {
 fn temperature_shifts_time() {
     let (wlf, arrhenius) =
         (Wlf { c1: 10.0, c2: 50.0, reference: 293.15 }, Arrhenius { energy: 1e5, reference: 293.15 });
-    assert_eq!([wlf.at(293.15), arrhenius.at(293.15)], [Some(1.0); 2]);
+    assert_eq!([wlf.factor_at(293.15), arrhenius.factor_at(293.15)], [Some(1.0); 2]);
     // −10·10/60 decades, and E/R (1/303.15 − 1/293.15).
-    assert!((wlf.at(303.15).unwrap() / 10.0_f64.powf(-100.0 / 60.0) - 1.0).abs() < 1e-12);
+    assert!((wlf.factor_at(303.15).unwrap() / 10.0_f64.powf(-100.0 / 60.0) - 1.0).abs() < 1e-12);
     let expected = 1e5 / 8.314_462_618 * (1.0 / 303.15 - 1.0 / 293.15);
-    assert!((arrhenius.at(303.15).unwrap().ln() / expected - 1.0).abs() < 1e-9);
-    assert_eq!(wlf.at(243.0), None);
+    assert!((arrhenius.factor_at(303.15).unwrap().ln() / expected - 1.0).abs() < 1e-9);
+    assert_eq!(wlf.factor_at(243.0), None);
     // A power of two shifts exactly.
     let terms = series(&[[0.3, 1e-3], [0.2, 2e-2]]);
     let d = |k: i32| plane(1.0 + 0.1 * (0.1 * f64::from(k)).sin(), 0.02, 1.0);
@@ -370,7 +372,7 @@ fn terms_that_are_no_series_are_refused() {
     assert_eq!(of(&[[0.5, 1.0], [0.5, 2.0]]), Err(ViscosityError::NothingLeft { sum: 1.0 }));
 }
 
-/// What breaks takes its overstress along.
+/// Fibres that break take their overstress along.
 #[test]
 fn broken_fibres_carry_nothing() {
     let mut point = Point::new(film(0.0), series(&[[0.4, 1e-2]])).mounted(&plane(1.0, 0.0, 1.0));

@@ -58,7 +58,7 @@ impl LoadCase for Pressure<'_> {
         let inflation = self.inflation();
         let samples = tracks.rise.rows.iter().zip(&tracks.gas.rows).enumerate();
         let row = |(k, ([rise], [_, volume])): (usize, (&[f64; 1], &[f64; 2]))| {
-            [inflation.at(k as f64 * tracks.sample), *rise, *volume]
+            [inflation.pressure_at(k as f64 * tracks.sample), *rise, *volume]
         };
         let rows: Vec<_> = samples.map(row).collect();
         tracks.table(&[column::PRESSURE.name, column::DEFLECTION.name, column::VOLUME.name], &rows)

@@ -59,7 +59,7 @@ impl LoadCase for Stretch {
     /// is excited. There is no jaw on a mirror plane.
     fn hold(&self, nodes: &mut Nodes, mesh: &Mesh, first: usize, _: &Hold) -> Vec<Jaw> {
         for n in first..nodes.position.len() {
-            nodes.velocity.set(n, [self.velocity * nodes.position.at(n)[0] / self.gauge, 0.0, 0.0]);
+            nodes.velocity.set(n, [self.velocity * nodes.position.value_at(n)[0] / self.gauge, 0.0, 0.0]);
         }
         let jaw = |(side, speed): (Side, f64)| {
             let held: Vec<u32> = mesh.sides[side as usize].iter().map(|n| first as u32 + n).collect();

@@ -127,15 +127,15 @@ impl Bars {
             let length = (to - from).norm();
             Axis::Line { from, along: (to - from) / length, length }
         };
-        Bars::of(lines.iter().map(line).collect(), radius, half_height)
+        Bars::from_axes(lines.iter().map(line).collect(), radius, half_height)
     }
 
     /// A bar of `radius` and walls of `half_height` (m) over the circle of the radius `opening` (m) about the origin.
     pub(super) fn round(opening: f64, radius: f64, half_height: f64) -> Bars {
-        Bars::of(vec![Axis::Circle { radius: opening }], radius, half_height)
+        Bars::from_axes(vec![Axis::Circle { radius: opening }], radius, half_height)
     }
 
-    fn of(axes: Vec<Axis>, radius: f64, half_height: f64) -> Bars {
+    fn from_axes(axes: Vec<Axis>, radius: f64, half_height: f64) -> Bars {
         let flat = FLAT * radius;
         let piece = |(middle, along, half): (Vector2<f64>, Vector2<f64>, f64)| {
             let core = Convex::Cuboid { half: [half, flat, half_height.max(flat)] };
@@ -182,6 +182,8 @@ impl Bars {
         let (mut least, mut nearest) = (f64::INFINITY, Vector2::from_element(f64::INFINITY));
         for axis in &self.axes {
             let offset = axis.offset(&flat);
+            // Compared in the plane, since all bars have the same height: one root for the nearest instead of one a
+            // bar.
             let squared = offset.x * offset.x + offset.y * offset.y;
             if squared < least {
                 (least, nearest) = (squared, offset);
@@ -200,7 +202,7 @@ impl Bars {
         offsets.map(|offset| self.projection(pose, &offset))
     }
 
-    /// The same from the nearest of them.
+    /// Signed distance and outward normal from the nearest of the bars.
     pub(super) fn project(&self, pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Projection {
         self.projection(pose, &self.offset(&pose.rotation.inverse_transform_vector(arm)))
     }
@@ -224,6 +226,7 @@ impl Bars {
             let next = onto_set(point - vector(&self.offset(&place)));
             let moved = (next - point).length_squared();
             point = next;
+            // An error in the place along a bar changes the distance in second order only.
             if moved <= STILL * STILL * self.radius * self.radius {
                 break;
             }

@@ -127,7 +127,7 @@ fn meshes_are_known_to_be_convex() {
     assert!(!is_convex(&vertices.iter().copied().chain(beside).collect::<Vec<_>>(), &twice));
 }
 
-/// What is known of the nearest triangle never changes a projection, on a path that jumps now and then.
+/// Knowledge of the nearest triangle never changes a projection, on a path that jumps now and then.
 #[test]
 fn a_projection_that_follows_its_triangle_is_that_of_the_whole_mesh() {
     let (vertices, triangles) = Ball::new(0.1).to_trimesh(14, 9);

@@ -32,6 +32,7 @@ impl Surface {
         let nearest = corners.iter().chain([&mean]).map(|c| self.axis_distance_squared(pose, c));
         let lines = (0..4).flat_map(|a| [(corners[a], corners[(a + 1) % 4]), (corners[a], mean)]);
         let longest = lines.map(|(a, b)| nalgebra::distance_squared(&a, &b)).fold(0.0, f64::max);
+        // No point of a triangle is farther than l/√3 from its nearest corner.
         self.size - larger(nearest.fold(f64::INFINITY, f64::min) - longest / 3.0, 0.0).sqrt()
     }
 
@@ -87,11 +88,13 @@ impl Surface {
 /// Offers points in `shape` at `pose`.
 fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
     let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+    // A triangle repeats its last corner, which leaves one of the four without area.
     let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
     let mut best: Option<DeepestPoint> = None;
     let mut offer = |weights: [f64; 4]| {
         let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
         let projection = shape.project(pose, &(point - pose.translation.vector));
+        // Also of points that are too far: it tells how far the element may move before it is looked at again.
         search.least = search.least.min(projection.distance);
         if projection.distance < best.map_or(search.within, |b| b.projection.distance) {
             best = Some(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
@@ -116,6 +119,8 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
         Shape::Bars(bars) => {
             let extent = corners.iter().map(|corner| nalgebra::distance_squared(corner, &mean)).fold(0.0, f64::max);
             let of_mean = shape.project(pose, &(mean.coords - pose.translation.vector));
+            // No point of the element is farther from the mean than a corner: one projection sorts out most elements
+            // beside long bars.
             let least = of_mean.distance - extent.sqrt();
             if least >= search.within {
                 search.least = search.least.min(least);
@@ -130,6 +135,7 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
             }
         }
         Shape::Compound(parts) => {
+            // There is one place a triangle, and parts would overwrite those of each other.
             search.followed = None;
             for Part { place, shape, .. } in parts {
                 deepest(shape, &(pose * place), corners, search);
@@ -169,7 +175,9 @@ fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>
 fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
     for [a, b] in sides(count) {
         let corners = [a, b, 4].map(|k| points[k]);
+        // Negative where nothing is known: the search begins at the third corner, the mean.
         let known = search.followed.map(|followed| followed[a].place).filter(|place| place[0] >= 0.0);
+        // Below round-off of a distance no tangent would ever confirm the minimum.
         let tolerance = search.tolerance.max(LEAST_TOLERANCE);
         let (projection, place) = match minimum(solid, &corners, known.unwrap_or([0.0; 2]), search.within, tolerance) {
             Minimum::Beyond { bound, place } => {
@@ -181,6 +189,7 @@ fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, se
             Minimum::Cut => match in_core(solid, &corners, search.within) {
                 Some(found) => found,
                 None => {
+                    // Parry tells that there is nothing within reach, not how far it is.
                     search.least = search.least.min(search.within);
                     continue;
                 }
@@ -189,6 +198,7 @@ fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, se
         search.place(a, place);
         let [u, v] = place;
         let point = corners[0] * u + corners[1] * v + corners[2] * (1.0 - u - v);
+        // Reported penetration is measured to the edges as given, not to the rounded ones (theory.md, section 6).
         let extent = projection.normal.dot(&point) - solid.sharp_reach(&projection.normal);
         search.offer(DeepestPoint { projection, weights: corner_weights(a, b, [u, v, 1.0 - u - v]), side: a, extent });
     }
@@ -219,9 +229,11 @@ fn local(shape: &Shape, pose: &Isometry3<f64>, corners: [&Point3<f64>; 3]) -> Tr
 fn nearest_to_axis(triangle: &Triangle, axis: &Segment) -> Vector {
     let corners = [triangle.a, triangle.b, triangle.c];
     let under = |end: Vector| triangle.project_local_point(end, false).point;
+    // Below the lower end, as film under a dart is: one projection instead of five.
     if corners.iter().all(|corner| corner.z <= axis.a.z) {
         return under(axis.a);
     }
+    // An axis that does not cut the triangle is nearest to it at a side or under one of its own ends.
     let at_edges = triangle.edges().map(|edge| {
         let (on_edge, _) = closest_points_segment_segment_with_locations(&Pose::IDENTITY, &edge, axis);
         edge.point_at(&on_edge)
@@ -236,10 +248,12 @@ fn barycentric(triangle: &Triangle, point: Vector) -> [f64; 3] {
     let (u, v, w) = (triangle.b - triangle.a, triangle.c - triangle.a, point - triangle.a);
     let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
     let determinant = uu * vv - uv * uv;
+    // Triangles without area occur by design: see the repeated corner of a triangle.
     if determinant <= 0.0 {
         return [1.0, 0.0, 0.0];
     }
     let b = smaller(larger((vv * wu - uv * wv) / determinant, 0.0), 1.0);
+    // Clamped so that weights add up to one and none is negative: they share an impulse among nodes.
     let c = smaller(larger((uu * wv - uv * wu) / determinant, 0.0), 1.0 - b);
     [1.0 - b - c, b, c]
 }

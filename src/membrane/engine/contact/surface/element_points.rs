@@ -43,7 +43,7 @@ pub(super) struct Search {
     pub(super) within: f64,
     /// Whether all of them are kept, or the deepest alone.
     pub(super) keeps_all: bool,
-    /// Those found.
+    /// Points found.
     pub(super) found: Vec<DeepestPoint>,
     /// Where the points of the triangles were in the last step.
     pub(super) followed: Option<Followed>,
@@ -66,7 +66,7 @@ impl Clearance {
     /// Nothing is known.
     pub(in crate::engine::contact) const NONE: Clearance = Clearance { corners: [[0.0; 3]; 4], margin: -1.0 };
 
-    /// That of an element with these `corners` (m) which may move by `margin` (m).
+    /// Clearance of an element with these `corners` (m) which may move by `margin` (m).
     pub(in crate::engine::contact) fn new(corners: &[Vector3<f64>; 4], margin: f64) -> Clearance {
         Clearance { corners: corners.map(Into::into), margin }
     }

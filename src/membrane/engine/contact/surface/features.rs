@@ -64,10 +64,12 @@ impl Face {
         let [u, v] = [corners[0] - corners[2], corners[1] - corners[2]];
         let cross = u.cross(&v);
         let squared = cross.norm_squared();
+        // A sign on the root instead of a branch on the cross product.
         let normal = cross / squared.sqrt().copysign(cross.dot(outward));
         (squared > 0.0).then(|| Face {
             corners,
             normal,
+            // Weights are linear in the point: with their gradients a corner of the mesh costs two scalar products.
             gradients: [v.cross(&cross) / squared, cross.cross(&u) / squared],
         })
     }
@@ -82,8 +84,8 @@ impl Face {
 }
 
 impl Features {
-    /// Those of a closed mesh.
-    pub(super) fn of(mesh: &TriMesh) -> Features {
+    /// Corners and edges of a closed `mesh`.
+    pub(super) fn from_mesh(mesh: &TriMesh) -> Features {
         let vertices: Vec<Vector3<f64>> = mesh.vertices().iter().map(|v| Vector3::new(v.x, v.y, v.z)).collect();
         let triangles = mesh.indices().to_vec();
         // Both triangles of an edge list it, once in each direction.
@@ -99,6 +101,7 @@ impl Features {
             for (_, _, t, k) in pair {
                 edges_of[*t][*k] = edges.len() as u32;
             }
+            // An edge with one triangle, which a closed mesh does not have, is its own neighbour instead of a panic.
             edges.push(Edge { ends: pair[0].0, opposite: [pair[0].1, pair[pair.len() - 1].1] });
         }
         let mut ends: Vec<[u32; 2]> = edges.iter().flat_map(|edge| [edge.ends, [edge.ends[1], edge.ends[0]]]).collect();
@@ -125,14 +128,14 @@ impl Features {
         features
     }
 
-    fn at(&self, vertex: u32) -> Vector3<f64> {
+    fn vertex(&self, vertex: u32) -> Vector3<f64> {
         self.vertices[vertex as usize]
     }
 
     /// Radius of the surface that the triangles of an edge stand for, m: the mean of their heights over the angle
     /// between them (theory.md, equation 213); zero where that is sharp.
     fn radius(&self, edge: &Edge) -> Option<f64> {
-        let ([a, b], [c, d]) = (edge.ends.map(|n| self.at(n)), edge.opposite.map(|n| self.at(n)));
+        let ([a, b], [c, d]) = (edge.ends.map(|n| self.vertex(n)), edge.opposite.map(|n| self.vertex(n)));
         let along = (b - a).try_normalize(0.0)?;
         let across = |to: Vector3<f64>| (to - a) - along * along.dot(&(to - a));
         let [c, d] = [across(c), across(d)];
@@ -148,9 +151,9 @@ impl Features {
 
     /// Whether the triangles next to one lie below its plane.
     fn is_above_its_neighbours(&self, triangle: &[u32; 3], edges: &[u32; 3]) -> bool {
-        let [a, b, c] = triangle.map(|n| self.at(n));
+        let [a, b, c] = triangle.map(|n| self.vertex(n));
         let normal = (b - a).cross(&(c - a)).normalize();
-        let others = edges.iter().flat_map(|edge| self.edges[*edge as usize].opposite).map(|n| self.at(n) - a);
+        let others = edges.iter().flat_map(|edge| self.edges[*edge as usize].opposite).map(|n| self.vertex(n) - a);
         others.into_iter().all(|arm| arm.dot(&normal) <= ROUND_OFF * arm.norm())
     }
 
@@ -166,10 +169,10 @@ impl Features {
 
     /// Whether the body lies below `vertex` along the unit vector `normal`.
     fn supports(&self, vertex: u32, normal: &Vector3<f64>) -> bool {
-        let at = self.at(vertex);
+        let at = self.vertex(vertex);
         let [first, end] = [0, 1].map(|k| self.first[vertex as usize + k] as usize);
         self.around[first..end].iter().all(|n| {
-            let side = self.at(*n) - at;
+            let side = self.vertex(*n) - at;
             side.dot(normal) <= ROUND_OFF * side.norm()
         })
     }
@@ -193,16 +196,19 @@ impl Features {
         for point in &points[..count] {
             (low, high) = (low.inf(point), high.sup(point));
         }
-        // What lies deeper than a share of the element has not come through it.
+        // Points deeper than a share of the element have not come through it.
         let reach = 0.5 * (high - low).norm();
         search.least = search.least.min(reach);
-        // What is looked for, and a little more, so that it need not be looked for again when the element has moved.
+        // A little more than is asked for, so that it need not be looked for again when the element has moved.
         let beyond = if search.keeps_all { BEYOND * reach } else { 0.0 };
+        // By the box of the whole element: its four triangles share the corners and edges that are found.
         let near = self.near(mesh, [low, high], reach.max(search.within + beyond));
         let mut heights = vec![];
         for [a, b] in sides(count) {
+            // The mean is projected anyway, and one side for all four triangles keeps their contacts consistent.
             let Some(face) = Face::new([points[a], points[b], points[4]], &projected[4].normal) else { continue };
             heights.clear();
+            // Heights once a triangle: corners and both ends of every edge are compared by them.
             heights.extend(near.vertices.iter().map(|(_, at)| face.normal.dot(&(at - face.corners[2]))));
             for ((vertex, at), height) in near.vertices.iter().zip(&heights) {
                 // It is the farther inside the body the higher the corner is.
@@ -223,6 +229,7 @@ impl Features {
                 if ends.iter().all(|end| heights[*end] <= lowest) {
                     continue;
                 }
+                // The third side, from the second corner to the mean, is one of the next triangle.
                 for other in [1, 2] {
                     let film = [face.corners[0], face.corners[other]];
                     if let Some((projection, share)) = self.across_edge(*edge, &film, reach) {
@@ -251,21 +258,24 @@ impl Features {
         }
         let place = |n: u32| vertices.partition_point(|vertex| *vertex < n);
         let edges = edges.into_iter().map(|edge| (edge, self.edges[edge as usize].ends.map(place))).collect();
-        Near { edges, vertices: vertices.into_iter().map(|n| (n, self.at(n))).collect() }
+        Near { edges, vertices: vertices.into_iter().map(|n| (n, self.vertex(n))).collect() }
     }
 
     /// Distance of an edge of film from an edge of the mesh that it crosses, with the share of the length where it
     /// does.
     fn across_edge(&self, edge: u32, [s, t]: &[Vector3<f64>; 2], reach: f64) -> Option<(Projection, f64)> {
         let Edge { ends, opposite } = self.edges[edge as usize];
-        let [a, b] = ends.map(|n| self.at(n));
+        let [a, b] = ends.map(|n| self.vertex(n));
         let (along, film) = (b - a, t - s);
         let cross = along.cross(&film);
         let squared = cross.norm_squared();
+        // Compared before any division: parallel edges have no common normal, and their ends are corners and nodes
+        // anyway.
         if squared <= PARALLEL * PARALLEL * along.norm_squared() * film.norm_squared() {
             return None;
         }
         let from = s - a;
+        // Shares times the square of the cross product: the test needs no division, and most pairs fail it.
         let on_mesh = from.cross(&film).dot(&cross);
         let on_film = from.cross(&along).dot(&cross);
         if !(0.0..=squared).contains(&on_mesh) || !(0.0..=squared).contains(&on_film) {
@@ -274,7 +284,7 @@ impl Features {
         let (normal, on_film) = (cross / squared.sqrt(), on_film / squared);
         let supports = |normal: &Vector3<f64>| {
             opposite.iter().all(|n| {
-                let side = self.at(*n) - a;
+                let side = self.vertex(*n) - a;
                 side.dot(normal) <= ROUND_OFF * side.norm()
             })
         };

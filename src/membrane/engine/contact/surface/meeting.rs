@@ -84,6 +84,7 @@ fn on_bars(bars: &Bars, pose: &Isometry3<f64>, other: &Shape, other_pose: &Isome
             found.extend(meetings.filter(|meeting| meeting.gap <= reach));
             return;
         }
+        // By spheres before manifolds: a round bar has 128 pieces.
         let bound = part.bounding_radius() + reach;
         if bars.project(pose, &arm).distance > bound {
             return;
@@ -131,11 +132,14 @@ fn manifold(shapes: [&Shape; 2], poses: [&Isometry3<f64>; 2], reach: f64, found:
         let normal = vector_of(place.rotation * (part.rotation * manifold.local_n1));
         let normal = poses[0].rotation * normal;
         for contact in &manifold.points {
+            // Parry has the distance of the cores; the gap is that less the rounding of both.
             let gap = contact.dist - edges;
             if gap > reach {
                 continue;
             }
             let on_core = vector_of(place.transform_point(part.transform_point(contact.local_p1)));
+            // From the core to the surface, and on to the middle of the gap: both bodies have the same point, which
+            // conserves angular momentum.
             let point = poses[0] * Point3::from(on_core) + normal * (edge + 0.5 * gap);
             found.push(Meeting { point, normal, gap });
         }
@@ -146,7 +150,7 @@ fn vector_of(v: Vector) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
 }
 
-/// The same pose of parry.
+/// A pose as one of parry.
 fn to_parry(pose: &Isometry3<f64>) -> Pose {
     let q = pose.rotation.coords;
     Pose::from_parts(vector(&pose.translation.vector), Rotation::from_xyzw(q.x, q.y, q.z, q.w))

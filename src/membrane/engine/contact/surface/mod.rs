@@ -58,7 +58,7 @@ enum Shape {
     Solid(Solid),
     /// Parts at their poses.
     Compound(Vec<Part>),
-    /// Those of a frame.
+    /// Bars of a frame.
     Bars(Bars),
 }
 
@@ -190,7 +190,7 @@ impl Surface {
         Surface::bars(Bars::straight(lines, radius, half_height))
     }
 
-    /// The same along the circle of the radius `opening` (m) about the origin.
+    /// Bars along the circle of the radius `opening` (m) about the origin.
     ///
     /// # Errors
     /// [`SurfaceError::NoVolume`].
@@ -213,7 +213,7 @@ impl Surface {
         Surface::about_centre(Shape::Solid(Solid::rounded(core, centre - outer.local_com, edge)), outer)
     }
 
-    /// The same body, of which convex parts have edges of at least the radius `edge` (m) inside the same faces.
+    /// This body, of which convex parts have edges of at least the radius `edge` (m) inside the same faces.
     pub(super) fn with_edges(&self, edge: f64) -> Surface {
         Surface { shape: self.shape.with_edges(edge), ..self.clone() }
     }
@@ -315,14 +315,14 @@ fn positive(length: f64) -> Result<f64, SurfaceError> {
     if length > 0.0 { Ok(length) } else { Err(SurfaceError::NoFaces) }
 }
 
-/// The same vector of parry.
+/// A vector as one of parry.
 #[inline(always)]
 fn vector(v: &Vector3<f64>) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }
 
 impl Shape {
-    /// The same, of which convex parts have edges of at least the radius `edge` (m).
+    /// This shape, of which convex parts have edges of at least the radius `edge` (m).
     fn with_edges(&self, edge: f64) -> Shape {
         match self {
             Shape::Ball(_) | Shape::Capsule(_) | Shape::Bars(_) => self.clone(),

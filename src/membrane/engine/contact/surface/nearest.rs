@@ -61,6 +61,7 @@ impl Surface {
         let Some(mesh) = mesh else { return self.shape.project(pose, arm) };
         let local = pose.rotation.inverse_transform_vector(arm);
         let moved = (local - nearest.from).norm();
+        // By the triangle inequality: after a motion of `moved` any distance has changed by at most that.
         if nearest.others >= 0.0 {
             if beyond.is_some_and(|beyond| nearest.distance > 0.0 && nearest.distance - moved > beyond) {
                 return Projection { distance: nearest.distance - moved, normal: Vector3::zeros() };
@@ -68,6 +69,8 @@ impl Surface {
             let triangle = mesh.triangle(nearest.triangle);
             let found = triangle.project_local_point(vector(&local), false);
             let arm = vector(&local) - found.point;
+            // Only where no other triangle can be as near: the result is then the one that the search would give, to
+            // the bit.
             if arm.length() < nearest.others - moved
                 && let Some(normal) = triangle.normal()
             {
@@ -76,6 +79,7 @@ impl Surface {
         }
         let (found, (triangle, _)) = mesh.project_local_point_and_get_location(vector(&local), false);
         let projection = signed(&local, found.point, found.is_inside);
+        // What lies beyond is not looked at, so `around` is the bound where the box holds no other triangle.
         let around = projection.distance.abs() + AROUND * self.size();
         if projection.distance > AROUND * self.size() {
             // It is not in contact, and many triangles are about as near.

@@ -17,7 +17,7 @@ pub(in crate::engine::contact) struct Projection {
 }
 
 impl Projection {
-    /// The same with its normal turned as `pose` is.
+    /// This projection with its normal turned as `pose` is.
     pub(super) fn turned(self, pose: &Isometry3<f64>) -> Projection {
         Projection { normal: pose.rotation * self.normal, ..self }
     }
@@ -48,6 +48,8 @@ impl Surface {
                 for l in 0..LANES {
                     let length = squared[l].sqrt();
                     distance[l] = length - ball.radius;
+                    // One division a lane instead of three; at the centre, where it is infinite, the normal is set
+                    // instead.
                     scale[l] = 1.0 / length;
                 }
                 for axis in 0..3 {

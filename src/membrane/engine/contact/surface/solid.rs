@@ -50,12 +50,12 @@ impl Solid {
     /// A closed mesh, moved `by` a vector (m).
     pub(super) fn mesh(mut mesh: TriMesh, by: Vector) -> Solid {
         mesh.transform_vertices(&Pose::from_translation(by));
-        let features = Some(Arc::new(Features::of(&mesh)));
+        let features = Some(Arc::new(Features::from_mesh(&mesh)));
         Solid { core: SharedShape::new(mesh), place: Pose::IDENTITY, edge: 0.0, convex: None, features, sharp: None }
     }
 
-    /// The same, of which convex shapes have edges of at least the radius `edge` (m), or of half of what leaves nothing
-    /// of it, inside the same faces.
+    /// This solid, of which convex shapes have edges of at least the radius `edge` (m), or of half of what leaves
+    /// nothing of it, inside the same faces.
     pub(super) fn with_edges(&self, edge: f64) -> Solid {
         let Some(convex) = self.convex.filter(|_| edge > self.edge) else { return self.clone() };
         let by = (edge - self.edge).min(0.5 * convex.inradius());
@@ -91,7 +91,7 @@ impl Solid {
         self.project_local(&pose.rotation.inverse_transform_vector(arm)).turned(pose)
     }
 
-    /// The same of a point in body axes.
+    /// Signed distance and outward normal, in body axes, of a point in body axes.
     #[inline(always)]
     pub(super) fn project_local(&self, local: &Vector3<f64>) -> Projection {
         if let Some(convex) = &self.convex {

@@ -11,7 +11,7 @@ use super::solid::Solid;
 /// Largest number of tangents along one edge.
 const TANGENTS: usize = 40;
 
-/// What is known of the least signed distance of a triangle.
+/// Knowledge of the least signed distance of a triangle.
 pub(super) enum Minimum {
     /// No point is nearer than `bound` (m), which is beyond what counts; `place` is where this was seen.
     Beyond { bound: f64, place: [f64; 2] },
@@ -86,6 +86,7 @@ impl Descent<'_> {
             }
             // The sum of both with these shares is constant along the edge, and a bound of its own for all of the
             // triangle.
+            // `falls` < 0 < `rises` here, so the share lies within 0 and 1.
             let share = rises / (rises - falls);
             self.bound = self.bound.max(least(&[0, 1, 2].map(|k| left.at[k] * share + right.at[k] * (1.0 - share))));
             let [from, to] = [left.weights[ends[1]], right.weights[ends[1]]];
@@ -94,6 +95,7 @@ impl Descent<'_> {
             } else {
                 from + (to - from) * (1.0 - share)
             };
+            // Negated, so that a NaN ends it as well as a bracket that numbers resolve no further.
             if !(from < along && along < to) {
                 return;
             }
@@ -119,11 +121,13 @@ impl Descent<'_> {
         let [p, q, m] = self.corners;
         let (u, v) = (p - m, q - m);
         let cross = u.cross(&v);
+        // The side on which film is; the farthest point of the core towards it decides whether the plane cuts the core.
         let outward = if cross.dot(&self.best.projection.normal) < 0.0 { -cross } else { cross };
         let Some(support) = self.solid.support_of_core(&outward) else { return false };
         let arm = support - m;
         let doubled = cross.norm_squared();
         let [a, b] = [arm.cross(&v).dot(&cross) / doubled, u.cross(&arm).dot(&cross) / doubled];
+        // Outside of the triangle that point is no candidate: the least distance is then on a side, since it is convex.
         if a >= 0.0 && b >= 0.0 && a + b <= 1.0 {
             let under = self.tangent([a, b, 1.0 - a - b]);
             self.take(&under, under.least());
@@ -172,6 +176,7 @@ pub(super) fn minimum(
     // First the edge that the nearest point so far is next to.
     let weights = descent.best.weights;
     let mut opposite = [0, 1, 2];
+    // A small weight means that the point is next to the side opposite to that corner.
     opposite.sort_by(|a, b| weights[*a].total_cmp(&weights[*b]));
     for corner in opposite {
         descent.edge([(corner + 1) % 3, (corner + 2) % 3], 0.5 * tolerance);
@@ -179,6 +184,7 @@ pub(super) fn minimum(
             return minimum;
         }
     }
+    // Inside the core the distance has no single normal, and tangents bound nothing there.
     if !is_apart || descent.best.projection.distance <= -solid.edge() {
         return Minimum::Cut;
     }

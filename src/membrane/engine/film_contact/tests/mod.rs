@@ -99,7 +99,7 @@ impl Run {
 fn triangles(film: &Film, nodes: &Nodes) -> Vec<[Vector3<f64>; 3]> {
     let mut out = vec![];
     film.for_each_intact(|corners| {
-        let at = |k: usize| Vector3::from(nodes.position.at(corners[k] as usize));
+        let at = |k: usize| Vector3::from(nodes.position.value_at(corners[k] as usize));
         out.push([at(0), at(1), at(2)]);
         if corners.len() == 4 {
             out.push([at(0), at(2), at(3)]);
@@ -150,18 +150,18 @@ fn crossings(view: &View<'_>) -> usize {
 }
 
 fn momentum(view: &View<'_>) -> Vector3<f64> {
-    let of = |n: usize| Vector3::from(view.nodes.velocity.at(n)) * view.nodes.mass[n];
+    let of = |n: usize| Vector3::from(view.nodes.velocity.value_at(n)) * view.nodes.mass[n];
     (0..view.nodes.mass.len()).map(of).sum()
 }
 
 fn angular_momentum(view: &View<'_>) -> Vector3<f64> {
     let of = |n: usize| {
-        Vector3::from(view.nodes.position.at(n)).cross(&Vector3::from(view.velocity(n))) * view.nodes.mass[n]
+        Vector3::from(view.nodes.position.value_at(n)).cross(&Vector3::from(view.velocity(n))) * view.nodes.mass[n]
     };
     (0..view.nodes.mass.len()).map(of).sum()
 }
 
-/// What a test asks of a state.
+/// Properties of a state that tests ask for.
 struct Figures {
     momentum: Vector3<f64>,
     angular_momentum: Vector3<f64>,
@@ -279,7 +279,7 @@ fn contact_at_mirror_planes_stays_bounded() {
         let moved = mesh.nodes.iter().map(|p| Point3::new(p.x + 0.3, p.y + 0.3, p.z)).collect();
         let film = Film::mount(&Mesh { nodes: moved, ..mesh }, &section, height, &mut nodes).unwrap();
         let side = |axis: usize, is_in: fn(f64) -> bool| -> Vec<usize> {
-            film.nodes.clone().filter(|n| is_in(nodes.position.at(*n)[axis])).collect()
+            film.nodes.clone().filter(|n| is_in(nodes.position.value_at(*n)[axis])).collect()
         };
         let mirrors = [0, 1].map(|axis| side(axis, |x| x < 1e-9));
         let outer = [0, 1].map(|axis| side(axis, |x| x > 0.599));
