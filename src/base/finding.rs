@@ -55,14 +55,144 @@ macro_rules! codes {
     };
 }
 
+/// Declares the findings of a module, each at one place, and makes of them the enum, its `Display` and [`Report`], the
+/// constants of codes that others name, and `CODES`, the list of all codes.
+///
+/// ```
+/// base::findings! {
+///     /// What puts a drop in doubt.
+///     #[derive(Clone, Debug, PartialEq)]
+///     pub enum Warning {
+///         NoLaser = "no-laser", Note;
+///             meaning "contact comes from the fall and the onset of the force";
+///             remedy "nothing, if the height of fall is well known";
+///             message "no laser";
+///         /// A laser that contradicts the accelerometer.
+///         LaserMismatch {
+///             residual: f64, "root mean square distance, m" => "residual_m";
+///             sensor: String, "name of the laser";
+///         } = "laser-mismatch" as LASER_MISMATCH, Warning;
+///             meaning "the motion integrated from the acceleration does not follow the laser";
+///             remedy "check the unit of the laser";
+///             message "{sensor} and acceleration are {:.2} mm apart", 1e3 * residual;
+///         /// A laser that is not plugged in.
+///         Silent { sensors: Vec<String>, "their names" => "first" = sensors[0], "lasers" = sensors.len() }
+///             = code &LASER_MISMATCH;
+///             message "{} write nothing", sensors.join(", ");
+///     }
+/// }
+/// ```
+///
+/// - A variant has its fields in braces, or one in parentheses: name, type, sentence and, after `=>`, the figures that it
+///   gives: the field itself under a name, or values; `=> ..pairs` gives those of an iterator of names and values. Figures
+///   stand in the order of the fields.
+/// - After `=` follow the name of its code and its severity, `as` a constant where others name the code, or `code` and an
+///   expression for the code of another variant or module, or of the finding that a field holds.
+/// - The message is a format with its arguments, in which fields are references. The meaning documents the variant where
+///   it has no sentence of its own.
+#[macro_export]
+macro_rules! findings {
+    (
+        $(#[$attribute:meta])* $visibility:vis enum $name:ident {
+            $(
+                $(#[$of_variant:meta])*
+                $variant:ident
+                $({ $($field:ident : $type:ty, $doc:literal
+                    $(=> $($figure:literal $(= $value:expr)?),+)? $(=> ..$pairs:expr)?);+ $(;)? })?
+                $(( $inner:ident : $inner_type:ty
+                    $(=> $($inner_figure:literal = $inner_value:expr),+)? $(=> ..$inner_pairs:expr)? ))?
+                $(= $code:literal $(as $constant:ident)?, $severity:ident;
+                    meaning $meaning:literal; remedy $remedy:literal;)?
+                $(= code $shared:expr;)?
+                message $message:literal $(, $argument:expr)*;
+            )+
+        }
+    ) => {
+        $(#[$attribute])*
+        $visibility enum $name {
+            $($(#[$of_variant])* $(#[doc = $meaning])?
+            $variant $({ $(#[doc = $doc] $field: $type),+ })? $(($inner_type))?,)+
+        }
+
+        $($($(
+            #[doc = $meaning]
+            pub const $constant: $crate::finding::Code = $crate::findings!(@code $code, $severity, $meaning, $remedy);
+        )?)?)+
+
+        /// The codes of this module.
+        pub const CODES: &[&$crate::finding::Code] =
+            &[$($(&$crate::findings!(@code $code, $severity, $meaning, $remedy),)?)+];
+
+        impl ::std::fmt::Display for $name {
+            #[allow(unused_variables)]
+            fn fmt(&self, f: &mut ::std::fmt::Formatter<'_>) -> ::std::fmt::Result {
+                match self {
+                    $($name::$variant $({ $($field),+ })? $(($inner))? => write!(f, $message $(, $argument)*),)+
+                }
+            }
+        }
+
+        impl $crate::finding::Report for $name {
+            #[allow(unused_variables)]
+            fn code(&self) -> &'static $crate::finding::Code {
+                match self {
+                    $($name::$variant $({ $($field),+ })? $(($inner))? => {
+                        $(&$crate::findings!(@code $code, $severity, $meaning, $remedy))? $($shared)?
+                    })+
+                }
+            }
+
+            #[allow(unused_variables, unused_mut)]
+            fn figures(&self) -> $crate::finding::Figures {
+                let mut figures = $crate::finding::Figures::new();
+                match self {
+                    $($name::$variant $({ $($field),+ })? $(($inner))? => {
+                        $($(
+                            $($($crate::finding::insert(
+                                &mut figures, [($figure, $crate::findings!(@value $field $(, $value)?))],
+                            );)+)?
+                            $($crate::finding::insert(&mut figures, $pairs);)?
+                        )+)?
+                        $(
+                            $($($crate::finding::insert(&mut figures, [($inner_figure, &$inner_value)]);)+)?
+                            $($crate::finding::insert(&mut figures, $inner_pairs);)?
+                        )?
+                    })+
+                }
+                figures
+            }
+        }
+    };
+    (@code $name:literal, $severity:ident, $meaning:literal, $remedy:literal) => {
+        $crate::finding::Code {
+            name: $name,
+            severity: $crate::finding::Severity::$severity,
+            meaning: $meaning,
+            remedy: $remedy,
+        }
+    };
+    (@value $field:ident) => { $field };
+    (@value $field:ident, $value:expr) => { &$value };
+}
+
+/// Figures by name, SI, the unit at the end of the name (`time_s`).
+pub type Figures = Map<String, Value>;
+
+/// Adds figures to those of a finding.
+#[doc(hidden)]
+pub fn insert<N: Into<String>, V: Serialize>(figures: &mut Figures, added: impl IntoIterator<Item = (N, V)>) {
+    let value = |value| serde_json::to_value(value).unwrap_or_default();
+    figures.extend(added.into_iter().map(|(name, figure)| (name.into(), value(figure))));
+}
+
 /// A warning of one module; its message is its `Display` form: lower case, no full stop, the fact first.
 pub trait Report: fmt::Display {
     /// Its kind.
     fn code(&self) -> &'static Code;
 
-    /// Its figures by name, SI, the unit at the end of the name (`time_s`); none by default.
-    fn figures(&self) -> Map<String, Value> {
-        Map::new()
+    /// Its figures.
+    fn figures(&self) -> Figures {
+        Figures::new()
     }
 }
 
@@ -120,37 +250,48 @@ pub fn is_code(name: &str) -> bool {
 mod tests {
     use super::*;
 
-    codes! {
-        DEEP = "deep-contact", Warning, "faces reach into the impactor", "use a smaller mesh";
-        USUAL = "usual", Note, "nothing to worry about", "nothing";
-    }
-
-    struct Deep(f64);
-
-    impl fmt::Display for Deep {
-        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            write!(f, "penetration of {} m", self.0)
-        }
-    }
-
-    impl Report for Deep {
-        fn code(&self) -> &'static Code {
-            &DEEP
-        }
-
-        fn figures(&self) -> Map<String, Value> {
-            Map::from_iter([("depth_m".into(), self.0.into())])
+    findings! {
+        /// Doubts about a contact.
+        enum Doubt {
+            Deep { depth: f64, "how deep, m" => "depth_m"; of: Vec<u8>, "faces" => "first" = of[0], "faces" = of.len() }
+                = "deep-contact" as DEEP, Warning;
+                meaning "faces reach into the impactor";
+                remedy "use a smaller mesh";
+                message "penetration of {} m", depth;
+            /// Deep somewhere.
+            Somewhere { depth: Option<f64>, "how deep, m" => ..depth.map(|depth| ("depth_m", depth)) }
+                = code &DEEP;
+                message "penetration somewhere";
+            Usual = "usual", Note;
+                meaning "nothing to worry about";
+                remedy "nothing";
+                message "as usual";
+            /// That of another module.
+            Other(other: Box<Doubt> => ..other.figures()) = code other.code();
+                message "elsewhere: {other}";
         }
     }
 
     #[test]
     fn a_report_becomes_a_finding_with_its_figures_beside_the_message() {
-        let finding = Finding::new(&Deep(0.5));
-        let json = r#"{"code":"deep-contact","severity":"warning","message":"penetration of 0.5 m","depth_m":0.5}"#;
-        assert_eq!(serde_json::to_string(&finding).unwrap(), json);
-        assert_eq!(serde_json::from_str::<Finding>(json).unwrap(), finding);
+        let deep = Doubt::Deep { depth: 0.5, of: vec![7, 8] };
+        let figures = r#""depth_m":0.5,"first":7,"faces":2}"#;
+        let json = |m| format!(r#"{{"code":"deep-contact","severity":"warning","message":"{m}",{figures}"#);
+        let finding = Finding::new(&deep);
+        assert_eq!(serde_json::to_string(&finding).unwrap(), json("penetration of 0.5 m"));
+        assert_eq!(serde_json::from_str::<Finding>(&json("penetration of 0.5 m")).unwrap(), finding);
         assert_eq!(finding.to_string(), "warning[deep-contact]: penetration of 0.5 m");
-        assert_eq!(CODES, [&DEEP, &USUAL]);
+        let other = Finding::new(&Doubt::Other(Box::new(deep)));
+        assert_eq!(serde_json::to_string(&other).unwrap(), json("elsewhere: penetration of 0.5 m"));
+    }
+
+    #[test]
+    fn each_code_is_listed_once_and_shared_by_name() {
+        assert_eq!(CODES.iter().map(|code| code.name).collect::<Vec<_>>(), ["deep-contact", "usual"]);
+        let somewhere = |depth| Finding::new(&Doubt::Somewhere { depth });
+        assert_eq!((somewhere(None).code.as_str(), somewhere(None).figures.len()), ("deep-contact", 0));
+        assert_eq!(somewhere(Some(0.5)).figures["depth_m"], 0.5);
+        assert_eq!(Doubt::Usual.code(), CODES[1]);
     }
 
     #[test]
