@@ -84,7 +84,10 @@ impl DropChannels {
 
     /// The report of the file's own filter beside the `class` of the reduction.
     fn filtered_before(&self, class: Option<f64>) -> Option<Warning> {
-        self.class.map(|before| Warning::FilteredAlready { class: before, again: class })
+        self.class.map(|before| match class {
+            Some(again) => Warning::FilteredAgain { class: before, again },
+            None => Warning::FilteredAlready { class: before },
+        })
     }
 
     /// The drop that was recorded, as [`reduce`].
