@@ -1,30 +1,11 @@
 //! Warnings about a scenario that is valid but hardly meant.
 
-use std::fmt;
-
-use serde_json::{Map, Value};
-
 use super::{Face, Loading, MeshInput, Model};
 use crate::mesh::{Outline, import};
 use crate::scenario::{Document, Implausible};
-use base::codes;
-use base::finding::{Code, Report};
+use base::findings;
 use base::number::significant;
 use membrane::material::{Law, Tension};
-
-codes! {
-    IMPLAUSIBLE_VALUE = "implausible-value", Warning,
-        "a value of the scenario, or the extent of a mesh, is far from what such tests have",
-        "check its unit: a bare number is in the SI unit, coordinates of meshes are in m; no change is needed where it is meant";
-    HYPERELASTIC_UNSTABLE = "hyperelastic-unstable", Warning,
-        "the stress of a hyperelastic law no longer grows with every strain beyond a stretch that is less than 10 (Hill's criterion): \
-         film stretched farther may give way in a band of elements",
-        "fit the coefficients to tests in several kinds of tension, with signs that are stable, or see that the film is stretched less";
-    ABSORPTION_NOT_GIVEN = "absorption-not-given", Note,
-        "an impactor rebounds from film whose fabric gives no `absorption`: it is zero, so that all energy that the film stored \
-         is returned, and rebound and energy absorption say nothing about a test",
-        "give the `absorption` of the fabric, from the rebound of a drop test (`droptower signal drop`), or 0 where it is meant";
-}
 
 /// Largest extent of a mesh that is likely, m.
 const LARGEST_MESH: f64 = 10.0;
@@ -32,83 +13,46 @@ const LARGEST_MESH: f64 = 10.0;
 /// Longest mesh file whose extent is checked, bytes.
 const LONGEST_MESH: u64 = 64 << 20;
 
-/// What is hardly meant in a scenario.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Warning {
-    /// A value is outside its likely range.
-    Value(Implausible),
-    /// A mesh is as large as if its coordinates were in another unit.
-    Extent {
-        /// Path of the key that names the file.
-        key: String,
-        /// Largest extent along x, y or z, m.
-        extent: f64,
-    },
-    /// A hyperelastic law is unstable at a stretch that film may have.
-    Unstable {
-        /// Path of the key of the law.
-        key: String,
-        /// In which kind of tension first.
-        tension: Tension,
-        /// From which stretch on.
-        stretch: f64,
-    },
-    /// A fabric that an impactor falls on has no energy absorption.
-    AbsorptionNotGiven {
-        /// Path of the key that is left out.
-        key: String,
-    },
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Warning::Value(Implausible { key, found, likely, meant, .. }) => {
-                write!(f, "`{key}` is {found}, which is implausible: usual are {likely}")?;
-                meant.iter().try_for_each(|meant| write!(f, "; did you mean \"{meant}\"?"))
-            }
-            Warning::Extent { key, extent } => {
-                let metres = significant(*extent, 3);
-                write!(f, "the mesh of `{key}` is {metres} m wide, which is implausible")?;
+findings! {
+    /// What is hardly meant in a scenario.
+    #[derive(Clone, Debug, PartialEq)]
+    pub enum Warning {
+        /// A value is outside its likely range.
+        Value(value: Implausible => "key" = value.key, "value" = value.value)
+            = "implausible-value" as IMPLAUSIBLE_VALUE, Warning;
+            meaning "a value of the scenario, or the extent of a mesh, is far from what such tests have";
+            remedy "check its unit: a bare number is in the SI unit, coordinates of meshes are in m; no change is \
+                needed where it is meant";
+            message "`{}` is {}, which is implausible: usual are {}{}", value.key, value.found, value.likely,
+                value.meant.iter().map(|meant| format!("; did you mean \"{meant}\"?")).collect::<String>();
+        /// A mesh is as large as if its coordinates were in another unit.
+        Extent {
+            key: String, "path of the key that names the file" => "key";
+            extent: f64, "largest extent along x, y or z, m" => "extent_m";
+        } = code &IMPLAUSIBLE_VALUE;
+            message "the mesh of `{key}` is {} m wide, which is implausible; {}", significant(*extent, 3),
                 match key.ends_with("polygon.file") {
-                    true => write!(f, "; check the unit of the drawing"),
-                    false => write!(f, "; coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
-                }
-            }
-            Warning::Unstable { key, tension, stretch } => {
-                write!(f, "`{key}` is unstable in {tension} from a stretch of {} on", significant(*stretch, 3))
-            }
-            Warning::AbsorptionNotGiven { key } => {
-                write!(
-                    f,
-                    "`{key}` is not given and taken as zero: the rebound of the impactor says nothing about a test"
-                )
-            }
-        }
-    }
-}
-
-impl Report for Warning {
-    fn code(&self) -> &'static Code {
-        match self {
-            Warning::Value(_) | Warning::Extent { .. } => &IMPLAUSIBLE_VALUE,
-            Warning::Unstable { .. } => &HYPERELASTIC_UNSTABLE,
-            Warning::AbsorptionNotGiven { .. } => &ABSORPTION_NOT_GIVEN,
-        }
-    }
-
-    fn figures(&self) -> Map<String, Value> {
-        let figures: Vec<(&str, Value)> = match self {
-            Warning::Value(value) => vec![("key", value.key.as_str().into()), ("value", value.value.into())],
-            Warning::Extent { key, extent } => vec![("key", key.as_str().into()), ("extent_m", (*extent).into())],
-            Warning::Unstable { key, tension, stretch } => vec![
-                ("key", key.as_str().into()),
-                ("tension", tension.to_string().into()),
-                ("stretch", (*stretch).into()),
-            ],
-            Warning::AbsorptionNotGiven { key } => vec![("key", key.as_str().into())],
-        };
-        figures.into_iter().map(|(name, value)| (name.into(), value)).collect()
+                    true => "check the unit of the drawing".to_owned(),
+                    false => format!("coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
+                };
+        Unstable {
+            key: String, "path of the key of the law" => "key";
+            tension: Tension, "in which kind of tension first" => "tension" = tension.to_string();
+            stretch: f64, "from which stretch on" => "stretch";
+        } = "hyperelastic-unstable", Warning;
+            meaning "the stress of a hyperelastic law no longer grows with every strain beyond a stretch that is less \
+                than 10 (Hill's criterion): film stretched farther may give way in a band of elements";
+            remedy "fit the coefficients to tests in several kinds of tension, with signs that are stable, or see that \
+                the film is stretched less";
+            message "`{key}` is unstable in {tension} from a stretch of {} on", significant(*stretch, 3);
+        AbsorptionNotGiven {
+            key: String, "path of the key that is left out" => "key";
+        } = "absorption-not-given" as ABSORPTION_NOT_GIVEN, Note;
+            meaning "an impactor rebounds from film whose fabric gives no `absorption`: it is zero, so that all energy \
+                that the film stored is returned, and rebound and energy absorption say nothing about a test";
+            remedy "give the `absorption` of the fabric, from the rebound of a drop test (`droptower signal drop`), or \
+                0 where it is meant";
+            message "`{key}` is not given and taken as zero: the rebound of the impactor says nothing about a test";
     }
 }
 
