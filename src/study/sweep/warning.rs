@@ -1,23 +1,11 @@
 //! Warnings about what varies: values of a distribution with which the scenario cannot be run.
 
-use std::fmt;
-
-use serde_json::{Map, Value};
 use uncertainty::distribution::Distribution;
 
-use base::codes;
-use base::finding::{Code, Report};
+use base::findings;
 use base::number;
 use scene::model::{self, Factor, Values, Variation};
 use scene::scenario::Document;
-
-codes! {
-    VALUES_REFUSED = "values-refused", Warning,
-        "a distribution of `[variation]` has values that the scenario, otherwise as written, does not take: such runs of a sweep fail, \
-         and the others no longer have the distribution that was meant",
-        "truncate the distribution to values that can be, as in `truncate = { low = 0 }`, or choose one that has no others, such as \
-         `lognormal` or `weibull` for what is above zero";
-}
 
 /// Least share of the values that is looked for: less is hardly met by a sweep.
 const LEAST: f64 = 1e-4;
@@ -25,16 +13,20 @@ const LEAST: f64 = 1e-4;
 /// Halvings of the distance to the limit.
 const HALVINGS: usize = 30;
 
-/// What is hardly meant in a variation.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Warning {
-    /// A distribution has values that the scenario does not take.
-    Refused {
-        /// Path of the key.
-        key: String,
-        /// Which they are.
-        beyond: Beyond,
-    },
+findings! {
+    /// What is hardly meant in a variation.
+    #[derive(Clone, Debug, PartialEq)]
+    pub enum Warning {
+        Refused {
+            key: String, "path of the key" => "key";
+            beyond: Beyond, "which values they are" => ..beyond.figures();
+        } = "values-refused", Warning;
+            meaning "a distribution of `[variation]` has values that the scenario, otherwise as written, does not \
+                take: such runs of a sweep fail, and the others no longer have the distribution that was meant";
+            remedy "truncate the distribution to values that can be, as in `truncate = { low = 0 }`, or choose one \
+                that has no others, such as `lognormal` or `weibull` for what is above zero";
+            message "{}", beyond.message(key);
+    }
 }
 
 /// The values of a distribution that the scenario does not take.
@@ -59,38 +51,30 @@ pub struct Limit {
     pub share: f64,
 }
 
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Warning::Refused { key, beyond } = self;
-        let (where_to, side, Limit { written, share, .. }) = match beyond {
-            Beyond::Below(limit) => ("below", "low", limit),
-            Beyond::Above(limit) => ("above", "high", limit),
-            Beyond::Median => return write!(f, "with the median of `{key}` the scenario cannot be run"),
+impl Beyond {
+    /// Where the values are, the end of the distribution there, and the limit.
+    fn side(&self) -> Option<(&'static str, &'static str, &Limit)> {
+        match self {
+            Beyond::Below(limit) => Some(("below", "low", limit)),
+            Beyond::Above(limit) => Some(("above", "high", limit)),
+            Beyond::Median => None,
+        }
+    }
+
+    fn figures(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let figures = self.side().map(|(_, end, limit)| [(end, limit.value), ("share", limit.share)]);
+        figures.into_iter().flatten()
+    }
+
+    fn message(&self, key: &str) -> String {
+        let Some((side, end, Limit { written, share, .. })) = self.side() else {
+            return format!("with the median of `{key}` the scenario cannot be run");
         };
         let percent = number::significant(100.0 * share, 2);
-        write!(
-            f,
-            "`{key}` is {where_to} {written} in {percent} % of its distribution, where the scenario cannot be run: \
-             truncate = {{ {side} = {written} }} leaves that out"
+        format!(
+            "`{key}` is {side} {written} in {percent} % of its distribution, where the scenario cannot be run: \
+             truncate = {{ {end} = {written} }} leaves that out"
         )
-    }
-}
-
-impl Report for Warning {
-    fn code(&self) -> &'static Code {
-        &VALUES_REFUSED
-    }
-
-    fn figures(&self) -> Map<String, Value> {
-        let Warning::Refused { key, beyond } = self;
-        let limit = match beyond {
-            Beyond::Below(limit) => Some(("low", limit)),
-            Beyond::Above(limit) => Some(("high", limit)),
-            Beyond::Median => None,
-        };
-        let limit = limit.map(|(side, limit)| [(side, limit.value.into()), ("share", limit.share.into())]);
-        let figures = [("key", key.as_str().into())].into_iter().chain(limit.into_iter().flatten());
-        figures.map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }
 
