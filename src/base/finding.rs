@@ -40,21 +40,6 @@ pub struct Code {
     pub remedy: &'static str,
 }
 
-/// Defines the codes of a module, one constant each, and `CODES`, the list of them.
-#[macro_export]
-macro_rules! codes {
-    ($($constant:ident = $name:literal, $severity:ident, $meaning:literal, $remedy:literal;)+) => {
-        $(#[doc = $meaning] pub const $constant: $crate::finding::Code = $crate::finding::Code {
-            name: $name,
-            severity: $crate::finding::Severity::$severity,
-            meaning: $meaning,
-            remedy: $remedy,
-        };)+
-        /// The codes of this module.
-        pub const CODES: &[&$crate::finding::Code] = &[$(&$constant),+];
-    };
-}
-
 /// Declares the findings of a module, each at one place, and makes of them the enum, its `Display` and [`Report`], the
 /// constants of codes that others name, and `CODES`, the list of all codes.
 ///
@@ -191,9 +176,7 @@ pub trait Report: fmt::Display {
     fn code(&self) -> &'static Code;
 
     /// Its figures.
-    fn figures(&self) -> Figures {
-        Figures::new()
-    }
+    fn figures(&self) -> Figures;
 }
 
 /// A finding as `summary.json` holds it.
