@@ -99,6 +99,14 @@ impl BodySize {
             | ImpactorShape::Compound(_) => BodySize::HalfExtent,
         }
     }
+
+    /// The figure `value` over this size: of its names, over a radius and over half an extent, the one that says so.
+    fn figure(self, [over_radius, over_half_extent]: [&'static str; 2], value: f64) -> [(&'static str, f64); 1] {
+        match self {
+            BodySize::Radius => [(over_radius, value)],
+            BodySize::HalfExtent => [(over_half_extent, value)],
+        }
+    }
 }
 
 impl fmt::Display for BodySize {
@@ -167,7 +175,8 @@ findings! {
         CoarseContact {
             impactor: ImpactorName, "which one" => ..impactor.figure();
             time: f64, "when the bound was exceeded first, s" => "time_s";
-            edge: f64, "longest edge in contact over the size of the impactor" => "edge_over_radius";
+            edge: f64, "longest edge in contact over the size of the impactor"
+                => ..size.figure(["edge_over_radius", "edge_over_half_extent"], *edge);
             size: BodySize, "what that size is";
         } = "coarse-contact", Warning;
             meaning "elements in contact are large compared with the impactor, so that the film takes its shape only \
@@ -178,7 +187,8 @@ findings! {
         Penetration {
             impactor: ImpactorName, "which one" => ..impactor.figure();
             time: f64, "when the bound was exceeded first, s" => "time_s";
-            depth: f64, "largest penetration over the size of the impactor" => "penetration_over_radius";
+            depth: f64, "largest penetration over the size of the impactor"
+                => ..size.figure(["penetration_over_radius", "penetration_over_half_extent"], *depth);
             size: BodySize, "what that size is";
         } = "penetration", Warning;
             meaning "elements penetrate the impactor between nodes in contact";
@@ -338,9 +348,9 @@ pub(super) mod bounds {
     pub(in crate::simulate) const JACOBIAN: f64 = 0.3;
     /// Added mass over that of a face.
     pub(in crate::simulate) const ADDED_MASS: f64 = 0.05;
-    /// Edge of an element in contact over the radius of the impactor.
+    /// Edge of an element in contact over the size of the impactor.
     pub(in crate::simulate) const EDGE: f64 = 0.25;
-    /// Penetration over the radius of the impactor.
+    /// Penetration over the size of the impactor.
     pub(in crate::simulate) const PENETRATION: f64 = 0.01;
     /// Strain of one element over the mean of its neighbours.
     pub(in crate::simulate) const LOCALISATION: f64 = 2.0;
@@ -365,13 +375,26 @@ mod tests {
     use base::finding::Finding;
 
     #[test]
+    fn figures_of_contact_are_named_for_the_size_that_the_message_names() {
+        for (size, in_words, in_name) in
+            [(BodySize::Radius, "radius", "radius"), (BodySize::HalfExtent, "half smallest extent", "half_extent")]
+        {
+            let impactor = ImpactorName::only;
+            let coarse = Finding::new(&Warning::CoarseContact { impactor: impactor(), time: 0.01, edge: 0.4, size });
+            assert!(coarse.message.contains(&format!("0.40 of the impactor's {in_words}")), "{}", coarse.message);
+            assert_eq!(coarse.figures[&format!("edge_over_{in_name}")], 0.4);
+            let deep = Finding::new(&Warning::Penetration { impactor: impactor(), time: 0.01, depth: 0.02, size });
+            assert!(deep.message.contains(&format!("by up to 2 % of its {in_words}")), "{}", deep.message);
+            assert_eq!(deep.figures[&format!("penetration_over_{in_name}")], 0.02);
+            assert_eq!([coarse.figures.len(), deep.figures.len()], [2; 2]);
+        }
+    }
+
+    #[test]
     fn a_warning_states_the_fact_and_its_figures() {
         let size = BodySize::Radius;
         let finding =
             Finding::new(&Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.0123, edge: 0.4, size });
-        let size = BodySize::HalfExtent;
-        let of_box = Warning::Penetration { impactor: ImpactorName::only(), time: 0.0123, depth: 0.02, size };
-        assert!(of_box.to_string().contains("by up to 2 % of its half smallest extent"), "{of_box}");
         let message =
             "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
         assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));
