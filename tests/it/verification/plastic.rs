@@ -147,7 +147,8 @@ fn unlike() -> String {
     KEYS.replace("r0 = 0.7, r45 = 1.6, r90 = 0.7", &format!("r0 = {r0}, r45 = {r45}, r90 = {r90}"))
 }
 
-/// A strip at 45° of film whose strain ratios along MD and TD differ: it shears, and its stress is that of uniaxial tension.
+/// A strip at 45° of film whose strain ratios along MD and TD differ: it shears, and its stress is that of uniaxial tension,
+/// exactly while the shear, which turns MD, is small.
 #[test]
 fn a_free_strip_shears() {
     let mut claims = Claims::of("plastic, free strip that shears");
@@ -162,7 +163,7 @@ fn a_free_strip_shears() {
         off[later] = off[later].max((found * along.exp() - stress).abs() / 8e6);
     }
     claims.at_most("up to 6 %, stress off the closed form, over the yield stress", off[0], 1e-3);
-    claims.at_most("through the cycle, where it turns", off[1], 1e-2);
+    claims.at_most("through the cycle", off[1], 3e-2);
     claims.judge();
 }
 

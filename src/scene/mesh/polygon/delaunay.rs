@@ -191,12 +191,11 @@ mod tests {
 
     #[test]
     fn what_cannot_be_triangulated_is_no_empty_mesh() {
-        let corners = |side: f64| vec![[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
-        for (side, expected) in [(1.0, Ok(2)), (1e250, Err(InsertionError::TooLarge))] {
-            let polygon = Polygon { outer: corners(side), holes: vec![] };
-            let wanted = |_| 2.0 * side;
-            let found = refined(Boundary::of(&polygon, &wanted), &polygon, &wanted, 100);
-            assert_eq!(found.map(|(_, triangles)| triangles.len()), expected);
-        }
+        let corners = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let boundary = Boundary::of(&Polygon { outer: corners, holes: vec![] }, &|_| 2.0);
+        let found = |inner: f64| triangulation(&boundary, &[Point2::new(inner, 0.5)]).map(|(_, triangles)| triangles);
+        assert_eq!(found(0.5).map(|triangles| triangles.len()), Ok(4));
+        assert_eq!(found(1e250), Err(InsertionError::TooLarge));
+        assert_eq!(found(f64::NAN), Err(InsertionError::NAN));
     }
 }
