@@ -18,6 +18,9 @@ const NARROW: f64 = 1.14;
 const DEEPEST: u32 = 6;
 const ROUNDS: usize = 300;
 
+/// Nodes, and triangles by the numbers of these.
+pub(super) type Triangles<P> = (Vec<P>, Vec<[u32; 3]>);
+
 /// Nodes (the boundary's first) and triangles, counter-clockwise, of at most about `most` nodes.
 ///
 /// # Errors
@@ -27,7 +30,7 @@ pub(super) fn refined(
     polygon: &Polygon,
     wanted: &dyn Fn(Point2<f64>) -> f64,
     most: usize,
-) -> Result<(Vec<Point3<f64>>, Vec<[u32; 3]>), InsertionError> {
+) -> Result<Triangles<Point3<f64>>, InsertionError> {
     let mut inner: Vec<Point2<f64>> = vec![];
     for _ in 0..ROUNDS {
         let (points, triangles) = triangulation(&boundary, &inner)?;
@@ -139,10 +142,7 @@ impl Neighbours {
 type Cdt = ConstrainedDelaunayTriangulation<spade::Point2<f64>>;
 
 /// Nodes and triangles of the constrained Delaunay triangulation that the film covers.
-fn triangulation(
-    boundary: &Boundary,
-    inner: &[Point2<f64>],
-) -> Result<(Vec<Point2<f64>>, Vec<[u32; 3]>), InsertionError> {
+fn triangulation(boundary: &Boundary, inner: &[Point2<f64>]) -> Result<Triangles<Point2<f64>>, InsertionError> {
     let points: Vec<Point2<f64>> = boundary.points.iter().chain(inner).copied().collect();
     let as_spade = |p: &Point2<f64>| spade::mitigate_underflow(spade::Point2::new(p.x, p.y));
     let edges = boundary.segments.iter().map(|segment| segment.ends).collect();

@@ -121,7 +121,7 @@ fn triangles(
     polygon: &Polygon,
     wanted: &dyn Fn(Point2<f64>) -> f64,
     most: f64,
-) -> Result<(Vec<Point3<f64>>, Vec<[u32; 3]>), PolygonFault> {
+) -> Result<delaunay::Triangles<Point3<f64>>, PolygonFault> {
     let boundary = Boundary::of(polygon, wanted);
     let refined = delaunay::refined(boundary, polygon, wanted, most as usize);
     let (mut nodes, tris) = refined.map_err(PolygonFault::NotTriangulated)?;
