@@ -40,7 +40,7 @@ pub(super) fn find(name: &str) -> Option<(&str, Known)> {
         return Some(("", Known::Energy(term)));
     }
     let (prefix, column) = column::find(name)?;
-    (prefix.is_empty() || column.is_of_each_impactor()).then_some((prefix, Known::Signal(column)))
+    (prefix.is_empty() || column.is_of_each_impactor).then_some((prefix, Known::Signal(column)))
 }
 
 /// All names of columns.

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::html::{self, escape};
+use super::panes::CHARACTERISTICS;
 use super::{Figure, drawn, figure};
 use base::diagnostic::shown_path;
 use base::number::significant;
@@ -11,14 +12,6 @@ use plot::{self as diagrams, Curve, Plot, TIME};
 use scene::expectation::Outside;
 use study::post::RunComparison;
 use study::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};
-
-/// Pairs of columns of which the second is also drawn over the first.
-const AGAINST: [[&str; 2]; 4] = [
-    [column::STRAIN.name, column::STRESS.name],
-    [column::DISPLACEMENT.name, column::FORCE.name],
-    [column::DEPTH.name, column::FORCE.name],
-    [column::DEFLECTION.name, column::PRESSURE.name],
-];
 
 /// Most points of all curves, so that page and recording can be sent by mail.
 const MOST_POINTS: usize = 100_000;
@@ -128,8 +121,8 @@ pub(crate) fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
         let curves = curves(comparison, |run| signals.series[run].as_ref().map(points));
         Plot::new(sentence(&shown.words), [TIME, &shown.axis()], curves)
     });
-    let against = AGAINST.iter().filter_map(|pair| {
-        let [x, y] = pair.map(|column| comparison.signals.iter().find(|signals| signals.column == column));
+    let against = CHARACTERISTICS.iter().filter_map(|(_, pair)| {
+        let [x, y] = pair.map(|column| comparison.signals.iter().find(|signals| signals.column == column.name));
         Some(against_each_other(comparison, x?, y?))
     });
     let (mut over_time, against): (Vec<Plot>, Vec<Plot>) = (over_time.collect(), against.collect());

@@ -12,6 +12,7 @@ mod script_output;
 mod html;
 mod key_figures;
 mod drawn;
+mod panes;
 #[cfg(feature = "rerun")]
 pub mod recording;
 mod run_page;

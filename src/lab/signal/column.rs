@@ -21,12 +21,30 @@ pub struct Column {
     pub sentence: &'static [&'static str],
     /// Of which runs it is.
     pub when: &'static str,
+    /// Whether each of several impactors has its own, whose name begins with that of the impactor.
+    pub is_of_each_impactor: bool,
+    /// Its curve over time, where page and recording draw it in a plot of film or frame.
+    pub curve: Option<CurveOverTime>,
 }
 
+/// The curve of a column in a plot over time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveOverTime {
+    /// Title of the plot, which consecutive columns may share.
+    pub title: &'static str,
+    /// Label of the curve; none where it is the only one of its plot.
+    pub label: Option<&'static str>,
+}
+
+// A row: `CONSTANT = name, name in scripts, unit, quantity (unit of the axis), factor; when;`, and where it has a curve,
+// `in "title of its plot";` or `in "title of its plot" as "label";`.
 macro_rules! columns {
-    ($($(#[doc = $doc:literal])+ $constant:ident = $name:literal, $short:literal,
-        $unit:literal, $quantity:literal ($axis_unit:literal), $factor:literal; $when:literal;)+) => {
-        $($(#[doc = $doc])+ pub const $constant: Column = Column {
+    ($(is_of_each_impactor = $each:literal {
+        $($(#[doc = $doc:literal])+ $constant:ident = $name:literal, $short:literal,
+            $unit:literal, $quantity:literal ($axis_unit:literal), $factor:literal; $when:literal;
+            $(in $title:literal $(as $label:literal)?;)?)+
+    })+) => {
+        $($($(#[doc = $doc])+ pub const $constant: Column = Column {
             name: $name,
             short: $short,
             unit: $unit,
@@ -35,150 +53,137 @@ macro_rules! columns {
             factor: $factor,
             sentence: &[$($doc),+],
             when: $when,
-        };)+
+            is_of_each_impactor: $each,
+            curve: columns!(@curve $($title $(as $label)?)?),
+        };)+)+
         /// All columns, in the order in which scripts list them.
-        pub const COLUMNS: &[Column] = &[$($constant),+];
+        pub const COLUMNS: &[Column] = &[$($($constant),+),+];
     };
+    (@curve) => { None };
+    (@curve $title:literal) => { Some(CurveOverTime { title: $title, label: None }) };
+    (@curve $title:literal as $label:literal) => { Some(CurveOverTime { title: $title, label: Some($label) }) };
 }
 
 columns! {
-    /// Vertical position of the impactor from first contact, or travel of the jaws.
-    DISPLACEMENT = "displacement_m", "displacement", "m", "displacement" ("mm"), 1e3;
-        "of an impact and of a stretch";
-    /// Vertical velocity of the impactor, positive upwards.
-    VELOCITY = "velocity_m_s", "velocity", "m/s", "velocity" ("m/s"), 1.0;
-        "of an impact";
-    /// Acceleration of the impactor through the channel filter of the run.
-    ACCELERATION_FILTERED = "acceleration_filtered_m_s2", "acceleration", "m/s2", "acceleration" ("m/s²"), 1.0;
-        "of an impact";
-    /// Acceleration of the impactor before the filter.
-    ACCELERATION = "acceleration_m_s2", "acceleration_raw", "m/s2", "acceleration" ("m/s²"), 1.0;
-        "of an impact";
-    /// Position of an impactor that does not only move along z, along x from the start.
-    DISPLACEMENT_X = "displacement_x_m", "displacement_x", "m", "displacement" ("mm"), 1e3;
-        "of an impactor that does not move along z alone";
-    /// Position of an impactor that does not only move along z, along y from the start.
-    DISPLACEMENT_Y = "displacement_y_m", "displacement_y", "m", "displacement" ("mm"), 1e3;
-        "of an impactor that does not move along z alone";
-    /// Velocity of an impactor that does not only move along z, along x.
-    VELOCITY_X = "velocity_x_m_s", "velocity_x", "m/s", "velocity" ("m/s"), 1.0;
-        "of an impactor that does not move along z alone";
-    /// Velocity of an impactor that does not only move along z, along y.
-    VELOCITY_Y = "velocity_y_m_s", "velocity_y", "m/s", "velocity" ("m/s"), 1.0;
-        "of an impactor that does not move along z alone";
-    /// Acceleration of an impactor that does not only move along z, along x, before any filter.
-    ACCELERATION_X = "acceleration_x_m_s2", "acceleration_x", "m/s2", "acceleration" ("m/s²"), 1.0;
-        "of an impactor that does not move along z alone";
-    /// Acceleration of an impactor that does not only move along z, along y, before any filter.
-    ACCELERATION_Y = "acceleration_y_m_s2", "acceleration_y", "m/s2", "acceleration" ("m/s²"), 1.0;
-        "of an impactor that does not move along z alone";
-    /// Size of the acceleration of the centre of mass of an impactor that does not only move along z, before any
-    /// filter.
-    ACCELERATION_RESULTANT = "acceleration_resultant_m_s2", "acceleration_resultant", "m/s2", "acceleration" ("m/s²"), 1.0;
-        "of an impactor that does not move along z alone";
-    /// Vertical force of the film on the impactor.
-    CONTACT_FORCE = "contact_force_N", "contact_force", "N", "force" ("N"), 1.0;
-        "of an impact";
-    /// Vertical force of other impactors and of the frame's bars on an impactor.
-    COLLISION_FORCE = "collision_force_N", "collision_force", "N", "force" ("N"), 1.0;
-        "of an impact, where there are several impactors or `frame.bars`";
-    /// Kinetic energy of the impactor, of its rotation too.
-    KINETIC_ENERGY = "kinetic_energy_J", "kinetic_energy", "J", "energy" ("J"), 1.0;
-        "of an impact";
-    /// Potential energy of the impactor.
-    POTENTIAL_ENERGY = "potential_energy_J", "potential_energy", "J", "energy" ("J"), 1.0;
-        "of an impact";
-    /// Energy that the film has taken from the impactor.
-    ABSORBED_ENERGY = "absorbed_energy_J", "absorbed_energy", "J", "energy" ("J"), 1.0;
-        "of an impact";
-    /// Sum of kinetic, potential and absorbed energy.
-    TOTAL_ENERGY = "total_energy_J", "total_energy", "J", "energy" ("J"), 1.0;
-        "of an impact";
-    /// Largest engineering strain of the MD fibres.
-    MAX_STRAIN_MD = "max_strain_md", "max_strain_md", "", "engineering strain" ("%"), 100.0;
-        "of an impact";
-    /// Largest engineering strain of the TD fibres.
-    MAX_STRAIN_TD = "max_strain_td", "max_strain_td", "", "engineering strain" ("%"), 100.0;
-        "of an impact";
-    /// Mean force on the held sides across x.
-    FRAME_FORCE_X = "frame_force_x_N", "frame_force_x", "N", "force" ("N"), 1.0;
-        "where a frame holds sides across x of a rectangle; not of a stretch";
-    /// Mean force on the held sides across y.
-    FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force" ("N"), 1.0;
-        "where a frame holds sides across y of a rectangle; not of a stretch";
-    /// Vertical force on the frame's bars, of film, of the edge on their crest and of impactors, positive downwards.
-    FRAME_FORCE = "frame_force_N", "frame_force", "N", "force" ("N"), 1.0;
-        "where there are `frame.bars`";
-    /// Largest slip of film in the frame's clamp.
-    CLAMP_SLIP = "clamp_slip_m", "clamp_slip", "m", "slip" ("mm"), 1e3;
-        "where there is a `frame.clamp`";
-    /// Pressure of the air between two faces over that of the surroundings.
-    AIR_PRESSURE = "air_pressure_Pa", "air_pressure", "Pa", "air pressure" ("Pa"), 1.0;
-        "with `air.cushion`";
-    /// Least distance of the middle surfaces of two faces; where none is within that in which they are followed, it is
-    /// at least this, which the column has then.
-    FILM_DISTANCE = "film_distance_m", "film_distance", "m", "distance" ("mm"), 1e3;
-        "of several faces with `contact.film`";
-    /// Nodes that press on another face of film.
-    FILM_CONTACT_NODES = "film_contact_nodes", "film_contact_nodes", "", "nodes" ("number"), 1.0;
-        "of several faces with `contact.film`";
-    /// Force on the jaws, or on the impactor of an indentation.
-    FORCE = "force_N", "force", "N", "force" ("N"), 1.0;
-        "of a stretch and of an indentation";
-    /// Engineering strain between the jaws.
-    STRAIN = "strain", "strain", "", "engineering strain" ("%"), 100.0;
-        "of a stretch";
-    /// Nominal stress between the jaws.
-    STRESS = "stress_Pa", "stress", "Pa", "stress" ("MPa"), 1e-6;
-        "of a stretch";
-    /// Depth of an indentation.
-    DEPTH = "depth_m", "depth", "m", "depth" ("mm"), 1e3;
-        "of an indentation";
-    /// Pressure on the film.
-    PRESSURE = "pressure_Pa", "pressure", "Pa", "pressure" ("kPa"), 1e-3;
-        "of film under pressure, or under gas of a volume";
-    /// Volume under an inflated film.
-    VOLUME = "volume_m3", "volume", "m3", "volume" ("l"), 1e3;
-        "of film under pressure, or under gas of a volume";
-    /// Length of all tears in stress-free film.
-    TORN_LENGTH = "torn_length_m", "torn_length", "m", "torn length" ("mm"), 1e3;
-        "of film with `rupture`";
-    /// Length × thickness of all tears.
-    TORN_AREA = "torn_area_m2", "torn_area", "m2", "torn area" ("mm2"), 1e6;
-        "of film with `rupture`";
-    /// Energy that tears took.
-    FRACTURE_ENERGY = "fracture_energy_J", "fracture_energy", "J", "energy" ("J"), 1.0;
-        "of film with `rupture`";
-    /// Deflection of the highest point of an inflated film.
-    DEFLECTION = "deflection_m", "deflection", "m", "deflection" ("mm"), 1e3;
-        "of film under pressure, or under gas of a volume";
-}
-
-/// The columns that each of several impactors has, their names beginning with that of the impactor.
-const OF_EACH_IMPACTOR: [Column; 17] = [
-    DISPLACEMENT,
-    VELOCITY,
-    ACCELERATION_FILTERED,
-    ACCELERATION,
-    DISPLACEMENT_X,
-    DISPLACEMENT_Y,
-    VELOCITY_X,
-    VELOCITY_Y,
-    ACCELERATION_X,
-    ACCELERATION_Y,
-    ACCELERATION_RESULTANT,
-    CONTACT_FORCE,
-    COLLISION_FORCE,
-    KINETIC_ENERGY,
-    POTENTIAL_ENERGY,
-    ABSORBED_ENERGY,
-    TOTAL_ENERGY,
-];
-
-impl Column {
-    /// Whether each of several impactors has its own, whose name begins with that of the impactor.
-    pub fn is_of_each_impactor(&self) -> bool {
-        OF_EACH_IMPACTOR.contains(self)
+    is_of_each_impactor = true {
+        /// Vertical position of the impactor from first contact, or travel of the jaws.
+        DISPLACEMENT = "displacement_m", "displacement", "m", "displacement" ("mm"), 1e3;
+            "of an impact and of a stretch";
+        /// Vertical velocity of the impactor, positive upwards.
+        VELOCITY = "velocity_m_s", "velocity", "m/s", "velocity" ("m/s"), 1.0;
+            "of an impact";
+        /// Acceleration of the impactor through the channel filter of the run.
+        ACCELERATION_FILTERED = "acceleration_filtered_m_s2", "acceleration", "m/s2", "acceleration" ("m/s²"), 1.0;
+            "of an impact";
+        /// Acceleration of the impactor before the filter.
+        ACCELERATION = "acceleration_m_s2", "acceleration_raw", "m/s2", "acceleration" ("m/s²"), 1.0;
+            "of an impact";
+        /// Position of an impactor that does not only move along z, along x from the start.
+        DISPLACEMENT_X = "displacement_x_m", "displacement_x", "m", "displacement" ("mm"), 1e3;
+            "of an impactor that does not move along z alone";
+        /// Position of an impactor that does not only move along z, along y from the start.
+        DISPLACEMENT_Y = "displacement_y_m", "displacement_y", "m", "displacement" ("mm"), 1e3;
+            "of an impactor that does not move along z alone";
+        /// Velocity of an impactor that does not only move along z, along x.
+        VELOCITY_X = "velocity_x_m_s", "velocity_x", "m/s", "velocity" ("m/s"), 1.0;
+            "of an impactor that does not move along z alone";
+        /// Velocity of an impactor that does not only move along z, along y.
+        VELOCITY_Y = "velocity_y_m_s", "velocity_y", "m/s", "velocity" ("m/s"), 1.0;
+            "of an impactor that does not move along z alone";
+        /// Acceleration of an impactor that does not only move along z, along x, before any filter.
+        ACCELERATION_X = "acceleration_x_m_s2", "acceleration_x", "m/s2", "acceleration" ("m/s²"), 1.0;
+            "of an impactor that does not move along z alone";
+        /// Acceleration of an impactor that does not only move along z, along y, before any filter.
+        ACCELERATION_Y = "acceleration_y_m_s2", "acceleration_y", "m/s2", "acceleration" ("m/s²"), 1.0;
+            "of an impactor that does not move along z alone";
+        /// Size of the acceleration of the centre of mass of an impactor that does not only move along z, before any
+        /// filter.
+        ACCELERATION_RESULTANT = "acceleration_resultant_m_s2", "acceleration_resultant", "m/s2", "acceleration" ("m/s²"), 1.0;
+            "of an impactor that does not move along z alone";
+        /// Vertical force of the film on the impactor.
+        CONTACT_FORCE = "contact_force_N", "contact_force", "N", "force" ("N"), 1.0;
+            "of an impact";
+        /// Vertical force of other impactors and of the frame's bars on an impactor.
+        COLLISION_FORCE = "collision_force_N", "collision_force", "N", "force" ("N"), 1.0;
+            "of an impact, where there are several impactors or `frame.bars`";
+        /// Kinetic energy of the impactor, of its rotation too.
+        KINETIC_ENERGY = "kinetic_energy_J", "kinetic_energy", "J", "energy" ("J"), 1.0;
+            "of an impact";
+        /// Potential energy of the impactor.
+        POTENTIAL_ENERGY = "potential_energy_J", "potential_energy", "J", "energy" ("J"), 1.0;
+            "of an impact";
+        /// Energy that the film has taken from the impactor.
+        ABSORBED_ENERGY = "absorbed_energy_J", "absorbed_energy", "J", "energy" ("J"), 1.0;
+            "of an impact";
+        /// Sum of kinetic, potential and absorbed energy.
+        TOTAL_ENERGY = "total_energy_J", "total_energy", "J", "energy" ("J"), 1.0;
+            "of an impact";
+    }
+    is_of_each_impactor = false {
+        /// Largest engineering strain of the MD fibres.
+        MAX_STRAIN_MD = "max_strain_md", "max_strain_md", "", "engineering strain" ("%"), 100.0;
+            "of an impact";
+        /// Largest engineering strain of the TD fibres.
+        MAX_STRAIN_TD = "max_strain_td", "max_strain_td", "", "engineering strain" ("%"), 100.0;
+            "of an impact";
+        /// Mean force on the held sides across x.
+        FRAME_FORCE_X = "frame_force_x_N", "frame_force_x", "N", "force" ("N"), 1.0;
+            "where a frame holds sides across x of a rectangle; not of a stretch";
+            in "Force of the film on the frame" as "along x";
+        /// Mean force on the held sides across y.
+        FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force" ("N"), 1.0;
+            "where a frame holds sides across y of a rectangle; not of a stretch";
+            in "Force of the film on the frame" as "along y";
+        /// Vertical force on the frame's bars, of film, of the edge on their crest and of impactors, positive downwards.
+        FRAME_FORCE = "frame_force_N", "frame_force", "N", "force" ("N"), 1.0;
+            "where there are `frame.bars`";
+            in "Force of the film on the frame" as "downwards, on the bars";
+        /// Largest slip of film in the frame's clamp.
+        CLAMP_SLIP = "clamp_slip_m", "clamp_slip", "m", "slip" ("mm"), 1e3;
+            "where there is a `frame.clamp`";
+            in "Slip in the clamp of the frame";
+        /// Pressure of the air between two faces over that of the surroundings.
+        AIR_PRESSURE = "air_pressure_Pa", "air_pressure", "Pa", "air pressure" ("Pa"), 1.0;
+            "with `air.cushion`";
+        /// Least distance of the middle surfaces of two faces; where none is within that in which they are followed, it is
+        /// at least this, which the column has then.
+        FILM_DISTANCE = "film_distance_m", "film_distance", "m", "distance" ("mm"), 1e3;
+            "of several faces with `contact.film`";
+        /// Nodes that press on another face of film.
+        FILM_CONTACT_NODES = "film_contact_nodes", "film_contact_nodes", "", "nodes" ("number"), 1.0;
+            "of several faces with `contact.film`";
+        /// Force on the jaws, or on the impactor of an indentation.
+        FORCE = "force_N", "force", "N", "force" ("N"), 1.0;
+            "of a stretch and of an indentation";
+        /// Engineering strain between the jaws.
+        STRAIN = "strain", "strain", "", "engineering strain" ("%"), 100.0;
+            "of a stretch";
+        /// Nominal stress between the jaws.
+        STRESS = "stress_Pa", "stress", "Pa", "stress" ("MPa"), 1e-6;
+            "of a stretch";
+        /// Depth of an indentation.
+        DEPTH = "depth_m", "depth", "m", "depth" ("mm"), 1e3;
+            "of an indentation";
+        /// Pressure on the film.
+        PRESSURE = "pressure_Pa", "pressure", "Pa", "pressure" ("kPa"), 1e-3;
+            "of film under pressure, or under gas of a volume";
+        /// Volume under an inflated film.
+        VOLUME = "volume_m3", "volume", "m3", "volume" ("l"), 1e3;
+            "of film under pressure, or under gas of a volume";
+        /// Length of all tears in stress-free film.
+        TORN_LENGTH = "torn_length_m", "torn_length", "m", "torn length" ("mm"), 1e3;
+            "of film with `rupture`";
+            in "Length of the tears";
+        /// Length × thickness of all tears.
+        TORN_AREA = "torn_area_m2", "torn_area", "m2", "torn area" ("mm2"), 1e6;
+            "of film with `rupture`";
+        /// Energy that tears took.
+        FRACTURE_ENERGY = "fracture_energy_J", "fracture_energy", "J", "energy" ("J"), 1.0;
+            "of film with `rupture`";
+            in "Energy that the tears took";
+        /// Deflection of the highest point of an inflated film.
+        DEFLECTION = "deflection_m", "deflection", "m", "deflection" ("mm"), 1e3;
+            "of film under pressure, or under gas of a volume";
     }
 }
 

@@ -2,137 +2,10 @@
 
 use viz::{Chart, Places, SignalTrack, Stroke};
 
+use crate::panes::{self, Pane, PaneCurve, Shown};
+use lab::signal::Recording;
 use lab::signal::column::{self, Column};
-use lab::signal::{Recording, Series};
 use study::post::ReferenceComparison;
-
-/// The channels of one chart.
-struct Pane {
-    title: &'static str,
-    channels: &'static [Shown],
-    /// The measured signals, each with the beginning of its label.
-    measured: &'static [(Shown, MeasuredSeries)],
-}
-
-/// Which series of a recording.
-type MeasuredSeries = fn(&ReferenceComparison) -> Option<&Series>;
-
-/// How a channel is shown.
-struct Shown {
-    /// Its name in `signals.csv`.
-    channel: &'static str,
-    /// Its name below the entity `signals`, with the unit that it is shown in.
-    entity: &'static str,
-    label: &'static str,
-    /// From SI to the unit.
-    factor: f64,
-}
-
-/// A channel that is the only simulated one of its chart.
-const SIMULATED: &str = "simulated";
-
-/// The unfiltered channel behind its filtered one.
-const RAW: &str = "simulated, raw";
-
-/// A column in the unit of its values.
-const fn shown(column: Column, label: &'static str) -> Shown {
-    Shown { channel: column.name, entity: column.name, label, factor: 1.0 }
-}
-
-/// A column in the unit of its axis.
-const fn as_plotted(column: Column, entity: &'static str, label: &'static str) -> Shown {
-    Shown { channel: column.name, entity, label, factor: column.factor }
-}
-
-/// Charts beside the film; a run has those for which it has channels.
-const FIRST: [Pane; 7] = [
-    Pane {
-        title: "Acceleration, m/s²",
-        channels: &[shown(column::ACCELERATION_FILTERED, "simulated, filtered"), shown(column::ACCELERATION, RAW)],
-        measured: &[(shown(column::ACCELERATION_FILTERED, ""), |c| c.acceleration.as_ref())],
-    },
-    Pane {
-        title: "Displacement, mm",
-        channels: &[
-            as_plotted(column::DISPLACEMENT, "displacement_mm", SIMULATED),
-            as_plotted(column::DEPTH, "depth_mm", SIMULATED),
-            as_plotted(column::DEFLECTION, "deflection_mm", SIMULATED),
-        ],
-        measured: &[(as_plotted(column::DISPLACEMENT, "displacement_mm", ""), |c| c.displacement.as_ref())],
-    },
-    Pane {
-        title: "Energy of the impactor, J",
-        channels: &[
-            shown(column::KINETIC_ENERGY, "kinetic"),
-            shown(column::POTENTIAL_ENERGY, "potential"),
-            shown(column::ABSORBED_ENERGY, "absorbed by the film"),
-            shown(column::TOTAL_ENERGY, "total"),
-        ],
-        measured: &[
-            (shown(column::ABSORBED_ENERGY, "absorbed by the film, "), |c| c.absorbed_energy.as_ref()),
-            (shown(column::TOTAL_ENERGY, "total, "), |c| c.total_energy.as_ref()),
-        ],
-    },
-    Pane { title: "Force, N", channels: &[shown(column::FORCE, SIMULATED)], measured: &[] },
-    Pane { title: "Stress, MPa", channels: &[as_plotted(column::STRESS, "stress_MPa", SIMULATED)], measured: &[] },
-    Pane { title: "Strain, %", channels: &[as_plotted(column::STRAIN, "strain_percent", SIMULATED)], measured: &[] },
-    Pane {
-        title: "Pressure, kPa",
-        channels: &[as_plotted(column::PRESSURE, "pressure_kPa", SIMULATED)],
-        measured: &[],
-    },
-];
-
-/// Charts in tabs.
-const MORE: [Pane; 9] = [
-    Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE, SIMULATED)], measured: &[] },
-    Pane {
-        title: "Force of the impactors on each other, N",
-        channels: &[shown(column::COLLISION_FORCE, SIMULATED)],
-        measured: &[],
-    },
-    Pane { title: "Velocity, m/s", channels: &[shown(column::VELOCITY, SIMULATED)], measured: &[] },
-    Pane {
-        title: "Displacement across, mm",
-        channels: &[
-            as_plotted(column::DISPLACEMENT_X, "displacement_x_mm", "along x"),
-            as_plotted(column::DISPLACEMENT_Y, "displacement_y_mm", "along y"),
-        ],
-        measured: &[],
-    },
-    Pane {
-        title: "Size of the acceleration, m/s²",
-        channels: &[shown(column::ACCELERATION_RESULTANT, SIMULATED)],
-        measured: &[],
-    },
-    Pane {
-        title: "Largest strain, %",
-        channels: &[
-            as_plotted(column::MAX_STRAIN_MD, "max_strain_md_percent", "MD"),
-            as_plotted(column::MAX_STRAIN_TD, "max_strain_td_percent", "TD"),
-        ],
-        measured: &[],
-    },
-    Pane {
-        title: "Force on the frame, N",
-        channels: &[
-            shown(column::FRAME_FORCE_X, "along x"),
-            shown(column::FRAME_FORCE_Y, "along y"),
-            shown(column::FRAME_FORCE, "downwards, on the bars"),
-        ],
-        measured: &[],
-    },
-    Pane {
-        title: "Slip in the clamp, mm",
-        channels: &[as_plotted(column::CLAMP_SLIP, "clamp_slip_mm", SIMULATED)],
-        measured: &[],
-    },
-    Pane {
-        title: "Length of the tears, mm",
-        channels: &[as_plotted(column::TORN_LENGTH, "torn_length_mm", SIMULATED)],
-        measured: &[],
-    },
-];
 
 /// The reference of a run up to an end time.
 #[derive(Clone, Copy)]
@@ -146,18 +19,17 @@ impl MeasuredChannel<'_> {
     /// The measured signals of a chart: a single one in grey, several in the colours of the simulated ones.
     fn tracks(self, pane: &Pane, own: &[SignalTrack]) -> impl Iterator<Item = SignalTrack> {
         let MeasuredChannel { comparison, end } = self;
-        let word = comparison.label();
-        pane.measured.iter().filter_map(move |(shown, series)| {
-            let series = series(comparison)?.window([0.0, end]);
-            let label = format!("{}{word}", shown.label);
-            let path = format!("measured/{}", shown.entity);
-            let its_own = own.iter().find(|track| track.path.ends_with(&format!("/{}", shown.entity)));
+        pane.measured.iter().filter_map(move |measured| {
+            let series = (measured.series)(comparison)?.window([0.0, end]);
+            let label = format!("{}{}", measured.label, comparison.label());
+            let entity = entity(&measured.column);
+            let its_own = own.iter().find(|track| track.path.ends_with(&format!("/{entity}")));
             let stroke = match its_own.filter(|_| pane.measured.len() > 1) {
                 Some(track) => track.stroke.target_of(),
                 None => Stroke::target(),
             };
-            let drawn = track(path, shown, [series.time(), series.values()], stroke);
-            Some(SignalTrack { label, ..drawn })
+            let values = [series.time(), series.values()];
+            Some(track(format!("measured/{entity}"), label, values, measured.column.factor, stroke))
         })
     }
 }
@@ -178,47 +50,47 @@ pub(super) fn of(
     end: f64,
 ) -> Signals {
     let measured = comparison.map(|comparison| MeasuredChannel { comparison, end });
-    let mut tracks = vec![];
-    let mut charts = |panes: &[Pane]| -> Vec<Chart> {
-        panes.iter().filter_map(|pane| pane.chart(signals, measured, &mut tracks)).collect()
-    };
-    let (charts, mut more_charts) = (charts(&FIRST), charts(&MORE));
-    more_charts.extend(audit(energies, &mut tracks));
-    Signals { tracks, charts, more_charts }
+    let mut out = Signals::default();
+    for pane in panes::panes() {
+        let charts = match pane.shown {
+            Shown::Page => continue,
+            Shown::Beside => &mut out.charts,
+            Shown::Tab | Shown::PageAndTab => &mut out.more_charts,
+        };
+        charts.extend(chart_of(&pane, signals, measured, &mut out.tracks));
+    }
+    out.more_charts.extend(audit(energies, &mut out.tracks));
+    out
 }
 
-impl Pane {
-    /// The chart of those channels that the run has; `None` without any.
-    fn chart(
-        &self,
-        signals: &Recording,
-        measured: Option<MeasuredChannel<'_>>,
-        all: &mut Vec<SignalTrack>,
-    ) -> Option<Chart> {
-        let own = self.channels.iter().flat_map(|shown| {
-            signals.channels.iter().filter_map(move |channel| {
-                let (prefix, _) = column::find(&channel.name).filter(|(_, column)| column.name == shown.channel)?;
-                Some((shown, prefix, &channel.values))
-            })
-        });
-        let own = own.enumerate().map(|(index, (shown, prefix, values))| {
-            let stroke = if shown.label == RAW { Stroke::nth(4).faint() } else { Stroke::nth(index) };
-            let path = format!("signals/{prefix}{}", shown.entity);
-            let drawn = track(path, shown, [&signals.time, values], stroke);
-            // Of several impactors, each under its name.
-            let label = match prefix.strip_suffix('_') {
-                Some(name) if shown.label == SIMULATED => name.to_owned(),
-                Some(name) => format!("{name}: {}", shown.label),
-                None => drawn.label,
-            };
-            SignalTrack { label, ..drawn }
-        });
-        let own: Vec<SignalTrack> = own.collect();
-        let measured =
-            measured.filter(|_| !own.is_empty()).into_iter().flat_map(|measured| measured.tracks(self, &own));
-        let mut tracks: Vec<SignalTrack> = measured.collect();
-        tracks.extend(own);
-        chart(self.title, tracks, all)
+/// The chart of a pane; `None` where the run has none of its channels.
+fn chart_of(
+    pane: &Pane,
+    signals: &Recording,
+    measured: Option<MeasuredChannel<'_>>,
+    all: &mut Vec<SignalTrack>,
+) -> Option<Chart> {
+    let title = format!("{}, {}", pane.title(signals)?, pane.columns[0].0.axis_unit);
+    let own = pane.curves(signals).into_iter().enumerate().map(|(index, curve)| {
+        let PaneCurve { column, prefix, label, values } = curve;
+        // The unfiltered channel lies behind its filtered one.
+        let stroke = if column == column::ACCELERATION { Stroke::nth(4).faint() } else { Stroke::nth(index) };
+        let path = format!("signals/{prefix}{}", entity(&column));
+        track(path, label, [&signals.time, values], column.factor, stroke)
+    });
+    let own: Vec<SignalTrack> = own.collect();
+    let measured = measured.filter(|_| !own.is_empty()).into_iter().flat_map(|measured| measured.tracks(pane, &own));
+    let mut tracks: Vec<SignalTrack> = measured.collect();
+    tracks.extend(own);
+    chart(&title, tracks, all)
+}
+
+/// The name of a column below the entity `signals`, with the unit that it is shown in.
+fn entity(column: &Column) -> String {
+    match column.axis_unit {
+        _ if column.factor == 1.0 => column.name.to_owned(),
+        "%" => format!("{}_percent", column.short),
+        unit => format!("{}_{unit}", column.short),
     }
 }
 
@@ -241,12 +113,12 @@ fn audit(energies: &Recording, all: &mut Vec<SignalTrack>) -> Option<Chart> {
     chart("Energy audit, J", tracks.collect(), all)
 }
 
-fn track(path: String, shown: &Shown, [time, values]: [&[f64]; 2], stroke: Stroke) -> SignalTrack {
+fn track(path: String, label: String, [time, values]: [&[f64]; 2], factor: f64, stroke: Stroke) -> SignalTrack {
     SignalTrack {
         path,
-        label: shown.label.to_owned(),
+        label,
         places: Places::Times(time.to_vec()),
-        values: values.iter().map(|value| (value * shown.factor) as f32).collect(),
+        values: values.iter().map(|value| (value * factor) as f32).collect(),
         stroke,
     }
 }
@@ -260,7 +132,7 @@ fn chart(title: &str, tracks: Vec<SignalTrack>, all: &mut Vec<SignalTrack>) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lab::signal::{Annotations, Channel};
+    use lab::signal::{Annotations, Channel, Series};
 
     fn recording(names: &[&str]) -> Recording {
         let channel = |name: &&str| Channel { name: (*name).to_owned(), values: vec![0.0, 0.5] };

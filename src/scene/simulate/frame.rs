@@ -68,14 +68,9 @@ impl Crest {
         }
     }
 
-    /// Whether there is none.
-    pub(super) fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
-    }
-
-    /// Vertical force of the whole film on it, N, positive downwards.
-    pub(super) fn force(&self, nodes: &Nodes) -> f64 {
-        -self.copies * nodes.total_force(&self.nodes, 2)
+    /// Vertical force of the whole film on it, N, positive downwards; none without bars.
+    pub(super) fn force(&self, nodes: &Nodes) -> Option<f64> {
+        (!self.nodes.is_empty()).then(|| -self.copies * nodes.total_force(&self.nodes, 2))
     }
 }
 

@@ -2,11 +2,7 @@
 
 use crate::mesh::{Mesh, Outline, Side};
 use crate::model::{Hold, Model};
-use lab::signal::{Channel, Recording, column};
 use membrane::engine::Nodes;
-
-/// Columns of the force along x and y.
-const NAMES: [&str; 2] = [column::FRAME_FORCE_X.name, column::FRAME_FORCE_Y.name];
 
 /// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and the
 /// force of jaws is a signal of its own.
@@ -45,29 +41,14 @@ impl HeldSides {
         }
     }
 
-    /// Whether no side is held.
-    pub(super) fn is_empty(&self) -> bool {
-        self.sides.is_empty()
-    }
-
-    /// Mean inward force of the whole film on the held sides across x and on those across y, N; NaN along an axis
-    /// across which none is held.
-    pub(super) fn force(&self, nodes: &Nodes) -> [f64; 2] {
-        [0, 1].map(|axis| {
-            let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
-            let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
-            let inward = |held: &HeldSide| -outward(held.side) * nodes.total_force(&held.nodes, axis);
-            copies * sides().map(inward).sum::<f64>() / sides().count() as f64
-        })
-    }
-
-    /// Adds the columns of the axes that have held sides; `rows` are the values of [`HeldSides::force`] at
-    /// the samples.
-    pub(super) fn add_columns(&self, rows: &[[f64; 2]], signals: &mut Recording) {
-        for axis in [0, 1].into_iter().filter(|axis| self.across(*axis).next().is_some()) {
-            let values = rows.iter().take(signals.time.len()).map(|row| row[axis]).collect();
-            signals.channels.push(Channel { name: NAMES[axis].into(), values });
-        }
+    /// Mean inward force of the whole film on the held sides across an axis, N; none where no side across it is held,
+    /// NaN where mirror planes replace all that are.
+    pub(super) fn force(&self, nodes: &Nodes, axis: usize) -> Option<f64> {
+        self.across(axis).next()?;
+        let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
+        let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
+        let inward = |held: &HeldSide| -outward(held.side) * nodes.total_force(&held.nodes, axis);
+        Some(copies * sides().map(inward).sum::<f64>() / sides().count() as f64)
     }
 
     fn across(&self, axis: usize) -> impl Iterator<Item = &HeldSide> {

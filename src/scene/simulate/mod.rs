@@ -1,6 +1,7 @@
 //! One run: from a checked model to its outcome.
 
 mod build;
+mod channels;
 mod check;
 mod checkpoint;
 mod energy_check;

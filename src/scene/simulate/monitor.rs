@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::channels::Sample;
 use super::film::Film;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::model::{Model, SNAPSHOT_MEMORY};
-use membrane::engine::{self, AddedMass, ContactState, ElementStrain, Relaxation, TooWide, View};
+use membrane::engine::{self, AddedMass, ContactState, ElementStrain, FilmContactState, Relaxation, TooWide, View};
 use membrane::material::Law;
 
 /// Figures that are known only at the end of a run.
@@ -40,13 +41,13 @@ pub(super) struct Monitor {
     crossed: Option<(f64, f64)>,
     lost: Option<(f64, u64)>,
     /// Steps in which the impulses between faces did not converge, and all steps.
-    pub(super) unresolved: [u64; 2],
+    unresolved: [u64; 2],
     /// First time (s) and largest slip (m) of film in its clamp.
     slip: Option<(f64, f64)>,
     /// First time (s) and share of the held length of film that left its clamp.
     left: Option<(f64, f64)>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
-    pub(super) too_wide: Option<TooWide>,
+    too_wide: Option<TooWide>,
     has_bars: bool,
 }
 
@@ -136,8 +137,22 @@ impl Monitor {
         self.contacts[impactor].hits_frame(time);
     }
 
+    /// Records the film at a sample: its slip in the clamp, its tears, and contact between its faces.
+    pub(super) fn sample(&mut self, Sample { view, clamp, films, torn, .. }: &Sample<'_>) {
+        if let Some(clamp) = clamp {
+            self.clamp(view.time, *clamp);
+        }
+        if torn.is_some() {
+            self.too_wide = view.too_wide;
+        }
+        if let Some(FilmContactState { distance, lost, unresolved, .. }) = *films {
+            self.films(view.time, distance, lost);
+            self.unresolved = unresolved;
+        }
+    }
+
     /// Records the largest slip (m) in the clamp at `time` (s) and the share of its length that holds film no longer.
-    pub(super) fn clamp(&mut self, time: f64, [slip, left]: [f64; 2]) {
+    fn clamp(&mut self, time: f64, [slip, left]: [f64; 2]) {
         for (recorded, value) in [(&mut self.slip, slip), (&mut self.left, left)] {
             if value > 0.0 {
                 let (first, most) = recorded.unwrap_or((time, 0.0));
@@ -147,7 +162,7 @@ impl Monitor {
     }
 
     /// Records the least `distance` (m) of two faces at `time` (s), and how often their contact was `lost` so far.
-    pub(super) fn films(&mut self, time: f64, distance: f64, lost: u64) {
+    fn films(&mut self, time: f64, distance: f64, lost: u64) {
         if distance < 0.0 {
             let (first, least) = self.crossed.unwrap_or((time, 0.0));
             self.crossed = Some((first, distance.min(least)));

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::channels::{self, Sample};
 use super::energy_check::EnergyCheck;
 use super::fault::Fault;
 use super::frame::Crest;
@@ -18,8 +19,8 @@ use super::snapshot::{self, FilmState, Snapshot};
 use super::tracks::{BodyTracks, Tracks};
 use super::warning::bounds::KINETIC;
 use crate::model::Model;
-use lab::signal::{Channel, Recording, column};
-use membrane::engine::{self, ElementStrain, Engine, FilmContactState, Observer, Relaxation, Torn, Track, View};
+use lab::signal::{Recording, column};
+use membrane::engine::{self, ElementStrain, Engine, Observer, Relaxation, Torn, Track, View};
 
 /// Audits of energies, contact and strains in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
@@ -196,34 +197,17 @@ impl<'a> Probe<'a> {
         let intact = |fibre: usize| faces.iter().flatten().filter(move |s| s.left[fibre] > 0.0);
         let largest = |fibre: usize| intact(fibre).map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
         self.record.tracks.strains.push(view.time, [largest(0), largest(1)]);
-        if !self.held.is_empty() {
-            self.record.tracks.frame.push(view.time, self.held.force(view.nodes));
-        }
-        if !self.crest.is_empty() {
-            self.record.tracks.crest.push(view.time, [self.crest.force(view.nodes)]);
-        }
-        if let Some(slip) = view.clamp_slip() {
-            self.record.tracks.clamp.push(view.time, [slip[0]]);
-            self.record.monitor.clamp(view.time, slip);
-        }
-        if let Some(pressure) = view.cushion_pressure() {
-            self.record.tracks.air.push(view.time, [pressure]);
-        }
-        if let Some(inflated) = view.inflated() {
-            self.record.tracks.gas.push(view.time, inflated);
-        }
-        if let Some(Torn { length, area, energy }) = view.torn() {
-            self.record.tracks.tears.push(view.time, [length, area, energy]);
-            self.record.monitor.too_wide = view.too_wide;
-        }
-        if let Some(FilmContactState { distance, nodes, lost, unresolved }) = view.film_contact_state() {
-            self.record.tracks.films.push(view.time, [distance, nodes as f64]);
-            self.record.monitor.films(view.time, distance, lost);
-            self.record.monitor.unresolved = unresolved;
-        }
-        if self.loading.has_rise() {
-            self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
-        }
+        let sample = Sample {
+            view,
+            held: &self.held,
+            crest: &self.crest,
+            rise: self.loading.has_rise().then(|| self.record.rise.largest(view)),
+            clamp: view.clamp_slip(),
+            films: view.film_contact_state(),
+            torn: view.torn(),
+        };
+        channels::take(&sample, &mut self.record.tracks);
+        self.record.monitor.sample(&sample);
         self.record.rates.sample(view.time, faces);
         let mut sinks = view.bodies().len() == 0;
         for (lowest, body) in self.record.lowest.iter_mut().zip(view.bodies()) {
@@ -274,7 +258,8 @@ impl<'a> Probe<'a> {
         let unfinished = self.model.prefixes().into_iter().map(ends_loaded).collect();
         let snapshots = [self.model.output.frames, self.snapshots];
         let relaxation = self.record.relaxation;
-        let torn = self.record.tracks.tears.rows.last().copied();
+        let last = |column| self.record.tracks.sampled(&column).last().copied();
+        let torn = last(column::TORN_LENGTH).zip(last(column::TORN_AREA)).zip(last(column::FRACTURE_ENERGY));
         let figures = Figures {
             missed,
             met_others_alone,
@@ -304,7 +289,7 @@ impl<'a> Probe<'a> {
             mass_scaling: mounting.mass_scaling,
             added_mass: mounting.added_mass,
             penetration: self.record.penetration,
-            torn: torn.map(|[length, area, energy]| Torn { length, area, energy }),
+            torn: torn.map(|((length, area), energy)| Torn { length, area, energy }),
             elements: engine.elements(),
             bytes: engine.bytes(),
             threads: engine.pool().threads(),
@@ -319,33 +304,7 @@ impl<'a> Probe<'a> {
     pub(super) fn signals(&self, mounting: &Mounting) -> Recording {
         let tracks = &self.record.tracks;
         let mut signals = self.loading.signals(tracks, mounting);
-        self.held.add_columns(&tracks.frame.rows, &mut signals);
-        if let Some(bars) = &tracks.bars {
-            let on_bars = |(k, [crest]): (usize, &[f64; 1])| crest - bars.contact_force(k) - bars.collision_force(k);
-            let values = tracks.crest.rows.iter().take(signals.time.len()).enumerate().map(on_bars).collect();
-            signals.channels.push(Channel { name: column::FRAME_FORCE.name.into(), values });
-        }
-        if !tracks.clamp.rows.is_empty() {
-            let values = tracks.clamp.rows.iter().take(signals.time.len()).map(|[slip]| *slip).collect();
-            signals.channels.push(Channel { name: column::CLAMP_SLIP.name.into(), values });
-        }
-        if !tracks.air.rows.is_empty() {
-            let values = tracks.air.rows.iter().take(signals.time.len()).map(|[pressure]| *pressure).collect();
-            signals.channels.push(Channel { name: column::AIR_PRESSURE.name.into(), values });
-        }
-        if !tracks.films.rows.is_empty() {
-            let rows = tracks.films.rows.iter().take(signals.time.len());
-            let [distance, nodes]: [Vec<f64>; 2] = [0, 1].map(|k| rows.clone().map(|row| row[k]).collect());
-            let nodes = nodes.into_iter().map(f64::round).collect();
-            signals.channels.push(Channel { name: column::FILM_DISTANCE.name.into(), values: distance });
-            signals.channels.push(Channel { name: column::FILM_CONTACT_NODES.name.into(), values: nodes });
-        }
-        if !tracks.tears.rows.is_empty() {
-            for (k, column) in [column::TORN_LENGTH, column::TORN_AREA, column::FRACTURE_ENERGY].iter().enumerate() {
-                let values = tracks.tears.rows.iter().take(signals.time.len()).map(|row| row[k]).collect();
-                signals.channels.push(Channel { name: column.name.into(), values });
-            }
-        }
+        channels::add(tracks, &mut signals);
         signals
     }
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::tracks::Tracks;
+use lab::signal::column;
 use membrane::engine::View;
 
 /// Rise of the film from its initial heights.
@@ -25,10 +26,10 @@ impl Rise {
 
 /// Largest change of the rise over the last tenth of the samples, relative to the last rise; none without samples.
 pub(super) fn settling(tracks: &Tracks) -> Option<f64> {
-    let rows = &tracks.rise.rows;
-    let [last] = *rows.last()?;
-    let held = &rows[rows.len() - rows.len().div_ceil(10)..];
-    let change = held.iter().map(|[rise]| (rise - last).abs()).fold(0.0, f64::max);
+    let rises = tracks.sampled(&column::DEFLECTION);
+    let last = rises.last()?;
+    let held = &rises[rises.len() - rises.len().div_ceil(10)..];
+    let change = held.iter().map(|rise| (rise - last).abs()).fold(0.0, f64::max);
     Some(change / last.abs())
 }
 
@@ -42,7 +43,8 @@ mod tests {
         assert_eq!(settling(&tracks), None);
         for k in 0..=20 {
             let time = 0.05 * f64::from(k);
-            tracks.rise.push(time, [if k < 19 { 5.0 * time } else { 5.0 - 0.01 * f64::from(20 - k) }]);
+            let rise = if k < 19 { 5.0 * time } else { 5.0 - 0.01 * f64::from(20 - k) };
+            tracks.sample(&column::DEFLECTION, time, rise);
         }
         assert!(settling(&tracks).is_some_and(|change| (change - 0.1).abs() < 1e-12), "{:?}", settling(&tracks));
     }

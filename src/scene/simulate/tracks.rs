@@ -1,8 +1,11 @@
 //! Quantities recorded at every step of a run and interpolated at its samples.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::grid::Grid;
+use lab::signal::column::Column;
 use lab::signal::{Channel, Recording};
 use membrane::engine::{BodyTrack, Track};
 
@@ -21,24 +24,10 @@ pub(super) struct Tracks {
     middle: f64,
     /// Largest MD and TD strain.
     pub(super) strains: Grid<2>,
-    /// Force of the film on the frame along x and y, N; only where a frame holds sides.
-    pub(super) frame: Grid<2>,
     /// The frame's bars; only where there are any.
     pub(super) bars: Option<BodyTracks>,
-    /// Vertical force of the held edge on the crest of these bars, N; only where there are any.
-    pub(super) crest: Grid<1>,
-    /// Largest slip in the frame's clamp, m; only where film may slip in it.
-    pub(super) clamp: Grid<1>,
-    /// Pressure of the air between two faces over that of the surroundings, Pa; only where it is computed.
-    pub(super) air: Grid<1>,
-    /// Least distance of two faces (m) and nodes in touch with another face; only where faces meet.
-    pub(super) films: Grid<2>,
-    /// Largest rise of a node, m; only of inflated film.
-    pub(super) rise: Grid<1>,
-    /// Pressure (Pa) and volume (m³) under inflated film.
-    pub(super) gas: Grid<2>,
-    /// Length (m), area (m²) and energy (J) of tears; only of film with a rupture criterion of its own.
-    pub(super) tears: Grid<3>,
+    /// What is sampled for a column, by the column's name; only of those that the run has.
+    sampled: BTreeMap<String, Grid<1>>,
 }
 
 /// An impactor at the samples of a run.
@@ -140,15 +129,8 @@ impl Tracks {
             jaws: Grid::new(0.0, sample),
             middle: 0.0,
             strains: Grid::new(0.0, sample),
-            frame: Grid::new(0.0, sample),
             bars,
-            crest: Grid::new(0.0, sample),
-            clamp: Grid::new(0.0, sample),
-            air: Grid::new(0.0, sample),
-            films: Grid::new(0.0, sample),
-            rise: Grid::new(0.0, sample),
-            gas: Grid::new(0.0, sample),
-            tears: Grid::new(0.0, sample),
+            sampled: BTreeMap::new(),
         }
     }
 
@@ -162,6 +144,17 @@ impl Tracks {
         if let (Some(tracks), Some(bars)) = (&mut self.bars, &track.frame) {
             tracks.follow(bars, [track.time, self.middle]);
         }
+    }
+
+    /// Adds the value that is sampled for `column` at `time` (s).
+    pub(super) fn sample(&mut self, column: &Column, time: f64, value: f64) {
+        let new = || Grid::new(0.0, self.sample);
+        self.sampled.entry(column.name.to_owned()).or_insert_with(new).push(time, [value]);
+    }
+
+    /// The values sampled for `column`; none where the run does not have it.
+    pub(super) fn sampled(&self, column: &Column) -> &[f64] {
+        self.sampled.get(column.name).map_or(&[], |grid| grid.rows.as_flattened())
     }
 
     /// Whether `time` (s) has reached the next sample of the strains.

@@ -1,11 +1,36 @@
 //! What the figures of `summary.json` are: names and sentences of the structs that hold them.
 
+use std::sync::LazyLock;
+
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::impact::BodyFigures;
-use super::{Impact, Indent, Inflation, Stretch};
+use super::results::{HEADER, OUTPUT};
+use super::{Audit, Impact, Indent, Inflation, RunFindings, Stretch};
+
+/// The fields that a summary may have in a script: those of all kinds of loading, then those of every run. Of several
+/// impactors, those of each begin with its name.
+pub(super) static SUMMARY: LazyLock<Vec<&str>> = LazyLock::new(|| NAMES.iter().map(String::as_str).collect());
+
+/// The strings of [`SUMMARY`].
+static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let of_loadings =
+        [names::<BodyFigures>(), names::<Impact>(), names::<Stretch>(), names::<Indent>(), names::<Inflation>()];
+    let of_every_run = names::<Audit>();
+    let of_loadings = of_loadings.into_iter().flatten().filter(|name| !of_every_run.contains(name));
+    let mut all: Vec<String> = HEADER.map(String::from).into();
+    for name in of_loadings {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    let findings = json!(RunFindings::default());
+    let findings = findings.as_object().into_iter().flat_map(|fields| fields.keys().cloned());
+    all.extend(of_every_run.iter().cloned().chain(findings).chain(OUTPUT.map(String::from)));
+    all
+});
 
 /// A figure of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,6 +61,11 @@ pub fn figures() -> Vec<FigureName> {
     fields::<Indent>().into_iter().for_each(|field| add(field, &["indent"], false));
     fields::<Inflation>().into_iter().for_each(|field| add(field, &["pressure", "volume"], false));
     found
+}
+
+/// The names of the fields of `T` as they are written.
+fn names<T: JsonSchema>() -> Vec<String> {
+    fields::<T>().into_iter().map(|(name, _)| name).collect()
 }
 
 /// The fields of `T` as they are written: names and sentences.

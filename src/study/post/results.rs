@@ -15,77 +15,8 @@ use scene::simulate::Outcome;
 /// Entries of a summary that are no figures: which scenario, and by which droptower.
 pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
-/// The fields that a summary may have in a script: those of all kinds of loading. Of several impactors, those of each
-/// begin with its name.
-pub(super) const SUMMARY: [&str; 61] = [
-    "scenario",
-    "title",
-    "droptower",
-    // Impact.
-    "peak_acceleration_m_s2",
-    "time_of_peak_acceleration_s",
-    "peak_displacement_m",
-    "time_of_peak_displacement_s",
-    "rebound_velocity_m_s",
-    "energy_absorption",
-    "film_energy_absorption",
-    "break_strain_md",
-    "break_strain_td",
-    "acceleration_error",
-    "displacement_error",
-    "reference_drop",
-    "reference_notes",
-    // Stretch.
-    "peak_force_N",
-    "peak_stress_Pa",
-    "strain_at_peak_stress",
-    "strain_at_break",
-    "stress_at_break_Pa",
-    "final_strain",
-    // Indent.
-    "depth_at_peak_force_m",
-    "work_J",
-    "depth_at_break_m",
-    "final_depth_m",
-    "final_force_N",
-    // Inflation.
-    "peak_pressure_Pa",
-    "peak_deflection_m",
-    "final_deflection_m",
-    "final_volume_m3",
-    "settling",
-    "burst_pressure_Pa",
-    // All.
-    "energy_balance_error",
-    "ruptured",
-    "rupture_time_s",
-    "torn_length_m",
-    "torn_area_m2",
-    "fracture_energy_J",
-    "elements",
-    "bytes_per_element",
-    "steps",
-    "time_step_s",
-    "wall_s",
-    "ns_per_element_step",
-    "threads",
-    "instructions",
-    "mass_scaling",
-    "added_mass_kg",
-    "added_mass_share",
-    "kinetic_share",
-    "damping_share",
-    "relaxation",
-    "penetration",
-    "meshes",
-    "strain_rates",
-    "warnings",
-    "findings",
-    // Of a post script.
-    "tables",
-    "plots",
-    "files",
-];
+/// Entries of a summary that a post script adds.
+pub(super) const OUTPUT: [&str; 3] = ["tables", "plots", "files"];
 
 /// Figures by kind of loading.
 #[derive(Clone, Debug, PartialEq)]
@@ -169,17 +100,18 @@ impl Results {
         let mut summary = header(model);
         summary.extend(self.measures.figures());
         summary.extend(self.script_output.measures.clone());
+        let [tables, plots, files] = OUTPUT.map(String::from);
         if !self.script_output.tables.is_empty() {
-            let tables = self.script_output.tables.iter();
-            let tables = tables.map(|(name, rows)| (name.clone(), json!(rows)));
-            summary.insert("tables".into(), Value::Object(tables.collect()));
+            let rows = self.script_output.tables.iter();
+            let rows = rows.map(|(name, rows)| (name.clone(), json!(rows)));
+            summary.insert(tables, Value::Object(rows.collect()));
         }
         if !self.script_output.plots.is_empty() {
             let titles = self.script_output.plots.iter().map(|plot| plot.title.clone());
-            summary.insert("plots".into(), titles.collect());
+            summary.insert(plots, titles.collect());
         }
         if !self.script_output.files.is_empty() {
-            summary.insert("files".into(), self.script_output.files.names().into());
+            summary.insert(files, self.script_output.files.names().into());
         }
         summary
     }
@@ -242,7 +174,7 @@ impl Measures {
 
     /// The names that a post script cannot give: those of this run and of the summary's own parts.
     pub(super) fn reserved(&self) -> Vec<String> {
-        let own = HEADER.into_iter().chain(["tables", "plots", "files"]).map(String::from);
+        let own = HEADER.into_iter().chain(OUTPUT).map(String::from);
         own.chain(self.figures().into_iter().map(|(name, _)| name)).collect()
     }
 }

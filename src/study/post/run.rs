@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Scope};
 use serde_json::{Value, json};
 
-use super::results::SUMMARY;
+use super::figures::SUMMARY;
 use super::{ReferenceComparison, Results};
 use crate::script::{Entry, Fields, Session, from_json, refuse};
 use lab::signal::{Recording, Series, column};

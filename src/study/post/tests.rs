@@ -5,7 +5,6 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use super::results::SUMMARY;
 use super::*;
 use crate::script::{Fault, ReadError};
 use lab::signal::{Channel, Recording};
@@ -296,48 +295,6 @@ fn a_script_that_does_not_compile_is_refused_before_the_run() {
     };
     assert_eq!(faults[0].message, "a summary has no `peak_acceleration`");
     assert_eq!(faults[0].hint.as_deref(), Some("did you mean `peak_acceleration_m_s2`?"));
-}
-
-/// Scripts are checked against these names before they run.
-#[test]
-fn every_figure_of_a_summary_is_a_known_field() {
-    let (audit, findings) = (Audit::of(&outcome()), RunFindings::of(&model(), &outcome()));
-    let stretch = Stretch {
-        peak_force: None,
-        peak_stress: None,
-        strain_at_peak_stress: None,
-        strain_at_break: None,
-        stress_at_break: None,
-        final_strain: None,
-        audit: audit.clone(),
-        findings: findings.clone(),
-    };
-    let indent = Indent {
-        peak_force: None,
-        depth_at_peak_force: None,
-        work: 0.0,
-        depth_at_break: None,
-        final_depth: None,
-        final_force: None,
-        audit: audit.clone(),
-        findings: findings.clone(),
-    };
-    let inflation = Inflation {
-        peak_pressure: None,
-        peak_deflection: None,
-        final_deflection: None,
-        final_volume: None,
-        settling: None,
-        burst_pressure: None,
-        audit,
-        findings,
-    };
-    let measures = [Measures::Stretch(stretch), Measures::Indent(indent), Measures::Inflation(inflation)];
-    let impact = with_script("").unwrap().summary(&model());
-    for figures in measures.iter().map(Measures::figures).chain([impact]) {
-        let unknown: Vec<&String> = figures.keys().filter(|name| !SUMMARY.contains(&name.as_str())).collect();
-        assert!(unknown.is_empty(), "{unknown:?}");
-    }
 }
 
 #[test]

@@ -56,8 +56,8 @@ impl LoadCase for Pressure<'_> {
     /// Pressure, the largest rise of a node, and the volume under the film.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
         let inflation = self.inflation();
-        let samples = tracks.rise.rows.iter().zip(&tracks.gas.rows).enumerate();
-        let row = |(k, ([rise], [_, volume])): (usize, (&[f64; 1], &[f64; 2]))| {
+        let samples = tracks.sampled(&column::DEFLECTION).iter().zip(tracks.sampled(&column::VOLUME)).enumerate();
+        let row = |(k, (rise, volume)): (usize, (&f64, &f64))| {
             [inflation.pressure_at(k as f64 * tracks.sample), *rise, *volume]
         };
         let rows: Vec<_> = samples.map(row).collect();

@@ -57,8 +57,9 @@ impl LoadCase for Volume<'_> {
 
     /// Pressure, the largest rise of a node, and the volume under the film.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
-        let samples = tracks.rise.rows.iter().zip(&tracks.gas.rows);
-        let rows: Vec<_> = samples.map(|([rise], [pressure, volume])| [*pressure, *rise, *volume]).collect();
+        let [pressure, rise, volume] =
+            [column::PRESSURE, column::DEFLECTION, column::VOLUME].map(|column| tracks.sampled(&column));
+        let rows: Vec<_> = (0..rise.len()).map(|k| [pressure[k], rise[k], volume[k]]).collect();
         tracks.table(&[column::PRESSURE.name, column::DEFLECTION.name, column::VOLUME.name], &rows)
     }
 }
