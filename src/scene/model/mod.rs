@@ -8,7 +8,6 @@ mod grading;
 mod hyperelastic;
 mod identity;
 mod impactor;
-mod indent;
 mod layers;
 mod loading;
 mod material;
@@ -111,7 +110,7 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
         post,
     };
     size::check(&model, mistakes);
-    indent::check(&model, mistakes);
+    loading::depth(&model, mistakes);
     Some(model)
 }
 

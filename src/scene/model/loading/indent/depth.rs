@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::{Face, Hold, Impactor, ImpactorShape, Loading, Model, ModelDiagnostics, Symmetry};
 use crate::mesh::{Outline, Side};
+use crate::model::{Face, Hold, Impactor, ImpactorShape, Loading, Model, ModelDiagnostics, Symmetry};
 
 const DEPTH: &str = "loading.indent.depth";
 

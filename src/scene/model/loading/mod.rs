@@ -1,11 +1,14 @@
 //! The loading.
 
+mod indent;
+
 use std::f64::consts::FRAC_PI_2;
 
 use super::impactor::{self, Written};
 use super::{Impactor, Loading, Model, ModelDiagnostics};
 use crate::mesh::Outline;
 use crate::scenario::{self, Axis, Direction, Scenario};
+pub(super) use indent::depth;
 
 /// Time at constant pressure over the time in which it rises.
 const HOLD: f64 = 0.5;

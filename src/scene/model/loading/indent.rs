@@ -1,0 +1,5 @@
+//! The indentation.
+
+mod depth;
+
+pub(super) use depth::check as depth;
