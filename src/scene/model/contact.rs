@@ -1,16 +1,21 @@
 //! Contact between faces of film.
 
-use super::{Contact, Face, ModelDiagnostics, layers};
+use super::{Contact, Face, Loading, ModelDiagnostics, layers};
 use crate::scenario::{self, Scenario};
 use base::number::significant;
 
 /// Share of a distance that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-pub(super) fn check(scenario: &Scenario, faces: Option<&[Face]>, mistakes: &mut ModelDiagnostics<'_>) -> Contact {
+pub(super) fn check(
+    scenario: &Scenario,
+    loading: &Loading,
+    faces: Option<&[Face]>,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Contact {
     let scenario::Contact { film, film_friction } = scenario.contact;
     let layers = scenario.layers.as_ref().map_or(1, |layers| layers.faces.len());
-    let under_pressure = matches!(scenario.loading, scenario::Loading::Pressure(_));
+    let under_pressure = loading.is_by_gas() && loading.refuses_faces().is_none();
     let has_faces = layers.max(scenario.layer.len()) > 1;
     let can_meet = has_faces && (!scenario.impactor.is_empty() || under_pressure);
     if film && !can_meet {

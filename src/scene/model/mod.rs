@@ -9,7 +9,7 @@ mod hyperelastic;
 mod identity;
 mod impactor;
 mod layers;
-mod loading;
+pub mod loading;
 mod material;
 mod output;
 mod plastic;
@@ -22,6 +22,7 @@ mod specimen;
 mod variation;
 mod viscous;
 mod warning;
+mod words;
 
 use std::path::{Path, PathBuf};
 
@@ -32,6 +33,7 @@ use crate::scenario::{Document, Scenario};
 use base::diagnostic::Diagnostic;
 use diagnostics::ModelDiagnostics;
 pub use identity::Identity;
+pub use loading::Loading;
 use membrane::engine::GuideFriction;
 use membrane::material::Material;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
@@ -88,9 +90,9 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
     let loading = loading.with_impactor(first);
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
-    let reference = reference::check(scenario, mistakes);
+    let reference = reference::check(scenario, &loading, mistakes);
     let post = post::check(scenario, mistakes);
-    let contact = contact::check(scenario, faces.as_deref(), mistakes);
+    let contact = contact::check(scenario, &loading, faces.as_deref(), mistakes);
     if let Some(written) = &scenario.variation {
         variation::check(written, mistakes);
     }
@@ -443,58 +445,6 @@ pub enum Guide {
         axis: [f64; 3],
         /// A point of it, m.
         at: [f64; 3],
-    },
-}
-
-/// The loading of the specimen.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Loading {
-    /// The impactor falls onto the film.
-    Impact {
-        /// Vertical velocity of the first impactor at the start, m/s, downward positive.
-        velocity: f64,
-        /// Acceleration of free fall, m/s².
-        gravity: f64,
-        /// Simulated time, s.
-        duration: f64,
-    },
-    /// The edges x- and x+ are jaws that part along x.
-    Stretch {
-        /// Angle from MD to the direction of loading, rad: MD 0, TD π/2.
-        angle: f64,
-        /// Speed at which the jaws part, m/s.
-        velocity: f64,
-        /// Engineering strain at which the test ends.
-        until: f64,
-        /// Factor on the film's mass; `None` chooses it from the number of steps.
-        mass_scaling: Option<f64>,
-    },
-    /// The impactor starts in contact with the film and moves down.
-    Indent {
-        /// Travel of the impactor, m.
-        depth: f64,
-        /// Speed of the impactor, m/s.
-        velocity: f64,
-        /// Factor on the film's mass; `None` chooses it from the periods of the film.
-        mass_scaling: Option<f64>,
-    },
-    /// A pressure on the lower side of the film rises and is then constant for half as long.
-    Pressure {
-        /// Final pressure, Pa.
-        pressure: f64,
-        /// Time in which it rises, s.
-        ramp: f64,
-        /// Factor on the film's mass; `None` chooses it from the periods of the film.
-        mass_scaling: Option<f64>,
-    },
-    /// Gas is let in under the film; its volume is then constant for half as long.
-    Volume {
-        /// Final volume under the whole film, m³.
-        volume: f64,
-        /// Time in which it is let in, s.
-        ramp: f64,
-        /// Factor on the film's mass; `None` chooses it from the periods of the film.
-        mass_scaling: Option<f64>,
     },
 }
 
