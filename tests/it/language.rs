@@ -324,3 +324,36 @@ fn outlines_and_refinement_are_what_was_written() {
     let mesh = droptower::mesh::build(&model.specimen.shape, [false; 2], &model.faces[0].meshing).expect("a mesh");
     assert_eq!(mesh.nodes.iter().map(|node| node.x).fold(0.0, f64::max), 0.2);
 }
+
+/// What faces have on each other does not depend on the order of the impactors.
+#[test]
+fn film_on_film_has_the_friction_of_no_impactor_before_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let between = |frictions: [f64; 2], more: &str| {
+        let ball = |(place, friction): (usize, f64)| {
+            format!(
+                "[[impactor]]\nname = \"ball_{place}\"\nshape.sphere.radius = 0.01\nmass = 1\nfriction = {friction}\nposition = [{}, 0]\n",
+                0.1 * place as f64 - 0.05
+            )
+        };
+        let balls: String = frictions.into_iter().enumerate().map(ball).collect();
+        let text = format!(
+            "specimen.shape.rectangle = [0.2, 0.2]\nspecimen.mesh.size = 0.02
+             specimen.material = {{ density = 915, thickness = 20e-6, elastic = {{ young = 1e6, poisson = 0.3 }} }}
+             layers.faces = [0.0, -0.03]\n{more}\nloading.impact = {{ velocity = 1, duration = 0.01 }}\n{balls}"
+        );
+        let path = folder.path().join("balls.toml");
+        fs::write(&path, text).expect("writable");
+        let checked = model::check(&Document::read(&path).expect("it reads"));
+        checked.map(|model| model.contact.film_friction).map_err(|mistakes| mistakes[0].message.clone())
+    };
+    for film in ["", "contact.film = true"] {
+        let orders = [[0.3, 0.1], [0.1, 0.3]].map(|frictions| between(frictions, film));
+        assert_eq!(orders[0], orders[1]);
+        assert_eq!(orders[0], Err("missing key `contact.film_friction`".to_owned()));
+        assert_eq!(between([0.3, 0.3], film), Ok(Some(0.3)));
+    }
+    for frictions in [[0.3, 0.1], [0.1, 0.3]] {
+        assert_eq!(between(frictions, "contact.film_friction = 0.2"), Ok(Some(0.2)));
+    }
+}

@@ -92,7 +92,8 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
     let reference = reference::check(scenario, &loading, mistakes);
     let post = post::check(scenario, mistakes);
-    let contact = contact::check(scenario, &loading, faces.as_deref(), mistakes);
+    let contact =
+        contact::check(scenario, &loading, faces.as_deref(), impactors.as_deref().unwrap_or_default(), mistakes);
     if let Some(written) = &scenario.variation {
         variation::check(written, mistakes);
     }
@@ -453,7 +454,7 @@ pub enum Guide {
 pub struct Contact {
     /// Whether faces meet each other, also where the impactor is not.
     pub film: bool,
-    /// Coulomb coefficient between faces; `None` takes that of the impactor.
+    /// Coulomb coefficient between faces, whichever impactor presses them on each other; none where nothing does.
     pub film_friction: Option<f64>,
 }
 

@@ -96,8 +96,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         Some(clamp) => engine.with_clamp(clamp),
         None => engine,
     };
-    let between = model.contact.film_friction.or(model.impactors.first().map(|impactor| impactor.friction));
-    let engine = match between.filter(|_| model.contact.film) {
+    let engine = match model.contact.film_friction.filter(|_| model.contact.film) {
         Some(friction) => engine.with_film_contact(friction),
         None => engine,
     };
