@@ -2,7 +2,7 @@
 
 use droptower::engine::{Contact, Energies, Engine, Film, Impact, Jaw, Loads, Nodes, Unobserved, View};
 use droptower::mesh::{self, Mesh, MeshError, Side};
-use droptower::model::loading::Impact;
+use droptower::model::loading;
 use droptower::model::{Face, Hold, Impactor, Model, Symmetry};
 use droptower::simulate::{falling, section, surface};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -21,7 +21,7 @@ impl Scene {
 
     /// The same with a body of angular velocity `spin` (rad/s).
     pub fn spinning(model: &Model, spin: Vector3<f64>) -> Scene {
-        let Some(&Impact { velocity, gravity, .. }) = model.loading.impact() else {
+        let Some(&loading::Impact { velocity, gravity, .. }) = model.loading.impact() else {
             panic!("{} is no impact", model.name)
         };
         let mut nodes = Nodes::default();
