@@ -7,7 +7,7 @@ use std::path::Path;
 use super::findings;
 use base::diagnostic::shown_path;
 use base::number::{self, duration, grouped};
-use report::{G, subject};
+use report::G;
 use scene::model::Model;
 use scene::simulate::Outcome;
 use study::post::{Audit, BodyFigures, Impact, Indent, Inflation, Measures, Results, Stretch};
@@ -17,7 +17,7 @@ pub(super) const DIGITS: usize = 3;
 
 /// Title, cost, figures and findings of a run; ends with a line break.
 pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
-    let mut text = format!("{}  {}\n", model.name, subject(model));
+    let mut text = format!("{}  {}\n", model.name, model.subject());
     text += &cost(results.measures.audit());
     text += &match &results.measures {
         Measures::Impact(measures) => [impact(measures), errors(model, measures)].concat(),
@@ -38,7 +38,7 @@ pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String
 
 /// Title and findings of a run that failed; ends with a line break.
 pub(super) fn failed(model: &Model, results: &Results) -> String {
-    format!("{}  {}\n{}", model.name, subject(model), findings::lines("  ", results.measures.findings().iter()))
+    format!("{}  {}\n{}", model.name, model.subject(), findings::lines("  ", results.measures.findings().iter()))
 }
 
 /// The folder and its files; ends with a line break.

@@ -24,7 +24,6 @@ mod sweep_page;
 mod test_page;
 pub mod vtkhdf;
 pub mod vtu;
-mod subject;
 
 pub use compare_page::compare_page;
 pub use field::{FIELDS, Field};
@@ -39,6 +38,5 @@ pub use run_scene::{Moment, RunScene, SceneBody, SceneFace};
 pub use script_output::{cell, columns};
 pub use stored::{StoredPage, StoredPageError};
 pub use study_page::{StudyPage, study_page};
-pub use subject::subject;
 pub use sweep_page::{SweepPage, sweep_page};
 pub use test_page::test_page;

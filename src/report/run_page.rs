@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{drawn, figure, film, key_figures, run_plots, script_output, subject};
+use super::{drawn, figure, film, key_figures, run_plots, script_output};
 use base::diagnostic::shown_path;
 use base::number::{duration, significant};
 use lab::experiment::drop::Figures;
@@ -65,7 +65,7 @@ fn lead(run: &RunPage) -> String {
     let is_virtual = results.comparison.as_ref().is_some_and(ReferenceComparison::is_virtual);
     let kind = if is_virtual { "the virtual recording" } else { "the recording" };
     let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
-    format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, subject(model))))
+    format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, model.subject())))
 }
 
 /// Failure, rupture and warnings, then notes.

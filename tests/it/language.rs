@@ -7,6 +7,7 @@ use std::path::Path;
 use droptower::diagnostic::render;
 use droptower::material::Law;
 use droptower::mesh::{Element, Outline, Side};
+use droptower::model::loading::Impact;
 use droptower::model::{self, Hold, ImpactorShape, Loading, Model, Symmetry, Window};
 use droptower::scenario::{Assignment, Document};
 
@@ -46,7 +47,7 @@ fn the_model_is_in_si_units() {
     assert_eq!(tower.frame.hold, Hold::All);
     let impactor = tower.impactor().expect("an impactor").clone();
     assert_eq!((impactor.shape, impactor.mass), (ImpactorShape::Sphere { radius: 0.15 }, 10.72));
-    assert_eq!(tower.loading, Loading::Impact { velocity: 4.16, gravity: 9.81, duration: 0.12 });
+    assert_eq!(tower.loading, Loading::Impact(Impact { velocity: 4.16, gravity: 9.81, duration: 0.12 }));
     assert_eq!((tower.output.sample_rate, tower.output.frames, tower.output.filter), (10e3, 240, Some(1000.0)));
 }
 
@@ -80,7 +81,7 @@ fn defaults_are_filled_in() {
     assert_eq!((dart.specimen.symmetry, &dart.frame.hold), (Symmetry::None, &Hold::All));
     let impactor = dart.impactor().expect("an impactor");
     assert_eq!(impactor.shape, ImpactorShape::Hemisphere { radius: 0.01905, length: 4.0 * 0.01905 });
-    assert!(matches!(dart.loading, Loading::Impact { velocity, .. } if velocity == (2.0 * 9.81 * 0.66_f64).sqrt()));
+    assert_eq!(dart.loading.impact().expect("an impact").velocity, (2.0 * 9.81 * 0.66_f64).sqrt());
     assert_eq!(dart.output.filter, Some(1000.0));
     assert_eq!(dart.reference.map(|reference| reference.window), Some(Window::Range([0.0, 0.01])));
 }
@@ -117,7 +118,7 @@ fn a_stretch_rotates_the_film_and_not_its_axis() {
     for (direction, angle) in [("MD", 0.0), ("TD", FRAC_PI_2), ("90 deg", FRAC_PI_2)] {
         let text = format!("extends = \"coupon.toml\"\nloading.stretch.direction = \"{direction}\"");
         let coupon = model("coupon-td", &text);
-        assert!(matches!(coupon.loading, Loading::Stretch { angle: found, .. } if found == angle));
+        assert_eq!(coupon.loading.md_angle(), Some(-angle));
         assert_eq!(coupon.faces[0].md_angle, -angle);
         assert_eq!(coupon.frame.hold, Hold::Sides(vec![Side::XMinus, Side::XPlus]));
         assert_eq!((coupon.output.filter, coupon.impactors.is_empty()), (None, true));
@@ -322,4 +323,37 @@ fn outlines_and_refinement_are_what_was_written() {
     let model = read(&write("imported.toml", &imported));
     let mesh = droptower::mesh::build(&model.specimen.shape, [false; 2], &model.faces[0].meshing).expect("a mesh");
     assert_eq!(mesh.nodes.iter().map(|node| node.x).fold(0.0, f64::max), 0.2);
+}
+
+/// What faces have on each other does not depend on the order of the impactors.
+#[test]
+fn film_on_film_has_the_friction_of_no_impactor_before_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let between = |frictions: [f64; 2], more: &str| {
+        let ball = |(place, friction): (usize, f64)| {
+            format!(
+                "[[impactor]]\nname = \"ball_{place}\"\nshape.sphere.radius = 0.01\nmass = 1\nfriction = {friction}\nposition = [{}, 0]\n",
+                0.1 * place as f64 - 0.05
+            )
+        };
+        let balls: String = frictions.into_iter().enumerate().map(ball).collect();
+        let text = format!(
+            "specimen.shape.rectangle = [0.2, 0.2]\nspecimen.mesh.size = 0.02
+             specimen.material = {{ density = 915, thickness = 20e-6, elastic = {{ young = 1e6, poisson = 0.3 }} }}
+             layers.faces = [0.0, -0.03]\n{more}\nloading.impact = {{ velocity = 1, duration = 0.01 }}\n{balls}"
+        );
+        let path = folder.path().join("balls.toml");
+        fs::write(&path, text).expect("writable");
+        let checked = model::check(&Document::read(&path).expect("it reads"));
+        checked.map(|model| model.contact.film_friction).map_err(|mistakes| mistakes[0].message.clone())
+    };
+    for film in ["", "contact.film = true"] {
+        let orders = [[0.3, 0.1], [0.1, 0.3]].map(|frictions| between(frictions, film));
+        assert_eq!(orders[0], orders[1]);
+        assert_eq!(orders[0], Err("missing key `contact.film_friction`".to_owned()));
+        assert_eq!(between([0.3, 0.3], film), Ok(Some(0.3)));
+    }
+    for frictions in [[0.3, 0.1], [0.1, 0.3]] {
+        assert_eq!(between(frictions, "contact.film_friction = 0.2"), Ok(Some(0.2)));
+    }
 }

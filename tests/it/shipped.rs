@@ -8,7 +8,8 @@ use droptower::diagnostic::{Diagnostic, render};
 use droptower::evaluate::Evaluations;
 use droptower::functions;
 use droptower::identify::{self, SearchHost};
-use droptower::model::{self, Loading, Model};
+use droptower::model::loading::Test;
+use droptower::model::{self, Model};
 use droptower::post::{Plan, Results};
 use droptower::scenario::{Assignment, Document};
 use droptower::scenario_functions;
@@ -74,11 +75,11 @@ fn without_folder(mut model: Model) -> Model {
 /// A few samples on a coarse mesh.
 fn shortened(document: &Document, path: &Path) -> Model {
     let model = sound(path, model::check(document));
-    let changes: &[&str] = match model.loading {
-        Loading::Impact { .. } => &["specimen.mesh.size=40mm", "loading.impact.duration=3ms", "output.frames=2"],
-        Loading::Stretch { .. } => &["loading.stretch.until=0.03", "output.frames=2"],
-        Loading::Indent { .. } => &["specimen.mesh.size=5mm", "loading.indent.depth=8mm", "output.frames=2"],
-        Loading::Pressure { .. } | Loading::Volume { .. } => &["specimen.mesh.size=15mm", "output.frames=2"],
+    let changes: &[&str] = match model.loading.test() {
+        Test::Impact => &["specimen.mesh.size=40mm", "loading.impact.duration=3ms", "output.frames=2"],
+        Test::Stretch => &["loading.stretch.until=0.03", "output.frames=2"],
+        Test::Indent { .. } => &["specimen.mesh.size=5mm", "loading.indent.depth=8mm", "output.frames=2"],
+        Test::Inflation => &["specimen.mesh.size=15mm", "output.frames=2"],
     };
     let changes: Vec<Assignment> =
         changes.iter().map(|change| sound(path, Assignment::from_argument(change))).collect();

@@ -9,7 +9,8 @@ use droptower::experiment::absorption::{Body, energy_absorption};
 use droptower::experiment::drop::{self, ChannelNames, Drop, DropChannels, Height, Reduction, Tower};
 use droptower::experiment::fall::Fall;
 use droptower::experiment::sensor::{Laser, Sensors, virtual_drop};
-use droptower::model::{self, Loading, Model};
+use droptower::model::loading::Impact;
+use droptower::model::{self, Model};
 use droptower::post::{Measures, Plan};
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Series;
@@ -166,7 +167,7 @@ fn coarse(test: &str) -> Model {
 fn other_seeds_and_clocks_are_reduced_as_well() {
     for (test, height) in [("1008", 1.0), ("1509", 1.5)] {
         let model = coarse(test);
-        let Loading::Impact { velocity: speed, gravity, .. } = model.loading else { panic!("no impact") };
+        let Impact { velocity: speed, gravity, .. } = *model.loading.impact().expect("an impact");
         let run = simulate::run(&model, &mut |_| {}).expect("a run").signals;
         let channel = |name| run.series(name).expect("a channel");
         let (acceleration, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));

@@ -10,7 +10,7 @@ use base::diagnostic::Diagnostic;
 use base::number::{figure, time_taken};
 use base::shell::quoted;
 use report::SweepPage;
-use scene::model::Loading;
+use study::post::ranking_figure;
 use study::store::{Draft, Origin, StoreError};
 use study::sweep::{Sweep, SweepResults};
 
@@ -65,7 +65,7 @@ impl Keep {
 
 /// The figure by which runs are ranked: the one that is asked for, which the runs must have if any has figures.
 fn figure_of<'a>(sweep: &Sweep, found: &SweepResults, asked: Option<&'a str>) -> Result<&'a str, Diagnostic> {
-    let figure = asked.unwrap_or(main_figure(sweep));
+    let figure = asked.unwrap_or(ranking_figure(sweep.model()));
     let figures = found.table.figures();
     let is_known = figures.is_empty() || figures.iter().any(|column| column.name == figure);
     if asked.is_none() || is_known {
@@ -112,15 +112,6 @@ fn run_place(place: &Path, run: usize) -> PathBuf {
     let mut name = place.file_name().unwrap_or_default().to_owned();
     name.push(".runs");
     place.with_file_name(name).join(format!("{}", run + 1))
-}
-
-/// The figure by which runs are ranked, where none is given.
-fn main_figure(sweep: &Sweep) -> &'static str {
-    match sweep.model().loading {
-        Loading::Impact { .. } => "peak_acceleration_m_s2",
-        Loading::Stretch { .. } | Loading::Indent { .. } => "peak_force_N",
-        Loading::Pressure { .. } | Loading::Volume { .. } => "peak_deflection_m",
-    }
 }
 
 /// The command that repeats the sweep, or, as `run`, the scenario as it is written.

@@ -16,7 +16,8 @@ use super::html::{data, escape};
 use super::run_scene::{Moment, RunScene};
 use base::number::rounded;
 use lab::signal::{Recording, column};
-use scene::model::{Loading, Model};
+use scene::model::Model;
+use scene::model::loading::Test;
 use scene::simulate::{Film, FilmState, Outcome, Snapshot};
 use study::post::lowest_point;
 
@@ -74,7 +75,7 @@ fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment>
     let peak = |channel: &str| Some(signals.series(channel)?.largest()?[0]);
     let moment = |words, time| Moment { words, time };
     let mut moments = Vec::new();
-    if matches!(model.loading, Loading::Impact { .. }) {
+    if model.loading.test() == Test::Impact {
         for (name, prefix) in model.names().into_iter().zip(model.prefixes()) {
             let words = |what: &str| name.map_or_else(|| what.to_owned(), |name| format!("{what}, {name}"));
             let braking = peak(&format!("{prefix}{}", column::ACCELERATION_FILTERED.name));

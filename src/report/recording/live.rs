@@ -10,8 +10,8 @@ use thiserror::Error;
 use viz::{Address, FilmSnapshot, Moment, Places, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 
 use super::{RecordingError, body, diagram, documents, events, film, signals, text};
+use crate::RunPage;
 use crate::film::is_finite;
-use crate::{RunPage, subject};
 use lab::signal::{Channel, Recording};
 use scene::model::Model;
 use scene::simulate::SnapshotEvent;
@@ -166,7 +166,7 @@ impl<'a> Live<'a> {
     fn begin(&mut self, event: &SnapshotEvent<'_>) -> Scene {
         let Live { model, comparison, scenario, .. } = *self;
         let signals = signals::of(event.signals, event.energies, comparison, model.run_time());
-        let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&subject(model)));
+        let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&model.subject()));
         let texts = [super::Text { title: super::SUMMARY.to_owned(), markdown: begun }, super::scenario(scenario)];
         let quantities: Vec<Quantity> = film::quantities(&[event.snapshot]).into_iter().map(with_margin).collect();
         self.sent = samples(event);

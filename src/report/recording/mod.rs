@@ -19,7 +19,7 @@ use thiserror::Error;
 use viz::{Document, Scene, Stage, VizError};
 
 use super::film::is_finite;
-use super::{RunPage, StudyPage, figure, subject};
+use super::{RunPage, StudyPage, figure};
 pub use comparison::write_comparison;
 pub use live::{Live, LiveError};
 use scene::simulate::Snapshot;
@@ -110,7 +110,7 @@ fn documents(run: &RunPage) -> Vec<Document> {
         findings.map(|found| format!("- {} \\[{}\\]\n", text::escaped(&found.message), found.code)).collect();
     let figures = figure::markdown(&results.summary(model));
     let summary =
-        format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&subject(model)));
+        format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&model.subject()));
     let summary = Text { title: SUMMARY.to_owned(), markdown: summary };
     let texts = std::iter::once(summary)
         .chain(Text::tables(&results.script_output))

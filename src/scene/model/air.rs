@@ -1,5 +1,6 @@
 //! The air around the film.
 
+use super::loading::Inertia;
 use super::{Air, Cushion, Face, Frame, Hold, Loading, ModelDiagnostics};
 use crate::scenario::{Compression, Scenario};
 
@@ -15,7 +16,7 @@ pub fn check(
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Air> {
     let written = scenario.air.as_ref()?;
-    if !matches!(loading, Loading::Impact { .. }) {
+    if loading.inertia() != Inertia::Dynamic {
         mistakes.out_of_place("air", "air matters to fast tests, under `loading.impact`");
         return None;
     }

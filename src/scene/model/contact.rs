@@ -1,16 +1,22 @@
 //! Contact between faces of film.
 
-use super::{Contact, Face, ModelDiagnostics, layers};
+use super::{Contact, Face, Impactor, Loading, ModelDiagnostics, layers};
 use crate::scenario::{self, Scenario};
 use base::number::significant;
 
 /// Share of a distance that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-pub(super) fn check(scenario: &Scenario, faces: Option<&[Face]>, mistakes: &mut ModelDiagnostics<'_>) -> Contact {
+pub(super) fn check(
+    scenario: &Scenario,
+    loading: &Loading,
+    faces: Option<&[Face]>,
+    impactors: &[Impactor],
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Contact {
     let scenario::Contact { film, film_friction } = scenario.contact;
     let layers = scenario.layers.as_ref().map_or(1, |layers| layers.faces.len());
-    let under_pressure = matches!(scenario.loading, scenario::Loading::Pressure(_));
+    let under_pressure = loading.is_by_gas() && loading.refuses_faces().is_none();
     let has_faces = layers.max(scenario.layer.len()) > 1;
     let can_meet = has_faces && (!scenario.impactor.is_empty() || under_pressure);
     if film && !can_meet {
@@ -38,5 +44,21 @@ pub(super) fn check(scenario: &Scenario, faces: Option<&[Face]>, mistakes: &mut 
             mistakes.report_with(&layers::height_path(scenario, place + 1), message, hint);
         }
     }
+    let film_friction = match film_friction {
+        None if can_meet => of_impactors(impactors, mistakes),
+        given => given,
+    };
     Contact { film: can_meet && film, film_friction }
+}
+
+/// The coefficient that film has on film where none is given: that of the impactors, which is assumed where they have
+/// one in common. None where they differ: no impactor comes before another.
+fn of_impactors(impactors: &[Impactor], mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
+    let (first, others) = impactors.split_first()?;
+    let Some(place) = others.iter().position(|other| other.friction != first.friction) else {
+        return Some(first.friction);
+    };
+    mistakes.missing("contact.film_friction", "the impactors differ in `friction`, so faces have none of theirs");
+    mistakes.label(&format!("impactor.{}.friction", place + 1), "another coefficient than that of the first impactor");
+    None
 }

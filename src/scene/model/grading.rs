@@ -1,5 +1,6 @@
 //! Where the elements of a face are small.
 
+use super::loading::{Impact, Impactors};
 use super::{Face, Guide, Impactor, ImpactorShape, Loading, ModelDiagnostics};
 use crate::mesh::{Grading, Outline, Zone, import};
 use crate::scenario::{Around, AroundChoice, Meshing, Scenario, Shape};
@@ -104,7 +105,7 @@ impl Keys<'_> {
         };
         let hint = "give a point: `around = [\"0 mm\", \"0 mm\"]`";
         debug_assert!(matches!(around, None | Some(Around::Word(AroundChoice::Impactor))));
-        if matches!(loading, Loading::Stretch { .. } | Loading::Pressure { .. } | Loading::Volume { .. }) {
+        if loading.impactors() == Impactors::None {
             mistakes.report_with(&path, "this loading has no impactor around which elements could be fine", hint);
             return None;
         }
@@ -128,7 +129,7 @@ impl Impactor {
     /// Where its centre is over the plane at `height` (m) when it is `radius` (m) above it, in free flight; x and y in
     /// m.
     fn meeting_point(&self, loading: &Loading, height: f64, radius: f64) -> [f64; 2] {
-        let Loading::Impact { gravity, .. } = loading else { return self.position };
+        let Some(Impact { gravity, .. }) = loading.impact() else { return self.position };
         let Some(fall) = self.height.map(|start| start - height - radius).filter(|fall| *fall > 0.0) else {
             return self.position;
         };

@@ -4,6 +4,7 @@ mod several;
 
 use nalgebra::Vector3;
 
+use super::loading::{Impact, Impactors};
 use super::specimen::symmetry;
 use super::{Guide, Impactor, ImpactorShape, Loading, ModelDiagnostics, Part, Symmetry};
 use crate::scenario::{self, BodyShape, FrictionPoint, Orientation, Scenario};
@@ -51,19 +52,15 @@ pub(super) fn written<'s>(scenario: &'s Scenario, mistakes: &ModelDiagnostics<'_
 
 /// The impactors, where the `loading` needs any; empty where it needs none.
 pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Impactor>> {
-    let why = match scenario.loading {
-        scenario::Loading::Impact(_) => "`loading.impact` needs an impactor",
-        scenario::Loading::Indent(_) => "`loading.indent` needs an impactor",
-        scenario::Loading::Stretch(_) | scenario::Loading::Pressure(_) | scenario::Loading::Volume(_) => {
-            return Some(vec![]);
-        }
-    };
+    if loading.impactors() == Impactors::None {
+        return Some(vec![]);
+    }
     let all = written(scenario, mistakes);
     if all.is_empty() {
-        mistakes.missing("impactor", why);
+        mistakes.missing("impactor", format!("`loading.{}` needs an impactor", loading.name()));
         return None;
     }
-    if let (scenario::Loading::Indent(_), [_, second, ..]) = (&scenario.loading, all.as_slice()) {
+    if let (Impactors::Prescribed, [_, second, ..]) = (loading.impactors(), all.as_slice()) {
         let message = "an indentation has one impactor";
         mistakes.report_with(&second.path, message, "give one `[impactor]`, or a `[loading.impact]`");
         return None;
@@ -80,11 +77,11 @@ fn check_one(
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Impactor> {
     mirrored(written, symmetry(&scenario.specimen), mistakes);
-    indented(written, &scenario.loading, mistakes);
+    indented(written, loading, mistakes);
     let guide = guide(written, mistakes);
     let orientation = rotation(written.orientation.as_ref(), &written.key("orientation"), mistakes);
     let shape = shape(written, mistakes);
-    let mass = mass(written, &scenario.loading, mistakes);
+    let mass = mass(written, loading, mistakes);
     let guide = guide?;
     let velocity = velocity(written, loading, guide, mistakes);
     Some(Impactor {
@@ -92,7 +89,7 @@ fn check_one(
         shape: shape?,
         mass: mass?,
         guide,
-        guide_friction: guide_friction(written, &scenario.loading, mistakes),
+        guide_friction: guide_friction(written, loading, mistakes),
         friction: written.friction,
         restitution: written.restitution,
         inertia: inertia(written, mistakes),
@@ -106,8 +103,8 @@ fn check_one(
 }
 
 /// Keys without a meaning where the motion of the impactor is prescribed.
-fn indented(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut ModelDiagnostics<'_>) {
-    if !matches!(loading, scenario::Loading::Indent(_)) {
+fn indented(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+    if loading.impactors() != Impactors::Prescribed {
         return;
     }
     if written.guide != scenario::Guide::Z {
@@ -126,9 +123,9 @@ fn indented(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut M
 }
 
 /// Mass of an impactor that falls; infinite where its motion is prescribed or it is fixed.
-fn mass(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
+fn mass(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
     let key = written.key("mass");
-    if matches!(loading, scenario::Loading::Indent(_)) {
+    if loading.impactors() == Impactors::Prescribed {
         return Some(f64::INFINITY);
     }
     if written.guide == scenario::Guide::Fixed {
@@ -175,7 +172,7 @@ fn rotation(written: Option<&Orientation>, path: &str, mistakes: &mut ModelDiagn
 /// Velocity of the centre of mass at the start, which the guide must admit, m/s.
 fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 3] {
     let key = &written.key("velocity");
-    let Loading::Impact { velocity: downward, .. } = loading else { return [0.0; 3] };
+    let Some(Impact { velocity: downward, .. }) = loading.impact() else { return [0.0; 3] };
     let velocity = written.velocity.map_or([0.0, 0.0, -downward], |velocity| velocity.map(|component| component.0));
     let along = match guide {
         Guide::Free => return velocity,
@@ -250,11 +247,7 @@ fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut ModelDiagnostics<'_>
 }
 
 /// Friction of the guide of a falling impactor.
-fn guide_friction(
-    written: &Written<'_>,
-    loading: &scenario::Loading,
-    mistakes: &mut ModelDiagnostics<'_>,
-) -> GuideFriction {
+fn guide_friction(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> GuideFriction {
     let (key, guide) = (&written.key("guide_friction"), &written.key("guide"));
     let Some(friction) = &written.guide_friction else {
         return GuideFriction::default();
@@ -265,7 +258,7 @@ fn guide_friction(
     } else if written.guide != scenario::Guide::Z {
         mistakes.report_with(key, "friction of a guide along z only is supported", "leave the key out");
         mistakes.label(guide, "the guide");
-    } else if matches!(loading, scenario::Loading::Indent(_)) {
+    } else if loading.impactors() == Impactors::Prescribed {
         mistakes.report_with(key, "an indentation prescribes the motion of the impactor", "leave the key out");
     }
     for (index, [before, after]) in friction.curve.array_windows().enumerate() {

@@ -22,16 +22,14 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnos
             layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), mistakes)).collect();
         faces.into_iter().collect::<Option<Vec<Face>>>()?
     };
-    heights(&faces, scenario, mistakes);
-    for face in &mut faces {
-        if let Loading::Stretch { angle, .. } = loading {
-            face.md_angle = -angle;
-        }
+    heights(&faces, scenario, loading, mistakes);
+    if let Some(angle) = loading.md_angle() {
+        faces.iter_mut().for_each(|face| face.md_angle = angle);
     }
     rested(&mut faces, scenario, mistakes);
     mirrored(&faces, scenario, mistakes);
     prestrained(&faces, scenario, mistakes);
-    taut(&faces, scenario, mistakes);
+    taut(&faces, scenario, loading, mistakes);
     Some(faces)
 }
 
@@ -210,13 +208,8 @@ fn face_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") }
 }
 
-fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
-    let single = match scenario.loading {
-        scenario::Loading::Stretch(_) => Some("a stretch test has one face"),
-        scenario::Loading::Volume(_) => Some("gas is let in under one face; `loading.pressure` acts on several"),
-        scenario::Loading::Impact(_) | scenario::Loading::Indent(_) | scenario::Loading::Pressure(_) => None,
-    };
-    if let Some(message) = single.filter(|_| faces.len() > 1) {
+fn heights(faces: &[Face], scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+    if let Some(message) = loading.refuses_faces().filter(|_| faces.len() > 1) {
         mistakes.report(&height_path(scenario, 1), message);
     }
     for (place, pair) in faces.windows(2).enumerate() {
@@ -236,8 +229,8 @@ fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<
 }
 
 /// Under pressure, film with negative pre-strain has no equilibrium near its flat shape.
-fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
-    if !matches!(scenario.loading, scenario::Loading::Pressure(_) | scenario::Loading::Volume(_)) {
+fn taut(faces: &[Face], scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+    if !loading.is_by_gas() {
         return;
     }
     for (place, face) in faces.iter().enumerate() {

@@ -8,9 +8,8 @@ mod grading;
 mod hyperelastic;
 mod identity;
 mod impactor;
-mod indent;
 mod layers;
-mod loading;
+pub mod loading;
 mod material;
 mod output;
 mod plastic;
@@ -23,6 +22,7 @@ mod specimen;
 mod variation;
 mod viscous;
 mod warning;
+mod words;
 
 use std::path::{Path, PathBuf};
 
@@ -33,6 +33,7 @@ use crate::scenario::{Document, Scenario};
 use base::diagnostic::Diagnostic;
 use diagnostics::ModelDiagnostics;
 pub use identity::Identity;
+pub use loading::Loading;
 use membrane::engine::GuideFriction;
 use membrane::material::Material;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
@@ -89,9 +90,10 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
     let loading = loading.with_impactor(first);
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
-    let reference = reference::check(scenario, mistakes);
+    let reference = reference::check(scenario, &loading, mistakes);
     let post = post::check(scenario, mistakes);
-    let contact = contact::check(scenario, faces.as_deref(), mistakes);
+    let contact =
+        contact::check(scenario, &loading, faces.as_deref(), impactors.as_deref().unwrap_or_default(), mistakes);
     if let Some(written) = &scenario.variation {
         variation::check(written, mistakes);
     }
@@ -111,7 +113,7 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
         post,
     };
     size::check(&model, mistakes);
-    indent::check(&model, mistakes);
+    loading::depth(&model, mistakes);
     Some(model)
 }
 
@@ -447,64 +449,12 @@ pub enum Guide {
     },
 }
 
-/// The loading of the specimen.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Loading {
-    /// The impactor falls onto the film.
-    Impact {
-        /// Vertical velocity of the first impactor at the start, m/s, downward positive.
-        velocity: f64,
-        /// Acceleration of free fall, m/s².
-        gravity: f64,
-        /// Simulated time, s.
-        duration: f64,
-    },
-    /// The edges x- and x+ are jaws that part along x.
-    Stretch {
-        /// Angle from MD to the direction of loading, rad: MD 0, TD π/2.
-        angle: f64,
-        /// Speed at which the jaws part, m/s.
-        velocity: f64,
-        /// Engineering strain at which the test ends.
-        until: f64,
-        /// Factor on the film's mass; `None` chooses it from the number of steps.
-        mass_scaling: Option<f64>,
-    },
-    /// The impactor starts in contact with the film and moves down.
-    Indent {
-        /// Travel of the impactor, m.
-        depth: f64,
-        /// Speed of the impactor, m/s.
-        velocity: f64,
-        /// Factor on the film's mass; `None` chooses it from the periods of the film.
-        mass_scaling: Option<f64>,
-    },
-    /// A pressure on the lower side of the film rises and is then constant for half as long.
-    Pressure {
-        /// Final pressure, Pa.
-        pressure: f64,
-        /// Time in which it rises, s.
-        ramp: f64,
-        /// Factor on the film's mass; `None` chooses it from the periods of the film.
-        mass_scaling: Option<f64>,
-    },
-    /// Gas is let in under the film; its volume is then constant for half as long.
-    Volume {
-        /// Final volume under the whole film, m³.
-        volume: f64,
-        /// Time in which it is let in, s.
-        ramp: f64,
-        /// Factor on the film's mass; `None` chooses it from the periods of the film.
-        mass_scaling: Option<f64>,
-    },
-}
-
 /// Contact between faces of film.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Whether faces meet each other, also where the impactor is not.
     pub film: bool,
-    /// Coulomb coefficient between faces; `None` takes that of the impactor.
+    /// Coulomb coefficient between faces, whichever impactor presses them on each other; none where nothing does.
     pub film_friction: Option<f64>,
 }
 

@@ -1,5 +1,6 @@
 //! What a run records.
 
+use super::loading::Test;
 use super::{Loading, ModelDiagnostics, Output, Specimen};
 use crate::scenario::{Filter, Scenario};
 use base::units::Time;
@@ -24,10 +25,8 @@ pub fn check(
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Output {
     let written = &scenario.output;
-    let filter = match loading {
-        Loading::Impact { .. } => class(written.filter.unwrap_or(Filter::Cfc1000)),
-        Loading::Stretch { .. } | Loading::Indent { .. } | Loading::Pressure { .. } | Loading::Volume { .. } => None,
-    };
+    let is_filtered = loading.test() == Test::Impact;
+    let filter = is_filtered.then(|| written.filter.unwrap_or(Filter::Cfc1000)).and_then(class);
     let sample_rate = written.sample_rate.0;
     if let Some(class) = filter
         && sample_rate < SAMPLES_PER_CLASS_HERTZ * class
@@ -46,25 +45,14 @@ pub fn check(
 /// Refuses too few and too many samples.
 fn samples(loading: &Loading, time: f64, sample_rate: f64, mistakes: &mut ModelDiagnostics<'_>) {
     let samples = time * sample_rate;
-    let path = if mistakes.is_written(PATH) { PATH } else { pace(loading) };
+    let path = if mistakes.is_written(PATH) { PATH.to_owned() } else { loading.key(loading.pace()) };
     let hint = format!("the run takes {}", Time(time));
     if samples > MOST_SAMPLES {
         let message = format!("{samples:.1e} samples exceed the limit of {MOST_SAMPLES:e}");
-        mistakes.report_with(path, message, hint);
+        mistakes.report_with(&path, message, hint);
     } else if (0.0..FEWEST_SAMPLES).contains(&samples) {
         let message = format!("the run ends before {FEWEST_SAMPLES} samples are taken");
-        mistakes.report_with(path, message, hint);
-    }
-}
-
-/// Key path of the duration of a run.
-fn pace(loading: &Loading) -> &'static str {
-    match loading {
-        Loading::Impact { .. } => "loading.impact.duration",
-        Loading::Stretch { .. } => "loading.stretch.velocity",
-        Loading::Indent { .. } => "loading.indent.velocity",
-        Loading::Pressure { .. } => "loading.pressure.ramp",
-        Loading::Volume { .. } => "loading.volume.ramp",
+        mistakes.report_with(&path, message, hint);
     }
 }
 

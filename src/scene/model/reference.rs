@@ -1,15 +1,16 @@
 //! The recording that a run is compared with.
 
 use super::impactor::{self, Written};
-use super::{ModelDiagnostics, Reference, Window};
-use crate::scenario::{self, Guide, Loading, Phase, Scenario};
+use super::loading::Impact;
+use super::{Loading, ModelDiagnostics, Reference, Window};
+use crate::scenario::{self, Guide, Phase, Scenario};
 use base::diagnostic::closest;
 use base::units::Time;
 
 const WINDOW: &str = "reference.window";
 
 /// The recording and the window of the errors.
-pub fn check(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Reference> {
+pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
     let impactors = impactor::written(scenario, mistakes);
     let place = recorded(written.impactor.as_deref(), &impactors, mistakes);
@@ -29,7 +30,7 @@ pub fn check(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option
     let window = match written.window {
         scenario::Window::Phase(Phase::Loading) => Window::Loading,
         scenario::Window::Phase(Phase::All) => Window::All,
-        scenario::Window::Range(range) => Window::Range(self::range(range, scenario, mistakes)),
+        scenario::Window::Range(range) => Window::Range(self::range(range, loading, mistakes)),
     };
     let signals = mistakes.file("reference.signals")?;
     let (acceleration, displacement) = (written.acceleration.clone(), written.displacement.clone());
@@ -53,17 +54,17 @@ fn recorded(name: Option<&str>, impactors: &[Written<'_>], mistakes: &mut ModelD
     place.unwrap_or(0)
 }
 
-fn range([from, to]: [Time; 2], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 2] {
+fn range([from, to]: [Time; 2], loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 2] {
     if from.0 < 0.0 {
         mistakes.report(&format!("{WINDOW}.0"), "the window starts before first contact");
     }
     if to.0 <= from.0 {
         mistakes.report(&format!("{WINDOW}.1"), "the window ends before it starts");
     }
-    if let Loading::Impact(impact) = &scenario.loading
-        && to.0 > impact.duration.0
+    if let Some(Impact { duration, .. }) = loading.impact()
+        && to.0 > *duration
     {
-        let message = format!("the window ends after the run, which takes {}", impact.duration);
+        let message = format!("the window ends after the run, which takes {}", Time(*duration));
         mistakes.report(&format!("{WINDOW}.1"), message);
         mistakes.label("loading.impact.duration", "the run ends here");
     }

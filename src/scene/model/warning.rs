@@ -1,6 +1,6 @@
 //! Warnings about a scenario that is valid but hardly meant.
 
-use super::{Face, Loading, MeshInput, Model};
+use super::{Face, MeshInput, Model};
 use crate::mesh::{Outline, import};
 use crate::scenario::{Document, Implausible};
 use base::findings;
@@ -82,7 +82,7 @@ fn unstable(document: &Document, model: &Model) -> Vec<Warning> {
 
 /// The fabrics without `absorption` that an impactor falls on, by the paths of their keys.
 fn without_absorption(document: &Document, model: &Model) -> Vec<Warning> {
-    if !matches!(model.loading, Loading::Impact { .. }) {
+    if model.loading.impact().is_none() {
         return vec![];
     }
     let layers = (0..model.faces.len()).map(|place| format!("layer.{place}.material.fabric"));

@@ -10,7 +10,8 @@ pub struct Contact {
     /// through the film above it.
     #[serde(default)]
     pub film: bool,
-    /// Coulomb coefficient between faces; that of the impactor where it is left out.
+    /// Coulomb coefficient between faces. Where it is left out, film is assumed to have the coefficient that it has on the
+    /// impactor; impactors that differ in `friction` need it, and so does `loading.pressure`.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub film_friction: Option<f64>,
 }

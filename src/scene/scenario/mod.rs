@@ -58,7 +58,7 @@ pub use impactor::{
     Orientation, Part,
 };
 pub use layers::{Layer, Layers, Prestrain};
-pub use loading::{Axis, Direction, Filling, Impact, Indent, Inflation, Loading, Stretch};
+pub use loading::*;
 pub use material::{Elastic, Fabric, Fibre, Material, MountingCurve, RateCurve, Scale, Shear};
 pub use output::{Filter, Output};
 pub use plastic::{CowperSymonds, FlowCurve, FlowRate, FlowStress, HillRatios, Plastic, Voce};

@@ -4,9 +4,10 @@ use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame;
 use super::frame_force::HeldSides;
-use super::loading::{self, Inertia, LoadCase, MassScaling};
+use super::loading::{self, LoadCase};
 use super::mount::{self, BodyMounting, Mounting};
 use crate::mesh::{self, Mesh, Quality};
+use crate::model::loading::{Inertia, MassScaling};
 use crate::model::{Hold, Model};
 use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, ThreadPool};
 
@@ -25,7 +26,7 @@ const ELEMENTS_A_THREAD: usize = 400;
 /// Film or impactor cannot be meshed or mounted.
 pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
     let loading = loading::of(model);
-    let factor = match loading.mass_scaling() {
+    let factor = match model.loading.mass_scaling() {
         MassScaling::Given(factor) => return mounted(model, &*loading, factor),
         MassScaling::Unscaled => return mounted(model, &*loading, 1.0),
         MassScaling::Chosen => 1.0,
@@ -82,7 +83,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         },
     };
     let bodies = impacts.iter().map(body).collect();
-    let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
+    let mass_scaling = (model.loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
     let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
     let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held, crest };
     let clamp = model.frame.clamp.map(|clamp| {
@@ -95,8 +96,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         Some(clamp) => engine.with_clamp(clamp),
         None => engine,
     };
-    let between = model.contact.film_friction.or(model.impactors.first().map(|impactor| impactor.friction));
-    let engine = match between.filter(|_| model.contact.film) {
+    let engine = match model.contact.film_friction.filter(|_| model.contact.film) {
         Some(friction) => engine.with_film_contact(friction),
         None => engine,
     };

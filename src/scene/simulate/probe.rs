@@ -9,7 +9,7 @@ use super::energy_check::EnergyCheck;
 use super::fault::Fault;
 use super::frame::Crest;
 use super::frame_force::HeldSides;
-use super::loading::{self, Inertia, LoadCase};
+use super::loading::{self, LoadCase};
 use super::monitor::{Figures, Monitor};
 use super::mount::Mounting;
 use super::outcome::Outcome;
@@ -19,6 +19,7 @@ use super::snapshot::{self, FilmState, Snapshot};
 use super::tracks::{BodyTracks, Tracks};
 use super::warning::bounds::KINETIC;
 use crate::model::Model;
+use crate::model::loading::Inertia;
 use lab::signal::{Recording, column};
 use membrane::engine::{self, ElementStrain, Engine, Observer, Relaxation, Torn, Track, View};
 
@@ -72,7 +73,7 @@ impl<'a> Probe<'a> {
         let sample = 1.0 / model.output.sample_rate;
         let duration = model.run_time();
         let loading = loading::of(model);
-        let checked_from = if loading.inertia() == Inertia::Dynamic { 0.0 } else { CHECKED_FROM * duration };
+        let checked_from = if model.loading.inertia() == Inertia::Dynamic { 0.0 } else { CHECKED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
         let record = Record {
@@ -147,7 +148,7 @@ impl<'a> Probe<'a> {
 
     /// Whether inertia must not matter; then the failure of film that cannot tear, or that holds gas, ends the test.
     fn is_quasi_static(&self) -> bool {
-        self.loading.inertia() == Inertia::Negligible
+        self.model.loading.inertia() == Inertia::Negligible
     }
 
     /// The fault of a run as a whole: a lost energy balance, or inertia in a test that must be quasi-static.
@@ -240,7 +241,7 @@ impl<'a> Probe<'a> {
 
     /// The outcome after the last step of `engine`.
     pub(super) fn finish(self, engine: &Engine, mounting: Mounting, wall: Duration) -> Outcome {
-        let slow = self.loading.inertia() != Inertia::Dynamic;
+        let slow = self.model.loading.inertia() != Inertia::Dynamic;
         let kinetic_share = slow.then(|| self.record.energy.kinetic_share(self.model.can_tear()).1);
         let damping_share = slow.then(|| self.record.energy.damping_share());
         let balance = self.record.energy.balance_error();

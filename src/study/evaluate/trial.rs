@@ -1,6 +1,7 @@
 //! Runs within an objective, which end with the window of the comparison.
 
 use crate::post::ReferenceComparison;
+use scene::model::loading::Impact;
 use scene::model::{Loading, Model};
 
 /// Time after the window that the channel filter needs, times its class.
@@ -23,7 +24,7 @@ pub fn cut(model: &Model, comparison: Option<&ReferenceComparison>) -> Model {
     let Some(ReferenceComparison { window: [_, end], .. }) = comparison else {
         return model;
     };
-    if let Loading::Impact { duration, .. } = &mut model.loading {
+    if let Loading::Impact(Impact { duration, .. }) = &mut model.loading {
         let filter = model.output.filter.map_or(0.0, |class| SETTLING / class);
         *duration = duration.min(end + filter + SAMPLES / model.output.sample_rate);
     }

@@ -12,7 +12,7 @@ use lab::signal::column::{self, Column};
 use lab::signal::norm::NormError;
 use lab::signal::{Recording, Series};
 use membrane::engine::GuideFriction;
-use scene::model::{Impactor, Loading, Model};
+use scene::model::{Impactor, Model};
 use scene::simulate::Outcome;
 
 /// Figures of an impact; fields of `summary.json`.
@@ -226,7 +226,7 @@ fn absorption(
     friction: &GuideFriction,
     (signals, prefix): (&Recording, &str),
 ) -> Option<f64> {
-    let Loading::Impact { gravity, .. } = model.loading else { return None };
+    let gravity = model.loading.impact()?.gravity;
     let Impactor { mass, .. } = *impactor;
     if !mass.is_finite() {
         return None;

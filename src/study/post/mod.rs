@@ -27,7 +27,7 @@ pub use inflation::Inflation;
 pub use plan::{Plan, PrepareError};
 pub use reference::{ReferenceComparison, ReferenceError};
 pub use remedies::failure as failure_message;
-pub use results::{EvaluateError, HEADER, Measures, Results};
+pub use results::{EvaluateError, HEADER, Measures, Results, ranking_figure};
 pub use run::Run;
 pub use stretch::Stretch;
 pub use warning::FAILED_RUN;

@@ -15,7 +15,8 @@ use lab::signal::filter::{self, FilterError, Standard};
 use lab::signal::norm::{NormError, relative_error};
 use lab::signal::resample::{self, ResampleError};
 use lab::signal::{Annotations, Measurement, Series, column, integrate};
-use scene::model::{Impactor, Loading, Model, Reference, Window};
+use scene::model::loading::Impact;
+use scene::model::{Impactor, Model, Reference, Window};
 
 /// A recording ready for comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -229,8 +230,8 @@ impl Signals {
     /// Of a raw recording, reduced with the mass and gravity of the run.
     fn from_raw(measurement: &Measurement, model: &Model, reference: &Reference) -> Result<Signals, ReferenceError> {
         let path = || reference.signals.clone();
-        let (Loading::Impact { gravity, .. }, Some(impactor)) =
-            (&model.loading, model.impactors.get(reference.impactor))
+        let (Some(Impact { gravity, .. }), Some(impactor)) =
+            (model.loading.impact(), model.impactors.get(reference.impactor))
         else {
             return Err(ReferenceError::NotAnImpact { path: path() });
         };

@@ -4,7 +4,8 @@
 use base::finding::Report;
 use base::number::significant;
 use scene::mesh::Outline;
-use scene::model::{Loading, Model};
+use scene::model::Model;
+use scene::model::loading::MassScaling;
 use scene::simulate::{Failure, Fault, Warning};
 
 /// The warning of a run of `model` with its remedy, if there is one; `mass_scaling` is the factor that the run used.
@@ -64,17 +65,12 @@ pub fn failure(failure: &Failure, model: &Model) -> String {
 /// a larger factor where it is chosen.
 fn slower(model: &Model, used: Option<f64>) -> String {
     let slower = "load it more slowly";
-    let (key, written) = match model.loading {
-        Loading::Impact { .. } => return slower.into(),
-        Loading::Stretch { mass_scaling, .. } => ("loading.stretch.mass_scaling", mass_scaling),
-        Loading::Indent { mass_scaling, .. } => ("loading.indent.mass_scaling", mass_scaling),
-        Loading::Pressure { mass_scaling, .. } => ("loading.pressure.mass_scaling", mass_scaling),
-        Loading::Volume { mass_scaling, .. } => ("loading.volume.mass_scaling", mass_scaling),
-    };
-    match used.filter(|used| *used > 1.0).map(|used| significant(used, 4)) {
-        None => slower.into(),
-        Some(used) if written.is_some() => format!("set `{key}` lower than {used}, or {slower}"),
-        Some(used) => format!("set `{key}` lower than {used}, which was chosen"),
+    let Some(used) = used.filter(|used| *used > 1.0).map(|used| significant(used, 4)) else { return slower.into() };
+    let key = model.loading.key("mass_scaling");
+    match model.loading.mass_scaling() {
+        MassScaling::Unscaled => slower.into(),
+        MassScaling::Given(_) => format!("set `{key}` lower than {used}, or {slower}"),
+        MassScaling::Chosen => format!("set `{key}` lower than {used}, which was chosen"),
     }
 }
 
@@ -83,6 +79,8 @@ mod tests {
     use super::*;
     use crate::post::tests::model;
     use scene::mesh::{Grading, Zone};
+    use scene::model::Loading;
+    use scene::model::loading::Indent;
     use scene::scenario::grammar;
     use scene::simulate::{BodySize, ImpactorName};
 
@@ -105,7 +103,7 @@ mod tests {
     fn every_key_that_a_remedy_names_is_one_of_a_scenario() {
         let (source, _) = include_str!("remedies.rs").split_once("#[cfg(test)]").unwrap();
         let named: Vec<&str> = enclosed(source, '"').flat_map(paths).collect();
-        assert_eq!(named.len(), 8, "{named:?}");
+        assert_eq!(named.len(), 4, "{named:?}");
         let remedies = || [scene::simulate::CODES, crate::post::CODES].concat().into_iter().map(|code| code.remedy);
         let of_codes: Vec<&str> = remedies().flat_map(paths).filter(|path| !path.ends_with(".csv")).collect();
         assert!(of_codes.len() > 5, "{of_codes:?}");
@@ -114,6 +112,9 @@ mod tests {
             assert!(is_key(path), "a scenario has no `{path}`");
         }
         assert!(!is_key("specimen.mesh.length"));
+        for kind in ["stretch", "indent", "pressure", "volume"] {
+            assert!(is_key(&format!("loading.{kind}.mass_scaling")), "{kind}");
+        }
         for remedy in remedies() {
             let quoted: Vec<&str> = enclosed(remedy, '`').flat_map(paths).collect();
             assert_eq!(paths(remedy).collect::<Vec<_>>(), quoted, "{remedy}");
@@ -155,7 +156,7 @@ mod tests {
     #[test]
     fn the_remedy_of_a_fast_test_names_the_key_of_its_mass() {
         let remedy = |mass_scaling: Option<f64>, used: Option<f64>| {
-            let loading = Loading::Indent { depth: 0.01, velocity: 1.0, mass_scaling };
+            let loading = Loading::Indent(Indent { depth: 0.01, velocity: 1.0, mass_scaling });
             with_remedy(&Warning::NotQuasiStatic { share: 0.02 }, &Model { loading, ..model() }, used)
         };
         let fact = "not quasi-static: kinetic energy is up to 2 % of the energy that the film took up; ";

@@ -9,7 +9,8 @@ use crate::script::{Fault, ScriptOutput};
 use lab::signal::filter::{self, FilterError, Standard};
 use lab::signal::resample::{self, ResampleError};
 use lab::signal::{Channel, Recording, Series, column};
-use scene::model::{Loading, Model};
+use scene::model::Model;
+use scene::model::loading::Test;
 use scene::simulate::Outcome;
 
 /// Entries of a summary that are no figures: which scenario, and by which droptower.
@@ -74,15 +75,11 @@ impl Results {
     ) -> Result<Results, EvaluateError> {
         let signals = with_filtered(model, &outcome.signals)?;
         let findings = || RunFindings::of(model, outcome);
-        let measures = match model.loading {
-            Loading::Impact { .. } => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
-            Loading::Stretch { .. } => Measures::Stretch(Stretch::measure(outcome, &signals, findings())),
-            Loading::Indent { velocity, .. } => {
-                Measures::Indent(Indent::measure(velocity, outcome, &signals, findings()))
-            }
-            Loading::Pressure { .. } | Loading::Volume { .. } => {
-                Measures::Inflation(Inflation::measure(outcome, &signals, findings()))
-            }
+        let measures = match model.loading.test() {
+            Test::Impact => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
+            Test::Stretch => Measures::Stretch(Stretch::measure(outcome, &signals, findings())),
+            Test::Indent { velocity } => Measures::Indent(Indent::measure(velocity, outcome, &signals, findings())),
+            Test::Inflation => Measures::Inflation(Inflation::measure(outcome, &signals, findings())),
         };
         Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
     }
@@ -114,6 +111,15 @@ impl Results {
             summary.insert(files, self.script_output.files.names().into());
         }
         summary
+    }
+}
+
+/// The figure by which runs of `model` are ranked where none is named.
+pub fn ranking_figure(model: &Model) -> &'static str {
+    match model.loading.test() {
+        Test::Impact => "peak_acceleration_m_s2",
+        Test::Stretch | Test::Indent { .. } => "peak_force_N",
+        Test::Inflation => "peak_deflection_m",
     }
 }
 

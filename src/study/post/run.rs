@@ -9,7 +9,7 @@ use super::figures::SUMMARY;
 use super::{ReferenceComparison, Results};
 use crate::script::{Entry, Fields, Session, from_json, refuse};
 use lab::signal::{Recording, Series, column};
-use scene::model::{Impactor, Loading, Model};
+use scene::model::{Impactor, Model};
 use scene::simulate::Outcome;
 
 /// A finished run: signals, energies, figures and what was run. Cheap to clone.
@@ -139,30 +139,7 @@ pub(crate) fn facts(model: &Model) -> serde_json::Map<String, Value> {
             facts.insert("impactors".into(), several.iter().map(of_one).collect());
         }
     }
-    match &model.loading {
-        Loading::Impact { velocity, gravity, duration } => {
-            facts.insert("velocity".into(), json!(velocity));
-            facts.insert("gravity".into(), json!(gravity));
-            facts.insert("duration".into(), json!(duration));
-        }
-        Loading::Stretch { angle, velocity, until, .. } => {
-            facts.insert("angle".into(), json!(angle));
-            facts.insert("velocity".into(), json!(velocity));
-            facts.insert("until".into(), json!(until));
-        }
-        Loading::Indent { depth, velocity, .. } => {
-            facts.insert("depth".into(), json!(depth));
-            facts.insert("velocity".into(), json!(velocity));
-        }
-        Loading::Pressure { pressure, ramp, .. } => {
-            facts.insert("pressure".into(), json!(pressure));
-            facts.insert("ramp".into(), json!(ramp));
-        }
-        Loading::Volume { volume, ramp, .. } => {
-            facts.insert("volume".into(), json!(volume));
-            facts.insert("ramp".into(), json!(ramp));
-        }
-    }
+    facts.extend(model.loading.facts().into_iter().map(|(name, value)| (name.to_owned(), json!(value))));
     facts
 }
 

@@ -65,7 +65,7 @@ pub(super) fn model() -> Model {
             velocity: [0.0, 0.0, -SPEED],
             spin: [0.0; 3],
         }],
-        loading: Loading::Impact { velocity: SPEED, gravity: 0.0, duration: 0.12 },
+        loading: Loading::Impact(loading::Impact { velocity: SPEED, gravity: 0.0, duration: 0.12 }),
         contact: Contact::default(),
         air: None,
         solver: Solver { step_factor: 1.0, smallest_step: None },

@@ -2,7 +2,8 @@
 
 use droptower::engine::{Contact, Energies, Engine, Film, Impact, Jaw, Loads, Nodes, Unobserved, View};
 use droptower::mesh::{self, Mesh, MeshError, Side};
-use droptower::model::{Face, Hold, Impactor, Loading, Model, Symmetry};
+use droptower::model::loading;
+use droptower::model::{Face, Hold, Impactor, Model, Symmetry};
 use droptower::simulate::{falling, section, surface};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
@@ -20,7 +21,9 @@ impl Scene {
 
     /// The same with a body of angular velocity `spin` (rad/s).
     pub fn spinning(model: &Model, spin: Vector3<f64>) -> Scene {
-        let Loading::Impact { velocity, gravity, .. } = model.loading else { panic!("{} is no impact", model.name) };
+        let Some(&loading::Impact { velocity, gravity, .. }) = model.loading.impact() else {
+            panic!("{} is no impact", model.name)
+        };
         let mut nodes = Nodes::default();
         let mut films = vec![];
         let mut offset = vec![];

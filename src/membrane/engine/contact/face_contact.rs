@@ -104,7 +104,8 @@ impl Constraint {
         // The response along the normal stands for that along the slip: it decides how fast the sweeps converge, not
         // where to.
         let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
-        let bound = sweep.friction.coefficient_at(self.film.nodes[0] as usize) * normal_impulse;
+        let pair = sweep.friction.pair(self.film.nodes[0] as usize);
+        let bound = sweep.friction.coefficient_of(pair) * normal_impulse;
         let tangential_impulse = within_cone(sticking, bound);
         let tangential_change = tangential_impulse - self.tangential_impulse;
         self.apply(&tangential_change, velocity, body, sweep);

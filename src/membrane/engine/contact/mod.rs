@@ -131,7 +131,7 @@ impl Contact {
         let rounded = surface.clone();
         Contact {
             surface,
-            friction: Friction { impactor: friction, film: friction, first_face: nodes },
+            friction: Friction::of_body(friction),
             multiplicity,
             offset,
             neighbours: NeighbourList::default(),
@@ -150,7 +150,7 @@ impl Contact {
 
     /// This contact with the coefficient `friction` between faces, the first of which has the first `nodes`.
     pub fn with_film_friction(self, friction: f64, nodes: usize) -> Contact {
-        Contact { friction: Friction { film: friction, first_face: nodes, ..self.friction }, ..self }
+        Contact { friction: self.friction.with_faces(friction, nodes), ..self }
     }
 
     /// This contact as that of one of several bodies, which a step may resolve in several sweeps.
@@ -160,7 +160,7 @@ impl Contact {
 
     /// Coulomb coefficient of the body.
     pub(super) fn friction(&self) -> f64 {
-        self.friction.impactor
+        self.friction.body_on_film
     }
 
     /// The nodes that may get an impulse in this step, ascending.

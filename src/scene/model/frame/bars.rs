@@ -24,17 +24,9 @@ pub(super) fn check(
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Bars> {
     let radius = written.radius.0;
-    match loading {
-        Loading::Stretch { .. } => {
-            mistakes.out_of_place(PATH, "jaws hold the film of a stretch test, which stays plane");
-            return None;
-        }
-        Loading::Pressure { .. } | Loading::Volume { .. } => {
-            let hint = "leave them out: pressure lifts film off the bars below it";
-            mistakes.report_with(PATH, "bars under film with pressure are not supported", hint);
-            return None;
-        }
-        Loading::Impact { .. } | Loading::Indent { .. } => {}
+    if let Some(refusal) = loading.refuses_bars() {
+        refusal.report(PATH, mistakes);
+        return None;
     }
     if *hold == Hold::None {
         mistakes.out_of_place(PATH, "bars lie where film is held, and no edge is");

@@ -13,18 +13,9 @@ pub(super) fn check(
     hold: &Hold,
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Clamp> {
-    match loading {
-        Loading::Stretch { .. } => {
-            let hint = "leave it out; the jaws of a stretch test hold without slip";
-            mistakes.report_with(PATH, "film that slips in jaws is not supported", hint);
-            return None;
-        }
-        Loading::Pressure { .. } | Loading::Volume { .. } => {
-            let hint = "leave it out; the edge of film under pressure is held without slip";
-            mistakes.report_with(PATH, "film that slips in its clamp under pressure is not supported", hint);
-            return None;
-        }
-        Loading::Impact { .. } | Loading::Indent { .. } => {}
+    if let Some(refusal) = loading.refuses_clamp() {
+        refusal.report(PATH, mistakes);
+        return None;
     }
     if *hold == Hold::None {
         mistakes.out_of_place(PATH, "no edge is held");

@@ -1,6 +1,7 @@
 //! What concerns several impactors: names, and the times at which they are released.
 
 use super::Written;
+use crate::model::loading::{Impact, Impactors};
 use crate::model::{Loading, ModelDiagnostics};
 use crate::scenario::Guide;
 
@@ -8,7 +9,7 @@ use crate::scenario::Guide;
 pub(super) fn check(all: &[Written<'_>], loading: &Loading, has_bars: bool, mistakes: &mut ModelDiagnostics<'_>) {
     names(all, mistakes);
     let earliest = all.iter().min_by(|a, b| a.at.0.total_cmp(&b.at.0)).filter(|one| one.at.0 > 0.0);
-    let earliest = earliest.filter(|_| matches!(loading, Loading::Impact { .. }));
+    let earliest = earliest.filter(|_| loading.impactors() == Impactors::Free);
     // Of one whose `at` is to be left out, nothing else about it matters.
     let released_later = all.iter().filter(|one| earliest.is_none_or(|earliest| earliest.path != one.path));
     released_later.for_each(|one| released(one, loading, mistakes));
@@ -67,7 +68,7 @@ fn is_identifier(name: &str) -> bool {
 /// A release after the start.
 fn released(one: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
     let key = one.key("at");
-    let Loading::Impact { duration, .. } = loading else {
+    let Some(Impact { duration, .. }) = loading.impact() else {
         if mistakes.is_written(&key) {
             mistakes.out_of_place(&key, "an indentation prescribes the motion of the impactor");
         }

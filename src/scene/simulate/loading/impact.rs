@@ -1,7 +1,7 @@
 //! Impact: a body falls onto the film.
 
-use super::{Inertia, LoadCase, MassScaling};
-use crate::model::{Guide, Impactor, Model};
+use super::LoadCase;
+use crate::model::{Guide, Impactor, Model, loading};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
 use crate::simulate::tracks::{BodyTracks, Tracks};
@@ -33,19 +33,18 @@ const SPATIAL: [&str; 7] = [
 
 /// Bodies that meet the film under `gravity` (m/s²).
 pub(super) struct Impact<'a> {
-    pub(super) model: &'a Model,
-    pub(super) gravity: f64,
+    model: &'a Model,
+    gravity: f64,
+}
+
+impl<'a> Impact<'a> {
+    /// The loading of `model`.
+    pub(super) fn new(model: &'a Model, loading: &loading::Impact) -> Impact<'a> {
+        Impact { model, gravity: loading.gravity }
+    }
 }
 
 impl LoadCase for Impact<'_> {
-    fn inertia(&self) -> Inertia {
-        Inertia::Dynamic
-    }
-
-    fn mass_scaling(&self) -> MassScaling {
-        MassScaling::Unscaled
-    }
-
     fn damping(&self) -> f64 {
         self.model.specimen.damping
     }

@@ -2,8 +2,8 @@
 
 use nalgebra::Isometry3;
 
-use super::{Inertia, LoadCase, MassScaling, slow};
-use crate::model::Model;
+use super::{LoadCase, slow};
+use crate::model::{Model, loading};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
 use crate::simulate::tracks::Tracks;
@@ -23,21 +23,19 @@ const LEAST_STEP: f64 = 1e-3;
 
 /// An impactor that moves down by `depth` (m) at `velocity` (m/s).
 pub(super) struct Indent<'a> {
-    pub(super) model: &'a Model,
-    pub(super) depth: f64,
-    pub(super) velocity: f64,
-    pub(super) mass_scaling: Option<f64>,
+    model: &'a Model,
+    depth: f64,
+    velocity: f64,
+}
+
+impl<'a> Indent<'a> {
+    /// The loading of `model`.
+    pub(super) fn new(model: &'a Model, loading: &loading::Indent) -> Indent<'a> {
+        Indent { model, depth: loading.depth, velocity: loading.velocity }
+    }
 }
 
 impl LoadCase for Indent<'_> {
-    fn inertia(&self) -> Inertia {
-        Inertia::Negligible
-    }
-
-    fn mass_scaling(&self) -> MassScaling {
-        self.mass_scaling.into()
-    }
-
     fn excess(&self, _: f64) -> f64 {
         let stretch = |_: &_, radius: f64| (self.depth / radius).hypot(1.0);
         slow::periods(self.model, self.model.run_time(), stretch) / slow::PERIODS

@@ -1,4 +1,4 @@
-//! The kinds of loading: what each applies, records, scales and damps.
+//! The kinds of loading: what each applies, records and damps.
 
 mod impact;
 mod indent;
@@ -18,14 +18,8 @@ use crate::model::{Hold, Loading, Model};
 use lab::signal::Recording;
 use membrane::engine::{self, Film, Jaw, Loads, Nodes, RigidBody};
 
-/// A kind of loading.
+/// A kind of loading as it acts on the film; what it answers about itself is its [`Kind`](crate::model::loading::Kind).
 pub(super) trait LoadCase {
-    /// The part that inertia plays in the test.
-    fn inertia(&self) -> Inertia;
-
-    /// Where the factor on the film's mass comes from.
-    fn mass_scaling(&self) -> MassScaling;
-
     /// Estimate of how many times longer than necessary the test is with the film's own mass, with which it takes
     /// `steps` steps. Above one, its square is the factor on the mass that is chosen; NaN where it cannot be estimated.
     fn excess(&self, _steps: f64) -> f64 {
@@ -72,55 +66,21 @@ pub(super) trait LoadCase {
     fn signals(&self, tracks: &Tracks, mounting: &Mounting) -> Recording;
 }
 
-/// The part that inertia plays in a test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Inertia {
-    /// It is what the test is about.
-    Dynamic,
-    /// It should not matter; how much it does is reported.
-    Reported,
-    /// It must not matter: the film is in equilibrium throughout, and its failure ends the test.
-    Negligible,
-}
-
-/// Where the factor on the film's mass comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum MassScaling {
-    /// The film has its own mass.
-    Unscaled,
-    /// From the scenario.
-    Given(f64),
-    /// From [`LoadCase::excess`].
-    Chosen,
-}
-
-impl From<Option<f64>> for MassScaling {
-    fn from(written: Option<f64>) -> MassScaling {
-        written.map_or(MassScaling::Chosen, MassScaling::Given)
-    }
-}
-
 /// The loading of `model`.
 pub(super) fn of(model: &Model) -> Box<dyn LoadCase + '_> {
-    match model.loading {
-        Loading::Impact { gravity, .. } => Box::new(impact::Impact { model, gravity }),
-        Loading::Stretch { velocity, mass_scaling, .. } => Box::new(Stretch::new(model, velocity, mass_scaling)),
-        Loading::Indent { depth, velocity, mass_scaling } => {
-            Box::new(indent::Indent { model, depth, velocity, mass_scaling })
-        }
-        Loading::Pressure { pressure, ramp, mass_scaling } => {
-            Box::new(pressure::Pressure { model, pressure, ramp, mass_scaling })
-        }
-        Loading::Volume { volume, ramp, mass_scaling } => {
-            Box::new(volume::Volume { model, volume, ramp, mass_scaling })
-        }
+    match &model.loading {
+        Loading::Impact(loading) => Box::new(impact::Impact::new(model, loading)),
+        Loading::Stretch(loading) => Box::new(Stretch::new(model, loading)),
+        Loading::Indent(loading) => Box::new(indent::Indent::new(model, loading)),
+        Loading::Pressure(loading) => Box::new(pressure::Pressure::new(model, loading)),
+        Loading::Volume(loading) => Box::new(volume::Volume::new(model, loading)),
     }
 }
 
 /// The stretch of `model`; none under another loading.
 pub(super) fn stretch(model: &Model) -> Option<Stretch> {
-    match model.loading {
-        Loading::Stretch { velocity, mass_scaling, .. } => Some(Stretch::new(model, velocity, mass_scaling)),
+    match &model.loading {
+        Loading::Stretch(loading) => Some(Stretch::new(model, loading)),
         _ => None,
     }
 }

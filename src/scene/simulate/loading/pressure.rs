@@ -1,7 +1,7 @@
 //! Inflation: a pressure on the lower side of the film.
 
-use super::{Inertia, LoadCase, MassScaling, slow};
-use crate::model::{Face, Model};
+use super::{LoadCase, slow};
+use crate::model::{Face, Model, loading};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
@@ -14,10 +14,9 @@ const DECAYS: f64 = 40.0;
 
 /// A `pressure` (Pa) that rises over `ramp` (s) and is held.
 pub(super) struct Pressure<'a> {
-    pub(super) model: &'a Model,
-    pub(super) pressure: f64,
-    pub(super) ramp: f64,
-    pub(super) mass_scaling: Option<f64>,
+    model: &'a Model,
+    pressure: f64,
+    ramp: f64,
 }
 
 impl Pressure<'_> {
@@ -26,15 +25,14 @@ impl Pressure<'_> {
     }
 }
 
+impl<'a> Pressure<'a> {
+    /// The loading of `model`.
+    pub(super) fn new(model: &'a Model, loading: &loading::Pressure) -> Pressure<'a> {
+        Pressure { model, pressure: loading.pressure, ramp: loading.ramp }
+    }
+}
+
 impl LoadCase for Pressure<'_> {
-    fn inertia(&self) -> Inertia {
-        Inertia::Negligible
-    }
-
-    fn mass_scaling(&self) -> MassScaling {
-        self.mass_scaling.into()
-    }
-
     fn excess(&self, _: f64) -> f64 {
         let stretch = |face: &Face, radius: f64| cap(face, radius, self.pressure);
         slow::periods(self.model, self.ramp, stretch) / slow::PERIODS

@@ -1,8 +1,8 @@
 //! Stretch: two jaws pull the film.
 
-use super::{Inertia, LoadCase, MassScaling};
+use super::LoadCase;
 use crate::mesh::{Mesh, Outline, Side};
-use crate::model::{Face, Hold, Model};
+use crate::model::{Face, Hold, Model, loading};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
@@ -21,12 +21,11 @@ pub(in crate::simulate) struct Stretch {
     /// Distance of the jaws, m.
     gauge: f64,
     damping: f64,
-    mass_scaling: Option<f64>,
 }
 
 impl Stretch {
     /// The film between the jaws of `model`, whose outline is a rectangle.
-    pub(super) fn new(model: &Model, velocity: f64, mass_scaling: Option<f64>) -> Stretch {
+    pub(super) fn new(model: &Model, loading: &loading::Stretch) -> Stretch {
         let section = |width: f64, face: &Face| {
             width * face.material.thickness * f64::from(face.layers) / (1.0 + face.prestrain[1])
         };
@@ -34,19 +33,11 @@ impl Stretch {
             Outline::Rectangle { x, y } => (x, model.faces.iter().map(|face| section(y, face)).sum()),
             Outline::Circle { .. } | Outline::Polygon(_) | Outline::Mesh { .. } => (0.0, 0.0),
         };
-        Stretch { velocity, section, gauge, damping: model.specimen.damping, mass_scaling }
+        Stretch { velocity: loading.velocity, section, gauge, damping: model.specimen.damping }
     }
 }
 
 impl LoadCase for Stretch {
-    fn inertia(&self) -> Inertia {
-        Inertia::Reported
-    }
-
-    fn mass_scaling(&self) -> MassScaling {
-        self.mass_scaling.into()
-    }
-
     fn excess(&self, steps: f64) -> f64 {
         steps / STEPS
     }

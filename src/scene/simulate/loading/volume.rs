@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use super::pressure::stretch;
-use super::{Inertia, LoadCase, MassScaling, slow};
+use super::{LoadCase, slow};
 use crate::mesh::Outline;
-use crate::model::{Face, Model};
+use crate::model::{Face, Model, loading};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
@@ -21,21 +21,19 @@ const LONGER: f64 = 2.0;
 
 /// A `volume` (m³) under the whole film that is let in over `ramp` (s) and then constant.
 pub(super) struct Volume<'a> {
-    pub(super) model: &'a Model,
-    pub(super) volume: f64,
-    pub(super) ramp: f64,
-    pub(super) mass_scaling: Option<f64>,
+    model: &'a Model,
+    volume: f64,
+    ramp: f64,
+}
+
+impl<'a> Volume<'a> {
+    /// The loading of `model`.
+    pub(super) fn new(model: &'a Model, loading: &loading::Volume) -> Volume<'a> {
+        Volume { model, volume: loading.volume, ramp: loading.ramp }
+    }
 }
 
 impl LoadCase for Volume<'_> {
-    fn inertia(&self) -> Inertia {
-        Inertia::Negligible
-    }
-
-    fn mass_scaling(&self) -> MassScaling {
-        self.mass_scaling.into()
-    }
-
     fn excess(&self, _: f64) -> f64 {
         let mean = self.volume / area(self.model);
         let stretch = |_: &Face, radius: f64| stretch(height(PI * mean / radius));

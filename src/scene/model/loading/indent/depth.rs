@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::{Face, Hold, Impactor, ImpactorShape, Loading, Model, ModelDiagnostics, Symmetry};
+use super::Indent;
 use crate::mesh::{Outline, Side};
+use crate::model::{Face, Hold, Impactor, ImpactorShape, Loading, Model, ModelDiagnostics, Symmetry};
 
 const DEPTH: &str = "loading.indent.depth";
 
@@ -13,7 +14,7 @@ const SPANS: f64 = 3.0;
 /// Refuses a depth at which the film would break even if it were strained uniformly, and one at which the impactor
 /// would reach the frame.
 pub fn check(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
-    let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, model.impactor()) else { return };
+    let (Loading::Indent(Indent { depth, .. }), Some(impactor)) = (&model.loading, model.impactor()) else { return };
     // What follows is of an upright impactor.
     if impactor.orientation != [0.0; 3] {
         return;
