@@ -1,4 +1,4 @@
-//! Warnings about a scenario that is valid but hardly meant.
+//! Warnings about a scenario that is valid but implausible.
 
 use super::{Face, MeshInput, Model};
 use crate::mesh::{Outline, import};
@@ -14,7 +14,7 @@ const LARGEST_MESH: f64 = 10.0;
 const LONGEST_MESH: u64 = 64 << 20;
 
 findings! {
-    /// What is hardly meant in a scenario.
+    /// Implausible values and combinations in a scenario.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
         /// A value is outside its likely range.
@@ -56,7 +56,7 @@ findings! {
     }
 }
 
-/// What is hardly meant in the scenario `document`, which was checked to be `model`.
+/// Implausible values and combinations in the scenario `document`, which was checked to be `model`.
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
     let values = document.implausible().into_iter().map(Warning::Value);
     let meshes = model.meshes().into_iter().filter_map(wide);

@@ -14,7 +14,7 @@ const LEAST: f64 = 1e-4;
 const HALVINGS: usize = 30;
 
 findings! {
-    /// What is hardly meant in a variation.
+    /// Implausible values in a variation.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
         Refused {
@@ -78,7 +78,7 @@ impl Beyond {
     }
 }
 
-/// What is hardly meant in what varies in the scenario `base`.
+/// Implausible values of the keys that vary in the scenario `base`.
 pub fn warnings(base: &Document, variation: &Variation) -> Vec<Warning> {
     let distributed = variation.factors.iter().filter_map(|factor| match &factor.values {
         Values::Distribution(distribution) => Some(refused(base, factor, distribution)),

@@ -195,8 +195,8 @@ mod tests {
 
     #[test]
     fn circles_and_places_out_of_the_folder_are_refused() {
-        let circle = [("a.rhai", "import \"b\" as b;"), ("b.rhai", "import \"a\" as a;")];
-        let told = |text: &str| told(&circle, text).remove(0);
+        let cycle = [("a.rhai", "import \"b\" as b;"), ("b.rhai", "import \"a\" as a;")];
+        let told = |text: &str| told(&cycle, text).remove(0);
         assert_eq!(told("import \"a\" as a;"), "b.rhai:1:8: cyclic imports: a → b → a");
         assert_eq!(told("import \"s\" as s;"), "s.rhai:1:8: there is no module `s`");
         for name in ["../a", "/etc/a", "a/../b", "./a", "a.rhai", "C:\\\\a", ""] {
