@@ -2,15 +2,14 @@
 
 use std::fs::{self, File};
 use std::io::{Read, Write};
+use std::os::fd::FromRawFd;
 use std::path::Path;
 use std::process::{Child, ExitStatus, Stdio};
+use std::ptr;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rustix::fs::{Mode, OFlags, open};
-use rustix::process::{Pid, Signal, kill_process};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{LocalModes, tcgetattr};
 
 use crate::workbench::{command, root};
@@ -20,6 +19,17 @@ const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Ends the editing of a line.
 const PLAIN_PASTE: &str = "\x1b[?2004l";
+
+/// Both ends of a new pseudo-terminal: that of the keyboard and the screen, and that of the program.
+fn pseudo_terminal() -> [File; 2] {
+    let mut ends = [-1; 2];
+    let [keyboard, line] = &mut ends;
+    // SAFETY: both places are valid; name, modes and size are left to the system.
+    let status = unsafe { libc::openpty(keyboard, line, ptr::null_mut(), ptr::null_mut(), ptr::null_mut()) };
+    assert_eq!(status, 0, "a pseudo-terminal");
+    // SAFETY: the descriptors were just opened and belong to no one else.
+    ends.map(|end| unsafe { File::from_raw_fd(end) })
+}
 
 struct Terminal {
     keyboard: File,
@@ -34,16 +44,11 @@ struct Terminal {
 impl Terminal {
     /// A session in `folder`, whose earlier lines are kept there too; the prompt waits.
     fn start(folder: &Path, options: &[&str]) -> Terminal {
-        let keyboard = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pseudo-terminal");
-        grantpt(&keyboard).and_then(|()| unlockpt(&keyboard)).expect("its other end");
-        let name = ptsname(&keyboard, Vec::new()).expect("its name");
-        let line = open(&*name, OFlags::RDWR | OFlags::NOCTTY, Mode::empty()).expect("its other end");
-        let line = File::from(line);
+        let [keyboard, line] = pseudo_terminal();
         let end = || Stdio::from(line.try_clone().expect("its other end"));
         let mut program = command(folder, &[&["repl"], options].concat());
         program.env("TERM", "xterm").env("HOME", folder).env("XDG_DATA_HOME", folder);
         let program = program.stdin(end()).stdout(end()).stderr(end()).spawn().expect("the binary starts");
-        let keyboard = File::from(keyboard);
         let (tell, screen) = channel();
         let mut from = keyboard.try_clone().expect("a reader");
         thread::spawn(move || {
@@ -88,8 +93,10 @@ impl Terminal {
         self.wait_for("> ");
     }
 
-    fn signal(&self, signal: Signal) {
-        kill_process(Pid::from_child(&self.program), signal).expect("it runs");
+    fn signal(&self, signal: i32) {
+        // SAFETY: the process is a child that was not waited for, so that its number is its own.
+        let status = unsafe { libc::kill(self.program.id() as i32, signal) };
+        assert_eq!(status, 0, "it runs");
     }
 
     /// Waits for the end; the terminal must be as it was before.
@@ -130,7 +137,7 @@ fn lines_are_completed_continued_given_up_and_repeated() {
     one.wait_for("> ");
     one.ask("5 * 5\r", "25");
     // A signal that is not of the keyboard: its thread may get to it late, and stop one input.
-    one.signal(Signal::INT);
+    one.signal(libc::SIGINT);
     let is_answered = |_| {
         one.press("6 * 6\r");
         one.wait_for(PLAIN_PASTE);
@@ -152,7 +159,7 @@ fn lines_are_completed_continued_given_up_and_repeated() {
 #[test]
 fn signals_end_a_session_and_leave_the_terminal_as_it_was() {
     let folder = tempfile::tempdir().expect("a folder");
-    for signal in [Signal::TERM, Signal::HUP] {
+    for signal in [libc::SIGTERM, libc::SIGHUP] {
         let mut terminal = Terminal::start(folder.path(), &[]);
         terminal.ask("1000 + 24\r", "1024");
         terminal.signal(signal);
@@ -174,13 +181,13 @@ fn a_computation_is_stopped_and_the_session_goes_on_or_ends() {
     let long = "log(\"be\" + \"gun\"); let run = scenario(args.scenario).simulate();\r";
     terminal.press(long);
     terminal.wait_for("begun");
-    terminal.signal(Signal::INT);
+    terminal.signal(libc::SIGINT);
     terminal.wait_for("stopped");
     terminal.wait_for("> ");
     terminal.ask("6 * 7\r", "42");
     terminal.press(long);
     terminal.wait_for("begun");
-    terminal.signal(Signal::TERM);
+    terminal.signal(libc::SIGTERM);
     terminal.wait_for("a signal ended the session");
     assert_eq!(terminal.end().code(), Some(1));
 }
