@@ -13,8 +13,8 @@ use plot::viridis::VIRIDIS;
 
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 
-/// What every page runs, in this order: the plotting library, the page's own parts after the colours of values, the plots,
-/// the raster, the film.
+/// The scripts of every page, in this order: the plotting library, the page's own parts after the colours of values,
+/// the plots, the raster, the film.
 static SCRIPTS: LazyLock<[String; 5]> = LazyLock::new(|| {
     let colours = json!(VIRIDIS);
     [

@@ -38,7 +38,7 @@ pub(super) struct CheckpointHeader {
     detailed: bool,
     /// The resolved scenario, for messages.
     scenario: String,
-    /// What decides the bits of the run.
+    /// All that decides the bits of the run.
     identity: Identity,
 }
 

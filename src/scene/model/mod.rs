@@ -122,7 +122,7 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
 pub struct Model {
     /// Path under `scenarios/` without extension, e.g. `drop/1008`.
     pub name: String,
-    /// What pages and plots call the run.
+    /// The name of the run on pages and plots.
     pub title: String,
     /// Outline, symmetry and damping of the film.
     pub specimen: Specimen,
@@ -175,8 +175,8 @@ impl Model {
         self.impactors.first()
     }
 
-    /// What the names of signals and figures of each impactor begin with: of one nothing, of several their names and an
-    /// underscore.
+    /// The beginning of the names of signals and figures of each impactor: of one nothing, of several their names and
+    /// an underscore.
     pub fn prefixes(&self) -> Vec<String> {
         match self.impactors.as_slice() {
             [_] => vec![String::new()],
@@ -358,7 +358,7 @@ pub enum ImpactorShape {
         /// Length of the shaft.
         length: f64,
     },
-    /// The same under its other name, with a given length.
+    /// The shape of [`Hemisphere`](Self::Hemisphere) under its other name, with a given length.
     Capsule {
         /// Radius of shaft and ends.
         radius: f64,
@@ -461,7 +461,7 @@ pub struct Contact {
 /// The air around the film.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Air {
-    /// That between the two faces.
+    /// The cushion of air between the two faces.
     pub cushion: Option<Cushion>,
     /// Mass of air per area of film that moves with it, kg/m².
     pub added_mass: f64,
@@ -489,7 +489,7 @@ pub struct Solver {
     pub smallest_step: Option<f64>,
 }
 
-/// What a run records.
+/// The signals and snapshots that a run records.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Output {
     /// Samples per second, Hz.

@@ -93,8 +93,8 @@ impl Document {
         !has("specimen") && ["density", "thickness", "fabric", "elastic", "hyperelastic"].into_iter().any(has)
     }
 
-    /// The same scenario without the keys that `assignments` leave out, and with the others merged into it. Two that
-    /// exclude each other are a mistake, as in a file.
+    /// A copy of the scenario without the keys that `assignments` leave out, and with the others merged into it. Two
+    /// that exclude each other are a mistake, as in a file.
     pub fn with(&self, assignments: &[Assignment]) -> Document {
         let rule = Some(self.rule);
         let mut reader = Reader::default();
@@ -145,7 +145,7 @@ impl Document {
         self.written()
     }
 
-    /// What a run must give as its struct, likewise; only of what was read as that.
+    /// The expectations of a run as their struct, likewise; only of a document that was read as such.
     pub fn expectations(&self) -> (Option<Expectations>, Vec<Diagnostic>) {
         self.written()
     }
@@ -174,7 +174,7 @@ impl Document {
         resolved::text(&self.root, self.rule)
     }
 
-    /// The same text with the post script read from a copy called `name` beside it.
+    /// The text of the scenario with the post script read from a copy called `name` beside it.
     pub fn resolved_beside_script(&self, name: &str) -> String {
         resolved::text_with(&self.root, self.rule, &[("post.script", name)])
     }
@@ -223,7 +223,7 @@ impl Document {
         }
     }
 
-    /// The same scenario without what varies.
+    /// A copy of the scenario in which nothing varies.
     pub fn without_variation(&self) -> Document {
         let mut document = self.clone();
         if let Value::Table(table) = &mut document.root.value {

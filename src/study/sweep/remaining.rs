@@ -1,4 +1,4 @@
-//! What is left of a sweep: runs that neither an earlier sweep, nor this process, nor another has computed.
+//! The work left of a sweep: runs that neither an earlier sweep, nor this process, nor another has computed.
 
 use std::time::{Duration, Instant};
 
@@ -41,7 +41,7 @@ pub(super) struct Position {
 pub(super) struct Estimator {
     /// Records of others when the process began.
     before: usize,
-    /// What was left at the last sample, and the runs that were computed by then, here and elsewhere.
+    /// The number of runs left at the last sample, and of those that were computed by then, here and elsewhere.
     sampled: Option<[usize; 2]>,
     next: Instant,
     pause: Duration,
@@ -54,8 +54,8 @@ impl Estimator {
         Estimator { before, sampled: None, next: Instant::now() + FIRST, pause: FIRST }
     }
 
-    /// What is left at `position`, where `sample` gives at most so many places of runs that wait, spread evenly; none before
-    /// the first sample, and where all records are of this process, which knows it then.
+    /// The work left at `position`, where `sample` gives at most so many places of runs that wait, spread evenly; none
+    /// before the first sample, and where all records are of this process, which knows it then.
     pub(super) fn remaining_work(
         &mut self,
         sweep: &Sweep,

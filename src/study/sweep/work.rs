@@ -27,7 +27,7 @@ pub struct Stop {
     pub deadline: Option<Instant>,
 }
 
-/// What becomes of a run of a sweep.
+/// An event in the course of a sweep's run.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
     /// It was evaluated before.
@@ -55,7 +55,7 @@ pub struct Work<'a> {
     pub gather: bool,
 }
 
-/// What is known of the runs of a sweep.
+/// The results of the runs of a sweep that are known.
 #[derive(Debug, Default)]
 pub struct Done {
     /// Keys of the evaluations that have records, by place.

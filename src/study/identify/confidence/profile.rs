@@ -43,7 +43,7 @@ pub struct Profile {
     pub threshold: f64,
     /// Ends of the interval of 95 %; none where the threshold is not reached, or not before a point without a value.
     pub interval: [Option<f64>; 2],
-    /// What puts the profile in doubt.
+    /// Doubts about the profile.
     pub warnings: Vec<Warning>,
 }
 

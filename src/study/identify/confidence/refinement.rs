@@ -20,7 +20,7 @@ use lab::confidence::{ConfidenceOptions, Linearization};
 /// Largest number of continued searches.
 const MAX_CONTINUED: usize = 3;
 
-/// What profiles are computed with.
+/// The settings of profiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileOptions {
     /// Options of the confidence intervals, whose half-widths are the unit of the values.
@@ -79,7 +79,7 @@ impl Refinement {
     /// each event.
     ///
     /// # Errors
-    /// Those of [`profiles`] and [`minimize`].
+    /// The errors of [`profiles`] and [`minimize`].
     pub fn of(
         search: &Search,
         options: &ProfileOptions,

@@ -7,8 +7,8 @@ use crate::identify::objective::ObjectiveValue;
 use crate::identify::options::Search;
 use crate::identify::result::StartResult;
 
-/// The same with each unknown on the bound beside which it converged, where the objective is no higher there: towards a
-/// bound the transform flattens, and the tolerances are met before it.
+/// The point with each unknown on the bound beside which it converged, where the objective is no higher there: towards
+/// a bound the transform flattens, and the tolerances are met before it.
 pub(super) fn onto_bounds(
     mut result: StartResult,
     search: &Search,

@@ -63,7 +63,7 @@ pub(super) struct Simplex {
     pub(super) vertices: Vec<Vertex>,
     pub(super) iterations: usize,
     pub(super) evaluations: usize,
-    /// What the last iteration did.
+    /// The kind of the last step.
     pub(super) step: Step,
     /// Decaying frequencies of the second points of iterations: expanded, contracted outside, contracted inside.
     frequencies: [f64; 3],
@@ -228,7 +228,7 @@ impl Simplex {
         vertex(x, self.evaluations, values)
     }
 
-    /// The same simplex after this many iterations and evaluations of earlier ones.
+    /// The simplex with this many iterations and evaluations of earlier ones counted in.
     pub(super) fn after(self, [iterations, evaluations]: [usize; 2]) -> Simplex {
         Simplex { iterations: self.iterations + iterations, evaluations: self.evaluations + evaluations, ..self }
     }

@@ -11,7 +11,7 @@ use crate::identify::point::Point;
 use crate::identify::pool::trial_pool::{Evaluator, PoolError};
 use crate::identify::warning::Warning;
 
-/// What a method searches with.
+/// The means of a method: its search, its evaluator and its observer.
 pub(in crate::identify) struct SearchContext<'s, 'c, 'a> {
     pub(in crate::identify) search: &'s Search,
     pub(in crate::identify) trials: &'s Trials<'c, 'a>,

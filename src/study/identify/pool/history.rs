@@ -19,7 +19,8 @@ use crate::identify::warning::Warning;
 use crate::script::{self, Compared, Target};
 use base::file::{Digest, checksum};
 
-/// What determines the values of the trials of a script, beside the files that it reads and the number of the search.
+/// The identity of a search: all that determines the values of the trials of a script, beside the files that it reads
+/// and the number of the search.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Identity {
     /// The text of the script.
@@ -37,7 +38,7 @@ pub struct History {
     /// References that trials were compared with, in the order of the file.
     targets: Vec<Arc<Target>>,
     inputs: BTreeMap<PathBuf, String>,
-    /// What opening the file reports.
+    /// Warnings of opening the file.
     warnings: Vec<Warning>,
 }
 
@@ -130,7 +131,7 @@ impl History {
         &self.path
     }
 
-    /// What opening the file reported: trials that were set aside, and those that were read.
+    /// Warnings of opening the file: of trials that were set aside, and of those that were read.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }

@@ -35,11 +35,11 @@ pub struct TrialPool<'a> {
     changed: Condvar,
 }
 
-/// What one search evaluates.
+/// The problem of one search: an objective and what surrounds its trials.
 pub struct Problem<'a> {
     /// The objective.
     pub objective: &'a dyn Objective,
-    /// What a trial without a value counts as.
+    /// The treatment of a trial without a value.
     pub on_failure: OnFailure,
     /// Holds known trials; others are appended.
     pub history: Option<&'a mut History>,
@@ -117,7 +117,7 @@ impl<'a> TrialPool<'a> {
         TrialPool { threads: threads.max(1), stack: STACK, rules, schedule, changed }
     }
 
-    /// The same pool with stacks of `bytes`.
+    /// The pool with stacks of `bytes`.
     pub fn with_stack(self, bytes: usize) -> TrialPool<'a> {
         TrialPool { stack: bytes, ..self }
     }
@@ -208,7 +208,7 @@ impl<'a> TrialPool<'a> {
 /// Runs `search` on one problem with a pool of `threads`.
 ///
 /// # Errors
-/// Those of [`TrialPool::run`].
+/// The errors of [`TrialPool::run`].
 ///
 /// # Panics
 /// Where the objective does.
