@@ -73,6 +73,7 @@ pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> 
 fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Model> {
     let name = mistakes.document.name();
     let specimen = specimen::check(&scenario.specimen, mistakes);
+    // Ahead of the parts below, which may be refused or required by its kind.
     let loading = loading::check(scenario, mistakes);
     let mut faces = layers::check(scenario, &loading, mistakes);
     let frame = frame::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
@@ -87,6 +88,7 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
     let shape = specimen.as_ref().map(|specimen| &specimen.shape);
     let (all, graded) = (impactors.as_deref().unwrap_or_default(), faces.as_deref_mut().unwrap_or_default());
     grading::check(scenario, &loading, graded, all, shape, mistakes);
+    // Here, as the guide that decides the speed is checked with the impactors, and these need the loading.
     let loading = loading.with_impactor(first);
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
@@ -112,6 +114,7 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
         reference,
         post,
     };
+    // Last, since these ask about the whole.
     size::check(&model, mistakes);
     loading::depth(&model, mistakes);
     Some(model)

@@ -240,6 +240,7 @@ impl Evaluations {
     pub fn keys(model: &Model, plan: &Plan) -> Result<EvaluationKeys, EvaluationError> {
         let run = run_key(&without_snapshots(model))?;
         let figures = match (&model.reference, plan.whole_script()) {
+            // One key for both: its figures follow from the run alone, and it is not kept whole beside them.
             (None, None) => run,
             (reference, script) => {
                 let reference = reference.as_ref().map(content).transpose().map_err(EvaluationError::Input)?;
@@ -452,6 +453,7 @@ fn content(reference: &Reference) -> io::Result<Vec<u8>> {
         FileError::Io(error) => error,
         error => io::Error::other(error.to_string()),
     })?;
+    // Without its path: a project that is moved or copied still has its records.
     let reference = Reference { signals: PathBuf::new(), ..reference.clone() };
     encoded(&(reference, file))
 }
@@ -469,6 +471,7 @@ fn packed(value: &impl Serialize) -> io::Result<Vec<u8>> {
 /// The value that was packed; none where it is damaged.
 fn unpacked<T: DeserializeOwned>(content: &[u8]) -> Option<T> {
     let mut bytes = Vec::new();
+    // A damaged record must not fill the memory.
     ZlibDecoder::new(content).take(MOST_BYTES).read_to_end(&mut bytes).ok()?;
     postcard::from_bytes(&bytes).ok()
 }

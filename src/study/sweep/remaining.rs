@@ -71,11 +71,13 @@ impl Estimator {
         if Instant::now() >= self.next {
             let unknown = waiting as f64 * unknown_share(sweep, evaluations, &sample(MOST));
             self.sampled = Some([unknown.round() as usize + begun, computed + elsewhere]);
+            // A sample takes time from the runs: in a long sweep it becomes rare.
             self.pause = (2 * self.pause).min(LONGEST);
             self.next = Instant::now() + self.pause;
         }
         let [left, by_then] = self.sampled?;
         let since = (computed + elsewhere).saturating_sub(by_then);
+        // A sample may err; the runs that have begun are left for certain.
         Some(RemainingWork { left: left.saturating_sub(since).max(begun), elsewhere })
     }
 }

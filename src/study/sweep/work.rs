@@ -204,6 +204,7 @@ impl State<'_> {
 
     /// Whether no run may begin any more.
     fn ends(&self) -> bool {
+        // A run that the deadline would cut off is not begun, as the longest so far tells.
         let longest = Duration::from_millis(self.longest.load(Ordering::Relaxed));
         let Stop { deadline, .. } = self.work.stop;
         let is_late = deadline.is_some_and(|deadline| Instant::now() + longest > deadline);
@@ -234,6 +235,7 @@ impl State<'_> {
             }
         };
         let store = evaluations.store();
+        // Another process may have computed it since the last look.
         if !store.contains(keys.figures) {
             store.refresh().map_err(|error| evaluations.failed(error))?;
         }
@@ -241,6 +243,7 @@ impl State<'_> {
             let mut done = lock(&self.done);
             done.cache_hits += 1;
             done.keys.insert(place, keys);
+            // The observer may be slow: no other thread waits for it at this lock.
             drop(done);
             (self.observer)(Event::Taken);
             return Ok(());
@@ -249,12 +252,14 @@ impl State<'_> {
             return Ok(());
         }
         if !store.claim(keys.figures).map_err(|error| evaluations.failed(error))? {
+            // Not waited for here: the thread takes other runs, and looks again once the queue is empty.
             lock(&self.elsewhere).push(place);
             return Ok(());
         }
         let begin = Instant::now();
         let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.requested) {
             Err(EvaluationError::Cancelled) => {
+                // Else others would wait for a run that nobody computes.
                 return store.release(keys.figures).map_err(|error| evaluations.failed(error));
             }
             Err(EvaluationError::Passing(cause)) => {

@@ -147,6 +147,7 @@ impl<'a> TrialPool<'a> {
             thread::scope(|threads| {
                 let others: Vec<_> =
                     (1..self.rules.len()).map(|number| threads.spawn(move || run_one(number))).collect();
+                // The first search needs no thread of its own: this one would only wait for the others.
                 let first = (!self.rules.is_empty()).then(|| run_one(0));
                 let others = others.into_iter().map(|other| other.join().unwrap_or_else(|panic| resume_unwind(panic)));
                 first.into_iter().chain(others).collect::<Vec<_>>()
@@ -163,6 +164,7 @@ impl<'a> TrialPool<'a> {
         let evaluator = Evaluator { pool: self, number };
         let mut guard = SearchGuard { evaluator, succeeded: false };
         let result = search(&evaluator, number);
+        // The search itself saw only that it was closed; the error of its history is the cause.
         let error = self.schedule().take_error(number);
         let result = error.map_or(result, |error| Err(PoolError::from(error).into()));
         guard.succeeded = result.is_ok();
