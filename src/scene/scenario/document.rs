@@ -109,6 +109,8 @@ impl Document {
                 Change::Set(tree) => {
                     let over = reader.include(tree.clone(), rule);
                     set = Some(match set {
+                        // Without the rule: of two assignments that exclude each other, the later would else drop the
+                        // earlier unnoticed.
                         Some(before) => merge(before, over, None),
                         None => over,
                     });
@@ -118,6 +120,7 @@ impl Document {
         if let Some(set) = set {
             root = merge(root, set, rule);
         }
+        // Missing keys are shown in the file, not in the last argument.
         root.span = self.root.span.clone();
         let mistakes = self.mistakes.iter().cloned().chain(reader.mistakes).collect();
         let files = self.files.iter().cloned().chain(reader.files).collect();
@@ -155,6 +158,7 @@ impl Document {
         mistakes.extend(validate::validate(&self.root, self.rule));
         match T::deserialize(self.root.to_toml()) {
             Ok(written) => (Some(written), mistakes),
+            // An error of serde is mostly a mistake that was reported already, and that with its place.
             Err(error) if mistakes.is_empty() => {
                 let mistake = Diagnostic::new(error.message().to_owned()).at(&self.root.span);
                 (None, vec![mistake])

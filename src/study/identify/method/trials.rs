@@ -59,6 +59,7 @@ impl Failures {
     /// Adds one; of trials requested at once, the first in the order of their points counts as first.
     fn push(&mut self, failure: Failure) {
         self.count += 1;
+        // Outcomes come in any order: the first by its place in the search is the same with any number of threads.
         let is_before =
             |first: &Failure| failure.before.cmp(&first.before).then_with(|| order(&failure.x, &first.x)).is_lt();
         if self.first.as_ref().is_none_or(is_before) {

@@ -151,6 +151,7 @@ impl History {
     /// # Errors
     /// The file cannot be written.
     pub fn add(&mut self, x: &[f64], trial: &Trial, seconds: f64) -> Result<(), HistoryError> {
+        // A mistake in the script is corrected before the search is resumed, and its trial repeated.
         if matches!(trial.evaluation, Evaluation::Fatal(_)) {
             return Ok(());
         }
@@ -161,6 +162,7 @@ impl History {
 
     /// A simulated curve; a new reference is appended before it.
     fn curve(&mut self, Compared { target, values }: &Compared) -> Result<CurveRecord, HistoryError> {
+        // By its content too: after a restart, an equal reference is another allocation.
         let known = self.targets.iter().position(|other| Arc::ptr_eq(other, target) || other == target);
         let number = known.unwrap_or(self.targets.len());
         if known.is_none() {
@@ -176,6 +178,7 @@ impl History {
     /// The file cannot be written.
     pub fn add_inputs(&mut self, inputs: Vec<(PathBuf, String)>) -> Result<(), HistoryError> {
         for (input, content) in inputs {
+            // Each file once: every trial comes with all that were read so far.
             if self.inputs.insert(input.clone(), content.clone()).is_none() {
                 self.add_record(&Record::Input { input, content })?;
             }
