@@ -16,7 +16,7 @@ pub struct Source {
     pub name: String,
     /// The text itself.
     pub text: String,
-    /// What relative paths in the text are relative to.
+    /// The folder that relative paths in the text start from.
     pub folder: PathBuf,
     /// The line of the file that the text starts with, counted from one.
     pub first_line: usize,
@@ -109,7 +109,7 @@ pub struct Diagnostic {
     pub message: String,
     /// Where it is, if it is at a place in a text.
     pub span: Option<Span>,
-    /// What to write instead, or why it is a mistake.
+    /// The text to write instead, or why it is a mistake.
     pub hint: Option<String>,
     /// Other places that have to do with it, such as the key that this one is in conflict with.
     pub labels: Vec<Label>,
@@ -130,17 +130,17 @@ impl Diagnostic {
         Diagnostic { message: message.into(), span: None, hint: None, labels: vec![] }
     }
 
-    /// The same mistake, shown at `span`.
+    /// A copy of the mistake that is shown at `span`.
     pub fn at(self, span: &Span) -> Diagnostic {
         Diagnostic { span: Some(span.clone()), ..self }
     }
 
-    /// The same mistake with a hint.
+    /// The mistake with a hint.
     pub fn hint(self, hint: impl Into<String>) -> Diagnostic {
         Diagnostic { hint: Some(hint.into()), ..self }
     }
 
-    /// The same mistake, which also points at `span`.
+    /// The mistake with a further label at `span`.
     pub fn label(mut self, span: &Span, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label { span: span.clone(), text: text.into() });
         self

@@ -40,7 +40,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// What to do, where that follows from the error.
+    /// A remedy, where one follows from the error.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             FileError::NotText | FileError::Utf16 => Some("save it as UTF-8, with or without a byte order mark"),
@@ -122,7 +122,7 @@ pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)
 }
 
-/// What identifies the content of a file: its length and its checksum.
+/// The identity of a file's content: its length and its checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Digest {
     length: u64,

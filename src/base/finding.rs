@@ -34,9 +34,9 @@ pub struct Code {
     pub name: &'static str,
     /// How much a finding of this kind weighs.
     pub severity: Severity,
-    /// What it means.
+    /// The meaning of the code, one sentence for all of its findings.
     pub meaning: &'static str,
-    /// What to do.
+    /// The remedy that helps wherever the code is reported.
     pub remedy: &'static str,
 }
 
@@ -45,7 +45,7 @@ pub struct Code {
 ///
 /// ```
 /// base::findings! {
-///     /// What puts a drop in doubt.
+///     /// A doubt about a drop.
 ///     #[derive(Clone, Debug, PartialEq)]
 ///     pub enum Warning {
 ///         NoLaser = "no-laser", Note;
@@ -249,7 +249,7 @@ mod tests {
                 meaning "nothing to worry about";
                 remedy "nothing";
                 message "as usual";
-            /// That of another module.
+            /// A doubt of another module.
             Other(other: Box<Doubt> => ..other.figures()) = code other.code();
                 message "elsewhere: {other}";
         }

@@ -1,4 +1,4 @@
-//! What every part of droptower speaks of: numbers and units, diagnostics and findings, files and tables.
+//! The vocabulary of every part of droptower: numbers and units, diagnostics and findings, files and tables.
 #![warn(missing_docs)]
 
 pub mod number;

@@ -24,7 +24,7 @@ type Powers = [i8; 6];
 /// 0 °C, K.
 const ZERO_CELSIUS: f64 = 273.15;
 
-/// What a quantity measures: its name, its SI unit and the powers of the base units in it.
+/// The kind of a quantity: its name, its SI unit and the powers of the base units in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension {
     /// With its article, as an error names it: "a length".
@@ -70,7 +70,7 @@ pub enum UnitError {
     DecimalComma {
         /// The quantity, as it is written.
         text: String,
-        /// The same with a decimal point.
+        /// The quantity with a decimal point.
         point: String,
     },
     /// The text does not start with a number.
@@ -84,7 +84,7 @@ pub enum UnitError {
 }
 
 impl UnitError {
-    /// What to write instead.
+    /// The correction to write instead.
     pub fn hint(&self) -> String {
         let (dimension, meant) = match self {
             UnitError::DecimalComma { point, .. } => return format!("write it with a decimal point: \"{point}\""),
@@ -187,8 +187,8 @@ impl Dimension {
         format!(r"^\s*[-+]?[0-9.]+(?![0-9.])([eE][-+]?[0-9.]+(?![0-9.]))?\s*(?!({units})\s*$)\S")
     }
 
-    /// What `number` without its unit, of which the value is `value` (SI), may have been meant for: the same number in
-    /// the unit nearest to the written one that makes it one of the `likely` values.
+    /// A likely meaning of `number` without its unit, of which the value is `value` (SI): the number in the unit
+    /// nearest to the written one that makes it one of the `likely` values.
     pub fn likelier(self, number: &str, value: f64, likely: [f64; 2]) -> Option<String> {
         let (number, _) = split_number(number.trim());
         let units = self.usual_units().iter().filter(|unit| !matches!(**unit, "cm" | "km" | "min" | "h" | "mm/min"));

@@ -18,7 +18,7 @@ pub(super) struct Changes {
 }
 
 impl Changes {
-    /// What the scenario's keys are set to; keys are left out first.
+    /// The changes to the scenario's keys, those that leave keys out first.
     ///
     /// # Errors
     /// All mistakes in the arguments.

@@ -39,7 +39,7 @@ struct Verdict {
     variation: Option<Varies>,
 }
 
-/// What varies from run to run of a sweep.
+/// The keys that vary from run to run of a sweep.
 #[derive(Serialize)]
 struct Varies {
     /// How the values are chosen.
@@ -64,7 +64,7 @@ struct Inertia {
     moments: [f64; 3],
 }
 
-/// What a correct file has to say.
+/// The facts that are printed about a correct file.
 #[derive(Default)]
 struct Facts {
     findings: Vec<Finding>,
@@ -72,7 +72,7 @@ struct Facts {
     variation: Option<Varies>,
 }
 
-/// What is said of a file, or its mistakes.
+/// The facts of a file, or its mistakes.
 type Checked = Result<Facts, Vec<Diagnostic>>;
 
 #[derive(Serialize)]
@@ -144,7 +144,7 @@ impl Varies {
 }
 
 impl Inertia {
-    /// That of an impactor that may turn; none where its mesh cannot be used, which ends its run.
+    /// The inertia of an impactor that may turn; none where its mesh cannot be used, which ends its run.
     fn of(impactor: &Impactor) -> Option<Inertia> {
         if !matches!(impactor.guide, Guide::Free | Guide::Hinge { .. }) {
             return None;

@@ -163,7 +163,8 @@ fn check_signals(runs: &[StoredRun], wanted: &[String]) -> Result<(), Diagnostic
     })
 }
 
-/// What differs between the scenarios, then figures, errors of signals and findings; every line ends with a line break.
+/// The differences between the scenarios, then figures, errors of signals and findings; every line ends with a line
+/// break.
 fn text(comparison: &RunComparison, all: bool) -> String {
     let names: Vec<String> = comparison.runs.iter().map(|run| run.name.clone()).collect();
     let part = |words: &str, rows: Vec<Vec<String>>| {

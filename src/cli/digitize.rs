@@ -32,7 +32,7 @@ pub(super) struct DigitizeArgs {
     pub force: bool,
 }
 
-/// What was read.
+/// A summary of the curve that was read.
 #[derive(Serialize)]
 struct Summary {
     out: String,

@@ -19,9 +19,9 @@ pub(crate) enum ExitStatus {
 /// Why a command fails.
 #[derive(Clone, Debug)]
 pub(crate) struct Failure {
-    /// What the command exits with.
+    /// The status that the command exits with.
     pub status: ExitStatus,
-    /// What is printed on standard error; empty where standard output has it already.
+    /// The messages for standard error; empty where standard output has them already.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -31,7 +31,7 @@ impl Failure {
         Failure { status: ExitStatus::OutputFailed, diagnostics: vec![diagnostic] }
     }
 
-    /// What standard output has told already.
+    /// A failure without a message, as standard output has told it already.
     pub(crate) fn quiet() -> Failure {
         Failure { status: ExitStatus::OutputFailed, diagnostics: vec![] }
     }

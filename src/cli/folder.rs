@@ -27,7 +27,7 @@ pub(super) struct Contents<'a> {
     /// Text of the post script that `scenario` reads as [`run_files::POST_SCRIPT`].
     pub script: Option<&'a str>,
     pub failure: Option<&'a str>,
-    /// What is also written.
+    /// The formats that are written besides.
     pub formats: Formats,
 }
 
@@ -123,7 +123,7 @@ pub(super) fn fill_comparison(
     Ok(files.names)
 }
 
-/// What `summary.json` of a comparison holds; with bounds, how far runs are outside of them.
+/// The content of `summary.json` of a comparison; with bounds, how far runs are outside of them.
 pub(super) fn summary_of_comparison(comparison: &RunComparison, outside: Option<&[Outside]>) -> Map<String, Value> {
     let mut summary = comparison.summary();
     summary.extend(outside.map(|outside| ("outside".to_owned(), json_of!(outside))));

@@ -1,4 +1,4 @@
-//! What the arguments give a script: its scenario, its values and changes of scenarios.
+//! The values that the arguments give a script: its scenario, its constants and changes of scenarios.
 
 use clap::Args;
 
@@ -21,7 +21,7 @@ pub(super) struct Given {
 }
 
 impl Given {
-    /// What the constant `args` of the script holds: numbers, booleans and text.
+    /// The constant `args` of the script: numbers, booleans and text.
     ///
     /// # Errors
     /// All mistakes in the arguments.

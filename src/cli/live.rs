@@ -55,6 +55,7 @@ impl<'a> Show<'a> {
 
     /// Shows a state.
     pub(super) fn update(&mut self, event: &SnapshotEvent<'_>) {
+        // Another run of the batch may have found it so: this one does not wait for a failure of its own.
         if self.viewer.is_some_and(Viewer::is_unavailable) {
             self.live = None;
         }
@@ -74,6 +75,7 @@ impl<'a> Show<'a> {
     /// Warns of a failure of the viewer; of one that is unavailable, once.
     fn warn(&self, error: &LiveError) {
         let is_unavailable = matches!(error, LiveError::NoAnswer { .. } | LiveError::NotResponding { .. });
+        // Exchanged at once, so that of runs side by side only one warns.
         let was_unavailable =
             is_unavailable && self.viewer.is_some_and(|viewer| viewer.is_unavailable.swap(true, Ordering::Relaxed));
         if !was_unavailable {

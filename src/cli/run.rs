@@ -62,7 +62,7 @@ struct Job {
     place: PathBuf,
     /// Its checkpoints, if it has any.
     writer: Option<CheckpointWriter>,
-    /// What is also written.
+    /// The formats that are written besides.
     formats: Formats,
     /// Whether results of another scenario are replaced.
     force: bool,
@@ -135,7 +135,7 @@ pub(super) fn one(
 /// The runs of a command.
 struct Batch {
     jobs: Vec<Job>,
-    /// Those that a resumed batch need not repeat.
+    /// A warning for each run that a resumed batch need not repeat.
     complete: Vec<checkpoint::Warning>,
 }
 

@@ -44,6 +44,7 @@ impl Pixels {
     pub(super) fn draw(triangles: &[Triangle], [width, height]: [usize; 2], least: f32) -> Pixels {
         let mut rows = vec![[0; 4]; width * height];
         let samples = SAMPLES[usize::from(width * height > LARGE)];
+        // Each band draws all triangles in their order, so the picture is the same with any number of threads.
         rows.par_chunks_mut(ROWS * width.max(1)).enumerate().for_each(|(number, rows)| {
             let mut band = Band::new([width, rows.len() / width], number * ROWS, samples);
             triangles.iter().for_each(|triangle| band.triangle(triangle));
@@ -122,6 +123,7 @@ impl Band {
         for row in first..last {
             let y = row as f32 + 0.5;
             let [left, right] = span(places, y);
+            // Half open, so that a sample on a side that two triangles share belongs to one of them.
             let columns =
                 (left - 0.5).ceil().max(0.0) as usize..(right - 0.5).ceil().clamp(0.0, self.width as f32) as usize;
             for column in columns {
@@ -146,6 +148,7 @@ impl Band {
             let mut sum = [0.0_f32; 4];
             for sample in 0..samples * samples {
                 let place = (row + sample / samples) * self.width + column + sample % samples;
+                // Weighted by opacity: the empty samples at an outline would else darken it.
                 let [colour @ .., opacity] = self.sample(place, least);
                 (0..3).for_each(|part| sum[part] += opacity * colour[part]);
                 sum[3] += opacity;
@@ -189,6 +192,7 @@ fn edge(places: [[f32; 2]; 3], at: usize, width: f32, area: f32) -> Plane {
 fn span(places: [[f32; 2]; 3], y: f32) -> [f32; 2] {
     (0..3).fold([f32::INFINITY, f32::NEG_INFINITY], |[left, right], at| {
         let [a, b] = [places[at], places[(at + 1) % 3]];
+        // A corner on the row belongs to one of its edges only, and a level edge has no crossing.
         if (a[1] <= y) == (b[1] <= y) {
             return [left, right];
         }

@@ -44,6 +44,7 @@ fn between(triangle: &[Corner; 3], [u, v]: [f64; 2]) -> Corner {
     };
     let flat = sum(&|corner| corner.point);
     let tangent = sum(&|corner| flat - (flat - corner.point).dot(&corner.normal) * corner.normal);
+    // Opposite normals, as at the two sides of a fold, cancel and have no direction: then that of a corner serves.
     let normal = sum(&|corner| corner.normal);
     Corner {
         point: (1.0 - SHARE) * flat + SHARE * tangent,

@@ -1,4 +1,4 @@
-//! What is set around a scene: heading, caption, colour bar, directions of the axes.
+//! The surroundings of a scene: heading, caption, colour bar, directions of the axes.
 
 use std::fmt::Write;
 

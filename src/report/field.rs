@@ -6,7 +6,7 @@ use scene::simulate::FilmState;
 pub struct Field {
     /// By which users name it.
     pub key: &'static str,
-    /// What it is.
+    /// The quantity in words.
     pub title: &'static str,
     /// Its symbol.
     pub symbol: &'static str,
@@ -20,8 +20,8 @@ pub struct Field {
     only: Option<fn(&FilmState) -> bool>,
 }
 
-/// What there is to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown.
-/// The last three only where a law gives the thickness or a plastic strain, and where film can tear.
+/// The fields to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown. The
+/// last three only where a law gives the thickness or a plastic strain, and where film can tear.
 pub const FIELDS: [Field; 7] = [
     Field {
         key: "largest",
@@ -92,7 +92,7 @@ pub const FIELDS: [Field; 7] = [
 const LEAST: f32 = 1e-6;
 
 impl Field {
-    /// Those of faces in the states `films` at one time.
+    /// The fields of faces in the states `films` at one time.
     pub fn all_in(films: &[FilmState]) -> impl Iterator<Item = &'static Field> {
         let is_shown = |field: &&Field| field.only.is_none_or(|is_in| films.iter().any(is_in));
         FIELDS.iter().filter(is_shown)

@@ -16,7 +16,7 @@ pub struct FitPage<'a> {
     pub plots: Vec<Plot>,
     /// Of the coefficients, where there is one.
     pub correlation: Option<Correlation>,
-    /// What the fit reports.
+    /// The findings of the fit.
     pub findings: &'a [Finding],
     /// The material file, where one is written.
     pub material: Option<&'a str>,

@@ -13,8 +13,8 @@ use plot::viridis::VIRIDIS;
 
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 
-/// What every page runs, in this order: the plotting library, the page's own parts after the colours of values, the plots,
-/// the raster, the film.
+/// The scripts of every page, in this order: the plotting library, the page's own parts after the colours of values,
+/// the plots, the raster, the film.
 static SCRIPTS: LazyLock<[String; 5]> = LazyLock::new(|| {
     let colours = json!(VIRIDIS);
     [
@@ -28,6 +28,7 @@ static SCRIPTS: LazyLock<[String; 5]> = LazyLock::new(|| {
 
 /// Nothing is loaded from anywhere, and no script runs but those of [`SCRIPTS`].
 static POLICY: LazyLock<String> = LazyLock::new(|| {
+    // By hashes instead of `unsafe-inline`: a script that slipped through an escape would not run.
     let hash = |script: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)));
     let scripts = SCRIPTS.each_ref().map(|script| hash(script)).join(" ");
     format!("default-src 'none'; style-src 'unsafe-inline'; script-src {scripts}; base-uri 'none'; form-action 'none'")
@@ -51,6 +52,7 @@ pub(super) fn escape(text: &str) -> String {
 
 /// The text that [`escape`] made `html` of.
 pub(super) fn unescape(html: &str) -> String {
+    // The ampersand comes last: else `&amp;lt;`, the text `&lt;`, would become a bracket.
     let text = html.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&#39;", "'");
     text.replace("&amp;", "&")
 }
@@ -91,6 +93,7 @@ fn with_code(finding: &Finding) -> String {
 
 /// Data for the page's scripts; no text in it can end the block.
 pub(super) fn data(value: &Value) -> String {
+    // In JSON, `<` occurs in strings only, where this escape means the same.
     let text = value.to_string().replace('<', "\\u003c");
     format!("<script type=\"application/json\">{text}</script>\n")
 }

@@ -41,7 +41,7 @@ pub(super) struct Measured {
 /// A channel of a run in a pane.
 pub(super) struct PaneCurve<'a> {
     pub(super) column: Column,
-    /// What the names of the channels of its impactor begin with; empty of a single one, and of film and frame.
+    /// The beginning of the names of the channels of its impactor; empty of a single one, and of film and frame.
     pub(super) prefix: &'a str,
     pub(super) label: String,
     pub(super) values: &'a [f64],

@@ -57,7 +57,7 @@ pub fn run_page(run: &RunPage) -> String {
     html::page(&model.title, &body.concat())
 }
 
-/// What was run and what it is compared with.
+/// The opening of the page: the subject of the run and its reference.
 fn lead(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());

@@ -6,7 +6,7 @@ use scene::simulate::{Film, Image, Outcome, Snapshot};
 /// Sides of a round impactor.
 const SIDES: u32 = 72;
 
-/// What can be drawn of a run.
+/// The parts and fields of a run that can be drawn.
 ///
 /// A page holds it coarsened and with strains alone ([`StoredPage::scene`](super::StoredPage::scene)); an outcome holds
 /// every element and every field of its snapshots ([`run_scene`](super::run_scene)).
@@ -47,7 +47,7 @@ pub struct SceneBody {
 /// An event of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// What happens, such as `lowest point`.
+    /// The event, such as `lowest point`.
     pub words: String,
     /// Time, s.
     pub time: f64,

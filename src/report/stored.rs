@@ -80,7 +80,7 @@ pub enum StoredPageError {
     Film {
         /// The page.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault in it.
         source: FilmError,
     },
 }
@@ -134,7 +134,7 @@ fn titled_block(figure: &str) -> Option<(String, &str)> {
     Some((html::unescape(title), html::block(rest)?))
 }
 
-/// What is after and what is between the first of two marks.
+/// The text after and the text between the first of two marks.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> Option<(&'a str, &'a str)> {
     let (inner, rest) = text.split_once(start)?.1.split_once(end)?;
     Some((rest, inner))
@@ -176,7 +176,7 @@ enum LookData {
     Points,
 }
 
-/// Those of the curve, or the index of an earlier one that has the same.
+/// Abscissae of the curve, or the index of an earlier one that has the same.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Abscissae {

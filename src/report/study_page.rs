@@ -14,7 +14,7 @@ pub struct StudyPage<'a> {
     pub name: &'a str,
     /// Script, scenario, changes and arguments, as `summary.json` has them.
     pub call: &'a Map<String, Value>,
-    /// What the script left.
+    /// The output of the script.
     pub output: &'a ScriptOutput,
     /// The script's text.
     pub script: &'a str,

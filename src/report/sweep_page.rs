@@ -18,7 +18,7 @@ pub struct SweepPage<'a> {
     pub sweep: &'a Sweep,
     /// Its results.
     pub results: &'a SweepResults,
-    /// What `summary.json` has.
+    /// The content of `summary.json`.
     pub summary: &'a Map<String, Value>,
     /// The command that repeats it.
     pub command: &'a str,

@@ -167,6 +167,7 @@ impl Array {
             _ => vec![rows as u64, components as u64],
         };
         dataset.with_shape(&shape(rows));
+        // HDF5 refuses a chunk longer than a data set of fixed size.
         compress(dataset, rows, &shape(rows.min(CHUNK)));
     }
 }
@@ -174,6 +175,7 @@ impl Array {
 /// Appends the values of a state unless they are those from `latest` on, bit by bit; the place of the first.
 fn appended<T: Copy>(values: &mut Vec<T>, state: &[T], latest: usize, bits: impl Fn(T) -> u32) -> usize {
     let before = &values[latest..];
+    // By bits, since a value that is not a number equals nothing.
     if before.len() == state.len() && before.iter().zip(state).all(|(a, b)| bits(*a) == bits(*b)) {
         return latest;
     }
@@ -251,6 +253,7 @@ impl Meshes {
 /// Compresses a data set of `rows` by chunks; an empty one has none.
 fn compress(dataset: &mut DatasetBuilder, rows: usize, chunk: &[u64]) {
     if rows > 0 {
+        // Shuffled, the high bytes of neighbouring values stand together and compress better.
         dataset.with_chunks(chunk).with_shuffle().with_deflate(COMPRESSION);
     }
 }

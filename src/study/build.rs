@@ -6,8 +6,8 @@ use std::{env, fs, io};
 
 use sha2::{Digest, Sha256};
 
-/// What decides the figures of a run: the sources from the files of a scenario to its figures, the modules that scripts
-/// import, and the versions of the dependencies.
+/// All that decides the figures of a run: the sources from the files of a scenario to its figures, the modules that
+/// scripts import, and the versions of the dependencies.
 const SOURCES: [&str; 10] = [
     "src/base",
     "src/membrane",
@@ -21,10 +21,10 @@ const SOURCES: [&str; 10] = [
     "Cargo.lock",
 ];
 
-/// What the compiler says of itself that decides the bits of what it makes.
+/// Lines in which the compiler states what decides the bits that it makes.
 const COMPILER: [&str; 4] = ["release: ", "commit-hash: ", "host: ", "LLVM version: "];
 
-/// What cargo says of the machine that the program is made for.
+/// Variables in which cargo describes the machine that the program is made for.
 const MACHINE: [&str; 2] = ["TARGET", "CARGO_CFG_TARGET_FEATURE"];
 
 fn main() -> io::Result<()> {

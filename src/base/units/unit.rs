@@ -66,7 +66,7 @@ impl Unit {
         self.powers == dimension.powers
     }
 
-    /// What it measures, where that has a name.
+    /// The kind of quantity that it measures, where that has a name.
     pub fn dimension(&self) -> Option<Dimension> {
         DIMENSIONS.iter().copied().find(|dimension| self.measures(*dimension))
     }
@@ -83,7 +83,7 @@ impl Unit {
         }
     }
 
-    /// What a name with the SI unit ends with: `m_s2`, `N`; none for what [`Unit::of_name`] would not find.
+    /// The ending of a name with the SI unit: `m_s2`, `N`; none for an ending that [`Unit::of_name`] would not find.
     pub fn si_suffix(&self) -> Option<&'static str> {
         let symbol = self.si_symbol();
         SUFFIXES.iter().find(|(_, known)| *known == symbol).map(|(suffix, _)| *suffix)
@@ -98,7 +98,7 @@ impl PartialEq for Unit {
     }
 }
 
-/// What [`super::parse_unit`] does not know, or would take for something else.
+/// Factor and powers of a symbol that [`super::parse_unit`] does not know, or would take for something else.
 fn special(symbol: &str) -> Option<(f64, Powers)> {
     let gravity = |factor| Some((factor * STANDARD_GRAVITY, ACCELERATION));
     match symbol {

@@ -38,7 +38,7 @@ pub(super) struct CheckpointHeader {
     detailed: bool,
     /// The resolved scenario, for messages.
     scenario: String,
-    /// What decides the bits of the run.
+    /// All that decides the bits of the run.
     identity: Identity,
 }
 
@@ -67,6 +67,7 @@ impl CheckpointHeader {
         let mut length = [0; 8];
         file.read_exact(&mut length)?;
         let mut header = Vec::new();
+        // As far as the file goes: the length in a damaged file may be any, and is not allocated beforehand.
         file.take(u64::from_le_bytes(length)).read_to_end(&mut header)?;
         postcard::from_bytes(&header).map_err(|_| io::Error::other(OTHER_LAYOUT))
     }

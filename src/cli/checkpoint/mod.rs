@@ -37,7 +37,7 @@ pub(super) struct CheckpointWriter {
     header: CheckpointHeader,
     /// The file that the run resumes from.
     start: Option<PathBuf>,
-    /// What is reported of that file.
+    /// Warnings about that file.
     pub warnings: Vec<Warning>,
 }
 

@@ -1,4 +1,4 @@
-//! What is reported of the checkpoint that a run resumes from.
+//! Warnings about the checkpoint that a run resumes from.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use base::diagnostic::shown_path;
 use base::findings;
 
 findings! {
-    /// What is reported before a run resumes.
+    /// A warning that comes before a run resumes.
     #[derive(Clone, Debug, PartialEq, Eq)]
     pub(crate) enum Warning {
         NoCheckpoint {

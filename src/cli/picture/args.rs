@@ -74,7 +74,7 @@ pub(crate) struct PictureArgs {
     pub force: bool,
 }
 
-/// What is drawn of a film with planes of symmetry.
+/// The part of a film with planes of symmetry that is drawn.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum Part {
     /// The whole film

@@ -1,4 +1,4 @@
-//! What can be drawn of the results in a folder.
+//! A list of all that can be drawn of the results in a folder.
 
 use serde_json::json;
 

@@ -21,9 +21,9 @@ use report::{StoredPage, StoredPageError};
 
 /// A picture, and what is told of it.
 struct Made {
-    /// What the file holds.
+    /// The bytes of the file.
     content: Vec<u8>,
-    /// What it shows, on one line.
+    /// A description of the picture, on one line.
     words: String,
     figures: Map<String, Value>,
 }

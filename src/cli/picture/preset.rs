@@ -14,7 +14,7 @@ pub(crate) enum Preset {
     DoubleColumn,
 }
 
-/// What a preset says.
+/// The values of a preset.
 pub(super) struct Values {
     /// m.
     pub(super) width: f64,

@@ -72,7 +72,7 @@ pub(super) fn draw(
     Ok(made.map_err(|error| refused(&error))?)
 }
 
-/// What is drawn, for the terminal.
+/// A description of the picture for the terminal.
 fn told(title: &str, caption: &str, field: &Field, range: [f32; 2], args: &PictureArgs, scene: &RunScene) -> String {
     let [low, high] = range.map(|end| significant(f64::from(end), DIGITS));
     let kept = match &args.at {

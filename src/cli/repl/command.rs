@@ -1,4 +1,4 @@
-//! What is typed after a colon.
+//! The commands that are typed after a colon.
 
 use std::path::{Path, PathBuf};
 

@@ -18,21 +18,21 @@ use study::script::{Console, Session};
 const WORDS: [&str; 13] =
     ["let", "const", "fn", "if", "else", "for", "in", "while", "loop", "return", "true", "false", "import"];
 
-/// What can be typed at present.
+/// The words that can be typed at present.
 #[derive(Default)]
 pub(super) struct Words {
     /// Functions, variables and words of the language.
     free: BTreeSet<String>,
-    /// What may follow a dot whose receiver is not known.
+    /// Words that may follow a dot whose receiver is not known.
     members: BTreeSet<String>,
-    /// What may follow a known receiver and its dot, such as `run.summary.`.
+    /// Words that may follow a known receiver and its dot, such as `run.summary.`.
     known: Vec<(String, BTreeSet<String>)>,
     /// Commands.
     commands: Vec<String>,
 }
 
 impl Words {
-    /// Those of an engine and what was entered.
+    /// The words of an engine and of the input so far.
     pub fn of(engine: &Engine, console: &Console, commands: &[&str]) -> Words {
         let calls: Vec<&str> = functions::calls().collect();
         let mut words =
@@ -85,7 +85,7 @@ impl Words {
         }
     }
 
-    /// What may stand in place of the end of `text`, and where that begins.
+    /// Candidates for the end of `text`, and where that end begins.
     pub fn candidates(&self, text: &str) -> (usize, Vec<String>) {
         if text.starts_with(':') && !text.contains(' ') {
             return (0, self.commands.iter().filter(|name| name.starts_with(text)).cloned().collect());

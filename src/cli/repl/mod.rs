@@ -75,7 +75,7 @@ struct Repl<'a> {
     given: rhai::Map,
     arguments: rhai::Map,
     collector: OutputCollector,
-    /// What was shown of the output so far.
+    /// The part of the output that was shown so far.
     shown: ScriptOutput,
     signals: Signals,
     evaluations: &'a Arc<Evaluations>,

@@ -6,18 +6,18 @@ use super::{DiagnosticFormat, Failure};
 use base::cancellation::Cancellation;
 use base::diagnostic::Diagnostic;
 
-/// What signals stop.
+/// The work that signals of the operating system stop.
 #[derive(Clone, Default)]
 pub(super) struct Signals(Arc<Mutex<State>>);
 
 #[derive(Default)]
 struct State {
-    /// That of an input until it is answered; none while the prompt waits.
+    /// The cancellation of an input until it is answered; none while the prompt waits.
     current: Option<Cancellation>,
     is_over: bool,
 }
 
-/// What a session that a signal ended fails with.
+/// The failure of a session that a signal ended.
 pub(super) fn ended() -> Failure {
     Failure::output(Diagnostic::new("a signal ended the session"))
 }

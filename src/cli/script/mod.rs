@@ -142,7 +142,7 @@ fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure
     print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
 }
 
-/// What a process says that computed a part of a study.
+/// The answer of a process that computed a part of a study.
 fn part(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result<(), Failure> {
     let [cache_hits, computed] = evaluations.counts();
     let figures = json!({ "script": shown_path(args.path()), "reused": cache_hits, "computed": computed });

@@ -54,7 +54,7 @@ impl AccelerationArgs {
             .mistake(format!("the record begins at {first} ms and ends at {last} ms, none of it before {until} ms")))
     }
 
-    /// What is wrong with the channel.
+    /// A diagnostic of an error in the channel.
     pub(crate) fn mistake(&self, error: impl std::fmt::Display) -> Diagnostic {
         Diagnostic::new(format!("{}: {error}", shown_path(&self.input.path)))
     }

@@ -34,7 +34,7 @@ pub(crate) struct ConvertArgs {
     pub force: bool,
 }
 
-/// What a recording is converted to.
+/// The format that a recording is converted to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Format {
     Table,
@@ -42,7 +42,7 @@ enum Format {
     Parquet,
     /// A test with its folder of channels.
     Test,
-    /// The same in one zip archive.
+    /// A test in one zip archive.
     Archive,
 }
 

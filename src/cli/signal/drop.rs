@@ -108,7 +108,7 @@ struct Reduced {
     unusual_class: Option<signal::Warning>,
 }
 
-/// What `--json` prints.
+/// The object that `--json` prints.
 #[derive(Serialize)]
 struct Printed {
     #[serde(flatten)]
@@ -197,7 +197,7 @@ fn bridge(args: &DropArgs, sensed: &mut DropChannels) -> Option<Warning> {
     bridged.warning
 }
 
-/// What the user can do about a recording that cannot be reduced.
+/// A change by the user that helps with a recording that cannot be reduced.
 fn remedy(error: &DropError, sensed: &DropChannels) -> Option<String> {
     const KNOWN: &str =
         "where speed and time of contact are known, give both: --speed \"4.16 m/s\" --contact-time \"0.617 s\"";

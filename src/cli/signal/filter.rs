@@ -44,7 +44,7 @@ pub(crate) enum Named {
     Sae,
 }
 
-/// What was filtered.
+/// A recording after the filter.
 #[derive(Serialize)]
 struct Filtered {
     path: String,

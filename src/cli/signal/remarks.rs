@@ -1,4 +1,4 @@
-//! What a file states in comments and what its reading reports, as text and as JSON.
+//! Comments of a file and the warnings of its reading, as text and as JSON.
 
 use serde::Serialize;
 

@@ -31,7 +31,7 @@ pub(super) struct Centre {
 }
 
 impl Centre {
-    /// That of the file.
+    /// The cluster whose resources are in the file.
     pub(super) fn read(on: On, path: &Path) -> Result<Centre, Failure> {
         let scheduler = match on {
             On::Slurm => Scheduler::Slurm,
@@ -217,7 +217,7 @@ impl Watch<'_> {
         words
     }
 
-    /// What is said when this program ends before the job.
+    /// The failure of this program where it ends before the job.
     fn left(&self, job: &Job, done: usize) -> Failure {
         let all = self.keys.len();
         let Some(last) = job.submissions.last() else {

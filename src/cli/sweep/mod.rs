@@ -76,7 +76,7 @@ pub(super) enum On {
     HyperQueue,
 }
 
-/// What the arguments say, checked.
+/// The sweep that the arguments ask for, checked.
 struct Task {
     sweep: Sweep,
     document: Document,
@@ -194,7 +194,7 @@ fn failed(error: &EvaluationError) -> Failure {
     Failure::output(Diagnostic { hint, ..Diagnostic::new(error.to_string()) })
 }
 
-/// What a process says of a sweep that is not complete.
+/// The object that a process prints of a sweep that is not complete.
 fn partly(done: &Done, sweep: &Sweep) -> serde_json::Value {
     serde_json::json!({
         "scenario": sweep.model().name,

@@ -28,7 +28,7 @@ pub(super) struct Progress {
     shown: Mutex<Option<Tasks>>,
 }
 
-/// What was done so far.
+/// The work that was done so far.
 struct State {
     cache_hits: usize,
     computed: usize,

@@ -24,7 +24,7 @@ pub(super) enum Keep {
     All,
     /// So many of the worst.
     Worst(usize),
-    /// Those of these numbers, from one.
+    /// The runs of these numbers, from one.
     Numbers(Vec<usize>),
 }
 

@@ -155,7 +155,7 @@ fn speed(speed: &SpeedMeans) -> SpeedFigures {
     }
 }
 
-/// What was assumed, and what puts the figures in doubt.
+/// Warnings of assumptions, and of all that puts the figures in doubt.
 fn warnings(reduced: &Reduced) -> Vec<Warning> {
     let tests = &reduced.tests;
     let under_load = tests.iter().filter(|test| test.sample.rupture.ending == CurveEnd::RecordEnded);

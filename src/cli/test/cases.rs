@@ -49,14 +49,14 @@ struct Files {
 }
 
 impl Files {
-    /// Those of a folder.
+    /// The files of a case that is a folder.
     fn of_folder(folder: &Path) -> Files {
         let [scenario, expectations, signals, figures] =
             [SCENARIO, EXPECTATIONS, SIGNALS, FIGURES].map(|name| folder.join(name));
         Files { name: folder.into(), scenario, expectations, signals, figures }
     }
 
-    /// Those of a scenario called `<stem>.test.toml`.
+    /// The files of a case whose scenario is called `<stem>.test.toml`.
     fn of_scenario(scenario: &Path, stem: &str) -> Files {
         let beside = |ending: &str| scenario.with_file_name(format!("{stem}.{ending}"));
         let [expectations, signals, figures] = [EXPECTATIONS, SIGNALS, FIGURES].map(beside);
@@ -171,7 +171,7 @@ impl Case {
     }
 }
 
-/// What was recorded before.
+/// The record of an earlier run.
 fn recorded(files: &Files) -> Result<Recorded, Diagnostic> {
     let signals = match files.signals.exists() {
         true => Some(csv::read(&files.signals).map_err(|error| Diagnostic::new(error.to_string()))?),

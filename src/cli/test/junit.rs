@@ -38,7 +38,7 @@ pub(super) fn write(file: &mut dyn Write, verdicts: &[Verdict]) -> io::Result<()
     xml.into_inner().write_all(b"\n")
 }
 
-/// What is written.
+/// The document as it is written.
 type Xml<'a> = Writer<&'a mut dyn Write>;
 
 fn case(xml: &mut Xml<'_>, verdict: &Verdict) -> Result<(), quick_xml::Error> {

@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime};
 /// drives tell nothing.
 pub(super) const TICK: Duration = Duration::from_millis(150);
 
-/// What shows that a file was saved: time and length; `None` where there is no file.
+/// The mark by which a saved file is noticed: time and length; `None` where there is no file.
 type State = Option<(SystemTime, u64)>;
 
 /// Files as they were when they were read.

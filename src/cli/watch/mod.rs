@@ -58,7 +58,7 @@ pub(super) struct WatchArgs {
     no_page: bool,
 }
 
-/// What becomes of a look at the scenario, as a line of JSON.
+/// The result of a look at the scenario, as a line of JSON.
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 enum Event<'a> {

@@ -21,7 +21,7 @@ pub(super) struct Page {
     shown: Arc<Mutex<Shown>>,
 }
 
-/// What the page shows.
+/// The content of the page.
 #[derive(Clone, Debug, Default, Serialize)]
 struct Shown {
     /// Number of the result; 0 before the first.

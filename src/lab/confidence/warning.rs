@@ -1,4 +1,4 @@
-//! What puts confidence intervals in doubt.
+//! Doubts about confidence intervals.
 
 use base::findings;
 use base::number;

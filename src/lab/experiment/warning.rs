@@ -1,4 +1,4 @@
-//! What the reduction of drops and coupons reports, by code.
+//! Warnings of the reduction of drops and coupons, by code.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use base::findings;
 use base::number::significant;
 
 findings! {
-    /// What a reduction reports although it continues.
+    /// A doubt about a reduction that continues.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
         /// No laser; the drop height is known.

@@ -1,4 +1,4 @@
-//! What a file states beside its numbers, and what its reading reports.
+//! Statements of a file beside its numbers, and the warnings of its reading.
 
 use super::Warning;
 use base::finding::Finding;

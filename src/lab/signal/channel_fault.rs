@@ -1,4 +1,4 @@
-//! What is wrong with the channels of a file, whatever its format.
+//! Faults in the channels of a file, whatever its format.
 
 use thiserror::Error;
 

@@ -1,4 +1,4 @@
-//! What reading, filtering and rating recordings report, by code.
+//! Warnings of reading, filtering and rating recordings, by code.
 
 use std::fmt;
 
@@ -26,7 +26,7 @@ impl fmt::Display for Extreme {
 }
 
 findings! {
-    /// What reading, filtering or rating a recording reports although it continues.
+    /// A doubt about a recording that is read, filtered or rated nevertheless.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
         VirtualRecording {

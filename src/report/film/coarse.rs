@@ -24,6 +24,7 @@ impl CoarseSurface {
         let [low, high] = bounds(points.iter().copied());
         let mut extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
         extents.sort_by(f32::total_cmp);
+        // A flat surface, or a strip without width, has about `most` patches of this size; others may need larger ones.
         let mut cell = (extents[2] * extents[1] / most.max(1) as f32).sqrt().max(extents[2] / most.max(1) as f32);
         loop {
             let lattice = Lattice::new([low, high], cell);
@@ -60,6 +61,7 @@ impl CoarseSurface {
             let mut corners = patch.to_vec();
             corners.sort_unstable();
             corners.dedup();
+            // Elements that were merged onto the same corners would hide one another.
             if corners.len() >= 3 && seen.insert(corners) {
                 patches.push(patch);
                 element.push(at as u32);
@@ -108,6 +110,7 @@ impl Lattice {
 
     /// Indices of the lattice point nearest to `point`, and the square of the distance in steps.
     fn nearest(&self, point: &[f32; 3]) -> ([u32; 3], f32) {
+        // Flat film has no extent along one axis.
         let steps = [0, 1, 2].map(|axis| match self.step[axis] > 0.0 {
             true => (point[axis] - self.low[axis]) / self.step[axis],
             false => 0.0,

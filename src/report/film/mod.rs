@@ -137,7 +137,7 @@ fn faces(films: &[Film], first: &Snapshot) -> Vec<Face> {
     films.iter().enumerate().map(face).collect()
 }
 
-/// What is drawn.
+/// The scene that is drawn.
 struct Scene<'a> {
     faces: Vec<Face>,
     states: Vec<&'a Snapshot>,

@@ -212,8 +212,8 @@ impl<'a> Live<'a> {
         (wider != self.ranges).then_some(wider)
     }
 
-    /// What the viewer does not have yet: samples since the last snapshot it received, channels computed at the end,
-    /// the output of the post script, and the log.
+    /// The part that the viewer does not have yet: samples since the last snapshot it received, channels computed at
+    /// the end, the output of the post script, and the log.
     fn rest(&self, run: &RunPage) -> Scene {
         let results = run.results;
         let all = signals::of(&results.signals, &run.outcome.energies, self.comparison, self.model.run_time());

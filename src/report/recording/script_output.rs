@@ -10,7 +10,7 @@ use plot::{Correlation, Curve, Plot, TIME};
 use study::script::{ConvergenceHistory, FitHistory, Iterate, Row, ScriptOutput};
 
 impl StudyRecording {
-    /// The same study as its page shows.
+    /// A recording of the study that its page shows.
     pub(super) fn of(study: &StudyPage) -> StudyRecording {
         let output = study.output;
         let is_over_time = |plot: &&Plot| plot.x.label == TIME;

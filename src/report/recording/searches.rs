@@ -20,7 +20,7 @@ pub(super) struct StudyRecording {
     pub(super) plots: Vec<Plot>,
     /// Plots over the time of a test in ms, which also go on the timeline `time` of a study without a search.
     pub(super) over_time: Vec<Plot>,
-    /// What the script reported.
+    /// The findings of the script.
     pub(super) findings: Vec<Finding>,
     /// The lines of its log.
     pub(super) log: Vec<String>,

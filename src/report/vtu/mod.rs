@@ -83,7 +83,7 @@ pub(super) struct Grid {
 /// Points and cells in a snapshot.
 type OfSnapshot<'a> = dyn Fn(&Snapshot) -> Result<Grid, VtuError> + Send + Sync + 'a;
 
-/// What is shown in files of its own: the film, the impactors, the bars of a frame.
+/// A part of the scene with files of its own: the film, the impactors or the bars of a frame.
 pub(super) struct Part<'a> {
     /// `film`, `impactor`, `frame`.
     pub name: &'static str,
@@ -97,7 +97,7 @@ impl Part<'_> {
     }
 }
 
-/// What is shown of a run.
+/// The parts of a run that are written.
 pub(super) fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>> {
     let film = Part { name: "film", grid: Box::new(move |snapshot| film::grid(model, outcome, snapshot)) };
     let surfaces: Vec<Triangulation> = outcome.impactors.iter().map(|surface| surface.triangles(SIDES)).collect();

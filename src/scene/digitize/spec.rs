@@ -42,7 +42,7 @@ pub struct Figure {
 /// Least deviation of a line's middle in a picture without loss, pixels: lines are drawn in steps about as large.
 const LEAST_SCATTER: f64 = 0.1;
 
-/// The same in a JPEG, whose blocks of pixels have errors in common, which no scatter shows.
+/// The least deviation in a JPEG, whose blocks of pixels have errors in common, which no scatter shows.
 const LEAST_SCATTER_JPEG: f64 = 0.3;
 
 /// A picture that cannot be read.
@@ -67,7 +67,7 @@ pub enum PictureError {
 }
 
 impl Figure {
-    /// That of the file.
+    /// The figure that the file describes.
     ///
     /// # Errors
     /// All mistakes of the file, at once; a picture that cannot be read.

@@ -29,7 +29,7 @@ pub struct Digitized {
     pub trace: Trace,
     /// Scatter of the trace, pixels.
     pub scatter: f64,
-    /// What puts it in doubt.
+    /// Doubts about the curve.
     pub warnings: Vec<Warning>,
 }
 

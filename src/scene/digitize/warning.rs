@@ -1,4 +1,4 @@
-//! What puts a curve in doubt that was read out of a picture.
+//! Doubts about a curve that was read out of a picture.
 
 use base::findings;
 

@@ -9,7 +9,7 @@ use lab::signal::{Series, column, csv};
 /// Stands for every signal without an entry of its own, and for every warning.
 pub(super) const ALL: &str = "*";
 
-/// What a run must give, SI.
+/// The demands on the results of a run, SI.
 #[derive(Clone, Debug, Default)]
 pub struct Expectations {
     /// Bounds of signals by name; those under `*` are last.
@@ -39,7 +39,7 @@ pub struct SignalBounds {
     pub window: Option<[f64; 2]>,
 }
 
-/// What a figure must be.
+/// The demand on a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FigureBounds {
     /// True or false.
@@ -74,7 +74,7 @@ impl FigureBounds {
 }
 
 impl Expectations {
-    /// Those of the file.
+    /// The expectations of the file.
     ///
     /// # Errors
     /// All mistakes of the file, at once.

@@ -99,7 +99,7 @@ pub enum Difference {
         figure: String,
         /// Its value.
         found: serde_json::Value,
-        /// What is expected, in words.
+        /// The expectation in words.
         expected: String,
     },
     /// A finding did not come.

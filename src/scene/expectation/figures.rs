@@ -35,7 +35,7 @@ fn difference(name: &str, bounds: &FigureBounds, recorded: Option<&Value>, found
     Some(Difference::FigureDiffers { figure, found: found.clone(), expected })
 }
 
-/// What is expected, in words, where it is not so.
+/// The expectation in words where it is not met.
 fn unmet(bounds: &FigureBounds, recorded: Option<&Value>, found: &Value) -> Option<String> {
     let exactly = |is_met: bool, words: String| (!is_met).then_some(words);
     match bounds {

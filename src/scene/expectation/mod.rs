@@ -1,4 +1,4 @@
-//! What a run must give: expectations as they are written, checked, and how a run differs from them.
+//! Demands on the results of a run: expectations as they are written, checked, and how a run differs from them.
 
 mod check;
 mod difference;
@@ -14,7 +14,7 @@ pub use difference::Difference;
 use lab::signal::Recording;
 pub use verdict::{Entry, Outside, Verdict};
 
-/// What a run gave.
+/// The results of a run that are compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
     /// Its signals.
@@ -23,7 +23,7 @@ pub struct Given<'a> {
     pub figures: &'a Map<String, Value>,
 }
 
-/// What was recorded of a run before.
+/// The record of an earlier run.
 #[derive(Clone, Debug, Default)]
 pub struct Recorded {
     /// Its signals, where they were recorded.
@@ -40,7 +40,7 @@ impl Expectations {
         [signals, figures, findings::differences(self, given.figures)].concat()
     }
 
-    /// What there is to be recorded of a run.
+    /// The record that can be made of a run.
     pub fn recorded(&self, given: &Given<'_>) -> Recorded {
         let is_compared = |name: &str| self.signal(name).is_some_and(SignalBounds::needs_recording);
         let mut signals = given.signals.clone();

@@ -1,20 +1,20 @@
-//! What became of a case: a scenario and what its run must give.
+//! The outcome of a case: a scenario and the demands on its run.
 
 use serde::{Serialize, Serializer};
 
 use super::{Difference, Expectations, Recorded};
 use lab::signal::Recording;
 
-/// What became of a case.
+/// The outcome of a case.
 #[derive(Clone, Debug)]
 pub struct Verdict {
     /// Its path from the working folder.
     pub name: String,
-    /// What is expected of its run.
+    /// The demands on its run.
     pub expectations: Expectations,
     /// How its run differs from that; nothing where it does not.
     pub differences: Vec<Difference>,
-    /// What was recorded.
+    /// The record of an earlier run.
     pub recorded: Recorded,
     /// The signals of its run; none where it failed.
     pub signals: Option<Recording>,

@@ -46,7 +46,7 @@ pub enum MeshError {
     File {
         /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault in it.
         fault: Fault,
     },
 }

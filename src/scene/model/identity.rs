@@ -1,4 +1,4 @@
-//! What decides the bits of a run.
+//! The identity of a run: all that decides its bits.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,8 +10,8 @@ use crate::mesh::Outline;
 use base::diagnostic::shown_path;
 use base::file::Digest;
 
-/// What decides the bits of a run: the checked model without its name, its paths and what is read after the run, and the
-/// content of its meshes.
+/// The identity of a run, equal where its bits are: the checked model without its name, its paths and what is read
+/// after the run, and the content of its meshes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identity {
     model: Model,
@@ -20,7 +20,7 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// That of `model`.
+    /// The identity of the runs of `model`.
     ///
     /// # Errors
     /// A mesh cannot be read.

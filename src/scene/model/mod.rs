@@ -73,6 +73,7 @@ pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> 
 fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Model> {
     let name = mistakes.document.name();
     let specimen = specimen::check(&scenario.specimen, mistakes);
+    // Ahead of the parts below, which may be refused or required by its kind.
     let loading = loading::check(scenario, mistakes);
     let mut faces = layers::check(scenario, &loading, mistakes);
     let frame = frame::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
@@ -87,6 +88,7 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
     let shape = specimen.as_ref().map(|specimen| &specimen.shape);
     let (all, graded) = (impactors.as_deref().unwrap_or_default(), faces.as_deref_mut().unwrap_or_default());
     grading::check(scenario, &loading, graded, all, shape, mistakes);
+    // Here, as the guide that decides the speed is checked with the impactors, and these need the loading.
     let loading = loading.with_impactor(first);
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
@@ -112,6 +114,7 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
         reference,
         post,
     };
+    // Last, since these ask about the whole.
     size::check(&model, mistakes);
     loading::depth(&model, mistakes);
     Some(model)
@@ -122,7 +125,7 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
 pub struct Model {
     /// Path under `scenarios/` without extension, e.g. `drop/1008`.
     pub name: String,
-    /// What pages and plots call the run.
+    /// The name of the run on pages and plots.
     pub title: String,
     /// Outline, symmetry and damping of the film.
     pub specimen: Specimen,
@@ -175,8 +178,8 @@ impl Model {
         self.impactors.first()
     }
 
-    /// What the names of signals and figures of each impactor begin with: of one nothing, of several their names and an
-    /// underscore.
+    /// The beginning of the names of signals and figures of each impactor: of one nothing, of several their names and
+    /// an underscore.
     pub fn prefixes(&self) -> Vec<String> {
         match self.impactors.as_slice() {
             [_] => vec![String::new()],
@@ -358,7 +361,7 @@ pub enum ImpactorShape {
         /// Length of the shaft.
         length: f64,
     },
-    /// The same under its other name, with a given length.
+    /// The shape of [`Hemisphere`](Self::Hemisphere) under its other name, with a given length.
     Capsule {
         /// Radius of shaft and ends.
         radius: f64,
@@ -461,7 +464,7 @@ pub struct Contact {
 /// The air around the film.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Air {
-    /// That between the two faces.
+    /// The cushion of air between the two faces.
     pub cushion: Option<Cushion>,
     /// Mass of air per area of film that moves with it, kg/m².
     pub added_mass: f64,
@@ -489,7 +492,7 @@ pub struct Solver {
     pub smallest_step: Option<f64>,
 }
 
-/// What a run records.
+/// The signals and snapshots that a run records.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Output {
     /// Samples per second, Hz.

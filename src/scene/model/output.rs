@@ -1,4 +1,4 @@
-//! What a run records.
+//! The signals and snapshots that a run records.
 
 use super::loading::Test;
 use super::{Loading, ModelDiagnostics, Output, Specimen};

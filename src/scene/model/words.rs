@@ -4,7 +4,7 @@ use super::{Guide, Impactor, ImpactorShape, Model};
 use base::number::{duration, significant};
 
 impl Impactor {
-    /// What it is and how it moves: `sphere 10.72 kg at 4.16 m/s`.
+    /// The impactor and its motion: `sphere 10.72 kg at 4.16 m/s`.
     pub fn in_words(&self) -> String {
         let (body, mass) = (self.body(), significant(self.mass, 4));
         let speed = self.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -16,7 +16,7 @@ impl Impactor {
         }
     }
 
-    /// What its shape is called.
+    /// The name of its shape.
     pub fn body(&self) -> &'static str {
         match self.shape {
             ImpactorShape::Sphere { .. } => "sphere",

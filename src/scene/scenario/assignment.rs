@@ -10,7 +10,7 @@ pub struct Assignment {
     change: Change,
 }
 
-/// What an assignment does.
+/// The effect of an assignment on its key.
 #[derive(Clone, Debug)]
 pub(super) enum Change {
     /// This tree of one key is merged into the scenario.

@@ -93,8 +93,8 @@ impl Document {
         !has("specimen") && ["density", "thickness", "fabric", "elastic", "hyperelastic"].into_iter().any(has)
     }
 
-    /// The same scenario without the keys that `assignments` leave out, and with the others merged into it. Two that
-    /// exclude each other are a mistake, as in a file.
+    /// A copy of the scenario without the keys that `assignments` leave out, and with the others merged into it. Two
+    /// that exclude each other are a mistake, as in a file.
     pub fn with(&self, assignments: &[Assignment]) -> Document {
         let rule = Some(self.rule);
         let mut reader = Reader::default();
@@ -109,6 +109,8 @@ impl Document {
                 Change::Set(tree) => {
                     let over = reader.include(tree.clone(), rule);
                     set = Some(match set {
+                        // Without the rule: of two assignments that exclude each other, the later would else drop the
+                        // earlier unnoticed.
                         Some(before) => merge(before, over, None),
                         None => over,
                     });
@@ -118,6 +120,7 @@ impl Document {
         if let Some(set) = set {
             root = merge(root, set, rule);
         }
+        // Missing keys are shown in the file, not in the last argument.
         root.span = self.root.span.clone();
         let mistakes = self.mistakes.iter().cloned().chain(reader.mistakes).collect();
         let files = self.files.iter().cloned().chain(reader.files).collect();
@@ -145,7 +148,7 @@ impl Document {
         self.written()
     }
 
-    /// What a run must give as its struct, likewise; only of what was read as that.
+    /// The expectations of a run as their struct, likewise; only of a document that was read as such.
     pub fn expectations(&self) -> (Option<Expectations>, Vec<Diagnostic>) {
         self.written()
     }
@@ -155,6 +158,7 @@ impl Document {
         mistakes.extend(validate::validate(&self.root, self.rule));
         match T::deserialize(self.root.to_toml()) {
             Ok(written) => (Some(written), mistakes),
+            // An error of serde is mostly a mistake that was reported already, and that with its place.
             Err(error) if mistakes.is_empty() => {
                 let mistake = Diagnostic::new(error.message().to_owned()).at(&self.root.span);
                 (None, vec![mistake])
@@ -174,7 +178,7 @@ impl Document {
         resolved::text(&self.root, self.rule)
     }
 
-    /// The same text with the post script read from a copy called `name` beside it.
+    /// The text of the scenario with the post script read from a copy called `name` beside it.
     pub fn resolved_beside_script(&self, name: &str) -> String {
         resolved::text_with(&self.root, self.rule, &[("post.script", name)])
     }
@@ -223,7 +227,7 @@ impl Document {
         }
     }
 
-    /// The same scenario without what varies.
+    /// A copy of the scenario in which nothing varies.
     pub fn without_variation(&self) -> Document {
         let mut document = self.clone();
         if let Value::Table(table) = &mut document.root.value {

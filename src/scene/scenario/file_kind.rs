@@ -11,7 +11,7 @@ pub enum FileKind {
     Scenario,
     /// A material of one layer of film.
     Material,
-    /// What a run must give: `expect.toml`.
+    /// The expectations of a run: `expect.toml`.
     Expectations,
     /// The resources of a cluster: `cluster.toml`.
     Cluster,

@@ -72,7 +72,7 @@ pub struct TableRule {
 pub struct ReservedKey {
     /// Its name.
     pub name: String,
-    /// What there is instead; may be empty.
+    /// The key or value to use in its place; may be empty.
     pub hint: String,
 }
 
@@ -238,7 +238,7 @@ impl Rule {
     }
 }
 
-/// What is expected, as an error names it: "a length".
+/// The expectation as an error names it: "a length".
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -291,7 +291,7 @@ impl TableRule {
         self.keys.iter().find(|key| key.name == name)
     }
 
-    /// What there is in place of the reserved key `name`; none where the key is not reserved.
+    /// The hint in place of the reserved key `name`; none where the key is not reserved.
     pub fn reserved(&self, name: &str) -> Option<&str> {
         self.reserved.iter().find(|key| key.name == name).map(|key| key.hint.as_str())
     }

@@ -7,6 +7,7 @@ use super::tree::{Entry, Node, Table, Value};
 /// (`drop_height` and `velocity`) replaces them too, but `layers` does not replace `[[layer]]`.
 /// A table whose keys are numbers changes the items of a list.
 pub fn merge(base: Node, over: Node, rule: Option<&Rule>) -> Node {
+    // A file is meant as a whole: with keys of the base it would be another material.
     if over.included {
         return over;
     }
@@ -22,6 +23,7 @@ pub fn merge(base: Node, over: Node, rule: Option<&Rule>) -> Node {
 }
 
 fn merge_tables(mut base: Table, over: Table, rule: Option<&TableRule>) -> Table {
+    // All before the first is merged: two keys of `over` that exclude each other both stay, which is a mistake.
     for entry in &over.entries {
         if let Some(rule) = rule {
             drop_excluded(&mut base, &entry.key, rule);

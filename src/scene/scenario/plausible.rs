@@ -20,7 +20,7 @@ pub struct Implausible {
     pub found: String,
     /// The likely range in words.
     pub likely: String,
-    /// The same number in a unit with which it is likely.
+    /// The number in a unit with which it is likely.
     pub meant: Option<String>,
 }
 

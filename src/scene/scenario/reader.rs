@@ -36,6 +36,7 @@ pub struct Reader {
 impl Reader {
     /// The tree of the file at `path`, which another file names at `named`.
     pub fn read(&mut self, path: &Path, rule: Option<&Rule>, named: Option<&Span>) -> Option<Node> {
+        // Along a cycle through `..` or links, the path of one file differs each time.
         let identity = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.chain.iter().any(|(file, _)| *file == identity) {
             self.report(self.cycle(&identity), named);
@@ -71,12 +72,14 @@ impl Reader {
             Value::Table(table) => (take_path(table, rule), Unset::take(table, rule)),
             _ => (None, vec![]),
         };
+        // Before the merge, in which a file that is named replaces a table and a table of keys adds to it.
         let over = self.include_within(node, rule);
         let Some((path, span)) = extends else {
             self.mistakes.extend(unset.iter().map(Unset::without_base));
             return Some(over);
         };
         let mut base = self.read(&path, rule, Some(&span))?;
+        // From the base alone: a key that is left out may be given anew beside `unset`.
         self.mistakes.extend(unset.iter().filter_map(|unset| unset.apply(&mut base).err()));
         Some(merge(base, over, rule))
     }

@@ -16,7 +16,7 @@ pub fn text(root: &Node, rule: &Rule) -> String {
     text_with(root, rule, &[])
 }
 
-/// The same with other paths at some key paths.
+/// The tree as TOML like [`text`], with other paths at some key paths.
 pub fn text_with(root: &Node, rule: &Rule, paths: &[(&str, &str)]) -> String {
     let mut root = anchored(root, Some(rule));
     for (place, path) in paths {

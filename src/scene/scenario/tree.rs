@@ -185,7 +185,7 @@ impl Node {
         }
     }
 
-    /// The same tree without places.
+    /// The value of the tree without places.
     pub fn to_toml(&self) -> toml::Value {
         match &self.value {
             Value::Text(text) | Value::Time(text) => toml::Value::String(text.clone()),
@@ -197,7 +197,7 @@ impl Node {
         }
     }
 
-    /// What was found, as an error names it.
+    /// The kind of value that was found, as an error names it.
     pub fn found(&self) -> String {
         match &self.value {
             Value::Text(text) => format!("\"{text}\""),
@@ -223,7 +223,7 @@ impl Table {
         Some(self.entries.remove(place))
     }
 
-    /// The same table without places.
+    /// The table without places.
     pub fn to_toml(&self) -> toml::Table {
         let entries = self.entries.iter();
         entries.map(|entry| (entry.key.clone(), entry.node.to_toml())).collect()

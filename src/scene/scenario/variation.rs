@@ -195,7 +195,7 @@ fn above_zero(range: Range) -> Range {
     Range { from: Some(Bound { value: 0.0, included: false }), to: None, likely: range.likely }
 }
 
-/// The same number above zero, such as a deviation.
+/// A rule for a number above zero in the unit of `number`, such as a deviation.
 fn positive(number: &Rule) -> Rule {
     match number {
         Rule::Quantity(dimension, _) => Rule::Quantity(difference(*dimension), above_zero(Range::default())),
@@ -203,7 +203,7 @@ fn positive(number: &Rule) -> Rule {
     }
 }
 
-/// The same number of any value: a limit of a distribution may lie outside of what the key allows.
+/// A rule for any number in the unit of `number`: a limit of a distribution may lie outside of what the key allows.
 fn without_range(number: &Rule) -> Rule {
     match number {
         Rule::Quantity(dimension, _) => Rule::Quantity(*dimension, Range::default()),
@@ -211,7 +211,7 @@ fn without_range(number: &Rule) -> Rule {
     }
 }
 
-/// What the difference of two such quantities measures.
+/// The dimension of the difference of two such quantities.
 fn difference(dimension: Dimension) -> Dimension {
     if dimension == Temperature::DIMENSION { TemperatureDifference::DIMENSION } else { dimension }
 }

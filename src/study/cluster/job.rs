@@ -1,4 +1,4 @@
-//! What was submitted of a study: `job.json` in the folder of its job.
+//! The submissions of a study: `job.json` in the folder of its job.
 
 use std::fs;
 use std::io;
@@ -24,7 +24,7 @@ pub struct Job {
     pub scheduler: Scheduler,
     /// Digest of the study.
     pub study: String,
-    /// What was submitted, the last one last.
+    /// All submissions, the last one last.
     pub submissions: Vec<Submission>,
 }
 
@@ -49,7 +49,7 @@ pub enum JobError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The cause.
         source: FileError,
     },
     /// Its file does not hold a job.
@@ -57,7 +57,7 @@ pub enum JobError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The cause.
         source: serde_json::Error,
     },
     /// Its file cannot be written.

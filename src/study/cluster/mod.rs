@@ -30,7 +30,7 @@ pub enum Scheduler {
     HyperQueue,
 }
 
-/// What is submitted: tasks of one command, which differ by their number.
+/// A submission: tasks of one command, which differ by their number.
 #[derive(Debug)]
 pub struct Batch<'a> {
     /// Name in the queue.
@@ -41,7 +41,7 @@ pub struct Batch<'a> {
     pub working_folder: &'a Path,
     /// Where the script and what the tasks print are written.
     pub folder: &'a Path,
-    /// What a task may use.
+    /// The resources of one task.
     pub resources: &'a Resources,
     /// The command, in which [`TASK`] stands for the number of the task, from one.
     pub command: &'a [String],
@@ -50,12 +50,12 @@ pub struct Batch<'a> {
 /// Stands for the number of a task in a command.
 pub const TASK: &str = "{task}";
 
-/// What becomes of the tasks of a submission.
+/// The states of the tasks of a submission.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tasks {
-    /// Those that wait.
+    /// Number of tasks that wait.
     pub waiting: usize,
-    /// Those that run.
+    /// Number of tasks that run.
     pub running: usize,
     /// Why the first one waits, in the scheduler's words.
     pub reason: Option<String>,
@@ -77,15 +77,15 @@ pub enum SchedulerError {
     Refused {
         /// The program.
         program: &'static str,
-        /// What it printed.
+        /// Its output.
         message: String,
     },
-    /// What its program printed cannot be read.
+    /// The output of its program cannot be read.
     #[error("`{program}` printed what is not understood: {text}")]
     Answer {
         /// The program.
         program: &'static str,
-        /// What it printed.
+        /// Its output.
         text: String,
     },
     /// The script cannot be written.
@@ -149,7 +149,7 @@ fn command_line(batch: &Batch<'_>, number: &str) -> String {
     format!("exec {}\n", words.collect::<Vec<_>>().join(" "))
 }
 
-/// What a command of the scheduler prints.
+/// The output of a command of the scheduler.
 fn answer(program: &'static str, command: &mut Command) -> Result<String, SchedulerError> {
     let Output { status, stdout, stderr } =
         command.output().map_err(|source| SchedulerError::Start { program, source })?;

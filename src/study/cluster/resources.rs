@@ -1,4 +1,4 @@
-//! What a task may use, checked.
+//! The resources of a task, checked.
 
 use base::diagnostic::Diagnostic;
 use scene::scenario::{Cluster, Document};
@@ -9,7 +9,7 @@ use super::Scheduler;
 const MARGIN: f64 = 0.1;
 const MARGINS: [f64; 2] = [20.0, 300.0];
 
-/// What a task may use, and how its command is started.
+/// The resources of a task, and how its command is started.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resources {
     /// The account that pays.

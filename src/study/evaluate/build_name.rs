@@ -39,13 +39,13 @@ const OF_ONE: [fn(f64) -> f64; 17] = [
     f64::cbrt,
 ];
 
-/// Those of two.
+/// Functions of two arguments.
 const OF_TWO: [fn(f64, f64) -> f64; 3] = [f64::powf, f64::atan2, f64::hypot];
 
 /// Number of arguments at which each function is asked.
 const ARGUMENTS: u32 = 64;
 
-/// What the functions answer at arguments that cover the unit interval, and some beyond it.
+/// Values of the functions at arguments that cover the unit interval, and some beyond it.
 fn answers() -> Vec<f64> {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     // Hidden from the compiler, which would else answer with the library of the machine that it runs on.

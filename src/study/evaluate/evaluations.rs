@@ -31,8 +31,8 @@ const WAIT: Duration = Duration::from_millis(100);
 /// Most bytes of an unpacked record.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// What was computed before and what is computed now, in the folder that holds their records. Evaluations may be asked
-/// for by several threads at once.
+/// All evaluations, those computed before and those computed now, in the folder that holds their records. Evaluations
+/// may be asked for by several threads at once.
 #[derive(Debug)]
 pub struct Evaluations {
     store: EvaluationStore,
@@ -41,16 +41,16 @@ pub struct Evaluations {
     computed: AtomicUsize,
 }
 
-/// What identifies an evaluation.
+/// The identity of an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EvaluationKeys {
     /// All that decides the run.
     pub run: Key,
-    /// That, and what it is compared with and processed by.
+    /// All that decides its figures: the run, its reference and its post script.
     pub figures: Key,
 }
 
-/// What is kept of every evaluation.
+/// The record that is kept of every evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// The figures of `summary.json` that are numbers, Booleans or strings, in its order, without those of the machine.
@@ -109,7 +109,7 @@ pub enum EvaluationError {
 }
 
 impl EvaluationError {
-    /// What to do, where that follows from the error.
+    /// A remedy, where one follows from the error.
     pub fn hint(&self) -> Option<&'static str> {
         let EvaluationError::Store { source, .. } = self else { return None };
         match source.kind() {
@@ -135,7 +135,7 @@ pub struct NoOutcome {
 }
 
 impl NoOutcome {
-    /// That of an error of a run of `model`.
+    /// The cause in the error of a run of `model`.
     pub fn of(error: &RunError, model: &Model) -> NoOutcome {
         let cause = match (error, error.hint()) {
             (RunError::Failure(failure), _) => failure_message(failure, model),
@@ -173,7 +173,7 @@ impl Evaluation {
         self.figures.iter().find(|(own, _)| own == name).map(|(_, figure)| figure)
     }
 
-    /// That of a run with these results.
+    /// The record of a run with these results.
     fn of(model: &Model, outcome: &Outcome, results: &Results, wall_s: f64) -> Evaluation {
         let is_figure = |name: &str| !HEADER.contains(&name) && !OF_THE_MACHINE.contains(&name);
         let summary = results.summary(model);
@@ -188,14 +188,14 @@ impl Evaluation {
         Evaluation { figures, findings, failure: None, engine_s: outcome.wall.as_secs_f64(), wall_s }
     }
 
-    /// That of a scene that cannot be run.
+    /// The record of a scene that cannot be run.
     pub fn failed(cause: String) -> Evaluation {
         Evaluation { figures: vec![], findings: vec![], failure: Some(cause), engine_s: 0.0, wall_s: 0.0 }
     }
 }
 
 impl Evaluations {
-    /// Those whose records are in `folder`, which need not exist.
+    /// The evaluations whose records are in `folder`, which need not exist.
     ///
     /// # Errors
     /// The records cannot be read.
@@ -213,7 +213,7 @@ impl Evaluations {
         Evaluations { store, share: Share::WHOLE, cache_hits: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
     }
 
-    /// The same for a process that takes this part of the runs first.
+    /// The evaluations for a process that takes this part of the runs first.
     pub fn with_share(self, share: Share) -> Evaluations {
         Evaluations { share, ..self }
     }
@@ -233,13 +233,14 @@ impl Evaluations {
         [&self.cache_hits, &self.computed].map(|count| count.load(Ordering::Relaxed))
     }
 
-    /// What identifies the evaluation of `model` by `plan`.
+    /// The identity of the evaluation of `model` by `plan`.
     ///
     /// # Errors
     /// A mesh or the reference cannot be read.
     pub fn keys(model: &Model, plan: &Plan) -> Result<EvaluationKeys, EvaluationError> {
         let run = run_key(&without_snapshots(model))?;
         let figures = match (&model.reference, plan.whole_script()) {
+            // One key for both: its figures follow from the run alone, and it is not kept whole beside them.
             (None, None) => run,
             (reference, script) => {
                 let reference = reference.as_ref().map(content).transpose().map_err(EvaluationError::Input)?;
@@ -361,7 +362,7 @@ impl Evaluations {
         Ok(Some(found.map_err(|error| NoOutcome::of(&error, &model))))
     }
 
-    /// The same, which waits for another thread or process that computes it.
+    /// The outcome of a run, waiting for another thread or process that computes it.
     ///
     /// # Errors
     /// As [`Evaluations::outcome_unless_claimed`].
@@ -381,7 +382,7 @@ impl Evaluations {
         }
     }
 
-    /// What is known of a run: its outcome, or why it has none.
+    /// A known result of a run: its outcome, or why it has none.
     fn known(&self, run: Key) -> Result<Option<Result<Outcome, NoOutcome>>, EvaluationError> {
         if let Some(outcome) = self.outcome(run)? {
             return Ok(Some(Ok(outcome)));
@@ -440,18 +441,19 @@ fn without_snapshots(model: &Model) -> Model {
     model
 }
 
-/// What decides a run of a model without snapshots, by this build.
+/// The identity of a run of a model without snapshots, by this build.
 fn run_key(model: &Model) -> Result<Key, EvaluationError> {
     let identity = Identity::of(model).map_err(EvaluationError::Input)?;
     Ok(Key::of(&[build_name().as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
 }
 
-/// What a reference says: how it is read, and its file.
+/// The bytes that decide a reference: how it is read, and its file.
 fn content(reference: &Reference) -> io::Result<Vec<u8>> {
     let file = Digest::of_file(&reference.signals).map_err(|error| match error {
         FileError::Io(error) => error,
         error => io::Error::other(error.to_string()),
     })?;
+    // Without its path: a project that is moved or copied still has its records.
     let reference = Reference { signals: PathBuf::new(), ..reference.clone() };
     encoded(&(reference, file))
 }
@@ -469,6 +471,7 @@ fn packed(value: &impl Serialize) -> io::Result<Vec<u8>> {
 /// The value that was packed; none where it is damaged.
 fn unpacked<T: DeserializeOwned>(content: &[u8]) -> Option<T> {
     let mut bytes = Vec::new();
+    // A damaged record must not fill the memory.
     ZlibDecoder::new(content).take(MOST_BYTES).read_to_end(&mut bytes).ok()?;
     postcard::from_bytes(&bytes).ok()
 }

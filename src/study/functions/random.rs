@@ -17,6 +17,7 @@ type Stream = ChaCha8Rng;
 pub(super) fn register(engine: &mut Engine) {
     engine
         .register_type_with_name::<Stream>("random")
+        // By its bits, so that a negative number is a seed too.
         .register_fn("random", |seed: INT| Stream::seed_from_u64(seed.cast_unsigned()))
         .register_fn("uniform", |stream: &mut Stream| -> f64 { StandardUniform.sample(stream) })
         .register_fn("normal", |stream: &mut Stream| -> f64 { StandardNormal.sample(stream) })

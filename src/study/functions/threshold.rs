@@ -39,6 +39,7 @@ fn threshold(
             "the condition is {at_near} at {near} and at {far}: there is no threshold to find"
         )));
     }
+    // Not until the tolerance is met: it may be less than the distance between two numbers of this size.
     for _ in 0..MOST_HALVINGS {
         if (far - near).abs() <= tolerance {
             break;

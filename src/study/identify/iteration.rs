@@ -23,11 +23,11 @@ pub struct Iteration {
     pub size: Option<f64>,
     /// Nelder–Mead: largest difference of the value at a vertex from the best.
     pub spread: Option<f64>,
-    /// What the iteration did.
+    /// The kind of step that the iteration made.
     pub step: Step,
 }
 
-/// What an iteration of a search did.
+/// The kind of step of an iteration of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
     /// The first point, simplex or Jacobian.

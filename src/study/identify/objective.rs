@@ -18,7 +18,7 @@ pub trait Objective: Sync {
     /// The outcome at `x`, a function of `x` alone. The outcome of a cancelled evaluation is discarded.
     fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation;
 
-    /// The same with the curves that were compared with references.
+    /// The outcome at `x` with the curves that were compared with references.
     fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
         self.evaluate(x, cancellation).into()
     }

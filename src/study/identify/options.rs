@@ -25,7 +25,7 @@ impl Method {
     ];
 }
 
-/// What a trial without a value counts as.
+/// The treatment of a trial without a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OnFailure {
     /// As worse than all others.
@@ -76,7 +76,7 @@ pub struct Search {
     pub starts: Starts,
     /// Replacements of a start without a value: the first that has one.
     pub fallback: Vec<Vec<f64>>,
-    /// What a trial without a value counts as.
+    /// The treatment of a trial without a value.
     pub on_failure: OnFailure,
     /// Relative step of the differences of a Jacobian.
     pub difference: f64,

@@ -38,7 +38,7 @@ pub(crate) struct ProgressEstimator<'s> {
     end: Option<Instant>,
 }
 
-/// What the estimate needs of one iteration.
+/// The part of an iteration that the estimate needs.
 struct Observation {
     time: Instant,
     iteration: usize,

@@ -1,4 +1,4 @@
-//! What a search found.
+//! The result of a search.
 
 use super::iteration::{Iteration, StopReason};
 use super::warning::Warning;
@@ -31,6 +31,6 @@ pub struct SearchResult {
     pub best: StartResult,
     /// The results of all starts, in their order.
     pub starts: Vec<StartResult>,
-    /// What puts the result in doubt.
+    /// Doubts about the result.
     pub warnings: Vec<Warning>,
 }

@@ -1,4 +1,4 @@
-//! What searches and profiles warn of.
+//! Warnings of searches and profiles.
 
 use super::bounds::Side;
 use super::iteration::StopReason;

@@ -155,7 +155,7 @@ impl RunComparison {
         std::iter::once(runs).chain(self.figures.iter().map(figure)).collect()
     }
 
-    /// What `summary.json` of the comparison holds.
+    /// The content of `summary.json` of the comparison.
     pub fn summary(&self) -> Map<String, Value> {
         let run = |run: &ComparedRun| {
             let path = run.place.display().to_string();

@@ -1,4 +1,4 @@
-//! What the figures of `summary.json` are: names and sentences of the structs that hold them.
+//! The meaning of the figures of `summary.json`: names and sentences of the structs that hold them.
 
 use std::sync::LazyLock;
 
@@ -37,7 +37,7 @@ static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
 pub struct FigureName {
     /// Its name there; of several impactors it begins with theirs.
     pub name: String,
-    /// What it is.
+    /// Its meaning.
     pub sentence: String,
     /// Tables of the loadings whose runs have it.
     pub loadings: Vec<&'static str>,

@@ -38,7 +38,7 @@ pub struct Impact {
     /// Size, cost and errors of the run.
     #[serde(flatten)]
     pub audit: Audit,
-    /// What the run and the comparison reported.
+    /// The findings of the run and of its comparison.
     #[serde(flatten)]
     #[schemars(skip)]
     pub findings: RunFindings,
@@ -47,7 +47,7 @@ pub struct Impact {
 /// Figures of one impactor; fields of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct BodyFigures {
-    /// What the names of its figures and signals begin with; empty of a single impactor.
+    /// The beginning of the names of its figures and signals; empty of a single impactor.
     #[serde(skip)]
     pub prefix: String,
     /// Whether it met the film; without, it has neither a lowest point nor a rebound, and the film absorbed nothing of
@@ -133,7 +133,7 @@ impl Impact {
         self.bodies.iter().flat_map(of_body).chain(object(json!(self))).collect()
     }
 
-    /// The same of a run that was ended early: without the figures of its end, and without the peaks where there was no
+    /// The figures of a run that was ended early: without those of its end, and without the peaks where there was no
     /// rebound yet.
     pub(super) fn ended_early(self) -> Impact {
         Impact { bodies: self.bodies.into_iter().map(BodyFigures::ended_early).collect(), ..self }

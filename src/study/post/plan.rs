@@ -16,7 +16,7 @@ use scene::simulate::Outcome;
 pub struct Plan {
     comparison: Option<ReferenceComparison>,
     script: Option<Script>,
-    /// What is reported of the scenario itself.
+    /// Findings about the scenario itself.
     findings: Vec<Finding>,
 }
 
@@ -52,12 +52,12 @@ impl Plan {
         Ok(Plan { comparison, script, findings: vec![] })
     }
 
-    /// The same plan, whose results have these findings of the scenario besides their own.
+    /// The plan whose results have these findings of the scenario besides their own.
     pub fn with_findings(self, findings: Vec<Finding>) -> Plan {
         Plan { findings, ..self }
     }
 
-    /// What is reported of the scenario itself.
+    /// Findings about the scenario itself.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
     }
@@ -99,12 +99,12 @@ impl Plan {
         self.script.as_ref().map(Script::text)
     }
 
-    /// What identifies the post script: its text and those of its modules.
+    /// The identity of the post script: its text and those of its modules.
     pub fn whole_script(&self) -> Option<String> {
         self.script.as_ref().map(Script::whole_text)
     }
 
-    /// What the run is compared with.
+    /// The comparison with the reference, where the scenario names one.
     pub fn comparison(&self) -> Option<&ReferenceComparison> {
         self.comparison.as_ref()
     }

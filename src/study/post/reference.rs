@@ -146,7 +146,7 @@ impl ReferenceComparison {
         }))
     }
 
-    /// What puts the errors in doubt: a virtual recording, and what was assumed or is implausible in its reduction.
+    /// Doubts about the errors: a virtual recording, and all that was assumed or is implausible in its reduction.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         let mark = self.annotations.virtual_mark().map(|note| Warning::VirtualReference { note: note.to_owned() });
         mark.into_iter().chain(self.reduction_warnings.iter().cloned().map(Warning::ReferenceReduction))

@@ -1,5 +1,5 @@
-//! What a user can change in a scenario about a warning or a failure of its run, in the scenario's keys. A remedy that
-//! is the same for every scenario is that of the warning's code.
+//! Changes of a scenario that help with a warning or a failure of its run, in the scenario's keys. A remedy that is the
+//! same for every scenario is that of the warning's code.
 
 use base::finding::Report;
 use base::number::significant;

@@ -41,7 +41,7 @@ pub struct Results {
     pub measures: Measures,
     /// The reference, where there is one.
     pub comparison: Option<ReferenceComparison>,
-    /// What the post script added.
+    /// The output of the post script.
     pub script_output: ScriptOutput,
 }
 
@@ -84,7 +84,7 @@ impl Results {
         Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
     }
 
-    /// The same of a run that was ended early, see [`Impact::ended_early`].
+    /// The results of a run that was ended early, see [`Impact::ended_early`].
     pub fn ended_early(self) -> Results {
         match self.measures {
             Measures::Impact(impact) => Results { measures: Measures::Impact(impact.ended_early()), ..self },
@@ -92,7 +92,7 @@ impl Results {
         }
     }
 
-    /// What `summary.json` holds; numbers that are not finite are null.
+    /// The content of `summary.json`; numbers that are not finite are null.
     pub fn summary(&self, model: &Model) -> Map<String, Value> {
         let mut summary = header(model);
         summary.extend(self.measures.figures());
@@ -149,7 +149,7 @@ impl Measures {
         bodies.iter().any(|body| body.rebound_velocity_m_s.is_some_and(|velocity| velocity > 0.0))
     }
 
-    /// What the run, its comparison with a reference and its post script reported.
+    /// The findings of the run, of its comparison with a reference and of its post script.
     pub fn findings(&self) -> &RunFindings {
         match self {
             Measures::Impact(impact) => &impact.findings,

@@ -28,7 +28,7 @@ pub struct Stretch {
     /// Size, cost and errors of the run.
     #[serde(flatten)]
     pub audit: Audit,
-    /// What the run reported.
+    /// The findings of the run.
     #[serde(flatten)]
     #[schemars(skip)]
     pub findings: RunFindings,

@@ -13,7 +13,7 @@ use scene::model::Model;
 use scene::simulate::Outcome;
 
 findings! {
-    /// What puts a comparison in doubt: that of a run with its reference, or that of several runs.
+    /// A doubt about a comparison: that of a run with its reference, or that of several runs.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
         NoReferenceError {
@@ -73,7 +73,7 @@ findings! {
 pub struct RunFindings(Vec<Finding>);
 
 impl RunFindings {
-    /// What the run of `model` reported.
+    /// The findings of the run of `model`.
     pub(super) fn of(model: &Model, outcome: &Outcome) -> RunFindings {
         let finding = |warning| {
             let message = with_remedy(warning, model, outcome.mass_scaling);

@@ -90,7 +90,7 @@ impl Study {
         Ok(Study(Arc::new(Parts { document, model, plan, evaluations })))
     }
 
-    /// The same scenario with changed values of its keys.
+    /// A study of the scenario with changed values of its keys.
     fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
         let changes = changes.collect::<HostResult<Vec<_>>>()?;

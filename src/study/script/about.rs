@@ -1,4 +1,5 @@
-//! What a script says of itself in the lines `//! …` it begins with, and the arguments that it declares there:
+//! The description that a script gives of itself in the lines `//! …` it begins with, and the arguments that it
+//! declares there:
 //!
 //! ```text
 //! //! Peak acceleration over the number of layers.
@@ -23,10 +24,10 @@ const MARK: &str = "//!";
 /// Begins the declaration of an argument.
 const DECLARES: &str = "--arg ";
 
-/// What a script says of itself.
+/// The description that a script gives of itself.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct About {
-    /// What it does.
+    /// The purpose of the script.
     pub text: String,
     /// Its arguments in their order; empty where it declares none.
     pub arguments: Vec<Declared>,
@@ -39,13 +40,13 @@ pub struct Declared {
     pub name: String,
     /// Value where it is not given; empty where it then has none; `None` where it must be given.
     pub default: Option<String>,
-    /// What it may be.
+    /// The kind of value that it takes.
     pub kind: Kind,
-    /// What it is, in words.
+    /// Its meaning, in words.
     pub text: String,
 }
 
-/// What an argument may be, as its default shows.
+/// The kind of value of an argument, as its default shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -62,7 +63,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// That of values like `default`.
+    /// The kind of values like `default`.
     fn of(default: &str) -> Kind {
         let numbers: Vec<Option<f64>> = default.split(',').map(|number| number.trim().parse().ok()).collect();
         match (argument_value(default), numbers.len()) {
@@ -112,7 +113,7 @@ fn numbers(text: &str) -> Dynamic {
 }
 
 impl About {
-    /// What the script `text` from `path` says of itself.
+    /// The description in the script `text` from `path`.
     ///
     /// # Errors
     /// Declarations that cannot be read, or that name an argument twice.
@@ -130,7 +131,7 @@ impl About {
         if reader.mistakes.is_empty() { Ok(reader.about) } else { Err(reader.mistakes) }
     }
 
-    /// What is wrong with the arguments `given`, where the script declares arguments. `scenario` is no such argument.
+    /// Mistakes in the arguments `given`, where the script declares arguments. `scenario` is no such argument.
     pub fn check(&self, given: &Map) -> Vec<Diagnostic> {
         if self.arguments.is_empty() {
             return Vec::new();

@@ -25,7 +25,7 @@ pub struct ConvergenceHistory {
 /// Simulated curves that approach one reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitHistory {
-    /// What the curves are, such as `acceleration`.
+    /// The quantity of the curves, such as `acceleration`.
     pub quantity: String,
     /// Its unit, where one is known; a curve over strain is shown in it.
     pub unit: Option<Unit>,

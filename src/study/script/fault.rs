@@ -16,15 +16,15 @@ use base::diagnostic::closest;
 pub struct Fault {
     /// The script, or a module that it imports.
     pub file: PathBuf,
-    /// What is in it.
+    /// The text of the file.
     pub text: Arc<str>,
     /// Counted from one.
     pub line: usize,
     /// In characters, counted from one.
     pub column: usize,
-    /// What is wrong.
+    /// The mistake in words.
     pub message: String,
-    /// What to write instead, if there is a close match.
+    /// The word to write instead, if there is a close match.
     pub hint: Option<String>,
     /// Whether a simulation failed numerically, which is no mistake of the script.
     pub numerical: bool,
@@ -169,11 +169,12 @@ fn in_words(name: &str) -> &str {
     }
 }
 
-/// What a script catches where a simulation failed numerically: a text whose type distinguishes it from a mistake.
+/// The error that a script catches where a simulation failed numerically: a text whose type distinguishes it from a
+/// mistake.
 #[derive(Clone, Debug)]
 struct NumericalFailure(ImmutableString);
 
-/// What a script catches where a host function refuses a key of a map.
+/// The error that a script catches where a host function refuses a key of a map.
 #[derive(Clone, Debug)]
 struct KeyMistake {
     key: String,

@@ -196,7 +196,7 @@ impl Script {
         self.units[0].program.clone_functions_only()
     }
 
-    /// What identifies the script: its text and those of its modules.
+    /// The identity of the script: its text and those of its modules.
     pub fn whole_text(&self) -> String {
         let module = |(name, source): (&str, &SourceText)| format!("\n// module {name}\n{}", source.text);
         std::iter::once(self.text().to_owned()).chain(self.modules().map(module)).collect()

@@ -40,7 +40,7 @@ pub struct ScriptOutput {
     pub files: Files,
     /// Lines of the log.
     pub log: Vec<String>,
-    /// What it reported with `warn`, and other warnings about its output.
+    /// Findings that it reported with `warn`, and other warnings about its output.
     pub findings: Vec<Finding>,
 }
 
@@ -77,7 +77,7 @@ fn remedy(reserved: &str) -> &'static str {
     }
 }
 
-/// What a script reports while it runs.
+/// A report of a script while it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message<'a> {
     /// A line of its log.
@@ -112,12 +112,12 @@ impl OutputCollector {
         OutputCollector { output: Arc::default(), reserved: reserved.into(), listener: Arc::new(|_| {}) }
     }
 
-    /// The same, which calls `listener` with each message.
+    /// The collector, which also calls `listener` with each message.
     pub fn with_listener(self, listener: impl Fn(Message<'_>) + Send + Sync + 'static) -> OutputCollector {
         OutputCollector { listener: Arc::new(listener), ..self }
     }
 
-    /// What was collected so far.
+    /// The output that was collected so far.
     pub fn output(&self) -> ScriptOutput {
         self.lock().clone()
     }

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::Session;
 use super::module::SourceText;
 
-/// What one line did.
+/// Calls and time of one line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LineUse {
     /// How often it was reached.

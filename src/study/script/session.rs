@@ -45,14 +45,14 @@ impl fmt::Debug for Session {
     }
 }
 
-/// What host functions record during one evaluation of an objective.
+/// The record that host functions keep of one evaluation of an objective.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trial {
     /// Scenarios whose film ruptured, each with the time.
     pub ruptures: Vec<String>,
     /// Causes of simulations that failed numerically.
     pub failures: Vec<String>,
-    /// What was compared with references, for plots.
+    /// Curves that were compared with references, for plots.
     pub compared: Vec<Compared>,
 }
 
@@ -110,17 +110,17 @@ impl Session {
         lock(&self.modules).clone()
     }
 
-    /// What the engine runs.
+    /// The programs that the engine runs.
     pub(super) fn programs(&self) -> &Programs {
         &self.programs
     }
 
-    /// The same session for scripts that `cancellation` stops.
+    /// The session for scripts that `cancellation` stops.
     pub fn with_cancellation(&self, cancellation: &Cancellation) -> Session {
         Session { cancellation: cancellation.clone(), ..self.clone() }
     }
 
-    /// The same session within an evaluation of an objective, which may be cancelled.
+    /// The session within an evaluation of an objective, which may be cancelled.
     pub fn with_trial(&self, cancellation: &Cancellation) -> Session {
         // A trial of its own, since evaluations run side by side; files and recordings are those of the script.
         Session { trial: Some(Arc::default()), cancellation: cancellation.clone(), ..self.clone() }
@@ -136,7 +136,7 @@ impl Session {
         self.trial.is_some()
     }
 
-    /// What was recorded of the evaluation so far.
+    /// The record of the evaluation so far.
     pub fn trial(&self) -> Trial {
         self.trial.as_ref().map(|trial| lock(trial).clone()).unwrap_or_default()
     }

@@ -10,7 +10,7 @@ use lab::signal::VIRTUAL_RECORDING;
 const MOST_NAMED: usize = 6;
 
 findings! {
-    /// What is reported of the output of a script, besides what the script reports itself.
+    /// A warning about the output of a script, besides those that the script reports itself.
     #[derive(Clone, Debug, PartialEq, Eq)]
     pub enum Warning {
         /// Recordings that it read, or that its scenarios are compared with, are virtual.

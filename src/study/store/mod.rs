@@ -45,7 +45,7 @@ pub enum StoreError {
         /// The file.
         path: PathBuf,
     },
-    /// What is at the path cannot be read.
+    /// An existing path that cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {
         /// The folder.
@@ -72,7 +72,7 @@ pub enum StoreError {
     OfAnother {
         /// The run folder.
         path: PathBuf,
-        /// What its results were made from.
+        /// The scenario or script that its results were made from.
         stored: String,
     },
     /// While the results were made, others took their folder, which stay; these are beside it.
@@ -115,7 +115,7 @@ impl StoreError {
         StoreError::Write { path: path.into(), source }
     }
 
-    /// What is at `path` could not be listed.
+    /// The error of listing `path`.
     fn list(path: &Path, source: io::Error) -> StoreError {
         let path = path.to_owned();
         match source.kind() {

@@ -1,4 +1,4 @@
-//! What results were made from: those of another scenario or script are replaced only where that was asked for.
+//! The origin of results: those of another scenario or script are replaced only where that was asked for.
 //!
 //! A folder names its scenario and script by their paths from itself, so that a project which is moved or copied as a
 //! whole still owns its results, and equal names in two projects do not. Results that were moved without their scenario
@@ -17,13 +17,13 @@ use base::file;
 /// Begins the line of a stored scenario that names the file it was read from.
 const SCENARIO_LINE: &str = "# scenario: ";
 
-/// The same of the results of a sweep.
+/// Begins the line of the results of a sweep that names the file it was read from.
 const SWEEP_LINE: &str = "# sweep of: ";
 
 /// Lines of a stored scenario among which that one is.
 const FEW_LINES: usize = 4;
 
-/// What results were made from. Paths are absolute and without links.
+/// The files that results were made from. Paths are absolute and without links.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// A run.
@@ -126,7 +126,7 @@ impl Origin {
         self.check_moved(place, place)
     }
 
-    /// The same of the results in `folder`, which were moved there from `place`.
+    /// Checks the results in `folder`, which were moved there from `place`, as [`Origin::check`] does.
     pub(super) fn check_moved(&self, folder: &Path, place: &Path) -> Result<(), StoreError> {
         match Origin::stored(folder, place) {
             Some(stored) if stored != *self => {
@@ -151,7 +151,7 @@ pub fn path_from(place: &Path, file: &Path) -> String {
     if parts.is_empty() { ".".into() } else { parts.join("/") }
 }
 
-/// What stands behind `start` in one of the first lines of a file.
+/// The rest of the line that begins with `start`, among the first lines of a file.
 fn line_after(path: &Path, start: &str) -> Option<String> {
     let text = file::read_text(path, run_files::MOST_BYTES).ok()?;
     text.lines().take(FEW_LINES).find_map(|line| line.strip_prefix(start)).map(String::from)

@@ -35,7 +35,7 @@ pub const IMPACTOR_STATES: &str = "impactor.vtkhdf";
 pub const FRAME_STATES: &str = "frame.vtkhdf";
 /// Inputs and outputs of the runs of a sweep.
 pub const TABLE: &str = "table.csv";
-/// The same for Polars, pandas, R and others.
+/// Inputs and outputs of the runs of a sweep for Polars, pandas, R and others.
 pub const PARQUET: &str = "table.parquet";
 /// The page.
 pub const REPORT: &str = "report.html";

@@ -88,7 +88,8 @@ impl Sweep {
         Sweep::of(document, |variation| variation.points(samples).map_err(SweepError::Points))
     }
 
-    /// The same at places of the unit cube: of each key the probability of at most its value, in the order of the keys.
+    /// The sweep at places of the unit cube: of each key the probability of at most its value, in the order of the
+    /// keys.
     ///
     /// # Errors
     /// As those of [`Sweep::prepare`].
@@ -111,7 +112,7 @@ impl Sweep {
         Ok(Sweep { base, variation, points, model, plan })
     }
 
-    /// What varies.
+    /// The keys that vary, and how.
     pub fn variation(&self) -> &Variation {
         &self.variation
     }
@@ -152,7 +153,7 @@ impl Sweep {
         levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml())).collect()
     }
 
-    /// What identifies the study: the build of droptower, the scenario with its files, and the values of its runs.
+    /// The identity of the study: the build of droptower, the scenario with its files, and the values of its runs.
     ///
     /// # Errors
     /// A mesh or the reference cannot be read.

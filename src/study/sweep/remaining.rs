@@ -1,4 +1,4 @@
-//! What is left of a sweep: runs that neither an earlier sweep, nor this process, nor another has computed.
+//! The work left of a sweep: runs that neither an earlier sweep, nor this process, nor another has computed.
 
 use std::time::{Duration, Instant};
 
@@ -41,7 +41,7 @@ pub(super) struct Position {
 pub(super) struct Estimator {
     /// Records of others when the process began.
     before: usize,
-    /// What was left at the last sample, and the runs that were computed by then, here and elsewhere.
+    /// The number of runs left at the last sample, and of those that were computed by then, here and elsewhere.
     sampled: Option<[usize; 2]>,
     next: Instant,
     pause: Duration,
@@ -54,8 +54,8 @@ impl Estimator {
         Estimator { before, sampled: None, next: Instant::now() + FIRST, pause: FIRST }
     }
 
-    /// What is left at `position`, where `sample` gives at most so many places of runs that wait, spread evenly; none before
-    /// the first sample, and where all records are of this process, which knows it then.
+    /// The work left at `position`, where `sample` gives at most so many places of runs that wait, spread evenly; none
+    /// before the first sample, and where all records are of this process, which knows it then.
     pub(super) fn remaining_work(
         &mut self,
         sweep: &Sweep,
@@ -71,11 +71,13 @@ impl Estimator {
         if Instant::now() >= self.next {
             let unknown = waiting as f64 * unknown_share(sweep, evaluations, &sample(MOST));
             self.sampled = Some([unknown.round() as usize + begun, computed + elsewhere]);
+            // A sample takes time from the runs: in a long sweep it becomes rare.
             self.pause = (2 * self.pause).min(LONGEST);
             self.next = Instant::now() + self.pause;
         }
         let [left, by_then] = self.sampled?;
         let since = (computed + elsewhere).saturating_sub(by_then);
+        // A sample may err; the runs that have begun are left for certain.
         Some(RemainingWork { left: left.saturating_sub(since).max(begun), elsewhere })
     }
 }

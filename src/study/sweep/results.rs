@@ -64,7 +64,7 @@ impl SweepResults {
         })
     }
 
-    /// What `summary.json` holds; `seconds` is the wall time of this process.
+    /// The content of `summary.json`; `seconds` is the wall time of this process.
     pub fn summary(&self, sweep: &Sweep, seconds: f64) -> Map<String, Value> {
         let statistics = self.statistics.iter().map(|(name, quantiles)| (name.clone(), json!(quantiles)));
         let (probability, interval) = self.rupture.unzip();

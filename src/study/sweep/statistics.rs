@@ -1,4 +1,4 @@
-//! What follows from the table of a sweep: quantiles, probability of rupture, main effects.
+//! Statistics of the table of a sweep: quantiles, probability of rupture, main effects.
 
 use uncertainty::indices::main_effects;
 use uncertainty::statistics::{Bootstrap, Estimate, Interval, deviation, mean, quantiles, wilson};

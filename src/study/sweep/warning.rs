@@ -32,9 +32,9 @@ findings! {
 /// The values of a distribution that the scenario does not take.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Beyond {
-    /// Those below a limit.
+    /// The values below a limit.
     Below(Limit),
-    /// Those above a limit.
+    /// The values above a limit.
     Above(Limit),
     /// Its median among others.
     Median,

@@ -27,7 +27,7 @@ pub struct Stop {
     pub deadline: Option<Instant>,
 }
 
-/// What becomes of a run of a sweep.
+/// An event in the course of a sweep's run.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
     /// It was evaluated before.
@@ -55,7 +55,7 @@ pub struct Work<'a> {
     pub gather: bool,
 }
 
-/// What is known of the runs of a sweep.
+/// The results of the runs of a sweep that are known.
 #[derive(Debug, Default)]
 pub struct Done {
     /// Keys of the evaluations that have records, by place.
@@ -204,6 +204,7 @@ impl State<'_> {
 
     /// Whether no run may begin any more.
     fn ends(&self) -> bool {
+        // A run that the deadline would cut off is not begun, as the longest so far tells.
         let longest = Duration::from_millis(self.longest.load(Ordering::Relaxed));
         let Stop { deadline, .. } = self.work.stop;
         let is_late = deadline.is_some_and(|deadline| Instant::now() + longest > deadline);
@@ -234,6 +235,7 @@ impl State<'_> {
             }
         };
         let store = evaluations.store();
+        // Another process may have computed it since the last look.
         if !store.contains(keys.figures) {
             store.refresh().map_err(|error| evaluations.failed(error))?;
         }
@@ -241,6 +243,7 @@ impl State<'_> {
             let mut done = lock(&self.done);
             done.cache_hits += 1;
             done.keys.insert(place, keys);
+            // The observer may be slow: no other thread waits for it at this lock.
             drop(done);
             (self.observer)(Event::Taken);
             return Ok(());
@@ -249,12 +252,14 @@ impl State<'_> {
             return Ok(());
         }
         if !store.claim(keys.figures).map_err(|error| evaluations.failed(error))? {
+            // Not waited for here: the thread takes other runs, and looks again once the queue is empty.
             lock(&self.elsewhere).push(place);
             return Ok(());
         }
         let begin = Instant::now();
         let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.requested) {
             Err(EvaluationError::Cancelled) => {
+                // Else others would wait for a run that nobody computes.
                 return store.release(keys.figures).map_err(|error| evaluations.failed(error));
             }
             Err(EvaluationError::Passing(cause)) => {

@@ -1,11 +1,11 @@
-//! What fits of laws report, by code.
+//! Warnings of fits of laws, by code.
 
 use base::findings;
 use base::number::significant;
 use membrane::material::Tension;
 
 findings! {
-    /// What a fit reports although it continues.
+    /// A doubt about a fit that continues.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
         UniaxialOnly = "uniaxial-only", Warning;

@@ -1,9 +1,9 @@
-//! What fits of relaxation report, by code.
+//! Warnings of fits of relaxation, by code.
 
 use base::findings;
 
 findings! {
-    /// What a fit reports although it continues.
+    /// A doubt about a fit that continues.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
         TermsLeftOut {

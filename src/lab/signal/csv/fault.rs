@@ -1,4 +1,4 @@
-//! What is wrong with a table, and where.
+//! Faults in a table, and where they are.
 
 use thiserror::Error;
 

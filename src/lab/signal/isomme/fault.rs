@@ -1,4 +1,4 @@
-//! What is wrong with a container, and where.
+//! Faults in a container, and where they are.
 
 use thiserror::Error;
 

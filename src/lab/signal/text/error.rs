@@ -1,4 +1,4 @@
-//! What is wrong with a text file, and where.
+//! Faults in a text file, and where they are.
 
 use std::fmt::{self, Display};
 use std::io;

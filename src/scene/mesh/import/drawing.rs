@@ -27,7 +27,7 @@ pub enum DrawingFault {
     Number {
         /// Counted from 1.
         line: usize,
-        /// What it holds.
+        /// The content of the line.
         text: String,
     },
     /// An entity is no line of an outline that is read.
@@ -82,7 +82,7 @@ pub enum DrawingFault {
     /// The drawing gives no unit.
     #[error("the drawing gives no unit ({} of the file)", .by)]
     NoUnit {
-        /// What would give it.
+        /// The entry of the file that would give it.
         by: &'static str,
     },
     /// The drawing gives another unit than the scenario.
@@ -90,7 +90,7 @@ pub enum DrawingFault {
     OtherUnit {
         /// m.
         drawing: f64,
-        /// What gives it.
+        /// The entry of the file that gives it.
         by: &'static str,
     },
 }

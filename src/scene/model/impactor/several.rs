@@ -1,4 +1,4 @@
-//! What concerns several impactors: names, and the times at which they are released.
+//! Names of several impactors, and the times at which they are released.
 
 use super::Written;
 use crate::model::loading::{Impact, Impactors};

@@ -23,8 +23,8 @@ pub use rules::{Impactors, Inertia, MassScaling, Refusal, Test};
 pub use stretch::Stretch;
 pub use volume::Volume;
 
-/// What a kind of loading answers about itself. Everything else asks, so that another kind is written beside these and
-/// nowhere else.
+/// A kind of loading, with all that differs between kinds. Everything else asks it, so that another kind is written
+/// beside these and nowhere else.
 pub trait Kind {
     /// Name of its table in `[loading]`.
     fn name(&self) -> &'static str;
@@ -34,7 +34,7 @@ pub trait Kind {
         format!("loading.{}.{key}", self.name())
     }
 
-    /// What is recorded, measured and shown of it.
+    /// The kind of its test, which decides what is recorded, measured and shown.
     fn test(&self) -> Test;
 
     /// The part that inertia plays in it.
@@ -89,7 +89,7 @@ pub trait Kind {
         None
     }
 
-    /// What is done to film that is called `layers`, in one phrase.
+    /// Its action on film that is called `layers`, in one phrase.
     fn subject(&self, model: &Model, layers: &str) -> String;
 
     /// Its quantities for scripts, SI.
@@ -146,7 +146,7 @@ impl Loading {
         }
     }
 
-    /// The same with the vertical speed that the guide of the impactor admits.
+    /// The loading with the vertical speed that the guide of the impactor admits.
     pub(super) fn with_impactor(self, impactor: Option<&Impactor>) -> Loading {
         match (self, impactor) {
             (Loading::Impact(impact), Some(Impactor { velocity: [_, _, upward], .. })) => {
@@ -163,7 +163,7 @@ impl Model {
         self.loading.run_time(&self.specimen.shape)
     }
 
-    /// What the test does to the film, in one phrase: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
+    /// The action of the test on the film, in one phrase: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
     pub fn subject(&self) -> String {
         self.loading.subject(self, &self.layers_in_words())
     }

@@ -1,8 +1,8 @@
-//! What kinds of loading differ in, and the rules that several of them share.
+//! The differences between kinds of loading, and the rules that several of them share.
 
 use crate::model::ModelDiagnostics;
 
-/// What a test records, measures and shows; tests of one kind have the same signals, figures and plots.
+/// The kind of a test; those of one kind record, measure and show the same signals, figures and plots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Test {
     /// The motion of impactors.
@@ -66,7 +66,7 @@ pub enum Refusal {
     Unsupported {
         /// The fact.
         message: &'static str,
-        /// What to write instead.
+        /// The remedy.
         hint: &'static str,
     },
 }

@@ -18,7 +18,7 @@ pub struct Factor {
     pub path: String,
     /// Where it stands.
     pub span: Span,
-    /// What its numbers measure; `None` of numbers without unit and of words.
+    /// The kind of quantity of its numbers; `None` of numbers without unit and of words.
     pub dimension: Option<Dimension>,
     /// Its values.
     pub values: Values,

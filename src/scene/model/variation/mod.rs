@@ -15,7 +15,7 @@ pub use points::{Point, PointsError};
 const METHOD: &str = "variation.method";
 const CORRELATION: &str = "variation.correlation";
 
-/// What varies from run to run of a sweep.
+/// The keys that vary from run to run of a sweep, and how.
 #[derive(Clone, Debug)]
 pub struct Variation {
     /// The keys that vary, in the order in which they are written.
@@ -24,7 +24,7 @@ pub struct Variation {
     pub method: Method,
     /// Number of runs, where it is written.
     pub samples: Option<usize>,
-    /// The same seed gives the same values.
+    /// The start of the random numbers: equal seeds give equal values.
     pub seed: u64,
     /// Correlation of all factors.
     correlation: Option<Correlation>,

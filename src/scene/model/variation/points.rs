@@ -34,7 +34,7 @@ pub enum PointsError {
 }
 
 impl PointsError {
-    /// What to do, where that follows from the error.
+    /// A remedy, where one follows from the error.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             PointsError::NoSamples => Some("write samples = 200 in [variation], or give -n 200"),

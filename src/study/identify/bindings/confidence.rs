@@ -30,7 +30,7 @@ struct Request {
     /// A search that starts at the estimate.
     search: ScriptSearch,
     options: ProfileOptions,
-    /// What `minimize` gave; none where the estimate is a list.
+    /// The result of `minimize`; none where the estimate is a list.
     best: Map,
 }
 

@@ -14,7 +14,7 @@ use lab::signal::Series;
 /// Operations of the interpreter that one trial may take; a search limits the number of its trials.
 const OPERATIONS: u64 = 1_000_000;
 
-/// What a run with a ruptured film counts as.
+/// The treatment of a run with a ruptured film.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum OnRupture {
     /// As a failed trial.
@@ -145,7 +145,7 @@ fn fatal(error: Box<EvalAltResult>) -> Evaluation {
     Evaluation::Fatal(FatalError::new(ScriptError::from(error)))
 }
 
-/// The same function with copies of what it captures.
+/// A copy of the function that shares nothing it captures.
 fn unshared(call: &FnPtr) -> FnPtr {
     let mut own = call.clone();
     for captured in own.iter_curry_mut() {

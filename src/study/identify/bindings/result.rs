@@ -140,7 +140,7 @@ pub(super) fn of_profiles(profiles: &[Profile], names: &[String]) -> Map {
     map
 }
 
-/// What profiles leave of the result `best` of a search, whose map may be empty.
+/// The map of a result after profiles: the result `best` of a search, whose map may be empty, as they leave it.
 pub(super) fn of_refinement(refinement: &Refinement, best: &Map, search: &Search) -> Map {
     let mut map = best.clone();
     map.insert("x".into(), list(refinement.x.iter().copied()).into());

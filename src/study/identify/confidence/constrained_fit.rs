@@ -90,6 +90,7 @@ impl ConstrainedFit {
         match residuals {
             Some(found) => {
                 let better = improves(&found);
+                // Also without an improvement: the secant corrects the slope that misled the step.
                 self.correct(&x, &found);
                 self.damp(better);
                 if better {
@@ -145,6 +146,7 @@ impl ConstrainedFit {
         let column = |index: usize| self.jacobian.column(index) * self.scale[index];
         let columns: Vec<DVector<f64>> = free.iter().map(|index| column(*index)).collect();
         let mut normal = DMatrix::from_fn(free.len(), free.len(), |i, j| columns[i].dot(&columns[j]));
+        // A parameter without effect leaves a zero on the diagonal, which no factor damps.
         let least = f64::EPSILON * normal.diagonal().amax();
         for index in 0..free.len() {
             normal[(index, index)] = normal[(index, index)] * (1.0 + self.damping) + least;

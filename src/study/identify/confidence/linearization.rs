@@ -146,6 +146,7 @@ fn set_column(
     let slope = match (&slopes[..], failure) {
         (_, Some(failure)) if search.on_failure == OnFailure::Stop => return Err(failure),
         ([(up, above), (down, below)], _) => {
+            // The first order cancels: curvature over the step is left, or scatter.
             linearization.roughness = linearization.roughness.max((above + below).norm());
             (above - below) / (up - down)
         }

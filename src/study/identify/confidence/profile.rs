@@ -43,7 +43,7 @@ pub struct Profile {
     pub threshold: f64,
     /// Ends of the interval of 95 %; none where the threshold is not reached, or not before a point without a value.
     pub interval: [Option<f64>; 2],
-    /// What puts the profile in doubt.
+    /// Doubts about the profile.
     pub warnings: Vec<Warning>,
 }
 
@@ -143,6 +143,7 @@ pub fn profiles(
             break;
         }
         observer(open.len());
+        // The next trials of all fits in one round: they do not depend on one another, and fill the threads.
         let points: Vec<Vec<f64>> = open.iter().filter_map(|fit| fit.next.clone()).collect();
         let outcomes = evaluator.evaluate_all(&points)?;
         for ((fit, x), outcome) in open.into_iter().zip(points).zip(outcomes) {
@@ -188,6 +189,7 @@ fn values(search: &Search, confidence: &Confidence, index: usize, count: usize) 
     let share = |step: usize| step as f64 / count as f64;
     let below = (1..=count).rev().map(|step| x + (down - x) * share(step));
     let above = (1..=count).map(|step| x + (up - x) * share(step));
+    // With the estimate on a bound, all values of that side fall on it.
     below.chain(above).filter(|value| *value != x).collect()
 }
 
@@ -222,9 +224,11 @@ fn profile<'f>(
 /// rise is linear for a linear model (Bates and Watts, *Nonlinear Regression Analysis*, 1988) and is interpolated
 /// linearly.
 fn crossing<'p>(points: impl Iterator<Item = &'p ProfilePoint>, least: f64, rise: f64) -> Option<f64> {
+    // A point below the estimate, where that is no minimum, counts as one without a rise.
     let root = |f: f64| (f * f - least * least).max(0.0).sqrt();
     // No interpolation across a point without a value.
     let rises: Vec<[f64; 2]> = points.map_while(|point| Some([point.value, root(point.f?)])).collect();
+    // Where the objective falls from one point to the next, there is no slope to interpolate with.
     let is_beyond = |pair: &&[[f64; 2]]| pair[1][1] > pair[0][1] && pair[1][1] * pair[1][1] >= rise;
     let pair =
         rises.windows(2).find_map(|pair| <&[[f64; 2]; 2]>::try_from(pair).ok().filter(|pair| is_beyond(&&pair[..])))?;

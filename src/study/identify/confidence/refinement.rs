@@ -20,7 +20,7 @@ use lab::confidence::{ConfidenceOptions, Linearization};
 /// Largest number of continued searches.
 const MAX_CONTINUED: usize = 3;
 
-/// What profiles are computed with.
+/// The settings of profiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileOptions {
     /// Options of the confidence intervals, whose half-widths are the unit of the values.
@@ -79,7 +79,7 @@ impl Refinement {
     /// each event.
     ///
     /// # Errors
-    /// Those of [`profiles`] and [`minimize`].
+    /// The errors of [`profiles`] and [`minimize`].
     pub fn of(
         search: &Search,
         options: &ProfileOptions,
@@ -101,6 +101,7 @@ impl Refinement {
                 return Ok(Refinement { x: search.start, f: estimate, continued, profiles, is_lower, warnings });
             };
             let (parameter, point) = (search.names[parameter].clone(), Point::new(&search.names, x));
+            // The lowest point of all profiles: the search continues from where another parameter was fixed.
             search.start = x.to_vec();
             let mut iterated = |iteration: &Iteration| observer(ProfileEvent::Iteration(iteration));
             let result = match minimize(&search, evaluator, &mut iterated) {
@@ -109,6 +110,8 @@ impl Refinement {
                 result => Some(result?),
             };
             let end = result.as_ref().map(|result| result.best.f);
+            // A search may begin a little beside the point, off a bound, and end above it: then the point itself is the
+            // estimate.
             let best = result.as_ref().filter(|result| result.best.f < found).map(|result| &result.best);
             search.start = best.map_or_else(|| x.to_vec(), |best| best.x.clone());
             warnings.push(Warning::Continued { parameter, found, estimate, x: point, continued: end });

@@ -7,8 +7,8 @@ use crate::identify::objective::ObjectiveValue;
 use crate::identify::options::Search;
 use crate::identify::result::StartResult;
 
-/// The same with each unknown on the bound beside which it converged, where the objective is no higher there: towards a
-/// bound the transform flattens, and the tolerances are met before it.
+/// The point with each unknown on the bound beside which it converged, where the objective is no higher there: towards
+/// a bound the transform flattens, and the tolerances are met before it.
 pub(super) fn onto_bounds(
     mut result: StartResult,
     search: &Search,
@@ -17,6 +17,7 @@ pub(super) fn onto_bounds(
     if !result.converged {
         return Ok(result);
     }
+    // One unknown after the other: a bound that lowers the objective stays while the next one is tried.
     for (index, bound) in search.bounds.beside(&result.x) {
         let mut x = result.x.clone();
         x[index] = bound;
@@ -42,6 +43,7 @@ pub(in crate::identify) fn falls_beyond(
 ) -> Result<Option<bool>, SearchError> {
     let [lower, upper] = search.bounds.pairs().nth(index).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let size = if x[index] == 0.0 { 1.0 } else { x[index].abs() };
+    // Within narrow bounds, a step of the usual size would leave them on the other side.
     let step = (search.difference * size).min(0.25 * (upper - lower));
     let mut inside = x.to_vec();
     inside[index] += if side == Side::Lower { step } else { -step };
@@ -54,6 +56,7 @@ pub(in crate::identify) fn falls_beyond(
         }
     }
     let [here, there] = &found[..] else { return Ok(None) };
+    // Only the sign is asked for, so the difference is not divided by the step.
     let rise: f64 = here.iter().zip(there).map(|(here, there)| here * (there - here)).sum();
     Ok(Some(rise > 0.0))
 }

@@ -43,6 +43,7 @@ pub(in crate::identify) fn search(
             Err(SearchError::Start { .. }) => break,
             restarted => onto_bounds(restarted?, search, trials)?,
         };
+        // Of sums of squares, as the tolerance of the crate is.
         if before * before - result.f * result.f <= search.tol_f * before * before {
             break;
         }
@@ -58,11 +59,13 @@ fn descend(
 ) -> Result<StartResult, SearchError> {
     let search = context.search;
     let mut start = start.to_vec();
+    // On a bound the transform has no slope, and a column of the Jacobian would vanish.
     search.bounds.inwards(&mut start);
     let first = residuals(context.trials.at_start(&start)?)?;
     if first.len() < start.len() {
         return Err(SearchError::TooFew { found: first.len(), unknowns: start.len() });
     }
+    // The crate stops after patience × (n + 1) evaluations: rounded up, so that the limit of the search comes first.
     let patience = search.max_evaluations.div_ceil(start.len() + 1);
     let method = LevenbergMarquardt::new().with_ftol(search.tol_f).with_xtol(search.tol_x).with_patience(patience);
     let problem = LeastSquares {
@@ -178,6 +181,7 @@ impl LeastSquares<'_, '_, '_> {
             state.context.trials.value(&x)?
         };
         let Some(found) = self.checked(&x, value)? else {
+            // Spread evenly, with the norm `worst`: the crate refuses the step and shortens the next one.
             return Ok(DVector::from_element(self.count, self.worst / (self.count as f64).sqrt()));
         };
         let f = norm(&found);
@@ -259,6 +263,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for LeastSquares<'_, '_, '_> {
         let ended = {
             let mut state = self.state.borrow_mut();
             state.iterations += 1;
+            // The crate asks for a Jacobian at the start and after each accepted step: iterations are counted by these.
             let step = if state.iterations == state.before + 1 { Step::Initial } else { Step::Accepted };
             state.observe(step);
             state.iterations >= state.context.search.max_iterations

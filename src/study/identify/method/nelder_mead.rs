@@ -43,6 +43,7 @@ pub(in crate::identify) fn search(
         }
         let best = simplex.vertices[0].clone();
         let is_on_bound = !search.bounds.active(&best.x).is_empty() && !limits.are_met(&simplex);
+        // A first simplex may have collapsed onto the bound at once: it is restarted even without any improvement.
         let improved = restarts == 0 || before - best.f > search.tol_f;
         if !is_on_bound || !improved || restarts == MAX_RESTARTS {
             break;

@@ -63,7 +63,7 @@ pub(super) struct Simplex {
     pub(super) vertices: Vec<Vertex>,
     pub(super) iterations: usize,
     pub(super) evaluations: usize,
-    /// What the last iteration did.
+    /// The kind of the last step.
     pub(super) step: Step,
     /// Decaying frequencies of the second points of iterations: expanded, contracted outside, contracted inside.
     frequencies: [f64; 3],
@@ -110,6 +110,7 @@ impl Simplex {
     pub(super) fn has_converged(&self, limits: &Limits) -> bool {
         let best = &self.vertices[0];
         let largest = best.x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // As in fminsearch: a tolerance below the rounding of the numbers would never be met.
         self.spread() <= limits.tol_f.max(10.0 * spacing(best.f))
             && self.size() <= limits.tol_x.max(10.0 * spacing(largest))
     }
@@ -141,6 +142,7 @@ impl Simplex {
             values.project(&mut x);
             x
         };
+        // All four are known before any value is, so that idle threads can evaluate them meanwhile.
         let [reflected, expanded, outside, inside] =
             [REFLECT, REFLECT * EXPAND, REFLECT * CONTRACT, -CONTRACT].map(along);
         let predicted = values.predict(&before);
@@ -199,6 +201,7 @@ impl Simplex {
         before: &Simplex,
         values: &mut V,
     ) -> Result<Vertex, V::Error> {
+        // Older iterations count less: which second point is likely changes along the way.
         self.frequencies = self.frequencies.map(|frequency| DECAY * frequency);
         self.frequencies[which] += 1.0;
         let predicted = values.predict(before);
@@ -228,7 +231,7 @@ impl Simplex {
         vertex(x, self.evaluations, values)
     }
 
-    /// The same simplex after this many iterations and evaluations of earlier ones.
+    /// The simplex with this many iterations and evaluations of earlier ones counted in.
     pub(super) fn after(self, [iterations, evaluations]: [usize; 2]) -> Simplex {
         Simplex { iterations: self.iterations + iterations, evaluations: self.evaluations + evaluations, ..self }
     }

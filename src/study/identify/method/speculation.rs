@@ -46,6 +46,7 @@ impl SimplexValues for Predicted<'_, '_, '_> {
     fn value(&mut self, x: &[f64]) -> Result<f64, Enough> {
         match self.trials.cached(x) {
             Some(Evaluation::Value(value)) => Ok(value.value()),
+            // As the search itself counts a failed trial.
             Some(_) => Ok(f64::INFINITY),
             None => self.predict_value(x),
         }
@@ -58,6 +59,7 @@ impl SimplexValues for Predicted<'_, '_, '_> {
 
 impl Predicted<'_, '_, '_> {
     fn predict_value(&mut self, x: &[f64]) -> Result<f64, Enough> {
+        // The copy may come back to a point: it costs no further trial.
         if self.points.iter().any(|point| point == x) {
             return Ok(self.model.value(x));
         }

@@ -11,7 +11,7 @@ use crate::identify::point::Point;
 use crate::identify::pool::trial_pool::{Evaluator, PoolError};
 use crate::identify::warning::Warning;
 
-/// What a method searches with.
+/// The means of a method: its search, its evaluator and its observer.
 pub(in crate::identify) struct SearchContext<'s, 'c, 'a> {
     pub(in crate::identify) search: &'s Search,
     pub(in crate::identify) trials: &'s Trials<'c, 'a>,
@@ -59,6 +59,7 @@ impl Failures {
     /// Adds one; of trials requested at once, the first in the order of their points counts as first.
     fn push(&mut self, failure: Failure) {
         self.count += 1;
+        // Outcomes come in any order: the first by its place in the search is the same with any number of threads.
         let is_before =
             |first: &Failure| failure.before.cmp(&first.before).then_with(|| order(&failure.x, &first.x)).is_lt();
         if self.first.as_ref().is_none_or(is_before) {

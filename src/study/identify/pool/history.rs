@@ -19,7 +19,8 @@ use crate::identify::warning::Warning;
 use crate::script::{self, Compared, Target};
 use base::file::{Digest, checksum};
 
-/// What determines the values of the trials of a script, beside the files that it reads and the number of the search.
+/// The identity of a search: all that determines the values of the trials of a script, beside the files that it reads
+/// and the number of the search.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Identity {
     /// The text of the script.
@@ -37,7 +38,7 @@ pub struct History {
     /// References that trials were compared with, in the order of the file.
     targets: Vec<Arc<Target>>,
     inputs: BTreeMap<PathBuf, String>,
-    /// What opening the file reports.
+    /// Warnings of opening the file.
     warnings: Vec<Warning>,
 }
 
@@ -130,7 +131,7 @@ impl History {
         &self.path
     }
 
-    /// What opening the file reported: trials that were set aside, and those that were read.
+    /// Warnings of opening the file: of trials that were set aside, and of those that were read.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
@@ -150,6 +151,7 @@ impl History {
     /// # Errors
     /// The file cannot be written.
     pub fn add(&mut self, x: &[f64], trial: &Trial, seconds: f64) -> Result<(), HistoryError> {
+        // A mistake in the script is corrected before the search is resumed, and its trial repeated.
         if matches!(trial.evaluation, Evaluation::Fatal(_)) {
             return Ok(());
         }
@@ -160,6 +162,7 @@ impl History {
 
     /// A simulated curve; a new reference is appended before it.
     fn curve(&mut self, Compared { target, values }: &Compared) -> Result<CurveRecord, HistoryError> {
+        // By its content too: after a restart, an equal reference is another allocation.
         let known = self.targets.iter().position(|other| Arc::ptr_eq(other, target) || other == target);
         let number = known.unwrap_or(self.targets.len());
         if known.is_none() {
@@ -175,6 +178,7 @@ impl History {
     /// The file cannot be written.
     pub fn add_inputs(&mut self, inputs: Vec<(PathBuf, String)>) -> Result<(), HistoryError> {
         for (input, content) in inputs {
+            // Each file once: every trial comes with all that were read so far.
             if self.inputs.insert(input.clone(), content.clone()).is_none() {
                 self.add_record(&Record::Input { input, content })?;
             }

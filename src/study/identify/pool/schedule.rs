@@ -56,6 +56,7 @@ impl<'a> Schedule<'a> {
         if !is_requested && !self.is_running(search, point) {
             self.requested.push_back((search, point.clone()));
         }
+        // Also where its trial runs already: a speculative one is awaited from now on and no longer cancelled.
         self.searches[search].awaited.push(point.clone());
     }
 
@@ -99,10 +100,12 @@ impl<'a> Schedule<'a> {
         let state = &self.searches[search];
         let is_new = |point: &Point| !state.cache.contains(point) && !self.is_running(search, point);
         let new = state.speculative.iter().position(is_new)?;
+        // Those before it are known or running, and need no second look.
         self.searches[search].speculative.drain(..=new).next_back()
     }
 
     fn is_running(&self, search: usize, point: &Point) -> bool {
+        // A cancelled trial has no outcome: where its point is requested again before it has ended, it runs anew.
         let mut running = self.running.iter();
         running.any(|trial| trial.search == search && trial.point == *point && !trial.cancellation.is_cancelled())
     }
@@ -110,6 +113,7 @@ impl<'a> Schedule<'a> {
     /// A running trial has ended; its outcome counts unless it was cancelled.
     pub(super) fn end(&mut self, running: RunningTrial, trial: Trial, seconds: f64, objective: &dyn Objective) {
         let RunningTrial { search, point, cancellation } = running;
+        // By the cancellation, not the point: a cancelled trial may still run beside a new one of its point.
         self.running.retain(|other| !other.cancellation.is(&cancellation));
         if cancellation.is_cancelled() {
             return;

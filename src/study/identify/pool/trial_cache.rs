@@ -26,6 +26,7 @@ pub(super) struct TrialCache<'a> {
 
 impl Point {
     pub(super) fn new(x: &[f64]) -> Point {
+        // Bits can be hashed, and a point gets no value of one that differs from it by rounding.
         Point(x.iter().map(|x| x.to_bits()).collect())
     }
 

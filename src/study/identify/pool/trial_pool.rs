@@ -35,11 +35,11 @@ pub struct TrialPool<'a> {
     changed: Condvar,
 }
 
-/// What one search evaluates.
+/// The problem of one search: an objective and what surrounds its trials.
 pub struct Problem<'a> {
     /// The objective.
     pub objective: &'a dyn Objective,
-    /// What a trial without a value counts as.
+    /// The treatment of a trial without a value.
     pub on_failure: OnFailure,
     /// Holds known trials; others are appended.
     pub history: Option<&'a mut History>,
@@ -117,7 +117,7 @@ impl<'a> TrialPool<'a> {
         TrialPool { threads: threads.max(1), stack: STACK, rules, schedule, changed }
     }
 
-    /// The same pool with stacks of `bytes`.
+    /// The pool with stacks of `bytes`.
     pub fn with_stack(self, bytes: usize) -> TrialPool<'a> {
         TrialPool { stack: bytes, ..self }
     }
@@ -147,6 +147,7 @@ impl<'a> TrialPool<'a> {
             thread::scope(|threads| {
                 let others: Vec<_> =
                     (1..self.rules.len()).map(|number| threads.spawn(move || run_one(number))).collect();
+                // The first search needs no thread of its own: this one would only wait for the others.
                 let first = (!self.rules.is_empty()).then(|| run_one(0));
                 let others = others.into_iter().map(|other| other.join().unwrap_or_else(|panic| resume_unwind(panic)));
                 first.into_iter().chain(others).collect::<Vec<_>>()
@@ -163,6 +164,7 @@ impl<'a> TrialPool<'a> {
         let evaluator = Evaluator { pool: self, number };
         let mut guard = SearchGuard { evaluator, succeeded: false };
         let result = search(&evaluator, number);
+        // The search itself saw only that it was closed; the error of its history is the cause.
         let error = self.schedule().take_error(number);
         let result = error.map_or(result, |error| Err(PoolError::from(error).into()));
         guard.succeeded = result.is_ok();
@@ -208,7 +210,7 @@ impl<'a> TrialPool<'a> {
 /// Runs `search` on one problem with a pool of `threads`.
 ///
 /// # Errors
-/// Those of [`TrialPool::run`].
+/// The errors of [`TrialPool::run`].
 ///
 /// # Panics
 /// Where the objective does.

@@ -43,7 +43,7 @@ pub(super) enum Record {
     Target {
         /// Its number, from zero.
         target: usize,
-        /// What its abscissae are.
+        /// The quantity of its abscissae.
         over: Over,
         /// Its abscissae, little-endian floats in base64.
         places: String,

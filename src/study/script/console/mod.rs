@@ -16,7 +16,7 @@ use super::module::{self, Import, SHIPPED, SourceText, Unit};
 use super::{About, Arguments, Fault, Script};
 use base::diagnostic::shown_path;
 
-/// What was entered so far, and its variables. Lines are counted from the first input on.
+/// All inputs so far, and their variables. Lines are counted from the first input on.
 #[derive(Clone, Debug)]
 pub struct Console {
     scope: Scope<'static>,
@@ -155,7 +155,7 @@ impl Console {
         }
     }
 
-    /// What was entered without mistakes, as a script: of functions that were entered anew, the last.
+    /// All inputs without mistakes, as a script: of functions that were entered anew, the last.
     pub fn script(&self) -> String {
         self.saved.script()
     }

@@ -1,4 +1,4 @@
-//! What was entered, as a script that runs.
+//! The inputs of a session, as a script that runs.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use crate::script::module::Unit;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Saved {
     inputs: Vec<Input>,
-    /// What loaded files say of themselves.
+    /// The descriptions of loaded files.
     about: About,
 }
 

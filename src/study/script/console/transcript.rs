@@ -13,7 +13,7 @@ const BEGINS: &str = "import ";
 /// Most lines of a session: positions of the interpreter end here.
 pub(super) const MOST_LINES: usize = u16::MAX as usize;
 
-/// What ran so far.
+/// The inputs that ran so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Transcript {
     text: String,

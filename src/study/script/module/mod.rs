@@ -39,7 +39,7 @@ pub struct ShippedModule {
 pub struct SourceText {
     /// The file; for a shipped module its name in angle brackets.
     pub file: PathBuf,
-    /// What is in it.
+    /// The text of the file.
     pub text: Arc<str>,
 }
 

@@ -1,4 +1,4 @@
-//! What a script and its modules may not do.
+//! Rules that a script and its modules must keep.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -38,7 +38,7 @@ fn late_imports(unit: &Unit) -> Vec<Fault> {
     faults
 }
 
-/// What a module has besides functions, constants and imports.
+/// Statements of a module besides functions, constants and imports.
 fn statements(unit: &Unit) -> Vec<Fault> {
     let other = unit.program.statements().iter().filter(|statement| match statement {
         Stmt::Import(..) | Stmt::Noop(_) => false,

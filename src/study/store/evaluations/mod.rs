@@ -45,7 +45,7 @@ const RUNS: &str = "runs";
 /// Extension of a run that is kept whole.
 const RUN: &str = "run";
 
-/// What identifies an evaluation: a digest of all that decides its result.
+/// The identity of an evaluation: a digest of all that decides its result.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Key(pub [u8; 16]);
 
@@ -99,7 +99,7 @@ struct Claim {
     has_begun: bool,
 }
 
-/// What becomes of a claim; of several rivals, the last of these counts.
+/// The fate of a claim; of several rivals, the last of these counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
     /// This process computes the evaluation.
@@ -125,7 +125,7 @@ struct State {
     known: HashSet<PathBuf>,
 }
 
-/// What `droptower store list` says of a segment.
+/// The figures of a segment for `droptower store list`.
 #[derive(Clone, Debug, Serialize)]
 pub struct SegmentFigures {
     /// The file.
@@ -414,7 +414,7 @@ impl State {
         claims.filter_map(segment).filter(|(segment, _)| segment.is_alive())
     }
 
-    /// What becomes of a claim that this process has just made.
+    /// The fate of a claim that this process has just made.
     fn verdict(&self, key: Key) -> Verdict {
         let own = self.own.as_ref().map(|own| own.path.as_path());
         let of_rival = |(rival, has_begun): (&Segment, bool)| {

@@ -20,7 +20,7 @@ const LEAD: usize = FRAME + 17;
 /// Most bytes of a content.
 const MOST: u32 = 64 << 20;
 
-/// What an entry is.
+/// The kind of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Build of droptower that writes the segment; its first entry.
@@ -125,7 +125,7 @@ impl Segment {
         self.path.file_name() < path.file_name()
     }
 
-    /// What is said of the segment at `path`, whose runs that are kept whole are at `run_path`.
+    /// The figures of the segment at `path`, whose runs that are kept whole are at `run_path`.
     pub(super) fn figures(path: &Path, run_path: impl Fn(Key) -> PathBuf) -> io::Result<SegmentFigures> {
         let about = std::fs::metadata(path)?;
         let age = about.modified()?.elapsed().unwrap_or_default();

@@ -162,7 +162,7 @@ fn claims_of_an_old_segment_do_not_hold() {
     assert!(open(folder.path()).claim(key(1)).unwrap());
 }
 
-/// What a killed process or a full disk leaves of an entry is no sign of life: its claims end.
+/// An entry that a killed process or a full disk left incomplete is no sign of life: its claims end.
 #[test]
 fn a_segment_that_ends_in_an_incomplete_entry_does_not_grow() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What the functions for scripts share: the sweep of a study, and figures of its runs.
+//! Parts in common of the functions for scripts: the sweep of a study, and figures of its runs.
 
 use rhai::Dynamic;
 use serde_json::Value;
@@ -11,7 +11,7 @@ use crate::sweep::{Sweep, SweepError, SweepResults};
 use scene::model;
 use scene::scenario::{Assignment, Document};
 
-/// What a script's sweeps are run with.
+/// The surroundings of a script's sweeps: kept evaluations and the session.
 pub(super) struct Host<'a> {
     pub(super) evaluations: &'a Evaluations,
     pub(super) session: Session,
@@ -87,7 +87,7 @@ pub(super) fn keys(sweep: &Sweep) -> impl Iterator<Item = String> + '_ {
     sweep.variation().factors.iter().map(|factor| factor.path.clone())
 }
 
-/// What becomes of the figures of a sweep, by figure: of those in the option `figures`, or of all that vary.
+/// The reduced figures of a sweep, by figure: of those in the option `figures`, or of all that vary.
 pub(super) fn reduced(
     sweep: &Sweep,
     options: &Options<'_>,

@@ -20,7 +20,7 @@ use scene::scenario::Document;
 /// Confidence of intervals.
 const CONFIDENCE: f64 = 0.95;
 
-/// What fails: a figure above or below a limit.
+/// The condition of a failure: a figure above or below a limit.
 struct Limit {
     figure: String,
     limit: f64,

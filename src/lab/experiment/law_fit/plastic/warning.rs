@@ -1,4 +1,4 @@
-//! What the fit of a plastic law reports.
+//! Warnings of the fit of a plastic law.
 
 use super::PlasticDirection;
 use base::findings;
