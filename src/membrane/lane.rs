@@ -85,7 +85,8 @@ impl Width {
 /// called gains little by another copy of it.
 ///
 /// The functions are `#[inline]` so that each is compiled in the unit of its caller, that of the law
-/// (`engine::element_group::Grouped`), and an edit of a law compiles the kernels of that law alone.
+/// (`engine::element_group::Grouped`), and an edit of a law compiles the kernels of that law alone. Tests call them from
+/// many units, which share one copy.
 #[macro_export]
 macro_rules! at_width {
     (
@@ -93,11 +94,11 @@ macro_rules! at_width {
         $visible:vis fn $name:ident[$($generics:tt)*]($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? = $lanewise:path
     ) => {
         $(#[$attribute])*
-        #[inline]
+        #[cfg_attr(not(test), inline)]
         $visible fn $name<$($generics)*>(width: $crate::lane::Width, $($argument: $kind),*) $(-> $result)? {
             #[cfg(target_arch = "x86_64")]
             {
-                #[inline]
+                #[cfg_attr(not(test), inline)]
                 #[target_feature(enable = "avx512f,avx512dq")]
                 fn avx512<$($generics)*>($($argument: $kind),*) $(-> $result)? {
                     $lanewise($($argument),*)
@@ -119,11 +120,11 @@ macro_rules! at_width {
         up to AVX2
     ) => {
         $(#[$attribute])*
-        #[inline]
+        #[cfg_attr(not(test), inline)]
         $visible fn $name<$($generics)*>(width: $crate::lane::Width, $($argument: $kind),*) $(-> $result)? {
             #[cfg(target_arch = "x86_64")]
             {
-                #[inline]
+                #[cfg_attr(not(test), inline)]
                 #[target_feature(enable = "avx2")]
                 fn avx2<$($generics)*>($($argument: $kind),*) $(-> $result)? {
                     $lanewise($($argument),*)

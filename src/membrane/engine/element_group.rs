@@ -141,27 +141,27 @@ where
         footprint::blocks(&self.elements)
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn has_limit(&self) -> bool {
         self.law.has_limit()
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn has_thickness(&self) -> bool {
         self.law.has_thickness()
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn is_plastic(&self) -> bool {
         self.law.plastic_strain(&M::History::<LANES>::virgin()).is_some()
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn boxed(&self) -> Box<dyn ElementGroup> {
         Box::new(Group { law: Arc::clone(&self.law), elements: self.elements.clone() })
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) -> bool {
         let mounts = self.elements.viscous.as_ref().is_some_and(|viscous| viscous.mounts(dt));
         let failed = element::add_forces(width, &mut self.elements, &*self.law, position, dt, force);
@@ -171,17 +171,17 @@ where
         failed | element::tear(width, &mut self.elements, &*self.law, position, dt)
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn energy(&self, width: Width, position: &[&[f64]; 3]) -> ElementEnergy {
         element::energy(width, &self.elements, &*self.law, position)
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
         element::frequency_bound(width, &self.elements, &*self.law, density, position)
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn add_mass(&mut self, density: f64, most: f64, position: &[&[f64]; 3], add: &mut dyn FnMut(&[u32], f64)) {
         element::add_mass(&mut self.elements, &*self.law, [density, most], position, add);
     }
@@ -190,12 +190,12 @@ where
         element::strains(width, &self.elements, position, out);
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail> {
         element::details(&self.elements, &*self.law, position)
     }
 
-    #[inline]
+    #[cfg_attr(not(test), inline)]
     fn fail(&mut self, position: &[&[f64]; 3]) -> Failures {
         failure::fail(&mut self.elements, &*self.law, position)
     }

@@ -33,7 +33,7 @@ impl Failures {
 /// Breaks the fibres of every layer that is strained past its break strain: the share of layers left is multiplied into
 /// the stress of the fibre set. An element without MD and TD fibres is deleted: its volume and its forces become zero.
 /// Mass stays at the nodes.
-#[inline]
+#[cfg_attr(not(test), inline)]
 pub(super) fn fail<B, M, const NODES: usize>(
     elements: &mut Blocks<B, NODES>,
     law: &M,

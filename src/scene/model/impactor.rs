@@ -1,6 +1,7 @@
 //! The impactors.
 
 mod several;
+pub(super) mod written;
 
 use nalgebra::Vector3;
 
@@ -10,6 +11,7 @@ use super::{Guide, Impactor, ImpactorShape, Loading, ModelDiagnostics, Part, Sym
 use crate::scenario::{self, BodyShape, FrictionPoint, Orientation, Scenario};
 use base::number::significant;
 use membrane::engine::GuideFriction;
+use written::Written;
 
 /// Default length of the shaft of a dart, in radii.
 const SHAFT: f64 = 4.0;
@@ -21,41 +23,12 @@ const MIRRORED: &str = "the mirror planes";
 /// Component of a velocity across a guide over its length from which it is meant.
 const ACROSS: f64 = 1e-9;
 
-/// An impactor as written.
-pub(super) struct Written<'s> {
-    body: &'s scenario::Impactor,
-    /// Path of its table.
-    path: String,
-}
-
-impl Written<'_> {
-    /// Path of its `key`.
-    pub(super) fn key(&self, key: &str) -> String {
-        format!("{}.{key}", self.path)
-    }
-}
-
-impl std::ops::Deref for Written<'_> {
-    type Target = scenario::Impactor;
-
-    fn deref(&self) -> &scenario::Impactor {
-        self.body
-    }
-}
-
-/// All impactors as written: one table, or a list of them.
-pub(super) fn written<'s>(scenario: &'s Scenario, mistakes: &ModelDiagnostics<'_>) -> Vec<Written<'s>> {
-    let is_list = mistakes.is_written("impactor.0");
-    let path = |place: usize| if is_list { format!("impactor.{place}") } else { "impactor".to_owned() };
-    scenario.impactor.iter().enumerate().map(|(place, body)| Written { body, path: path(place) }).collect()
-}
-
 /// The impactors, where the `loading` needs any; empty where it needs none.
 pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Impactor>> {
     if loading.impactors() == Impactors::None {
         return Some(vec![]);
     }
-    let all = written(scenario, mistakes);
+    let all = written::impactors(scenario, mistakes);
     if all.is_empty() {
         mistakes.missing("impactor", format!("`loading.{}` needs an impactor", loading.name()));
         return None;

@@ -1,6 +1,6 @@
 //! The recording that a run is compared with.
 
-use super::impactor::{self, Written};
+use super::impactor::written::{self, Written};
 use super::loading::Impact;
 use super::{Loading, ModelDiagnostics, Reference, Window};
 use crate::scenario::{self, Guide, Phase, Scenario};
@@ -12,7 +12,7 @@ const WINDOW: &str = "reference.window";
 /// The recording and the window of the errors.
 pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
-    let impactors = impactor::written(scenario, mistakes);
+    let impactors = written::impactors(scenario, mistakes);
     let place = recorded(written.impactor.as_deref(), &impactors, mistakes);
     let recorded = impactors.get(place);
     let why = match recorded.map(|impactor| &impactor.guide) {

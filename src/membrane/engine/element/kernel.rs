@@ -172,7 +172,7 @@ fn block_energies_lanewise<
 }
 
 /// Energies of the elements of `blocks`, J, a lane each: those of the same lane are summed.
-#[inline]
+#[cfg_attr(not(test), inline)]
 fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
     width: Width,
     elements: &Blocks<B, NODES, L>,
@@ -197,7 +197,7 @@ fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
 }
 
 /// Counts the energy of viscous film that was just mounted as work done on it: it is mounted at once and rests then.
-#[inline]
+#[cfg_attr(not(test), inline)]
 pub(crate) fn count_mounting<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -226,7 +226,7 @@ pub(crate) fn count_mounting<
 }
 
 /// Energies of all elements.
-#[inline]
+#[cfg_attr(not(test), inline)]
 pub(crate) fn energy<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -247,7 +247,7 @@ pub(crate) fn energy<
 }
 
 /// Energies of the element at `block`, `lane`.
-#[inline]
+#[cfg_attr(not(test), inline)]
 pub(crate) fn energy_at<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -287,7 +287,7 @@ fn block_stiffness_lanewise<
 }
 
 /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
-#[inline]
+#[cfg_attr(not(test), inline)]
 pub(crate) fn frequency_bound<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -322,7 +322,7 @@ pub(crate) fn frequency_bound<
 
 /// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and
 /// calls `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
-#[inline]
+#[cfg_attr(not(test), inline)]
 pub(crate) fn add_mass<
     B: Block<NODES, L>,
     M: MembraneLaw<History<L> = B::History>,
@@ -417,7 +417,7 @@ pub struct ElementDetail {
 }
 
 /// Details of all elements, in order; for snapshots alone, and so compiled for the baseline width only.
-#[inline]
+#[cfg_attr(not(test), inline)]
 pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B::History>, const NODES: usize>(
     elements: &Blocks<B, NODES>,
     law: &M,

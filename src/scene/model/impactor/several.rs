@@ -1,6 +1,6 @@
 //! Names of several impactors, and the times at which they are released.
 
-use super::Written;
+use super::written::Written;
 use crate::model::loading::{Impact, Impactors};
 use crate::model::{Loading, ModelDiagnostics};
 use crate::scenario::Guide;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Impactors, Inertia, Kind, MassScaling, Test};
 use crate::mesh::Outline;
-use crate::model::impactor::{self, Written};
+use crate::model::impactor::written::{self, Written};
 use crate::model::{Guide, Impactor, Model, ModelDiagnostics};
 use crate::scenario::{self, Scenario};
 use base::number::significant;
@@ -74,7 +74,7 @@ impl Impact {
         mistakes: &mut ModelDiagnostics<'_>,
     ) -> Impact {
         const KEY: &str = "loading.impact";
-        let impactors = &impactor::written(scenario, mistakes);
+        let impactors = &written::impactors(scenario, mistakes);
         let gravity = written.gravity.0;
         let is_given = written.velocity.is_some() || written.drop_height.is_some();
         let takes = |impactor: &&Written<'_>| moves(impactor) && impactor.velocity.is_none();
