@@ -44,6 +44,7 @@ pub struct Code {
 /// constants of codes that others name, and `CODES`, the list of all codes.
 ///
 /// ```
+/// # use droptower_base as base;
 /// base::findings! {
 ///     /// A doubt about a drop.
 ///     #[derive(Clone, Debug, PartialEq)]
