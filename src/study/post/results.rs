@@ -84,7 +84,7 @@ impl Results {
         Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
     }
 
-    /// The results of a run that was ended early, see [`Impact::ended_early`].
+    /// The results of a run that was ended early, see `Impact::ended_early`.
     pub fn ended_early(self) -> Results {
         match self.measures {
             Measures::Impact(impact) => Results { measures: Measures::Impact(impact.ended_early()), ..self },
