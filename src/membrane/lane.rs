@@ -74,6 +74,7 @@ impl Width {
     }
 
     /// These instructions, or the widest that this processor has where they are wider.
+    #[inline]
     pub fn supported(self) -> Width {
         let best = Width::best();
         if self as u8 <= best as u8 { self } else { best }
@@ -145,6 +146,17 @@ pub use at_width;
 #[inline(always)]
 pub const fn splat<const L: usize>(value: f64) -> Lane<L> {
     [value; L]
+}
+
+/// A value for each lane. An array's own `map` and `from_fn` are not for kernels: generic functions of another crate, they
+/// are compiled in units of their own, and each lane would be a call.
+#[inline(always)]
+pub fn lanes<const L: usize>(value: impl Fn(usize) -> f64) -> Lane<L> {
+    let mut out = splat(0.0);
+    for l in 0..L {
+        out[l] = value(l);
+    }
+    out
 }
 
 /// Scalar product in each lane.

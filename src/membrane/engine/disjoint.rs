@@ -26,6 +26,7 @@ impl<'a, T> Disjoint<'a, T> {
     /// # Safety
     /// No other part that overlaps with it may be held.
     #[allow(clippy::mut_from_ref)]
+    #[inline]
     pub(super) unsafe fn range(&self, range: Range<usize>) -> &mut [T] {
         // Checked in release builds too: the contract is on overlap alone, and a check costs little beside a range.
         assert!(range.start <= range.end && range.end <= self.len);
@@ -38,6 +39,7 @@ impl<'a, T> Disjoint<'a, T> {
     /// # Safety
     /// No other part with this entry may be held.
     #[allow(clippy::mut_from_ref)]
+    #[inline]
     pub(super) unsafe fn entry(&self, index: usize) -> &mut T {
         assert!(index < self.len);
         // SAFETY: it lies within the slice, and the caller holds no other part of it.

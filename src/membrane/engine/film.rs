@@ -310,7 +310,9 @@ impl SharedFilm<'_> {
     /// # Safety
     /// No other thread may add those of this chunk, or of one that shares a node with it, at the same time.
     pub(super) unsafe fn add_forces(&self, width: Width, chunk: usize, position: [&[f64]; 3], dt: f64) {
-        let position = position.map(|axis| &axis[self.nodes.clone()]);
+        let [x, y, z] = position;
+        let nodes = &self.nodes;
+        let position = [&x[nodes.clone()], &y[nodes.clone()], &z[nodes.clone()]];
         // SAFETY: by the contract no other thread accesses this chunk or its nodes.
         let (chunk, force) = unsafe { (self.chunks.entry(chunk), self.forces.own()) };
         chunk.failed = chunk.group.add_forces(width, &position, dt, force);

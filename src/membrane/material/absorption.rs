@@ -14,7 +14,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
-use crate::lane::{Lane, larger, splat};
+use crate::lane::{Lane, lanes, larger, splat};
 
 /// Share D of the stored energy that is lost on unloading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,13 +62,9 @@ impl Absorption {
     /// Energy density (J/m³) at `strain` with largest strain `peak`: stored and absorbed.
     #[inline(always)]
     pub fn energy<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &Lane<L>) -> (Lane<L>, Lane<L>) {
-        let mut curve_strain = splat(0.0);
-        for l in 0..L {
-            curve_strain[l] = self.curve_strain(strain[l], peak[l]);
-        }
-        let stored = curve.read(&curve_strain).energy.map(|w| (1.0 - self.share) * w);
-        let absorbed = curve.read(peak).energy.map(|w| self.share * w);
-        (stored, absorbed)
+        let curve_strain: Lane<L> = lanes(|l| self.curve_strain(strain[l], peak[l]));
+        let (present, largest) = (curve.read(&curve_strain).energy, curve.read(peak).energy);
+        (lanes(|l| (1.0 - self.share) * present[l]), lanes(|l| self.share * largest[l]))
     }
 
     /// Largest slope within `reach` of `strain` on either path, Pa; zero where the fibre stays slack.

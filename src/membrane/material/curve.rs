@@ -119,6 +119,7 @@ impl Curve {
     }
 
     /// Strain of the last point.
+    #[inline]
     pub fn end(&self) -> f64 {
         self.points[self.points.len() - 1][0]
     }

@@ -2,7 +2,7 @@
 
 use super::history::FibreHistory;
 use super::{Absorption, Curve};
-use crate::lane::{Lane, splat};
+use crate::lane::{Lane, lanes, splat};
 
 /// Stress of a fibre set as a function of its engineering strain and its history variables, with absorption on
 /// unloading.
@@ -106,7 +106,7 @@ impl FibreLaw for Curve {
     #[inline(always)]
     fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &Lane<L>) -> Lane<L> {
         // Where the argument of equation 8 is zero: ε = D ε_m.
-        history.map(|peak| absorption.share() * peak)
+        lanes(|l| absorption.share() * history[l])
     }
 
     fn mean(first: &Curve, second: &Curve, factor: f64) -> Curve {

@@ -1,6 +1,6 @@
 //! Coulomb coefficients of the surfaces that slip on each other where a body presses on film.
 
-use crate::lane::{LANES, Lane};
+use crate::lane::{LANES, Lane, lanes};
 
 /// The pair of surfaces that slip on each other at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl Friction {
     /// Coefficient at each of some nodes.
     #[inline(always)]
     pub(super) fn lanes(&self, nodes: &[u32; LANES]) -> Lane {
-        nodes.map(|node| self.coefficient_of(self.pair(node as usize)))
+        lanes(|l| self.coefficient_of(self.pair(nodes[l] as usize)))
     }
 }
 

@@ -116,7 +116,10 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
     for group in listed.chunks(LANES) {
         // The last group is padded with copies of its last node, whose `close` is zero below: they count nowhere and
         // are not stored.
-        let nodes: [u32; LANES] = std::array::from_fn(|l| group[l.min(group.len() - 1)]);
+        let mut nodes = [0; LANES];
+        for l in 0..LANES {
+            nodes[l] = group[l.min(group.len() - 1)];
+        }
         let mut arm = at.nodes.position.gather(&nodes);
         let offset = gather(at.offset, &nodes);
         for axis in 0..3 {
@@ -132,7 +135,9 @@ fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeConta
             // Masks are numbers, not Booleans: a product is a vector instruction where a branch in a lane is not.
             close[l] = if squared[l] <= radius * radius { 1.0 } else { 0.0 };
         }
-        close[group.len()..].fill(0.0);
+        for l in group.len()..LANES {
+            close[l] = 0.0;
+        }
         if close == splat(0.0) {
             store_normals(at, group, &[splat(0.0); 3], &close);
             continue;
@@ -201,7 +206,9 @@ fn project_on_mesh(
         let nearest = unsafe { nearest.entry(node) };
         let projection = at.surface.project_on_mesh(&at.body.pose, &arm, beyond, nearest);
         distance[l] = projection.distance;
-        (0..3).for_each(|axis| normal[axis][l] = projection.normal[axis]);
+        for axis in 0..3 {
+            normal[axis][l] = projection.normal[axis];
+        }
     }
     (distance, normal)
 }
@@ -211,7 +218,7 @@ fn project_on_mesh(
 fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane) {
     let Some(normals) = &at.normals else { return };
     for (l, n) in group.iter().enumerate() {
-        let stored = if close[l] > 0.0 { [0, 1, 2].map(|axis| normal[axis][l]) } else { [0.0; 3] };
+        let stored = if close[l] > 0.0 { [normal[0][l], normal[1][l], normal[2][l]] } else { [0.0; 3] };
         // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
         unsafe { *normals.entry(*n as usize) = stored.into() };
     }
@@ -328,7 +335,7 @@ fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
 /// Velocity of the points at `arm` of a body with `velocity` and `spin`.
 #[inline(always)]
 fn velocity_lanes(velocity: &Vector3<f64>, spin: &Vector3<f64>, arm: &Lane3) -> Lane3 {
-    let mut out = [0, 1, 2].map(|axis| splat(velocity[axis]));
+    let mut out = [splat(velocity.x), splat(velocity.y), splat(velocity.z)];
     // A guided body never spins: the branch is the same for all nodes and saves each a cross product.
     if *spin != Vector3::zeros() {
         let rotation = cross(&[splat(spin.x), splat(spin.y), splat(spin.z)], arm);

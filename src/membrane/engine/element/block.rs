@@ -263,10 +263,14 @@ impl<const NODES: usize, const L: usize> Corners<NODES, L> {
 
     /// Nodes of the element in a lane.
     pub(crate) fn in_lane(&self, lane: usize) -> [u32; NODES] {
-        match self {
-            Corners::Row(first) => first.map(|n| n + lane as u32),
-            Corners::Listed(rows) => rows.map(|row| row[lane]),
+        let mut nodes = [0; NODES];
+        for a in 0..NODES {
+            nodes[a] = match self {
+                Corners::Row(first) => first[a] + lane as u32,
+                Corners::Listed(rows) => rows[a][lane],
+            };
         }
+        nodes
     }
 }
 

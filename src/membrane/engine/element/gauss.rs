@@ -69,12 +69,11 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     /// Σ_a ∂N_a/∂X_I ∂N_a/∂X_J, 1/m².
     #[inline(always)]
     fn metric(&self) -> [[Lane<L>; 2]; 2] {
-        let row = |fibre: usize| self.gradient.each_ref().map(|of| of[fibre]);
         let mut g = [[splat(0.0); 2]; 2];
         for (i, j) in [(0, 0), (0, 1), (1, 1)] {
             for a in 0..NODES {
                 for l in 0..L {
-                    g[i][j][l] += row(i)[a][l] * row(j)[a][l];
+                    g[i][j][l] += self.gradient[a][i][l] * self.gradient[a][j][l];
                 }
             }
         }

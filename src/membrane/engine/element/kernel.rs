@@ -6,7 +6,7 @@ use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, Blocks, Cor
 use super::energy::ElementEnergy;
 use super::viscous::{ViscousBlock, ViscousPass};
 use crate::engine::disjoint::Disjoint;
-use crate::lane::{LANES, Lane, Lane3, Width, at_width, splat};
+use crate::lane::{LANES, Lane, Lane3, Width, at_width, lanes, splat};
 use crate::material::MembraneLaw;
 
 /// Nodal forces that several threads add to, each to those of its own nodes.
@@ -43,7 +43,8 @@ pub(super) fn gather<const NODES: usize, const L: usize>(
         Corners::Row(first) => {
             for a in 0..NODES {
                 for axis in 0..3 {
-                    x[a][axis].copy_from_slice(&position[axis][first[a] as usize..][..L]);
+                    let from = &position[axis][first[a] as usize..][..L];
+                    x[a][axis] = lanes(|l| from[l]);
                 }
             }
         }
@@ -395,8 +396,9 @@ fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
         let volume = block.volume();
         for (l, out) in out.iter_mut().enumerate() {
             // A deleted element keeps the history that it had; that it is gone shows in its volume alone.
-            let left = if volume[l] == 0.0 { [0.0; 2] } else { left.map(|share| share[l]) };
-            *out = ElementStrain { strain: strain.map(|s| s[l]), peak: peak.map(|p| p[l]), left, volume: volume[l] };
+            let left = if volume[l] == 0.0 { [0.0; 2] } else { [left[0][l], left[1][l]] };
+            let strain = [strain[0][l], strain[1][l], strain[2][l]];
+            *out = ElementStrain { strain, peak: [peak[0][l], peak[1][l]], left, volume: volume[l] };
         }
     }
 }

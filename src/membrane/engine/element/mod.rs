@@ -66,7 +66,7 @@ fn is_beyond<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
     volume: &Lane<L>,
 ) -> bool {
     let limits = law.break_strains::<L>(history);
-    let (peaks, left) = ([0, 1].map(|fibre| history.peak(fibre)), [0, 1].map(|fibre| history.left(fibre)));
+    let (peaks, left) = ([history.peak(0), history.peak(1)], [history.left(0), history.left(1)]);
     let mut beyond = false;
     for l in 0..L {
         // `&`, not `&&`: this runs over all lanes in every step, and a branch would be taken once a run.

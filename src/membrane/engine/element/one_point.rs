@@ -148,7 +148,8 @@ impl<const L: usize> Shape<L> {
 /// Hourglass stiffness κ_I along the fibres, Pa.
 #[inline(always)]
 fn stabilisation(law: &impl MembraneLaw) -> [f64; 2] {
-    law.moduli().map(|modulus| IN_PLANE_STABILISATION * modulus)
+    let [md, td] = law.moduli();
+    [IN_PLANE_STABILISATION * md, IN_PLANE_STABILISATION * td]
 }
 
 impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
@@ -251,7 +252,8 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     #[inline(always)]
     fn strains(&self, x: &[Lane3<L>; 4]) -> BlockStrains<L> {
         let s = strains(&self.shape::<true>(x).deformation);
-        let [peak, left] = [History::peak, History::left].map(|of| [0, 1].map(|fibre| *of(&self.history, fibre)));
+        let peak = [*self.history.peak(0), *self.history.peak(1)];
+        let left = [*self.history.left(0), *self.history.left(1)];
         BlockStrains { strain: [s.md, s.td, s.shear], peak, left }
     }
 

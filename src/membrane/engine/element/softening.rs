@@ -4,7 +4,7 @@
 use super::block::{Block, BlockEnergies, Blocks};
 use super::kernel::{block_energies, gather};
 use super::tearing::TooWide;
-use crate::lane::{Lane, Width, at_width, larger, splat};
+use crate::lane::{Lane, Width, at_width, lanes, larger, splat};
 use crate::material::{AT_TIP, Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
 
 at_width! {
@@ -88,11 +88,11 @@ fn values<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NOD
     let [c11, c22, c12] = metric;
     Some(match rupture.criterion {
         Criterion::Strain => strains(metric),
-        Criterion::FibreStrain => std::array::from_fn(|l| larger(c11[l], c22[l]).sqrt() - 1.0),
-        Criterion::Break => std::array::from_fn(|l| block.break_ratio(law, l)),
+        Criterion::FibreStrain => lanes(|l| larger(c11[l], c22[l]).sqrt() - 1.0),
+        Criterion::Break => lanes(|l| block.break_ratio(law, l)),
         Criterion::Stress => {
             let s = stress();
-            std::array::from_fn(|l| largest(squared_stress(s.map(|s| s[l]), [c11[l], c22[l], c12[l]])).sqrt())
+            lanes(|l| largest(squared_stress([s[0][l], s[1][l], s[2][l]], [c11[l], c22[l], c12[l]])).sqrt())
         }
         Criterion::Energy => return None,
     })
@@ -101,7 +101,8 @@ fn values<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NOD
 /// Largest principal nominal strain in each element of a block.
 #[inline(always)]
 fn strains<const L: usize>(metric: &[Lane<L>; 3]) -> Lane<L> {
-    std::array::from_fn(|l| largest(metric.each_ref().map(|c| c[l])).sqrt() - 1.0)
+    let [c11, c22, c12] = metric;
+    lanes(|l| largest([c11[l], c22[l], c12[l]]).sqrt() - 1.0)
 }
 
 /// One element of a block.

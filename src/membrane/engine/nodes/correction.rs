@@ -29,10 +29,12 @@ impl Correction<'_> {
         let mut after = [splat(0.0); 3];
         let Some(range) = consecutive(nodes) else {
             for l in (0..LANES).filter(|l| active[*l] > 0.0) {
+                let impulse = [impulse[0][l], impulse[1][l], impulse[2][l]];
                 // SAFETY: by the contract no other thread accesses these nodes.
-                let velocity =
-                    unsafe { self.apply_impulse(nodes[l] as usize, &[0, 1, 2].map(|axis| impulse[axis][l]), dt) };
-                (0..3).for_each(|axis| after[axis][l] = velocity[axis]);
+                let velocity = unsafe { self.apply_impulse(nodes[l] as usize, &impulse, dt) };
+                for axis in 0..3 {
+                    after[axis][l] = velocity[axis];
+                }
             }
             return after;
         };
@@ -45,8 +47,8 @@ impl Correction<'_> {
                 let change = impulse[axis][l] * inverse_mass[axis][l];
                 x[l] += change * dt;
                 v[l] += change;
+                after[axis][l] = v[l];
             }
-            after[axis].copy_from_slice(v);
         }
         after
     }

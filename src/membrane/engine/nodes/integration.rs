@@ -149,8 +149,10 @@ impl Integration<'_> {
         for VelocityRecord { nodes, velocity } in &self.records {
             let from = nodes.partition_point(|n| (*n as usize) < range.start);
             for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
-                // SAFETY: by the contract no other thread accesses these nodes.
-                (0..3).for_each(|axis| unsafe { *velocity[axis].entry(n) = *self.velocity[axis].entry(n) });
+                for axis in 0..3 {
+                    // SAFETY: by the contract no other thread accesses these nodes.
+                    unsafe { *velocity[axis].entry(n) = *self.velocity[axis].entry(n) };
+                }
             }
         }
     }
@@ -192,9 +194,13 @@ fn advance_lanewise(kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<
             damped += move_axis::<true>(kick, dt, inverse_mass, axis);
         }
     }
-    let [x, y, z] = axes.each_ref().map(|axis| &*axis.velocity);
+    let [x, y, z] = &*axes;
+    let count = inverse_mass.len();
+    let (x, y, z) = (&x.velocity[..count], &y.velocity[..count], &z.velocity[..count]);
     let mut squared = splat::<LANES>(0.0);
-    for ((x, y), z) in x.chunks(LANES).zip(y.chunks(LANES)).zip(z.chunks(LANES)) {
+    for start in (0..count).step_by(LANES) {
+        let some = start..count.min(start + LANES);
+        let (x, y, z) = (&x[some.clone()], &y[some.clone()], &z[some]);
         for l in 0..x.len() {
             squared[l] = larger(x[l] * x[l] + y[l] * y[l] + z[l] * z[l], squared[l]);
         }

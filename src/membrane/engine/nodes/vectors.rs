@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::footprint::bytes;
-use crate::lane::{LANES, Lane, Lane3, splat};
+use crate::lane::{LANES, Lane, Lane3, lanes};
 
 /// A vector at every node, one array an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -43,13 +43,17 @@ impl Vectors {
     /// Replaces the vector at one node.
     #[inline(always)]
     pub fn set(&mut self, node: usize, vector: [f64; 3]) {
-        (0..3).for_each(|axis| self.axes[axis][node] = vector[axis]);
+        for axis in 0..3 {
+            self.axes[axis][node] = vector[axis];
+        }
     }
 
     /// Adds to the vector at one node.
     #[inline(always)]
     pub fn add(&mut self, node: usize, vector: [f64; 3]) {
-        (0..3).for_each(|axis| self.axes[axis][node] += vector[axis]);
+        for axis in 0..3 {
+            self.axes[axis][node] += vector[axis];
+        }
     }
 
     /// The vectors at some nodes, a lane each.
@@ -67,7 +71,8 @@ impl Vectors {
     /// The vectors of some nodes, an array an axis.
     #[inline(always)]
     pub fn range(&self, nodes: Range<usize>) -> [&[f64]; 3] {
-        [0, 1, 2].map(|axis| &self.axes[axis][nodes.clone()])
+        let [x, y, z] = &self.axes;
+        [&x[nodes.clone()], &y[nodes.clone()], &z[nodes]]
     }
 
     /// The vectors of all nodes, an array an axis.
@@ -103,8 +108,11 @@ impl Extend<[f64; 3]> for Vectors {
 #[inline(always)]
 pub(in crate::engine) fn gather(values: &[f64], nodes: &[u32; LANES]) -> Lane {
     match consecutive(nodes) {
-        Some(range) => lanes(&values[range]),
-        None => nodes.map(|n| values[n as usize]),
+        Some(range) => {
+            let values = &values[range];
+            lanes(|l| values[l])
+        }
+        None => lanes(|l| values[nodes[l] as usize]),
     }
 }
 
@@ -117,14 +125,6 @@ pub(super) fn consecutive(nodes: &[u32; LANES]) -> Option<Range<usize>> {
     }
     let first = nodes[0] as usize;
     follow.then_some(first..first + LANES)
-}
-
-/// The lane of `LANES` values.
-#[inline(always)]
-fn lanes(values: &[f64]) -> Lane {
-    let mut out = splat(0.0);
-    out.copy_from_slice(values);
-    out
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Stretches and shear angle of two fibre sets, and the stress that follows from the values of their curves.
 
 use super::super::{Deformation, Stress, Stresses};
-use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
+use crate::lane::{Lane, Lane3, dot, lanes, larger, smaller, splat};
 
 /// |sin γ| up to which the shear angle is the arcsine.
 pub(super) const SINE_BOUND: f64 = 0.95;
@@ -118,7 +118,13 @@ impl<const L: usize> Fibres<L> {
 
     #[inline(always)]
     pub(in super::super) fn strain(&self, fibre: usize) -> Lane<L> {
-        self.stretch[fibre].map(|stretch| stretch - 1.0)
+        lanes(|l| self.stretch[fibre][l] - 1.0)
+    }
+
+    /// |γ|.
+    #[inline(always)]
+    pub(super) fn shear(&self) -> Lane<L> {
+        lanes(|l| self.angle[l].abs())
     }
 
     /// Nominal stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
@@ -139,7 +145,7 @@ impl<const L: usize> Fibres<L> {
     /// (ε₁ + ε₂)/2.
     #[inline(always)]
     pub(super) fn mean_strain(&self) -> Lane<L> {
-        std::array::from_fn(|l| 0.5 * (self.stretch[0][l] + self.stretch[1][l]) - 1.0)
+        lanes(|l| 0.5 * (self.stretch[0][l] + self.stretch[1][l]) - 1.0)
     }
 
     /// Tensions of fibres with the nominal stresses `md`, `td` and `shear`, Pa.

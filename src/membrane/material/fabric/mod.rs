@@ -27,7 +27,7 @@ use super::{
     Absorption, Curve, Deformation, Energy, LayerBreaks, Measure, MembraneLaw, Stiffness, Stress, ViscousBase,
     WithoutCompression,
 };
-use crate::lane::{Lane, larger, smaller, splat};
+use crate::lane::{Lane, lanes, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve,
 /// with energy absorption on unloading.
@@ -160,7 +160,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         // (theory.md, below equation 8c).
         let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
         let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
-        let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut history.shear);
+        let shear = self.absorption.stress(&self.shear, &fibres.shear(), &mut history.shear);
         let mut tensions = fibres.tensions(&of_layers_left([md, td, shear], &history.left));
         if let Coupling::Biaxial(law) = &self.coupling {
             let stress = law.stress(&self.absorption, &fibres.mean_strain(), &mut history.biaxial, dt);
@@ -175,10 +175,11 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let parts = [
             self.md.energy(&self.absorption, &fibres.strain(0), &history.fibres[0]),
             self.td.energy(&self.absorption, &fibres.strain(1), &history.fibres[1]),
-            self.absorption.energy(&self.shear, &fibres.angle.map(f64::abs), &history.shear),
+            self.absorption.energy(&self.shear, &fibres.shear(), &history.shear),
         ];
-        let [stored, absorbed] = [parts.map(|part| part.0), parts.map(|part| part.1)];
-        let (stored, absorbed) = (of_layers_left(stored, &history.left), of_layers_left(absorbed, &history.left));
+        let [md, td, shear] = parts;
+        let stored = of_layers_left([md.0, td.0, shear.0], &history.left);
+        let absorbed = of_layers_left([md.1, td.1, shear.1], &history.left);
         let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
         for (stored, absorbed) in stored.iter().zip(&absorbed) {
             for l in 0..L {
@@ -203,7 +204,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         /// Change of strain for which the bound holds.
         const REACH: f64 = 0.005;
         let fibres = self.fibres(d, history, None);
-        let angle = fibres.angle.map(f64::abs);
+        let angle = fibres.shear();
         let strains = [fibres.strain(0), fibres.strain(1), angle];
         let mut tensions = fibres.tensions(&Curves { fabric: self, history, dt: None }.stresses(&strains));
         let mut biaxial = splat(0.0);
@@ -214,7 +215,8 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             let slope = law.largest_slope(&self.absorption, &mean, &history.biaxial, REACH);
             biaxial = of_both_left(slope, &history.left);
         }
-        let across = tensions.tension.map(|t| t.map(f64::abs));
+        let [first, second] = &tensions.tension;
+        let across = [lanes(|l| first[l].abs()), lanes(|l| second[l].abs())];
         let slopes = [
             self.md.largest_slope(&self.absorption, &strains[0], &history.fibres[0], REACH),
             self.td.largest_slope(&self.absorption, &strains[1], &history.fibres[1], REACH),
@@ -222,7 +224,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         ];
         let [md, td, mut shear] = of_layers_left(slopes, &history.left);
         // (a₁ + a₂)² ≤ 2 (a₁² + a₂²), and the slope by ε₁ + ε₂ is half of that by their mean.
-        let mut along = [md, td].map(|slope| std::array::from_fn(|l| slope[l] + biaxial[l]));
+        let mut along = [lanes(|l| md[l] + biaxial[l]), lanes(|l| td[l] + biaxial[l])];
         let mut largest = angle;
         for l in 0..L {
             largest[l] = larger(angle[l], history.shear[l]);
@@ -240,7 +242,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         }
         // Motion acts on the tangent vectors of the film, wrinkled or not.
         let product = Metric::from_deformation(d).product;
-        let alignment = std::array::from_fn(|l| product[l] * fibres.inverse[0][l] * fibres.inverse[1][l]);
+        let alignment = lanes(|l| product[l] * fibres.inverse[0][l] * fibres.inverse[1][l]);
         Stiffness { along, across, shear, alignment, any: splat(0.0) }
     }
 
@@ -278,8 +280,8 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     #[inline(always)]
     fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2] {
         let first = self.layer_breaks.first();
-        let limits = [self.md.break_strain(&history.fibres[0]), self.td.break_strain(&history.fibres[1])];
-        limits.map(|limit| limit.map(|strain| strain * first))
+        let (md, td) = (self.md.break_strain(&history.fibres[0]), self.td.break_strain(&history.fibres[1]));
+        [lanes(|l| md[l] * first), lanes(|l| td[l] * first)]
     }
 
     fn share_left(&self, ratio: f64) -> f64 {

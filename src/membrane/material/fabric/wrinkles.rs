@@ -12,7 +12,7 @@
 //! search, since curves have corners.
 
 use super::fibres::{Fibres, Metric, SINE_BOUND};
-use crate::lane::{Lane, larger, smaller, splat};
+use crate::lane::{Lane, lanes, larger, smaller, splat};
 
 /// Nominal stresses of the fibres and of shear at trial strains, from one history.
 pub(super) trait TrialStresses<const L: usize> {
@@ -152,9 +152,11 @@ impl<const L: usize> Trial<L> {
     #[inline(always)]
     fn from_metric(metric: &Metric<L>, curves: &impl TrialStresses<L>) -> Trial<L> {
         let fibres = Fibres::from_metric(metric);
-        let strains = [fibres.strain(0), fibres.strain(1), fibres.angle.map(f64::abs)];
+        let strains = [fibres.strain(0), fibres.strain(1), fibres.shear()];
         let stresses = curves.stresses(&strains);
-        let beyond = curves.stresses(&strains.map(|strain| strain.map(|e| e + DIFFERENCE)));
+        let [md, td, shear] = &strains;
+        let ahead = |strain: &Lane<L>| lanes(|l| strain[l] + DIFFERENCE);
+        let beyond = curves.stresses(&[ahead(md), ahead(td), ahead(shear)]);
         let mut trial = Trial {
             stretch: fibres.stretch,
             gradient: [splat(0.0); 3],
@@ -170,7 +172,8 @@ impl<const L: usize> Trial<L> {
             let first = stresses[2][l] * secant;
             let second = slope(2) * secant * secant + stresses[2][l] * secant_slope;
             // m_I is constant for slack fibres (equation 5), so shear has no derivative by their stretch.
-            let taut = [0, 1].map(|i| if fibres.stretch[i][l] > 1.0 { fibres.inverse[i][l] } else { 0.0 });
+            let taut = |i: usize| if fibres.stretch[i][l] > 1.0 { fibres.inverse[i][l] } else { 0.0 };
+            let taut = [taut(0), taut(1)];
             let both = fibres.inverse[0][l] * fibres.inverse[1][l];
             let sign = 1.0_f64.copysign(metric.product[l]);
             for i in 0..2 {
@@ -197,9 +200,10 @@ impl<const L: usize> Trial<L> {
     /// λ₂² = C₂₂ + y² and c = |C₁₂| − x y.
     #[inline(always)]
     fn slope(&self, l: usize, [x, y]: [f64; 2]) -> Slope {
-        let [lambda1, lambda2] = self.stretch.map(|stretch| stretch[l]);
-        let [w1, w2, wc] = self.gradient.map(|part| part[l]);
-        let [w11, w22, w12, w1c, w2c, wcc] = self.hessian.map(|part| part[l]);
+        let (lambda1, lambda2) = (self.stretch[0][l], self.stretch[1][l]);
+        let (w1, w2, wc) = (self.gradient[0][l], self.gradient[1][l], self.gradient[2][l]);
+        let of = |k: usize| self.hessian[k][l];
+        let [w11, w22, w12, w1c, w2c, wcc] = [of(0), of(1), of(2), of(3), of(4), of(5)];
         let (dx, dy) = (x / lambda1, y / lambda2);
         let (ddx, ddy) = ((1.0 - dx * dx) / lambda1, (1.0 - dy * dy) / lambda2);
         Slope {
@@ -380,7 +384,7 @@ mod tests {
     fn energy(film: &Fabric, history: &PeakStrains<1>, metric: &Metric<1>) -> f64 {
         let fibres = Fibres::from_metric(metric);
         let curves = [film.md(), film.td(), film.shear()];
-        let strains = [fibres.strain(0), fibres.strain(1), fibres.angle.map(f64::abs)];
+        let strains = [fibres.strain(0), fibres.strain(1), fibres.shear()];
         let peaks = [history.fibres[0], history.fibres[1], history.shear];
         let parts = (0..3).map(|i| {
             let peak = [larger(peaks[i][0], strains[i][0])];

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::lane::{Lane, exp, splat};
+use crate::lane::{Lane, exp, lanes, splat};
 use crate::material::{Curve, CurveError};
 
 /// Flow stress of slow flow over the equivalent plastic strain p.
@@ -124,7 +124,7 @@ impl FlowCurve {
     #[inline(always)]
     pub(super) fn flow<const L: usize>(&self, p: &Lane<L>) -> Flow<L> {
         let [rise, slope] = self.rise.tangent(p);
-        Flow { stress: rise.map(|rise| self.initial + rise), slope }
+        Flow { stress: lanes(|l| self.initial + rise[l]), slope }
     }
 }
 
@@ -173,10 +173,10 @@ impl Hardening {
         match self {
             Hardening::Table(FlowCurve { initial, rise, .. }) => {
                 let rise = rise.read(p).energy;
-                std::array::from_fn(|l| initial * p[l] + rise[l])
+                lanes(|l| initial * p[l] + rise[l])
             }
             Hardening::Voce(Voce { initial, saturation, rate }) => {
-                p.map(|p| saturation * p - (saturation - initial) * (1.0 - exp(-rate * p)) / rate)
+                lanes(|l| saturation * p[l] - (saturation - initial) * (1.0 - exp(-rate * p[l])) / rate)
             }
         }
     }

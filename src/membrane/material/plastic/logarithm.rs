@@ -12,7 +12,7 @@
 //!
 //! where `± x` is the deviator with the components x₁, −x₁ and x₂. A and B are even and smooth in r.
 
-use crate::lane::{Lane, ln, splat};
+use crate::lane::{Lane, lanes, ln, splat};
 use crate::material::elastic::Plane;
 
 /// Logarithmic strain, and what derives from C.
@@ -158,5 +158,5 @@ impl<const L: usize> Logarithm<L> {
 /// T₁₁ + T₂₂ of the stress S at C: their scalar product.
 #[inline(always)]
 pub(super) fn trace<const L: usize>(c: &Plane<L>, s: [&Lane<L>; 3]) -> Lane<L> {
-    std::array::from_fn(|l| c[0][l] * s[0][l] + c[1][l] * s[1][l] + 2.0 * c[2][l] * s[2][l])
+    lanes(|l| c[0][l] * s[0][l] + c[1][l] * s[1][l] + 2.0 * c[2][l] * s[2][l])
 }

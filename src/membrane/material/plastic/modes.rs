@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Hill;
-use crate::lane::{Lane, splat};
+use crate::lane::{Lane, lanes, splat};
 use crate::material::elastic::Plane;
 
 /// Modes of a film.
@@ -97,7 +97,7 @@ impl Modes {
     #[inline(always)]
     pub(super) fn stored<const L: usize>(&self, amplitudes: &Plane<L>) -> Lane<L> {
         let [a, b, c] = amplitudes;
-        std::array::from_fn(|l| 0.5 * (a[l] * a[l] + b[l] * b[l] + c[l] * c[l]))
+        lanes(|l| 0.5 * (a[l] * a[l] + b[l] * b[l] + c[l] * c[l]))
     }
 
     /// Least κ, Pa.

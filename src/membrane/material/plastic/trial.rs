@@ -3,7 +3,7 @@
 //! A trial with the squares `a_i = κ_i y_i²` relaxes by the flow `γ` to `σ̄² = Σ a_i/(1 + γκ_i)²` (theory.md, equation
 //! 258; Simo and Taylor, Int. J. Numer. Meth. Engng 22, 1986).
 
-use crate::lane::{Lane, splat};
+use crate::lane::{Lane, lanes, splat};
 use crate::material::elastic::Plane;
 
 /// Trials above the flow stress by less than this share do not flow.
@@ -37,7 +37,7 @@ impl<const L: usize> Trial<'_, L> {
     #[inline(always)]
     pub(super) fn excess(&self) -> Lane<L> {
         let [a, b, c] = &self.squares;
-        std::array::from_fn(|l| (a[l] + b[l] + c[l]).sqrt() / self.flow_stress[l] - 1.0)
+        lanes(|l| (a[l] + b[l] + c[l]).sqrt() / self.flow_stress[l] - 1.0)
     }
 
     /// The stress after the flow γ.

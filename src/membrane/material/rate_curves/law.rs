@@ -3,7 +3,7 @@
 use super::super::fibre::FibreLaw;
 use super::super::{Absorption, Curve};
 use super::{RateCurves, RateHistory};
-use crate::lane::{Lane, larger, smaller, splat};
+use crate::lane::{Lane, lanes, larger, smaller, splat};
 
 impl RateCurves {
     /// Change of the energy at one strain from the curve of one rate to that of another, J/m³.
@@ -63,7 +63,7 @@ impl RateCurves {
         peak_energy: &Lane<L>,
     ) -> Lane<L> {
         let steepening = RateCurves::steepening(absorption, history, peak_energy);
-        std::array::from_fn(|l| history.peak[l] - (history.peak[l] - strain[l]) * steepening[l])
+        lanes(|l| history.peak[l] - (history.peak[l] - strain[l]) * steepening[l])
     }
 
     /// β: slope on unloading over that of the present curve.
@@ -198,7 +198,7 @@ impl FibreLaw for RateCurves {
     fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &RateHistory<L>) -> Lane<L> {
         let peak_energy = self.peak_energy(&self.log_rate(&history.slowness), history);
         let steepening = RateCurves::steepening(absorption, history, &peak_energy);
-        std::array::from_fn(|l| history.peak[l] * (1.0 - 1.0 / steepening[l]))
+        lanes(|l| history.peak[l] * (1.0 - 1.0 / steepening[l]))
     }
 
     fn mean(first: &RateCurves, second: &RateCurves, factor: f64) -> RateCurves {

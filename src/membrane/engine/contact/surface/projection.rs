@@ -65,17 +65,22 @@ impl Surface {
                 for l in 0..LANES {
                     let place =
                         nearest_on_axis(capsule, arm[0][l] * axis[0] + arm[1][l] * axis[1] + arm[2][l] * axis[2]);
-                    let radial = [0, 1, 2].map(|k| arm[k][l] - axis[k] * place);
+                    let radial = |k: usize| arm[k][l] - axis[k] * place;
+                    let radial = [radial(0), radial(1), radial(2)];
                     let length = (radial[0] * radial[0] + radial[1] * radial[1] + radial[2] * radial[2]).sqrt();
                     distance[l] = length - capsule.radius;
-                    (0..3).for_each(|k| normal[k][l] = if length > 0.0 { radial[k] / length } else { lateral[k] });
+                    for k in 0..3 {
+                        normal[k][l] = if length > 0.0 { radial[k] / length } else { lateral[k] };
+                    }
                 }
             }
             Shape::Solid(_) | Shape::Compound(_) | Shape::Bars(_) => {
                 for l in (0..LANES).filter(|l| close[*l] > 0.0) {
                     let projection = self.shape.project(pose, &Vector3::new(arm[0][l], arm[1][l], arm[2][l]));
                     distance[l] = projection.distance;
-                    (0..3).for_each(|axis| normal[axis][l] = projection.normal[axis]);
+                    for axis in 0..3 {
+                        normal[axis][l] = projection.normal[axis];
+                    }
                 }
             }
         }
