@@ -30,7 +30,7 @@ fn main() {
     let second = timed(&sweep, folder.path(), None);
     let begin = Instant::now();
     let evaluations = Evaluations::open(folder.path()).expect("records");
-    let results = SweepResults::of(&sweep, &second.done, &evaluations).expect("results");
+    let results = SweepResults::from_evaluations(&sweep, &second.done, &evaluations).expect("results");
     let csv = droptower::table::to_csv(&results.table.columns).expect("a table");
     let gathered = begin.elapsed().as_secs_f64();
     println!("| | stopped | taken up |\n|---|---|---|");

@@ -131,7 +131,7 @@ pub struct Digest {
 
 impl Digest {
     /// Of `bytes`.
-    pub fn of(bytes: &[u8]) -> Digest {
+    pub fn from_bytes(bytes: &[u8]) -> Digest {
         Digest { length: bytes.len() as u64, checksum: checksum(bytes) }
     }
 
@@ -203,7 +203,7 @@ mod tests {
         let path = folder.path().join("a.bin");
         let bytes: Vec<u8> = (0..100_000_u32).map(|i| i.to_le_bytes()[0]).collect();
         fs::write(&path, &bytes).unwrap();
-        assert_eq!(Digest::of_file(&path).unwrap(), Digest::of(&bytes));
-        assert_eq!(Digest::of(b"123456789").to_string(), "9 bytes, checksum cbf43926");
+        assert_eq!(Digest::of_file(&path).unwrap(), Digest::from_bytes(&bytes));
+        assert_eq!(Digest::from_bytes(b"123456789").to_string(), "9 bytes, checksum cbf43926");
     }
 }

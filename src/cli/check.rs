@@ -111,7 +111,7 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     let is_material = Document::read(path).is_ok_and(|document| document.is_material());
     if !is_material {
         let checked = scenarios::check(path, assignments)?;
-        let inertias = checked.model.impactors.iter().filter_map(Inertia::of).collect();
+        let inertias = checked.model.impactors.iter().filter_map(Inertia::from_impactor).collect();
         let variation = model::variation(&checked.document)?;
         let mut findings = checked.plan.findings().to_vec();
         if let Some(variation) = &variation {
@@ -119,7 +119,7 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
             sweep::check_words(&base, variation)?;
             findings.extend(sweep::warnings(&base, variation).iter().map(Finding::new));
         }
-        return Ok(Facts { findings, inertias, variation: variation.as_ref().map(Varies::of) });
+        return Ok(Facts { findings, inertias, variation: variation.as_ref().map(Varies::from_variation) });
     }
     let material = Document::read_material(path)?.with(assignments);
     model::check_material(&material)?;
@@ -129,7 +129,7 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
 }
 
 impl Varies {
-    fn of(variation: &Variation) -> Varies {
+    fn from_variation(variation: &Variation) -> Varies {
         let keys = variation.factors.iter().map(|factor| [factor.column(), factor.values.to_string()]);
         Varies { method: variation.description(), runs: variation.runs(), keys: keys.collect() }
     }
@@ -145,7 +145,7 @@ impl Varies {
 
 impl Inertia {
     /// The inertia of an impactor that may turn; none where its mesh cannot be used, which ends its run.
-    fn of(impactor: &Impactor) -> Option<Inertia> {
+    fn from_impactor(impactor: &Impactor) -> Option<Inertia> {
         if !matches!(impactor.guide, Guide::Free | Guide::Hinge { .. }) {
             return None;
         }

@@ -43,7 +43,7 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     let bounds = args.within.as_deref().map(|path| expectations::read(path, true)).transpose();
     let (runs, (bounds, ())) = both(stored(&args.runs), both(bounds, free))?;
     check_signals(&runs, &args.signal)?;
-    let comparison = RunComparison::of(&runs, &args.signal);
+    let comparison = RunComparison::from_runs(&runs, &args.signal);
     let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
     let stored = Draft::begin(&args.out, Origin::Comparison, args.force).and_then(|draft| {
         let files = folder::fill_comparison(&draft, &comparison, outside.as_deref(), args.parquet)?;

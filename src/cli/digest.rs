@@ -96,8 +96,8 @@ fn impact(measures: &Impact) -> String {
 /// The figures of one impactor, with `last` at their end.
 fn of_body(body: &BodyFigures, last: &str) -> String {
     let BodyFigures { peak_acceleration_m_s2: peak, peak_displacement_m: travel, .. } = body;
-    let peak = at(peak.map(|a| format!("{:.1} g", a / G)), body.time_of_peak_acceleration_s);
-    let travel = at(travel.map(|d| format!("{:.1} mm", d * 1e3)), body.time_of_peak_displacement_s);
+    let peak = with_time(peak.map(|a| format!("{:.1} g", a / G)), body.time_of_peak_acceleration_s);
+    let travel = with_time(travel.map(|d| format!("{:.1} mm", d * 1e3)), body.time_of_peak_displacement_s);
     let none = if body.had_film_contact { "-, no rebound" } else { "-, no film contact" };
     let absorbed = body.energy_absorption.map_or(none.into(), percent);
     format!("  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} {last}\n")
@@ -186,7 +186,7 @@ fn shown(value: Option<f64>, factor: f64, unit: &str) -> String {
     value.map_or("-".into(), |value| format!("{} {unit}", number::figure(value * factor, DIGITS)))
 }
 
-fn at(value: Option<String>, time: Option<f64>) -> String {
+fn with_time(value: Option<String>, time: Option<f64>) -> String {
     match (value, time) {
         (Some(value), Some(time)) => format!("{value} at {}", duration(time)),
         _ => "-".into(),

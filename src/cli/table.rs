@@ -11,7 +11,7 @@ const FIRST_ROWS: usize = 10;
 
 /// Figures and tables; every line ends with a line break.
 pub(super) fn script_output(output: &ScriptOutput) -> String {
-    let figures = output.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
+    let figures = output.measures.iter().filter_map(|(name, value)| Figure::from_value(name, value));
     let figures = figures.map(|figure| format!("  {}\n", figure.cells().join(" ").trim_end()));
     let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", self::rows(rows)));
     figures.chain(tables).collect()

@@ -66,6 +66,7 @@ impl File {
         });
         let material = match &surface.look {
             Look::Film(colours) => {
+                // glTF wants linear colours; those of the scale are sRGB.
                 let colours: Vec<[f32; 3]> = points.iter().map(|point| colours[*point as usize].map(linear)).collect();
                 attributes["COLOR_0"] = self.vectors(&colours, false).into();
                 json!({

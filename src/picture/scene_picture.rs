@@ -149,7 +149,8 @@ impl ScenePicture<'_> {
             let nodes = attached(face, &drawn(face, film), held);
             let places: Vec<[f32; 3]> =
                 film.positions.iter().zip(&nodes).filter(|(_, is_used)| **is_used).map(|(place, _)| *place).collect();
-            self.images(face).flat_map(move |image| places.clone().into_iter().map(move |place| point(image.of(place))))
+            self.images(face)
+                .flat_map(move |image| places.clone().into_iter().map(move |place| point(image.reflect(place))))
         })
     }
 }
@@ -244,7 +245,8 @@ impl Stage<'_> {
             let values = self.picture.field.at_nodes(face.nodes, face.patches.iter().copied(), film);
             let held = held_edges(scene, number);
             for image in self.picture.images(face) {
-                let points: Vec<Vector3<f64>> = film.positions.iter().map(|place| point(image.of(*place))).collect();
+                let points: Vec<Vector3<f64>> =
+                    film.positions.iter().map(|place| point(image.reflect(*place))).collect();
                 let sheet = Sheet { number, face, points: &points, is_reversed: image.is_reversed() };
                 self.sheet(&sheet, &drawn(face, film), &values, edge as f32, &mut triangles);
                 held.iter().for_each(|edge| self.line(edge.map(|node| &points[node as usize]), &mut triangles));

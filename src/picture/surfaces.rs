@@ -32,7 +32,7 @@ impl ScenePicture<'_> {
         for image in self.images(face) {
             let mut point = |node: u32| {
                 // Minus zero is zero.
-                let place = image.of(film.positions[node as usize]).map(|c| c + 0.0);
+                let place = image.reflect(film.positions[node as usize]).map(|c| c + 0.0);
                 *known.entry((node, place.map(f32::to_bits))).or_insert_with(|| {
                     points.push(place);
                     colours.push(viridis((values[node as usize] - low) / (high - low)));

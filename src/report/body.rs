@@ -12,7 +12,7 @@ pub(super) struct Body {
 
 impl Body {
     /// The triangulated `surface` of an impactor; round shapes have `sides` sides.
-    pub(super) fn of(surface: &Surface, sides: u32) -> Body {
+    pub(super) fn from_surface(surface: &Surface, sides: u32) -> Body {
         let (points, triangles) = surface.triangles(sides);
         let single = |point: &nalgebra::Point3<f64>| <[f64; 3]>::from(point.coords).map(|c| c as f32);
         Body { points: points.iter().map(single).collect(), triangles }

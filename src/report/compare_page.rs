@@ -60,7 +60,7 @@ pub fn figures<'a>(figures: impl Iterator<Item = &'a ComparedFigure>) -> Vec<Vec
 }
 
 fn values(figure: &ComparedFigure) -> impl Iterator<Item = String> + '_ {
-    let value = |value: &Value| Figure::of(&figure.name, value).map_or_else(String::new, |figure| figure.value);
+    let value = |value: &Value| Figure::from_value(&figure.name, value).map_or_else(String::new, |figure| figure.value);
     figure.values.iter().enumerate().map(move |(run, of_run)| {
         let of_run = of_run.as_ref().map_or_else(|| "-".into(), value);
         match figure.difference(run) {
@@ -116,7 +116,7 @@ fn signed_percent(share: f64) -> String {
 /// Every common signal over time, a curve a run; and pairs of them over each other.
 pub(crate) fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
     let over_time = comparison.signals.iter().map(|signals| {
-        let shown = Shown::of(&signals.column);
+        let shown = Shown::from_name(&signals.column);
         let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();
         let curves = curves(comparison, |run| signals.series[run].as_ref().map(points));
         Plot::new(sentence(&shown.words), [TIME, &shown.axis()], curves)
@@ -134,7 +134,7 @@ pub(crate) fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
 }
 
 fn against_each_other(comparison: &RunComparison, x: &ComparedSignal, y: &ComparedSignal) -> Plot {
-    let [across, up] = [x, y].map(|signals| Shown::of(&signals.column));
+    let [across, up] = [x, y].map(|signals| Shown::from_name(&signals.column));
     let points = |run: usize| {
         let (x, y) = (x.series[run].as_ref()?, y.series[run].as_ref()?);
         Some(x.values().iter().zip(y.values()).map(|(x, y)| [x * across.factor, y * up.factor]).collect())
@@ -164,7 +164,7 @@ struct Shown {
 
 impl Shown {
     /// The unit is that of the table of columns, or the one in the name of a column that is not in the table.
-    fn of(name: &str) -> Shown {
+    fn from_name(name: &str) -> Shown {
         let (words, unit) = figure::named(name);
         match column::find(name) {
             Some((_, known)) => Shown { words, unit: known.axis_unit.into(), factor: known.factor },
@@ -192,7 +192,7 @@ mod tests {
             ("laser_m", "laser (m)", 1.0),
             ("count", "count", 1.0),
         ] {
-            let shown = Shown::of(name);
+            let shown = Shown::from_name(name);
             assert_eq!((shown.axis().as_str(), shown.factor), (axis, factor));
         }
     }
@@ -210,7 +210,7 @@ mod tests {
             let signals = Recording { time: time.clone(), channels: names.map(channel).into() };
             StoredRun { place: format!("/r/{number}").into(), signals, ..StoredRun::default() }
         };
-        let comparison = RunComparison::of(&(0..16).map(run).collect::<Vec<_>>(), &[]);
+        let comparison = RunComparison::from_runs(&(0..16).map(run).collect::<Vec<_>>(), &[]);
         let (over_time, against) = plots(&comparison);
         assert_eq!((over_time.len(), against.len()), (6, 2));
         let page = compare_page(&comparison, None);

@@ -28,7 +28,7 @@ pub struct Figure {
 
 impl Figure {
     /// The figure `name` of a summary; `None` where there is no value or it is not one number, text or truth.
-    pub fn of(name: &str, value: &Value) -> Option<Figure> {
+    pub fn from_value(name: &str, value: &Value) -> Option<Figure> {
         let (words, unit) = named(name);
         let unit = match (unit.as_str(), value.as_f64()) {
             ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", number::figure(acceleration / G, DIGITS)),
@@ -53,7 +53,7 @@ impl Figure {
 /// Figures as a table of HTML; each row carries the name and the full value as data attributes.
 pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) -> String {
     let row = |(name, value): (&String, &Value)| {
-        let cells = Figure::of(name, value)?.cells().map(|cell| escape(&cell));
+        let cells = Figure::from_value(name, value)?.cells().map(|cell| escape(&cell));
         let (name, value) = (escape(name), escape(&value.to_string()));
         Some(format!("<tr data-figure=\"{name}\" data-value=\"{value}\"><td>{}</td></tr>\n", cells.join("</td><td>")))
     };
@@ -98,7 +98,7 @@ fn printed(symbol: &str) -> &str {
 
 /// The figures of a summary as a table in Markdown.
 pub fn markdown(summary: &Map<String, Value>) -> String {
-    let figures = summary.iter().filter_map(|(name, value)| Figure::of(name, value));
+    let figures = summary.iter().filter_map(|(name, value)| Figure::from_value(name, value));
     let line = |figure: Figure| format!("| {} |\n", figure.cells().map(|cell| escaped(&cell)).join(" | "));
     let lines: String = figures.map(line).collect();
     format!("| figure | value | unit |\n|---|---:|---|\n{lines}")
@@ -138,9 +138,9 @@ mod tests {
             ("steps", Value::from(11_240), "steps 11240 "),
             ("energy_balance_error", Value::from(4.0e-6), "energy balance error 4.000e-6 "),
         ] {
-            assert_eq!(Figure::of(name, &value).unwrap().cells().join(" "), expected);
+            assert_eq!(Figure::from_value(name, &value).unwrap().cells().join(" "), expected);
         }
-        assert_eq!(Figure::of("rupture_time_s", &Value::Null), None);
+        assert_eq!(Figure::from_value("rupture_time_s", &Value::Null), None);
     }
 
     #[test]

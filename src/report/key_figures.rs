@@ -34,15 +34,18 @@ const fn key(words: &'static str, name: &'static str, factor: f64, unit: &'stati
     Key { words, name, factor, unit, beside: Beside::Nothing }
 }
 
-const fn at(key: Key, beside: Beside) -> Key {
+const fn key_at(key: Key, beside: Beside) -> Key {
     Key { beside, ..key }
 }
 
 const BALANCE: Key = key("energy balance error", "energy_balance_error", 100.0, "%");
 
 const IMPACT: [Key; 7] = [
-    at(key("peak deceleration", "peak_acceleration_m_s2", 1.0 / G, "g"), Beside::Time("time_of_peak_acceleration_s")),
-    at(key("lowest point", "peak_displacement_m", 1e3, "mm"), Beside::Time("time_of_peak_displacement_s")),
+    key_at(
+        key("peak deceleration", "peak_acceleration_m_s2", 1.0 / G, "g"),
+        Beside::Time("time_of_peak_acceleration_s"),
+    ),
+    key_at(key("lowest point", "peak_displacement_m", 1e3, "mm"), Beside::Time("time_of_peak_displacement_s")),
     key("energy absorbed", "energy_absorption", 100.0, "%"),
     key("rebound velocity", "rebound_velocity_m_s", 1.0, "m/s"),
     key("acceleration error E<sub>a</sub>", "acceleration_error", 100.0, "%"),
@@ -52,11 +55,11 @@ const IMPACT: [Key; 7] = [
 
 /// An impact without a rebound.
 const DESCENT: [Key; 5] = [
-    at(
+    key_at(
         key("largest deceleration so far", "peak_acceleration_m_s2", 1.0 / G, "g"),
         Beside::Time("time_of_peak_acceleration_s"),
     ),
-    at(
+    key_at(
         key("lowest so far, still descending", "peak_displacement_m", 1e3, "mm"),
         Beside::Time("time_of_peak_displacement_s"),
     ),
@@ -66,7 +69,7 @@ const DESCENT: [Key; 5] = [
 ];
 
 const STRETCH: [Key; 5] = [
-    at(key("peak stress", "peak_stress_Pa", 1e-6, "MPa"), Beside::Strain("strain_at_peak_stress")),
+    key_at(key("peak stress", "peak_stress_Pa", 1e-6, "MPa"), Beside::Strain("strain_at_peak_stress")),
     key("peak force", "peak_force_N", 1.0, "N"),
     key("strain at break", "strain_at_break", 100.0, "%"),
     key("final strain", "final_strain", 100.0, "%"),
@@ -74,7 +77,7 @@ const STRETCH: [Key; 5] = [
 ];
 
 const INDENT: [Key; 5] = [
-    at(key("peak force", "peak_force_N", 1.0, "N"), Beside::Depth("depth_at_peak_force_m")),
+    key_at(key("peak force", "peak_force_N", 1.0, "N"), Beside::Depth("depth_at_peak_force_m")),
     key("work", "work_J", 1.0, "J"),
     key("depth at break", "depth_at_break_m", 1e3, "mm"),
     key("final depth", "final_depth_m", 1e3, "mm"),

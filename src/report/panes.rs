@@ -78,28 +78,29 @@ pub(super) const CHARACTERISTICS: [(&str, [Column; 2]); 4] = [
 pub(super) fn panes() -> impl Iterator<Item = Pane> {
     use Shown::{Beside, Page, PageAndTab, Tab};
     let of_loadings = [
-        Pane::of("Acceleration", Beside, &[column::ACCELERATION_FILTERED, column::ACCELERATION])
+        Pane::from_columns("Acceleration", Beside, &[column::ACCELERATION_FILTERED, column::ACCELERATION])
             .labelled(&["simulated, filtered", "simulated, raw"])
             .with(&[MEASURED_ACCELERATION]),
-        Pane::of("Displacement", Beside, &[column::DISPLACEMENT, column::DEPTH, column::DEFLECTION])
+        Pane::from_columns("Displacement", Beside, &[column::DISPLACEMENT, column::DEPTH, column::DEFLECTION])
             .with(&[MEASURED_DISPLACEMENT]),
-        Pane::of(
+        Pane::from_columns(
             "Energy of the {impactors}",
             Beside,
             &[column::KINETIC_ENERGY, column::POTENTIAL_ENERGY, column::ABSORBED_ENERGY, column::TOTAL_ENERGY],
         )
         .labelled(&["kinetic", "potential", "absorbed by the film", "total"])
         .with(&MEASURED_ENERGIES),
-        Pane::of("Force", Beside, &[column::FORCE]),
-        Pane::of("Stress", Beside, &[column::STRESS]),
-        Pane::of("Strain", Beside, &[column::STRAIN]),
-        Pane::of("Pressure", Beside, &[column::PRESSURE]),
+        Pane::from_columns("Force", Beside, &[column::FORCE]),
+        Pane::from_columns("Stress", Beside, &[column::STRESS]),
+        Pane::from_columns("Strain", Beside, &[column::STRAIN]),
+        Pane::from_columns("Pressure", Beside, &[column::PRESSURE]),
         // Figures 23 to 27 of the paper.
-        Pane::of("Displacement of the {impactors}", Page, &[column::DISPLACEMENT]).with(&[MEASURED_DISPLACEMENT]),
-        Pane::of("Acceleration of the {impactors}", Page, &[column::ACCELERATION_FILTERED])
+        Pane::from_columns("Displacement of the {impactors}", Page, &[column::DISPLACEMENT])
+            .with(&[MEASURED_DISPLACEMENT]),
+        Pane::from_columns("Acceleration of the {impactors}", Page, &[column::ACCELERATION_FILTERED])
             .with(&[MEASURED_ACCELERATION]),
-        Pane::of("Energy loss of the {impactors}", Page, &[column::ABSORBED_ENERGY]).with(&[MEASURED_LOSS]),
-        Pane::of(
+        Pane::from_columns("Energy loss of the {impactors}", Page, &[column::ABSORBED_ENERGY]).with(&[MEASURED_LOSS]),
+        Pane::from_columns(
             "Total energy of the {impactors}",
             Page,
             &[column::KINETIC_ENERGY, column::POTENTIAL_ENERGY, column::TOTAL_ENERGY],
@@ -107,22 +108,22 @@ pub(super) fn panes() -> impl Iterator<Item = Pane> {
         .labelled(&["kinetic", "potential", "total"])
         .with(&[MEASURED_TOTAL]),
         Pane::against("Force and travel", [column::DISPLACEMENT, column::CONTACT_FORCE]),
-        Pane::of("Contact force", PageAndTab, &[column::CONTACT_FORCE]),
-        Pane::of("Largest strain of the film", PageAndTab, &[column::MAX_STRAIN_MD, column::MAX_STRAIN_TD])
+        Pane::from_columns("Contact force", PageAndTab, &[column::CONTACT_FORCE]),
+        Pane::from_columns("Largest strain of the film", PageAndTab, &[column::MAX_STRAIN_MD, column::MAX_STRAIN_TD])
             .labelled(&["along MD", "along TD"]),
-        Pane::of("Acceleration before the filter", Page, &[column::ACCELERATION]),
-        Pane::of("Force of the impactors on each other", PageAndTab, &[column::COLLISION_FORCE]),
-        Pane::of("Velocity", Tab, &[column::VELOCITY]),
-        Pane::of(
+        Pane::from_columns("Acceleration before the filter", Page, &[column::ACCELERATION]),
+        Pane::from_columns("Force of the impactors on each other", PageAndTab, &[column::COLLISION_FORCE]),
+        Pane::from_columns("Velocity", Tab, &[column::VELOCITY]),
+        Pane::from_columns(
             "Displacement of the {impactors} along x and y",
             PageAndTab,
             &[column::DISPLACEMENT_X, column::DISPLACEMENT_Y],
         )
         .labelled(&["along x", "along y"]),
-        Pane::of("Size of the acceleration before the filter", PageAndTab, &[column::ACCELERATION_RESULTANT]),
+        Pane::from_columns("Size of the acceleration before the filter", PageAndTab, &[column::ACCELERATION_RESULTANT]),
     ];
     let characteristics = CHARACTERISTICS.into_iter().map(|(title, columns)| Pane::against(title, columns));
-    let deflection = Pane::of("Deflection of the highest point", Page, &[column::DEFLECTION]);
+    let deflection = Pane::from_columns("Deflection of the highest point", Page, &[column::DEFLECTION]);
     of_loadings.into_iter().chain(characteristics).chain([deflection]).chain(of_columns())
 }
 
@@ -133,21 +134,23 @@ fn of_columns() -> Vec<Pane> {
         let Some(curve) = column.curve else { continue };
         match panes.last_mut().filter(|pane| pane.title == curve.title) {
             Some(pane) => pane.columns.push((*column, curve.label)),
-            None => panes
-                .push(Pane { columns: vec![(*column, curve.label)], ..Pane::of(curve.title, Shown::PageAndTab, &[]) }),
+            None => panes.push(Pane {
+                columns: vec![(*column, curve.label)],
+                ..Pane::from_columns(curve.title, Shown::PageAndTab, &[])
+            }),
         }
     }
     panes
 }
 
 impl Pane {
-    fn of(title: &'static str, shown: Shown, columns: &[Column]) -> Pane {
+    fn from_columns(title: &'static str, shown: Shown, columns: &[Column]) -> Pane {
         let columns = columns.iter().map(|column| (*column, None)).collect();
         Pane { title, shown, over: None, columns, measured: &[] }
     }
 
     fn against(title: &'static str, [x, y]: [Column; 2]) -> Pane {
-        Pane { over: Some(x), ..Pane::of(title, Shown::Page, &[y]) }
+        Pane { over: Some(x), ..Pane::from_columns(title, Shown::Page, &[y]) }
     }
 
     fn labelled(mut self, labels: &[&'static str]) -> Pane {

@@ -67,7 +67,7 @@ impl RunScene {
         let face =
             |film: &Film| SceneFace { nodes: film.nodes, patches: film.outlines().collect(), mirrored: film.mirrored };
         let body = |surface| {
-            let Body { points, triangles } = Body::of(surface, SIDES);
+            let Body { points, triangles } = Body::from_surface(surface, SIDES);
             SceneBody { points, patches: triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect() }
         };
         let scene = RunScene {

@@ -93,14 +93,14 @@ impl StoredPage {
     pub fn read(place: &Path) -> Result<StoredPage, StoredPageError> {
         let path = if place.is_dir() { place.join(run_files::REPORT) } else { place.to_owned() };
         match file::read_text(&path, MOST_BYTES) {
-            Ok(text) => StoredPage::of(path, &text),
+            Ok(text) => StoredPage::parse(path, &text),
             Err(FileError::NotFound) if place.is_dir() => Err(StoredPageError::NoPage { path: place.into() }),
             Err(FileError::NotFound) => Err(StoredPageError::Missing { path }),
             Err(source) => Err(StoredPageError::Unreadable { path, source }),
         }
     }
 
-    fn of(path: PathBuf, text: &str) -> Result<StoredPage, StoredPageError> {
+    fn parse(path: PathBuf, text: &str) -> Result<StoredPage, StoredPageError> {
         let Some((_, title)) = between(text, "<title>", "</title>").filter(|_| text.contains("<footer>droptower "))
         else {
             return Err(StoredPageError::NotAPage { path });
@@ -220,7 +220,7 @@ mod tests {
     use crate::drawn;
 
     fn stored(text: &str) -> Result<StoredPage, StoredPageError> {
-        StoredPage::of("report.html".into(), text)
+        StoredPage::parse("report.html".into(), text)
     }
 
     #[test]

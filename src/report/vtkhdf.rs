@@ -31,7 +31,7 @@ const QUAD: u8 = 9;
 /// Of each file: snapshots without their [`Detail`](scene::simulate::Detail), and what the format refuses.
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     parts(model, outcome).into_par_iter().map(|part| {
-        let content = States::of(&part, &outcome.snapshots)?.written()?;
+        let content = States::from_snapshots(&part, &outcome.snapshots)?.written()?;
         Ok(File { name: format!("{}.vtkhdf", part.name), content })
     })
 }
@@ -47,7 +47,7 @@ struct States {
 }
 
 impl States {
-    fn of(part: &Part<'_>, snapshots: &[Snapshot]) -> Result<States, VtuError> {
+    fn from_snapshots(part: &Part<'_>, snapshots: &[Snapshot]) -> Result<States, VtuError> {
         let mut states = States::default();
         for snapshot in snapshots {
             let grid = part.grid(snapshot)?;

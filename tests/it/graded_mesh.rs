@@ -50,7 +50,7 @@ fn elements_have_their_sizes_shapes_and_numbers() {
         for (element, growth) in [(Element::Quad4, 0.25), (Element::Quad4Full, 0.5), (Element::Tri3, 0.25)] {
             let zone = Zone { at, within };
             let mesh = build(&outline, mirrored, element, [size, fine, growth], zone);
-            let quality = Quality::of(&mesh);
+            let quality = Quality::from_mesh(&mesh);
             let case = format!("{outline:?} {at:?} {element:?}: {quality}");
             assert!(quality.jacobian > WORST_JACOBIAN && quality.aspect < 4.5, "{case}");
             assert!(quality.edges[0] > 0.6 * fine && quality.edges[1] < 2.1 * size, "{case}");

@@ -58,7 +58,7 @@ fn parts_of_a_rectangle_cover_their_share_of_it() {
     for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
         let mesh = build(&Outline::Rectangle { x: 0.3, y: 0.2 }, symmetry, element, 0.017);
         let share = 0.06 / parts(symmetry) as f64;
-        assert!((Quality::of(&mesh).area - share).abs() < 1e-14);
+        assert!((Quality::from_mesh(&mesh).area - share).abs() < 1e-14);
     }
 }
 
@@ -66,7 +66,7 @@ fn parts_of_a_rectangle_cover_their_share_of_it() {
 fn disc_area_converges_with_order_two() {
     for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
         let exact = std::f64::consts::PI * 0.01 / parts(symmetry) as f64;
-        let missing = |size| exact - Quality::of(&build(&DISC, symmetry, element, size)).area;
+        let missing = |size| exact - Quality::from_mesh(&build(&DISC, symmetry, element, size)).area;
         let order = (missing(0.01) / missing(0.0025)).log2() / 2.0;
         assert!((order - 2.0).abs() < 0.1, "{symmetry:?} {element:?}: {order}");
     }
@@ -75,7 +75,7 @@ fn disc_area_converges_with_order_two() {
 #[test]
 fn elements_are_as_large_as_asked_on_average_and_well_shaped() {
     for size in [0.02, 0.005, 0.001] {
-        let quality = Quality::of(&build(&DISC, Symmetry::None, Element::Quad4, size));
+        let quality = Quality::from_mesh(&build(&DISC, Symmetry::None, Element::Quad4, size));
         let mean = (quality.area / quality.elements as f64).sqrt();
         assert!((mean / size - 1.0).abs() < 0.15, "{mean} for {size}");
         assert!(quality.jacobian > 0.7, "{quality}");
@@ -83,7 +83,7 @@ fn elements_are_as_large_as_asked_on_average_and_well_shaped() {
         assert!(quality.skew < 0.5, "{quality}");
         assert!(quality.edges[0] > 0.6 * size, "{quality}");
     }
-    let quality = Quality::of(&build(&SQUARE, Symmetry::Quarter, Element::Quad4, 0.01));
+    let quality = Quality::from_mesh(&build(&SQUARE, Symmetry::Quarter, Element::Quad4, 0.01));
     assert!((quality.aspect - 1.0).abs() < 1e-9 && (quality.jacobian - 1.0).abs() < 1e-12);
     assert!(quality.skew < 1e-9, "{quality}");
 }
@@ -326,7 +326,7 @@ fn meshes_are_read_back_from_files_unchanged() {
     assert_eq!(back.nodes.len(), mesh.nodes.len());
     assert_eq!(back.tris.len(), mesh.tris.len());
     assert_eq!(back.rim.len(), mesh.rim.len());
-    assert!((Quality::of(&back).area - 0.04).abs() < 1e-8);
+    assert!((Quality::from_mesh(&back).area - 0.04).abs() < 1e-8);
 }
 
 #[test]

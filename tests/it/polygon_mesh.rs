@@ -50,7 +50,7 @@ fn elements_fill_the_outline_with_sound_shapes() {
     for (name, polygon, grading, least) in cases {
         for (element, least) in [Element::Quad4, Element::Tri3].into_iter().zip(least) {
             let mesh = build(&polygon, [false; 2], element, grading.clone());
-            let quality = Quality::of(&mesh);
+            let quality = Quality::from_mesh(&mesh);
             let case = format!("{name} {element:?}: {quality}");
             assert_eq!(mesh.quads.is_empty(), element == Element::Tri3, "{case}");
             assert_eq!(mesh.tris.is_empty(), element == Element::Quad4, "{case}");

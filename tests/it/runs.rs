@@ -151,7 +151,7 @@ fn the_page_shows_the_figures_of_the_summary() {
     let summary = json(&folder.join("summary.json"));
     let figures = summary.as_object().expect("figures").iter().filter(|(_, value)| value.is_number());
     for (name, value) in figures {
-        let cells = Figure::of(name, value).expect("a figure").cells();
+        let cells = Figure::from_value(name, value).expect("a figure").cells();
         let named = format!("<tr data-figure=\"{name}\" data-value=\"");
         let (_, rest) = page.split_once(&named).unwrap_or_else(|| panic!("no row of {name}"));
         let (shown, row) = rest.split_once("\">").expect("the end of the value");

@@ -53,7 +53,7 @@ impl CheckpointHeader {
         every: Option<f64>,
         detailed: bool,
     ) -> io::Result<CheckpointHeader> {
-        let (scenario, identity) = (document.resolved(), Identity::of(model)?);
+        let (scenario, identity) = (document.resolved(), Identity::from_model(model)?);
         Ok(CheckpointHeader { build: build_name().into(), every, detailed, scenario, identity })
     }
 

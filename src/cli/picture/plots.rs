@@ -19,7 +19,7 @@ pub(super) fn draw(page: &StoredPage, name: &str, args: &PictureArgs, format: Fo
         let names: Vec<String> = page.plots.iter().map(|plot| name_of(&plot.title)).collect();
         return Err(unknown("plot", name, names.iter().map(String::as_str)).into());
     };
-    let (style, dpi) = style::of(args, format)?;
+    let (style, dpi) = style::from_args(args, format)?;
     let title = args.title.clone().unwrap_or_else(|| page.plots[at].title.clone());
     let plot = Plot { title, ..page.plots[at].clone() };
     let figures = Map::from_iter([("plot".to_owned(), json!(page.plots[at].title))]);

@@ -32,7 +32,7 @@ pub(super) fn draw(
     format: Format,
     shared: &Shared,
 ) -> Result<Made, Failure> {
-    let flat = if format == Format::Glb { None } else { Some(style::of(args, format)?) };
+    let flat = if format == Format::Glb { None } else { Some(style::from_args(args, format)?) };
     let (title, scene) = if args.again {
         again(args, shared)?
     } else {

@@ -14,7 +14,7 @@ const FAMILY: &str = "Arial, Helvetica, Arimo, sans-serif";
 ///
 /// # Errors
 /// A PNG in letters that it does not have.
-pub(super) fn of(args: &PictureArgs, format: Format) -> Result<(Style, f64), Diagnostic> {
+pub(super) fn from_args(args: &PictureArgs, format: Format) -> Result<(Style, f64), Diagnostic> {
     let Values { width, letters, line, dpi, plot, scene } = args.style.values();
     let dpi = args.dpi.map_or(dpi, f64::from);
     let proportion = if args.plot.is_some() { plot } else { scene };

@@ -33,7 +33,7 @@ pub(super) struct Words {
 
 impl Words {
     /// The words of an engine and of the input so far.
-    pub fn of(engine: &Engine, console: &Console, commands: &[&str]) -> Words {
+    pub fn from_engine(engine: &Engine, console: &Console, commands: &[&str]) -> Words {
         let calls: Vec<&str> = functions::calls().collect();
         let mut words =
             Words { commands: commands.iter().map(|name| format!(":{name}")).collect(), ..Words::default() };
@@ -160,7 +160,7 @@ mod tests {
         Session::of_engine(&engine).declare(Fields { map: "summary", names: &["peak_force_N", "elements"] });
         let mut console = Console::new(Scope::new());
         let _ = console.run(&engine, "let tower = #{ radius: 0.1, films: #{ md: 1 } }; fn twice(x) { 2 * x }").unwrap();
-        let words = Words::of(&engine, &console, &["help", "quit"]);
+        let words = Words::from_engine(&engine, &console, &["help", "quit"]);
         for (text, expected) in [
             ("twi", "twice"),
             ("let a = tow", "tower"),

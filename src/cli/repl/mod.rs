@@ -127,7 +127,7 @@ impl<'a> Repl<'a> {
         let history = History::open(&mut editor);
         print(concat!("droptower ", env!("CARGO_PKG_VERSION"), "   :help lists commands, Ctrl-D ends"))?;
         while !self.signals.is_over() {
-            let words = Words::of(&self.engine, &self.console, &Command::NAMES);
+            let words = Words::from_engine(&self.engine, &self.console, &Command::NAMES);
             editor.set_helper(Some(Assistant { words, files: FilenameCompleter::new() }));
             let line = match editor.readline(PROMPT) {
                 Ok(line) => line,

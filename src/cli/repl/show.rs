@@ -58,7 +58,7 @@ fn text(engine: &Engine, value: &Dynamic, input: &str) -> String {
 
 /// A number with the unit of its name.
 fn number(json: &Value, name: &str) -> String {
-    match Figure::of(name, json) {
+    match Figure::from_value(name, json) {
         Some(figure) => format!("{} {}", figure.value, figure.unit),
         None => cell(json),
     }
@@ -95,7 +95,7 @@ fn picture(plot: &Plot) -> String {
 /// Names, values and units below each other.
 fn figures<'v>(pairs: impl Iterator<Item = (&'v String, &'v Value)>) -> String {
     let line = |(name, value): (&String, &Value)| {
-        let unit = Figure::of(name, value);
+        let unit = Figure::from_value(name, value);
         let [value, unit] = unit.map_or_else(|| [nested(value), String::new()], |figure| [figure.value, figure.unit]);
         vec![name.clone(), value, unit]
     };

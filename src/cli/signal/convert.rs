@@ -48,7 +48,7 @@ enum Format {
 
 impl Format {
     /// By the ending of the file.
-    fn of(out: &Path) -> Result<Format, Diagnostic> {
+    fn from_path(out: &Path) -> Result<Format, Diagnostic> {
         let endings =
             [("csv", Format::Table), ("parquet", Format::Parquet), ("mme", Format::Test), ("zip", Format::Archive)];
         let found = endings.into_iter().find(|(ending, _)| ends_in(out, ending)).map(|(_, format)| format);
@@ -84,7 +84,7 @@ pub(super) fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
 
 fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
     let bad = |mistake: Diagnostic| Failure::from(mistake);
-    let format = Format::of(&args.out).map_err(bad)?;
+    let format = Format::from_path(&args.out).map_err(bad)?;
     match format {
         Format::Table => output::check_table(&args.out, &args.path, args.force)?,
         Format::Parquet => check(&args.out, "parquet", Some(&args.path), Some(args.force))?,

@@ -116,7 +116,7 @@ fn columns(path: &Path, options: &ReadOptions) -> Result<Contents, Diagnostic> {
     annotations.warnings.push(Warning::NoTimeColumn);
     let channels = columns.into_iter().map(|csv::Column { name, label, unit, values }| {
         let written_unit = unit.as_ref().map(|unit| unit.symbol().to_owned());
-        let samples = Figures::of(&values);
+        let samples = Figures::from_values(&values);
         let si = unit.map(|unit| unit.si_symbol());
         Contained { name, label, written_unit, unit: si, filtered: None, samples, time: None }
     });
@@ -135,7 +135,7 @@ fn contained(channel: &MeasuredChannel) -> Contained {
         holes: gap::holes(series.time()).filter_map(hole).collect(),
     };
     let missing: usize = gap::holes(series.time()).map(|gap| gap.missing()).sum();
-    let of_values = Figures::of(series.values());
+    let of_values = Figures::from_values(series.values());
     Contained {
         name: name.clone(),
         label: label.clone(),
@@ -155,7 +155,7 @@ fn hole(found: Gap) -> Option<Hole> {
 }
 
 impl Figures {
-    fn of(values: &[f64]) -> Figures {
+    fn from_values(values: &[f64]) -> Figures {
         let measured = || values.iter().copied().filter(|value| value.is_finite());
         Figures {
             samples: values.len(),

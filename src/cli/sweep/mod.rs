@@ -106,7 +106,7 @@ pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     if is_part {
         return print_figures(shared, &partly(&done, sweep), || shard_text(&done, sweep));
     }
-    let found = SweepResults::of(sweep, &done, evaluations).map_err(|error| failed(&error))?;
+    let found = SweepResults::from_evaluations(sweep, &done, evaluations).map_err(|error| failed(&error))?;
     results::store(&task, &found, args, shared, begin.elapsed().as_secs_f64())
 }
 

@@ -69,7 +69,7 @@ impl From<SampleStatistics> for Statistics {
 
 impl Figures {
     /// The figures of the `reduced` recordings, with their findings.
-    pub(super) fn of(reduced: &Reduced, is_density_assumed: bool, written: &[PathBuf]) -> Figures {
+    pub(super) fn new(reduced: &Reduced, is_density_assumed: bool, written: &[PathBuf]) -> Figures {
         let mut warnings = warnings(reduced);
         warnings.extend((is_density_assumed && !written.is_empty()).then_some(Warning::DensityAssumed));
         warnings.extend((!written.is_empty()).then_some(Warning::NoAbsorption));

@@ -17,7 +17,7 @@ pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
     let texts = material::texts(args, &reduced)?;
     output::write(&texts)?;
     let written: Vec<PathBuf> = texts.into_iter().map(|(path, _)| path).collect();
-    let figures = Figures::of(&reduced, args.density.is_none(), &written);
+    let figures = Figures::new(&reduced, args.density.is_none(), &written);
     print_figures(shared, &figures, || figures.text())
 }
 

@@ -83,6 +83,8 @@ impl Confidence {
         options: &ConfidenceOptions,
     ) -> Result<Confidence, ConfidenceError> {
         let (held, deviations): (Vec<usize>, Vec<f64>) = options.held().unzip();
+        // Parameters that are known from elsewhere are not estimated, but what they may be off by shifts those that are: their
+        // columns leave the Jacobian and come back as disturbances of the residuals, scaled by their standard deviations.
         let (linearization, mut disturbances) = linearization.without(&held);
         let (linearization, fitted) = (&linearization, options.of_fitted());
         disturbances.column_iter_mut().zip(&deviations).for_each(|(mut column, deviation)| column *= *deviation);
@@ -94,6 +96,7 @@ impl Confidence {
         let standard_errors: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
         let freedom = sandwich.freedom();
         let quantile = quantile(freedom)?;
+        // Student's t, not the normal distribution: the variance of the residuals is estimated from the same few samples.
         let half_widths = standard_errors.iter().map(|error| quantile * error);
         let intervals =
             linearization.x.iter().zip(half_widths).map(|(x, width)| Interval::new(*x, width, options.relative));

@@ -107,6 +107,7 @@ fn autoregression(x: &[f64]) -> Noise {
     }
     let (mut forward, mut backward) = (x.to_vec(), x.to_vec());
     let mut reflections: Vec<f64> = Vec::new();
+    // Share of the variance that the process does not predict.
     let mut share = 1.0;
     let mut best = (criterion(samples, 0, share), 0);
     for order in 1..=most_order(x.len()) {
@@ -118,6 +119,7 @@ fn autoregression(x: &[f64]) -> Noise {
         }
         let reflection = 2.0 * product / squares;
         reflections.push(reflection);
+        // Backwards, because each entry needs the backward error of the entry before it as it was.
         for index in (order..x.len()).rev() {
             let (f, b) = (forward[index], backward[index - 1]);
             forward[index] = f - reflection * b;

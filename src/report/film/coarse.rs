@@ -15,7 +15,7 @@ pub(super) struct CoarseSurface {
 impl CoarseSurface {
     /// All elements where there are at most `most`, else those that remain when the nodes of each cell of a lattice are
     /// merged. The coarsest lattice, the corners of the bounding box, may leave more than `most`.
-    pub(super) fn of(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> CoarseSurface {
+    pub(super) fn from_points(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> CoarseSurface {
         if outlines.len() <= most {
             let nodes = (0..points.len() as u32).collect();
             let element = (0..outlines.len() as u32).collect();
@@ -137,7 +137,7 @@ mod tests {
     fn a_fine_mesh_is_coarsened_within_its_bounds() {
         let (points, film) = sheet(200);
         let outlines: Vec<[u32; 4]> = film.outlines().collect();
-        let surface = CoarseSurface::of(&points, &outlines, 3000);
+        let surface = CoarseSurface::from_points(&points, &outlines, 3000);
         assert!(surface.patches.len() <= 3000 && surface.patches.len() > 1500, "{}", surface.patches.len());
         let [low, high] = bounds(surface.positions(&points).into_iter());
         assert_eq!((low, high), ([0.0; 3], [1.0, 1.0, 0.0]), "its edges stay where they are");
@@ -151,7 +151,7 @@ mod tests {
         let outlines: Vec<[u32; 4]> =
             (0..4).map(|at| [corner(at), corner(at) + 1, corner(at) + 4, corner(at) + 3]).collect();
         for most in [0, 1, 2] {
-            assert!(!CoarseSurface::of(&bent, &outlines, most).patches.is_empty(), "{most}");
+            assert!(!CoarseSurface::from_points(&bent, &outlines, most).patches.is_empty(), "{most}");
         }
     }
 }

@@ -57,7 +57,7 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> S
     let moments = moments(model, outcome, signals);
     let chosen = chosen(&snapshots, &moments, most);
     let states: Vec<&Snapshot> = chosen.iter().map(|at| snapshots[*at]).collect();
-    let bodies = outcome.impactors.iter().map(|surface| Body::of(surface, SIDES)).collect();
+    let bodies = outcome.impactors.iter().map(|surface| Body::from_surface(surface, SIDES)).collect();
     let scene = Scene { faces, states, moments, bodies };
     let note = scene.note(outcome);
     let data = data(&scene.contents());
@@ -131,7 +131,7 @@ fn faces(films: &[Film], first: &Snapshot) -> Vec<Face> {
         let outlines: Vec<[u32; 4]> = film.outlines().collect();
         // Patches are shared out by the numbers of elements.
         let share = (outlines.len() as f64 * (MOST_PATCHES as f64 / drawn as f64).min(1.0)) as usize;
-        let surface = CoarseSurface::of(&first.films[index].positions, &outlines, share.max(LEAST_PATCHES));
+        let surface = CoarseSurface::from_points(&first.films[index].positions, &outlines, share.max(LEAST_PATCHES));
         Face { index, mirrored: film.mirrored, elements: outlines.len(), surface }
     };
     films.iter().enumerate().map(face).collect()
@@ -266,7 +266,7 @@ fn body(body: &Body) -> Value {
     let near = |c: f32| rounded(f64::from(c), DIGITS);
     let Body { points, triangles } = body;
     let outlines: Vec<[u32; 4]> = triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect();
-    let coarse = CoarseSurface::of(points, &outlines, MOST_OF_BODY);
+    let coarse = CoarseSurface::from_points(points, &outlines, MOST_OF_BODY);
     let places = coarse.positions(points);
     json!({ "points": places.iter().map(|place| place.map(near)).collect::<Vec<_>>(), "patches": coarse.patches })
 }
@@ -283,7 +283,7 @@ mod tests {
             (0..row * row).map(|at| [(at % row) as f32 / n as f32, (at / row) as f32 / n as f32, 0.0]).collect();
         let corner = |at: u32| at / n * row + at % n;
         let quads = (0..n * n).map(|at| [corner(at), corner(at) + 1, corner(at) + row + 1, corner(at) + row]).collect();
-        let quality = Quality::of(&Mesh::default());
+        let quality = Quality::from_mesh(&Mesh::default());
         (points, Film { nodes: (row * row) as usize, quads, tris: vec![], mirrored: [true; 2], held: vec![], quality })
     }
 
@@ -323,7 +323,7 @@ mod tests {
             index: 0,
             mirrored: film.mirrored,
             elements: outlines.len(),
-            surface: CoarseSurface::of(&points, &outlines, 100),
+            surface: CoarseSurface::from_points(&points, &outlines, 100),
         };
         let written = strains(&face, &snapshot(0.0, &points, &film), [[0.0, 0.5], [0.0, 0.5], [-0.2, 0.3]]);
         assert_eq!(written[..6], [FAILED, FAILED, FAILED, 51, 254, 0]);
@@ -376,7 +376,7 @@ mod tests {
             index: 0,
             mirrored: film.mirrored,
             elements: outlines.len(),
-            surface: CoarseSurface::of(&points, &outlines, 100),
+            surface: CoarseSurface::from_points(&points, &outlines, 100),
         };
         // A corner of the first element alone, which has failed.
         points[0] = [-1e6; 3];
@@ -402,7 +402,7 @@ mod tests {
         let (points, film) = sheet(300);
         let snapshots: Vec<Snapshot> = (0..40).map(|at| snapshot(f64::from(at), &points, &film)).collect();
         let outlines: Vec<[u32; 4]> = film.outlines().collect();
-        let surface = CoarseSurface::of(&points, &outlines, MOST_PATCHES / 4);
+        let surface = CoarseSurface::from_points(&points, &outlines, MOST_PATCHES / 4);
         let most = (MOST_BYTES / surface.bytes()).clamp(2, MOST_STATES);
         let face = Face { index: 0, mirrored: film.mirrored, elements: outlines.len(), surface };
         let states = snapshots.iter().take(most).collect();

@@ -13,7 +13,7 @@ const SIDES: u32 = 64;
 /// The impactors of `model` in the snapshots, and the bars of its frame.
 pub(super) fn tracks(model: &Model, impactors: &[Surface], snapshots: &[&Snapshot]) -> Vec<BodyTrack> {
     let track = |(index, (surface, name)): (usize, (&Surface, Option<&str>))| {
-        let Body { points, triangles } = Body::of(surface, SIDES);
+        let Body { points, triangles } = Body::from_surface(surface, SIDES);
         let poses = snapshots.iter().filter_map(|snapshot| poses(snapshot).nth(index)).collect();
         let name = name.map_or_else(|| "impactor".to_owned(), |name| format!("impactors/{name}"));
         BodyTrack { name, points, triangles, poses }

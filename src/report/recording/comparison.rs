@@ -88,7 +88,7 @@ mod tests {
             let signals = Recording { time: vec![0.0, 0.25], channels };
             StoredRun { place: place.into(), signals, ..StoredRun::default() }
         };
-        let scene = scene(&RunComparison::of(&[run("/r/a", 2e6), run("/r/b", 4e6)], &[]));
+        let scene = scene(&RunComparison::from_runs(&[run("/r/a", 2e6), run("/r/b", 4e6)], &[]));
         let charts: Vec<_> = scene.charts.iter().map(|chart| (chart.title.as_str(), chart.signals.len())).collect();
         assert_eq!(charts, [("strain (%)", 2), ("stress (MPa)", 2)]);
         let of_b = scene.signals.iter().find(|track| track.path == scene.charts[1].signals[1]).expect("a signal");

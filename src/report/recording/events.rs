@@ -9,7 +9,7 @@ use lab::signal::column::{self, Column};
 use study::post::lowest_point;
 
 /// First contact, extremes, release, rupture and findings in the order of time, and the log of the post script.
-pub(super) fn of(run: &RunPage) -> Vec<Event> {
+pub(super) fn listed(run: &RunPage) -> Vec<Event> {
     let signals = &run.results.signals;
     let end = signals.time.last().copied().unwrap_or_default();
     let rupture = run.outcome.rupture_time.map(|time| (time, Severity::Warning, "first element fails".to_owned()));

@@ -85,7 +85,7 @@ mod tests {
             tris: vec![[1, 4, 2], [4, 5, 2]],
             held: vec![],
             mirrored: [false; 2],
-            quality: Quality::of(&Mesh::default()),
+            quality: Quality::from_mesh(&Mesh::default()),
         };
         assert_eq!(triangles(&film).len(), 4);
         assert_eq!(per_triangle(&film, |element| element != 2), [true, true, true, false]);

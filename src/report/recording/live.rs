@@ -165,7 +165,7 @@ impl<'a> Live<'a> {
     /// The scene before its first snapshot.
     fn begin(&mut self, event: &SnapshotEvent<'_>) -> Scene {
         let Live { model, comparison, scenario, .. } = *self;
-        let signals = signals::of(event.signals, event.energies, comparison, model.run_time());
+        let signals = signals::charted(event.signals, event.energies, comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&model.subject()));
         let texts = [super::Text { title: super::SUMMARY.to_owned(), markdown: begun }, super::scenario(scenario)];
         let quantities: Vec<Quantity> = film::quantities(&[event.snapshot]).into_iter().map(with_margin).collect();
@@ -196,7 +196,7 @@ impl<'a> Live<'a> {
             time: event.snapshot.time,
             films: films.map(|(face, film)| film::state(film, event.snapshot, face)).collect(),
             poses: body::poses(event.snapshot).collect(),
-            samples: signals::of(&signals, &energies, None, f64::INFINITY).tracks,
+            samples: signals::charted(&signals, &energies, None, f64::INFINITY).tracks,
             ranges,
         }
     }
@@ -216,14 +216,14 @@ impl<'a> Live<'a> {
     /// the end, the output of the post script, and the log.
     fn rest(&self, run: &RunPage) -> Scene {
         let results = run.results;
-        let all = signals::of(&results.signals, &run.outcome.energies, self.comparison, self.model.run_time());
+        let all = signals::charted(&results.signals, &run.outcome.energies, self.comparison, self.model.run_time());
         Scene {
             documents: documents(run),
             signals: all.tracks.into_iter().map(|track| self.unsent(track)).collect(),
             charts: all.charts,
             more_charts: all.more_charts,
             diagrams: diagram::diagrams("plots", &results.script_output.plots).collect(),
-            events: events::of(run),
+            events: events::listed(run),
             ..Scene::default()
         }
     }
@@ -307,7 +307,7 @@ mod tests {
     }
 
     fn film() -> Film {
-        let quality = Quality::of(&Mesh::default());
+        let quality = Quality::from_mesh(&Mesh::default());
         Film { nodes: 3, quads: vec![], tris: vec![[0, 1, 2]], held: vec![], mirrored: [false; 2], quality }
     }
 
@@ -377,7 +377,7 @@ mod tests {
         show(0.2, 7);
         assert_eq!(live.lost, 1);
 
-        let whole = signals::of(&forces(9), &energies, None, f64::INFINITY).tracks.remove(0);
+        let whole = signals::charted(&forces(9), &energies, None, f64::INFINITY).tracks.remove(0);
         let made = SignalTrack { path: "signals/filtered".to_owned(), ..whole.clone() };
         assert_eq!(live.unsent(whole).values, [7.0, 8.0], "those after the last state that got through");
         assert_eq!(live.unsent(made).values.len(), 9, "channels that are made in the end come whole");

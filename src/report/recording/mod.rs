@@ -60,13 +60,13 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
 /// # Errors
 /// The file cannot be written.
 pub fn write_study(path: &Path, study: &StudyPage) -> Result<(), RecordingError> {
-    Ok(viz::write(path, searches::scene(&StudyRecording::of(study)))?)
+    Ok(viz::write(path, searches::scene(&StudyRecording::from_page(study)))?)
 }
 
 /// The scene without the snapshots of the films, which are logged one by one.
 fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
     let RunPage { model, outcome, results, .. } = run;
-    let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
+    let signals = signals::charted(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
     Scene {
         name: model.name.clone(),
         is_live: false,
@@ -80,7 +80,7 @@ fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
         charts: signals.charts,
         more_charts: signals.more_charts,
         diagrams: diagram::diagrams("plots", &results.script_output.plots).collect(),
-        events: events::of(run),
+        events: events::listed(run),
     }
 }
 

@@ -11,7 +11,7 @@ use study::script::{ConvergenceHistory, FitHistory, Iterate, Row, ScriptOutput};
 
 impl StudyRecording {
     /// A recording of the study that its page shows.
-    pub(super) fn of(study: &StudyPage) -> StudyRecording {
+    pub(super) fn from_page(study: &StudyPage) -> StudyRecording {
         let output = study.output;
         let is_over_time = |plot: &&Plot| plot.x.label == TIME;
         let (over_time, plots): (Vec<&Plot>, Vec<&Plot>) = output.plots.iter().partition(is_over_time);

@@ -43,7 +43,7 @@ pub(super) struct Signals {
 }
 
 /// All signals of a run up to now, and beneath them the reference up to the time `end`, s.
-pub(super) fn of(
+pub(super) fn charted(
     signals: &Recording,
     energies: &Recording,
     comparison: Option<&ReferenceComparison>,
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn charts_show_the_channels_that_a_run_has_in_their_units() {
         let signals = recording(&["displacement_m", "force_N", "velocity_m_s"]);
-        let Signals { tracks, charts, more_charts } = of(&signals, &recording(&["hourglass_J"]), None, 1.0);
+        let Signals { tracks, charts, more_charts } = charted(&signals, &recording(&["hourglass_J"]), None, 1.0);
         let shown = charts.iter().chain(&more_charts).map(|c| (c.title.as_str(), c.signals.join(" ")));
         let expected = [
             ("Displacement, mm", "signals/displacement_mm"),
@@ -170,7 +170,7 @@ mod tests {
             reduction_warnings: vec![],
         };
         let Signals { tracks, charts, .. } =
-            of(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison), 0.1);
+            charted(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison), 0.1);
         assert_eq!(charts[0].signals, ["measured/displacement_mm", "signals/displacement_mm"]);
         assert_eq!(
             (tracks[0].label.as_str(), tracks[0].values.as_slice()),
@@ -193,7 +193,7 @@ mod tests {
             reduction_warnings: vec![],
         };
         let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];
-        let tracks = of(&recording(&names), &recording(&[]), Some(&comparison), 0.1).tracks;
+        let tracks = charted(&recording(&names), &recording(&[]), Some(&comparison), 0.1).tracks;
         let stroke = |path: &str| tracks.iter().find(|track| track.path == path).map(|track| track.stroke);
         let [absorbed, total] = ["absorbed_energy_J", "total_energy_J"].map(|name| stroke(&format!("measured/{name}")));
         assert_ne!(absorbed, total);

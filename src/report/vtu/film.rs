@@ -38,7 +38,7 @@ pub(super) fn grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Res
         })
         .collect();
     Ok(Grid {
-        points: points(&sheets, |sheet, node| sheet.image.of(sheet.state.positions[node])).collect(),
+        points: points(&sheets, |sheet, node| sheet.image.reflect(sheet.state.positions[node])).collect(),
         cells: cells.iter().map(Cell::corners).collect(),
         on_points: on_points(&sheets),
         on_cells: on_cells(&cells, has_thickness(outcome)),
@@ -73,13 +73,13 @@ fn points<'a, T>(sheets: &'a [Sheet<'a>], value: impl Fn(&Sheet<'_>, usize) -> T
 fn on_points(sheets: &[Sheet<'_>]) -> Vec<Attribute> {
     let displacement = |sheet: &Sheet<'_>, node: usize| {
         let (now, then) = (sheet.state.positions[node], sheet.rest[node]);
-        sheet.image.of([0, 1, 2].map(|axis| now[axis] - then[axis]))
+        sheet.image.reflect([0, 1, 2].map(|axis| now[axis] - then[axis]))
     };
     let touching =
         |sheet: &Sheet<'_>, node: usize| u32::from(sheet.state.in_contact.binary_search(&(node as u32)).is_ok());
     vec![
         vectors("displacement_m", points(sheets, displacement)),
-        vectors("velocity_m_s", points(sheets, |sheet, node| sheet.image.of(sheet.detail.velocities[node]))),
+        vectors("velocity_m_s", points(sheets, |sheet, node| sheet.image.reflect(sheet.detail.velocities[node]))),
         numbers("touching", points(sheets, touching)),
     ]
 }

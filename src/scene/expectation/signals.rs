@@ -105,7 +105,7 @@ fn too_far(name: &str, bounds: &SignalBounds, recorded: &Series, found: &Series)
     let largest = recorded.values().iter().filter(|value| value.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()));
     let allowed = allowed(bounds.absolute, bounds.relative, largest);
     let beyond = |[time, expected]: [f64; 2]| {
-        let value = at(found, time);
+        let value = value_at(found, time);
         let distance = match (value.is_nan(), expected.is_nan()) {
             (true, true) => 0.0,
             (false, false) if bounds.time == 0.0 => (value - expected).abs(),
@@ -123,7 +123,7 @@ fn too_far(name: &str, bounds: &SignalBounds, recorded: &Series, found: &Series)
 }
 
 /// The value at `time`: that of a sample there, between samples by interpolation.
-fn at(series: &Series, time: f64) -> f64 {
+fn value_at(series: &Series, time: f64) -> f64 {
     let place = series.time().partition_point(|own| *own < time - SAME_TIME);
     match series.time().get(place) {
         Some(own) if (own - time).abs() <= SAME_TIME => series.values()[place],
@@ -133,7 +133,7 @@ fn at(series: &Series, time: f64) -> f64 {
 
 /// Distance of a value from those that the signal has not farther than `shift` from `time`.
 fn distance_within(series: &Series, time: f64, shift: f64, value: f64) -> f64 {
-    let ends = [at(series, time - shift), at(series, time), at(series, time + shift)];
+    let ends = [value_at(series, time - shift), value_at(series, time), value_at(series, time + shift)];
     let near = series.window([time - shift, time + shift]);
     let values = || near.values().iter().chain(&ends).copied().filter(|value| value.is_finite());
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));

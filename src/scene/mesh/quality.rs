@@ -31,7 +31,7 @@ pub struct Quality {
 
 impl Quality {
     /// Measures every element of `mesh`.
-    pub fn of(mesh: &Mesh) -> Quality {
+    pub fn from_mesh(mesh: &Mesh) -> Quality {
         let none = Quality {
             elements: 0,
             edges: [f64::INFINITY, 0.0],

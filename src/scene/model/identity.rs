@@ -24,7 +24,7 @@ impl Identity {
     ///
     /// # Errors
     /// A mesh cannot be read.
-    pub fn of(model: &Model) -> io::Result<Identity> {
+    pub fn from_model(model: &Model) -> io::Result<Identity> {
         let meshes = model.meshes().into_iter().map(|mesh| digest(mesh.path)).collect::<io::Result<_>>()?;
         Ok(Identity { model: decisive(model), meshes })
     }

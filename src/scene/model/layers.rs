@@ -177,6 +177,7 @@ fn meshing(
         (None, true) => 0.0,
         (Some(_), true) => {
             let path = if mistakes.is_written(path) { path } else { "specimen.mesh.size" };
+            // A key of the base scenario cannot be deleted here, only unset.
             let inherited = mistakes.is_inherited(path);
             let remedy = if inherited { "; `unset = [\"specimen.mesh.size\"]` leaves it out" } else { "" };
             mistakes.out_of_place(path, format!("an imported mesh has its own element size{remedy}"));

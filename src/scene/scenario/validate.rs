@@ -50,7 +50,7 @@ impl Place {
         Place { path: self.name(&entry.key), span: entry.key_span.clone() }
     }
 
-    fn at(&self, index: usize, item: &Node) -> Place {
+    fn item(&self, index: usize, item: &Node) -> Place {
         Place { path: self.name(&index.to_string()), span: item.span.clone() }
     }
 
@@ -75,13 +75,13 @@ impl Walk {
             (Rule::List { item, min_items, max_items }, Value::List(items)) => {
                 self.length(items.len(), *min_items, *max_items, &node.span);
                 for (index, child) in items.iter().enumerate() {
-                    self.node(child, item, &place.at(index, child));
+                    self.node(child, item, &place.item(index, child));
                 }
             }
             (Rule::Tuple(rules), Value::List(items)) => {
                 self.length(items.len(), rules.len(), rules.len(), &node.span);
                 for (index, (child, rule)) in items.iter().zip(rules).enumerate() {
-                    self.node(child, rule, &place.at(index, child));
+                    self.node(child, rule, &place.item(index, child));
                 }
             }
             (Rule::Choice(words), Value::Text(text)) => {

@@ -25,7 +25,7 @@ const ELEMENTS_A_THREAD: usize = 400;
 /// # Errors
 /// Film or impactor cannot be meshed or mounted.
 pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
-    let loading = loading::of(model);
+    let loading = loading::load_case(model);
     let factor = match model.loading.mass_scaling() {
         MassScaling::Given(factor) => return mounted(model, &*loading, factor),
         MassScaling::Unscaled => return mounted(model, &*loading, 1.0),
@@ -47,12 +47,13 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let multiplicity = model.specimen.symmetry.copies();
     let (damping, step_factor) = (loading.damping(), model.solver.step_factor);
     let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
-    let mut held = if loading.has_frame_force() { HeldSides::of(model) } else { HeldSides::default() };
-    let mut crest = frame::Crest::of(model);
+    let mut held = if loading.has_frame_force() { HeldSides::from_model(model) } else { HeldSides::default() };
+    let mut crest = frame::Crest::from_model(model);
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
         let first = nodes.position.len();
         let mut section = mount::section(face, mass_scaling);
+        // Air that moves with the film is inertia of the film: spread over its thickness it needs no term of its own.
         section.density += model.air.map_or(0.0, |air| air.added_mass) / section.thickness;
         let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
         for (cut, points) in model.specimen.cuts.iter().enumerate() {
@@ -90,6 +91,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         let width = clamp.width.unwrap_or(f64::INFINITY);
         Clamp::new(clamped, &nodes, width, multiplicity)
     });
+    // After the impactors, because bodies are numbered in this order and the frame is told by being the last.
     let bars = frame::bars(model, &films)?;
     let engine = Engine::new(films, nodes, impacts.into_iter().chain(bars), loads);
     let engine = match clamp {
@@ -118,7 +120,7 @@ fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {
         tris: mesh.tris.clone(),
         held: held_edges(mesh, &model.frame.hold),
         mirrored: model.specimen.symmetry.mirrors(),
-        quality: Quality::of(mesh),
+        quality: Quality::from_mesh(mesh),
     }
 }
 

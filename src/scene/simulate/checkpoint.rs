@@ -37,7 +37,7 @@ pub struct Checkpoints<'a> {
 
 impl<'a> Checkpoint<'a> {
     /// The present state of a run; `wall` is its wall time so far.
-    pub(super) fn of(engine: &Engine, probe: &'a Probe<'_>, wall: Duration) -> Checkpoint<'a> {
+    pub(super) fn capture(engine: &Engine, probe: &'a Probe<'_>, wall: Duration) -> Checkpoint<'a> {
         Checkpoint { engine: engine.state(), record: probe.record(), wall }
     }
 

@@ -113,7 +113,7 @@ impl RunError {
         match (name(first), name(second)) {
             (Some(first), Some(second)) => RunError::ImpactorsOverlap { names: [first, second], depth },
             // The bars are the last body.
-            _ => RunError::InFrame { impactor: first, name: ImpactorName::of(model, first), depth },
+            _ => RunError::InFrame { impactor: first, name: ImpactorName::of_impactor(model, first), depth },
         }
     }
 

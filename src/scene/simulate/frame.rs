@@ -54,7 +54,7 @@ pub(super) struct Crest {
 
 impl Crest {
     /// That of `model`, before any face is mounted.
-    pub(super) fn of(model: &Model) -> Crest {
+    pub(super) fn from_model(model: &Model) -> Crest {
         Crest { nodes: vec![], copies: model.frame.bars.map_or(0.0, |_| model.specimen.symmetry.copies()) }
     }
 

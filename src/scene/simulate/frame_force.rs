@@ -22,7 +22,7 @@ struct HeldSide {
 
 impl HeldSides {
     /// The held sides of `model`, before any face is mounted.
-    pub(super) fn of(model: &Model) -> HeldSides {
+    pub(super) fn from_model(model: &Model) -> HeldSides {
         let is_rectangle = matches!(model.specimen.shape, Outline::Rectangle { .. });
         let sides = match &model.frame.hold {
             _ if !is_rectangle => vec![],

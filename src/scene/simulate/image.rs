@@ -38,7 +38,7 @@ impl Image {
     }
 
     /// The image of a point or a vector.
-    pub fn of(self, place: [f32; 3]) -> [f32; 3] {
+    pub fn reflect(self, place: [f32; 3]) -> [f32; 3] {
         let signs = self.signs();
         [0, 1, 2].map(|axis| signs[axis] * place[axis])
     }
@@ -47,7 +47,7 @@ impl Image {
     /// direction is arbitrary; it is the one of the film itself.
     pub fn of_fibre(self, direction: [f32; 3], axis: usize) -> [f32; 3] {
         let sign = self.signs()[axis];
-        self.of(direction).map(|c| sign * c)
+        self.reflect(direction).map(|c| sign * c)
     }
 }
 
@@ -64,12 +64,12 @@ mod tests {
             ([false, true], &[0, 2]),
             ([false, false], &[0]),
         ] {
-            let quality = Quality::of(&Mesh::default());
+            let quality = Quality::from_mesh(&Mesh::default());
             let film = Film { nodes: 0, quads: vec![], tris: vec![], held: vec![], mirrored, quality };
             let found: Vec<u32> = film.images().map(|image| image.number).collect();
             assert_eq!(found, numbers);
             for image in film.images() {
-                assert_eq!(image.of([1.0, 2.0, 3.0])[2], 3.0);
+                assert_eq!(image.reflect([1.0, 2.0, 3.0])[2], 3.0);
                 assert_eq!(image.is_reversed(), image.signs().iter().product::<f32>() < 0.0);
                 assert_eq!(image.of_fibre([1.0, 0.0, 0.0], 0), [1.0, 0.0, 0.0], "with the sign of the film itself");
             }

@@ -142,7 +142,7 @@ pub fn run_with(
             let took_steps = relaxation.is_some_and(|relaxation| relaxation.steps > 0);
             // Equilibrium of a fine mesh takes longer than its test: a run that resumes does not repeat it.
             if let Some(checkpoints) = checkpoints.as_mut().filter(|_| took_steps && !cancellation.is_cancelled()) {
-                (checkpoints.write)(&Checkpoint::of(&engine, &probe, begin.elapsed()));
+                (checkpoints.write)(&Checkpoint::capture(&engine, &probe, begin.elapsed()));
             }
         });
     }
@@ -241,7 +241,7 @@ fn advance(
     let mut due = checkpoints.as_ref().map_or(f64::INFINITY, |c| after(engine.time(), c.every));
     while !probe.is_done(engine.time()) && !cancellation.is_cancelled() {
         if let Some(checkpoints) = checkpoints.as_mut().filter(|_| engine.time() >= due) {
-            (checkpoints.write)(&Checkpoint::of(engine, probe, wall()));
+            (checkpoints.write)(&Checkpoint::capture(engine, probe, wall()));
             due = after(engine.time(), checkpoints.every);
         }
         let time = engine.time();

@@ -210,9 +210,10 @@ impl Monitor {
             unfinished,
         } = figures;
         let [wanted, taken] = snapshots;
-        let impactors = (0..model.impactors.len()).map(|place| ImpactorName::of(model, place));
+        let impactors = (0..model.impactors.len()).map(|place| ImpactorName::of_impactor(model, place));
         let names: Vec<ImpactorName> = impactors.chain(self.has_bars.then(ImpactorName::bars)).collect();
-        let sizes = model.impactors.iter().map(|impactor| BodySize::of(&impactor.shape)).chain([BodySize::Radius]);
+        let sizes =
+            model.impactors.iter().map(|impactor| BodySize::from_shape(&impactor.shape)).chain([BodySize::Radius]);
         let of = |which: &[bool], warning: fn(ImpactorName) -> Warning| -> Vec<Warning> {
             let named = names.iter().zip(which).filter(|(_, is)| **is);
             named.map(|(name, _)| warning(name.clone())).collect()

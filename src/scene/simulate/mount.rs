@@ -147,9 +147,11 @@ pub(super) fn over_film(
     nodes: &Nodes,
 ) -> Result<(Contact, Isometry3<f64>), RunError> {
     let impactor = &model.impactors[place];
-    let name = || ImpactorName::of(model, place);
+    let name = || ImpactorName::of_impactor(model, place);
     let surface = surface(&impactor.shape)?;
     let mut offset = vec![0.0; nodes.position.len()];
+    // Layers without a gap lie on each other: the impactor meets the first at half its thickness, and each further one
+    // beyond all that lie between.
     let mut between = 0.0;
     for film in films {
         offset[film.nodes.clone()].fill(between + 0.5 * film.thickness);
@@ -171,6 +173,8 @@ pub(super) fn over_film(
     if model.faces.len() > 1 && z < first {
         return Err(RunError::Below { impactor: place, name: name() });
     }
+    // Only a place that was written can overlap, and only a body that is free from the start would be thrown out of it:
+    // a held one meets film that has moved by then.
     if impactor.height.is_some() && impactor.release == 0.0 {
         let gap = contact.smallest_gap(nodes, &pose);
         if gap < -OVERLAP * contact.surface().size() {

@@ -72,7 +72,7 @@ impl<'a> Probe<'a> {
     pub(super) fn new(model: &'a Model, mounting: &Mounting, detailed: bool) -> Probe<'a> {
         let sample = 1.0 / model.output.sample_rate;
         let duration = model.run_time();
-        let loading = loading::of(model);
+        let loading = loading::load_case(model);
         let checked_from = if model.loading.inertia() == Inertia::Dynamic { 0.0 } else { CHECKED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
@@ -248,6 +248,7 @@ impl<'a> Probe<'a> {
         let settling = self.settling();
         let signals = self.signals(&mounting);
         let energies = self.energies();
+        // A body that a run ended too early for has not missed the film.
         let ended = self.is_done(engine.time());
         let missed = |other: bool| {
             self.record.tracks.bodies.iter().map(|body| ended && body.touched() == [false, other]).collect()
@@ -259,6 +260,7 @@ impl<'a> Probe<'a> {
         let unfinished = self.model.prefixes().into_iter().map(ends_loaded).collect();
         let snapshots = [self.model.output.frames, self.snapshots];
         let relaxation = self.record.relaxation;
+        // Torn length, area and energy only grow: their last sample is that of the run.
         let last = |column| self.record.tracks.sampled(&column).last().copied();
         let torn = last(column::TORN_LENGTH).zip(last(column::TORN_AREA)).zip(last(column::FRACTURE_ENERGY));
         let figures = Figures {

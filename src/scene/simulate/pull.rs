@@ -65,7 +65,7 @@ pub enum PullError {
 /// # Errors
 /// Another loading than a stretch, a strain of −1 or less, no transverse equilibrium.
 pub fn pull(model: &Model, strains: &[f64], across: Across) -> Result<Vec<f64>, PullError> {
-    let mut element = SingleElement::of(model)?;
+    let mut element = SingleElement::from_model(model)?;
     let (mut before, rate) = (0.0, element.rate);
     let stress = |strain: &f64| {
         let dt = (strain - before).abs() / rate;
@@ -81,7 +81,7 @@ pub fn pull(model: &Model, strains: &[f64], across: Across) -> Result<Vec<f64>, 
 /// # Errors
 /// As [`pull`], and a time before the one of the previous point.
 pub fn pull_along(model: &Model, path: &[[f64; 2]], across: Across) -> Result<Vec<f64>, PullError> {
-    let mut element = SingleElement::of(model)?;
+    let mut element = SingleElement::from_model(model)?;
     let mut before = 0.0;
     let stress = |[time, strain]: &[f64; 2]| {
         if !(time.is_finite() && *time >= before) {
@@ -138,7 +138,7 @@ const BRACKETING_FACTOR: f64 = 1.05;
 const MOST_ITERATIONS: usize = 100;
 
 impl SingleElement {
-    fn of(model: &Model) -> Result<SingleElement, PullError> {
+    fn from_model(model: &Model) -> Result<SingleElement, PullError> {
         let (Some(stretch), Outline::Rectangle { x, y }, [face]) =
             (loading::stretch(model), &model.specimen.shape, &model.faces[..])
         else {

@@ -33,7 +33,7 @@ impl ImpactorName {
     }
 
     /// That at this place among the impactors of `model`.
-    pub(super) fn of(model: &Model, place: usize) -> ImpactorName {
+    pub(super) fn of_impactor(model: &Model, place: usize) -> ImpactorName {
         ImpactorName::named(model.names().get(place).copied().flatten())
     }
 
@@ -87,7 +87,7 @@ pub enum BodySize {
 
 impl BodySize {
     /// That of a body of this shape.
-    pub(super) fn of(shape: &ImpactorShape) -> BodySize {
+    pub(super) fn from_shape(shape: &ImpactorShape) -> BodySize {
         match shape {
             ImpactorShape::Sphere { .. } | ImpactorShape::Hemisphere { .. } | ImpactorShape::Capsule { .. } => {
                 BodySize::Radius

@@ -14,7 +14,7 @@ pub fn build_name() -> &'static str {
 
 fn name_of(answers: &[f64]) -> String {
     let bits: Vec<u8> = answers.iter().flat_map(|answer| answer.to_bits().to_le_bytes()).collect();
-    let library = &Key::of(&[&bits]).to_string()[..16];
+    let library = &Key::from_parts(&[&bits]).to_string()[..16];
     concat!(env!("CARGO_PKG_VERSION"), " ", env!("DROPTOWER_BUILD"), " ").to_owned() + library
 }
 

@@ -136,7 +136,7 @@ pub struct NoOutcome {
 
 impl NoOutcome {
     /// The cause in the error of a run of `model`.
-    pub fn of(error: &RunError, model: &Model) -> NoOutcome {
+    pub fn from_error(error: &RunError, model: &Model) -> NoOutcome {
         let cause = match (error, error.hint()) {
             (RunError::Failure(failure), _) => failure_message(failure, model),
             (error, Some(hint)) => format!("{error}: {hint}"),
@@ -148,7 +148,7 @@ impl NoOutcome {
 
 impl Figure {
     /// Of a value of a summary; none of a list, a table or nothing.
-    fn of(value: &Value) -> Option<Figure> {
+    fn from_value(value: &Value) -> Option<Figure> {
         match value {
             Value::Number(number) => number.as_f64().map(Figure::Number),
             Value::Bool(flag) => Some(Figure::Flag(*flag)),
@@ -174,11 +174,11 @@ impl Evaluation {
     }
 
     /// The record of a run with these results.
-    fn of(model: &Model, outcome: &Outcome, results: &Results, wall_s: f64) -> Evaluation {
+    fn from_outcome(model: &Model, outcome: &Outcome, results: &Results, wall_s: f64) -> Evaluation {
         let is_figure = |name: &str| !HEADER.contains(&name) && !OF_THE_MACHINE.contains(&name);
         let summary = results.summary(model);
         let figures = summary.iter().filter(|(name, _)| is_figure(name));
-        let figures = figures.filter_map(|(name, value)| Some((name.clone(), Figure::of(value)?))).collect();
+        let figures = figures.filter_map(|(name, value)| Some((name.clone(), Figure::from_value(value)?))).collect();
         let mut findings: Vec<String> = Vec::new();
         for finding in results.measures.findings().iter() {
             if !findings.contains(&finding.code) {
@@ -201,15 +201,15 @@ impl Evaluations {
     /// The records cannot be read.
     pub fn open(folder: &Path) -> Result<Evaluations, EvaluationError> {
         let failed = |source| EvaluationError::Store { folder: folder.into(), source };
-        EvaluationStore::open(folder, build_name()).map_err(failed).map(Evaluations::of)
+        EvaluationStore::open(folder, build_name()).map_err(failed).map(Evaluations::from_store)
     }
 
     /// Evaluations in `folder`, which is not read: for scripts that do not run.
     pub fn without_loading(folder: &Path) -> Evaluations {
-        Evaluations::of(EvaluationStore::without_loading(folder, build_name()))
+        Evaluations::from_store(EvaluationStore::without_loading(folder, build_name()))
     }
 
-    fn of(store: EvaluationStore) -> Evaluations {
+    fn from_store(store: EvaluationStore) -> Evaluations {
         Evaluations { store, share: Share::WHOLE, cache_hits: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
     }
 
@@ -244,7 +244,7 @@ impl Evaluations {
             (None, None) => run,
             (reference, script) => {
                 let reference = reference.as_ref().map(content).transpose().map_err(EvaluationError::Input)?;
-                Key::of(&[&run.0, &reference.unwrap_or_default(), script.unwrap_or_default().as_bytes()])
+                Key::from_parts(&[&run.0, &reference.unwrap_or_default(), script.unwrap_or_default().as_bytes()])
             }
         };
         Ok(EvaluationKeys { run, figures })
@@ -285,6 +285,7 @@ impl Evaluations {
             return Ok(Evaluated { evaluation, is_new: false });
         }
         let begin = std::time::Instant::now();
+        // No figure needs snapshots, and they would be most of what is kept.
         let model = &without_snapshots(model);
         let kept = self.outcome(keys.run)?;
         let is_kept = kept.is_some();
@@ -301,7 +302,7 @@ impl Evaluations {
                     self.keep(keys.run, &outcome)?;
                 }
                 match plan.evaluate(model, &outcome) {
-                    Ok(results) => Evaluation::of(model, &outcome, &results, begin.elapsed().as_secs_f64()),
+                    Ok(results) => Evaluation::from_outcome(model, &outcome, &results, begin.elapsed().as_secs_f64()),
                     Err(error) if error.may_pass() => return Err(EvaluationError::Passing(error.to_string())),
                     Err(error) => Evaluation::failed(error.to_string()),
                 }
@@ -311,11 +312,12 @@ impl Evaluations {
                 let cause = failure_message(&failure, model);
                 let so_far = plan.measure(model, &failure.so_far).ok();
                 let wall = begin.elapsed().as_secs_f64();
-                let so_far = so_far.map(|results| Evaluation::of(model, &failure.so_far, &results, wall));
+                let so_far = so_far.map(|results| Evaluation::from_outcome(model, &failure.so_far, &results, wall));
                 Evaluation { failure: Some(cause.clone()), ..so_far.unwrap_or_else(|| Evaluation::failed(cause)) }
             }
+            // What may be different at the next try must not be stored as the value of this point.
             Err(error) if error.may_pass() => return Err(EvaluationError::Passing(error.to_string())),
-            Err(error) => Evaluation::failed(NoOutcome::of(&error, model).cause),
+            Err(error) => Evaluation::failed(NoOutcome::from_error(&error, model).cause),
         };
         self.add(keys, &evaluation)?;
         let count = if is_kept { &self.cache_hits } else { &self.computed };
@@ -350,7 +352,7 @@ impl Evaluations {
             Ok(outcome) => self.keep(run, outcome)?,
             Err(error) if error.may_pass() => {}
             Err(error) => {
-                let record = packed(&NoOutcome::of(error, &model)).map_err(|source| self.failed(source))?;
+                let record = packed(&NoOutcome::from_error(error, &model)).map_err(|source| self.failed(source))?;
                 self.store.put(failure_key(run), &record).map_err(|source| self.failed(source))?;
             }
         }
@@ -359,7 +361,7 @@ impl Evaluations {
             return Err(EvaluationError::Cancelled);
         }
         self.computed.fetch_add(1, Ordering::Relaxed);
-        Ok(Some(found.map_err(|error| NoOutcome::of(&error, &model))))
+        Ok(Some(found.map_err(|error| NoOutcome::from_error(&error, &model))))
     }
 
     /// The outcome of a run, waiting for another thread or process that computes it.
@@ -426,7 +428,7 @@ impl Evaluations {
 
 /// Key of why a run has no outcome.
 fn failure_key(run: Key) -> Key {
-    Key::of(&[&run.0, b"failure"])
+    Key::from_parts(&[&run.0, b"failure"])
 }
 
 /// Whether a figure of that name says what a run cost, not what came of it.
@@ -443,8 +445,8 @@ fn without_snapshots(model: &Model) -> Model {
 
 /// The identity of a run of a model without snapshots, by this build.
 fn run_key(model: &Model) -> Result<Key, EvaluationError> {
-    let identity = Identity::of(model).map_err(EvaluationError::Input)?;
-    Ok(Key::of(&[build_name().as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
+    let identity = Identity::from_model(model).map_err(EvaluationError::Input)?;
+    Ok(Key::from_parts(&[build_name().as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
 }
 
 /// The bytes that decide a reference: how it is read, and its file.

@@ -48,10 +48,10 @@ pub(super) fn register(engine: &mut Engine) {
 pub(super) fn register_reading(engine: &mut Engine) {
     engine
         .register_fn("read_coupons", |context: NativeCallContext, pattern: &str, coupon: Coupon| {
-            read_all(&Session::of(&context), pattern, coupon, &Map::new())
+            read_all(&Session::from_context(&context), pattern, coupon, &Map::new())
         })
         .register_fn("read_coupons", |context: NativeCallContext, pattern: &str, coupon: Coupon, rules: Map| {
-            read_all(&Session::of(&context), pattern, coupon, &rules)
+            read_all(&Session::from_context(&context), pattern, coupon, &rules)
         });
 }
 

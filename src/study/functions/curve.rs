@@ -19,7 +19,7 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("stresses", |curve: &mut Curve| list(curve.stress()))
         .register_fn("start", |curve: &mut Curve| curve.range()[0])
         .register_fn("end", |curve: &mut Curve| curve.range()[1])
-        .register_fn("at", at)
+        .register_fn("at", value_at)
         .register_fn("slice", slice)
         .register_fn("resultants", |curve: &mut Curve, thickness: Dynamic| {
             Ok::<_, Box<EvalAltResult>>(list(&curve.resultant(number(&thickness, "the thickness")?)))
@@ -36,7 +36,7 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
         .register_fn("relative_residuals", |context: NativeCallContext, curve: Curve, reference: Curve| {
             let residuals = relative_residuals(&curve, &reference).map_err(refuse)?;
-            Session::of(&context).add_comparison(|| Compared::curves(&curve, &reference));
+            Session::from_context(&context).add_comparison(|| Compared::curves(&curve, &reference));
             Ok::<_, Box<EvalAltResult>>(list(&residuals))
         })
         .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {
@@ -92,7 +92,7 @@ fn describe(curve: &mut Curve) -> String {
     format!("curve of {} samples from strain {start} to {end}", curve.strain().len())
 }
 
-fn at(curve: &mut Curve, strain: Dynamic) -> HostResult<f64> {
+fn value_at(curve: &mut Curve, strain: Dynamic) -> HostResult<f64> {
     let strain = number(&strain, "a strain")?;
     curve.stress_at(strain).ok_or_else(|| refuse(format!("the curve has no stress at the strain {strain}")))
 }

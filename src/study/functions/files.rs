@@ -27,7 +27,7 @@ fn csv(names: &Array, columns: &Array, comments: &Array) -> HostResult<String> {
     if names.len() != columns.len() {
         return Err(refuse(format!("{} names for {} columns", names.len(), columns.len())));
     }
-    let columns = columns.iter().map(Column::of).collect::<HostResult<Vec<_>>>()?;
+    let columns = columns.iter().map(Column::from_value).collect::<HostResult<Vec<_>>>()?;
     let columns: Vec<&[f64]> = columns.iter().map(Column::values).collect();
     let rows = columns.first().map_or(0, |column| column.len());
     if let Some(place) = columns.iter().position(|column| column.len() != rows) {
@@ -76,7 +76,7 @@ pub(super) enum Column {
 
 impl Column {
     /// The values of a signal or the numbers of a list, where `()` is NaN.
-    pub(super) fn of(column: &Dynamic) -> HostResult<Column> {
+    pub(super) fn from_value(column: &Dynamic) -> HostResult<Column> {
         if let Some(series) = column.read_lock::<Series>() {
             return Ok(Column::Signal(series.clone()));
         }

@@ -23,10 +23,12 @@ pub(super) fn register(engine: &mut Engine) {
 /// Offers `read_stresses` to scripts that may read files.
 pub(super) fn register_reading(engine: &mut Engine) {
     engine
-        .register_fn("read_stresses", |context: NativeCallContext, path: &str| read(&Session::of(&context), path, None))
+        .register_fn("read_stresses", |context: NativeCallContext, path: &str| {
+            read(&Session::from_context(&context), path, None)
+        })
         .register_fn("read_stresses", |context: NativeCallContext, path: &str, kind: &str| {
             let kind = kind.parse().map_err(refuse)?;
-            read(&Session::of(&context), path, Some(kind))
+            read(&Session::from_context(&context), path, Some(kind))
         });
 }
 

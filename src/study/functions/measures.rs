@@ -41,7 +41,7 @@ fn clip(s: &Series, duration: &Dynamic, counting: Counting) -> HostResult<f64> {
 fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> HostResult<Map> {
     let rating = rating::rate(&reference, &comparison).map_err(refuse)?;
     let all = [f64::NEG_INFINITY, f64::INFINITY];
-    Session::of(&context).add_comparison(|| Compared::signals(&comparison, &reference, all));
+    Session::from_context(&context).add_comparison(|| Compared::signals(&comparison, &reference, all));
     let notes: Array = rating.warnings.iter().map(|warning| Dynamic::from(warning.to_string())).collect();
     let entries: [(&str, Dynamic); 9] = [
         ("corridor", rating.corridor.into()),

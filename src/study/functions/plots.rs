@@ -70,12 +70,12 @@ fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
 /// The curves with their names; a single curve takes the title.
 fn given(title: &str, curves: &Dynamic) -> HostResult<Vec<Given>> {
     if let Some(map) = curves.read_lock::<Map>() {
-        return map.iter().map(|(name, curve)| Given::of(name, curve)).collect();
+        return map.iter().map(|(name, curve)| Given::from_curve(name, curve)).collect();
     }
     let all_named = |list: &Array| !list.is_empty() && list.iter().all(Dynamic::is_map);
     match curves.read_lock::<Array>() {
         Some(list) if all_named(&list) => list.iter().map(Given::named).collect(),
-        _ => Ok(vec![Given { name: title.into(), look: Look::Line, shape: Shape::of(curves)? }]),
+        _ => Ok(vec![Given { name: title.into(), look: Look::Line, shape: Shape::from_value(curves)? }]),
     }
 }
 
@@ -84,18 +84,18 @@ impl Given {
     fn named(map: &Dynamic) -> HostResult<Given> {
         let name = map.read_lock::<Map>().and_then(|map| map.get("name").cloned());
         let name = name.ok_or_else(|| refuse("a curve of a list needs its `name`"))?;
-        Given::of(&name.to_string(), map)
+        Given::from_curve(&name.to_string(), map)
     }
 
     /// A curve, or a map of a curve and its look.
-    fn of(name: &str, curve: &Dynamic) -> HostResult<Given> {
+    fn from_curve(name: &str, curve: &Dynamic) -> HostResult<Given> {
         let Some(map) = curve.read_lock::<Map>() else {
-            return Ok(Given { name: name.into(), look: Look::Line, shape: Shape::of(curve)? });
+            return Ok(Given { name: name.into(), look: Look::Line, shape: Shape::from_value(curve)? });
         };
         let options = Options { of: "a curve of a plot", map: &map };
         options.check(&["name", "curve", "look"])?;
         let look = map.get("look").map_or(Ok(Look::Line), look)?;
-        Ok(Given { name: name.into(), look, shape: Shape::of(options.value("curve")?)? })
+        Ok(Given { name: name.into(), look, shape: Shape::from_value(options.value("curve")?)? })
     }
 
     fn drawn(&self, [x, y]: [f64; 2]) -> Curve {
@@ -115,7 +115,7 @@ fn look(value: &Dynamic) -> HostResult<Look> {
 }
 
 impl Shape {
-    fn of(value: &Dynamic) -> HostResult<Shape> {
+    fn from_value(value: &Dynamic) -> HostResult<Shape> {
         if let Some(series) = value.read_lock::<Series>() {
             return Ok(Shape::Signal(series.clone()));
         }
@@ -127,7 +127,7 @@ impl Shape {
         let [x, y] = pair.as_slice() else {
             return Err(refuse(format!("a pair of a plot is [xs, ys], not a list of {}", pair.len())));
         };
-        let columns = [Column::of(x)?, Column::of(y)?];
+        let columns = [Column::from_value(x)?, Column::from_value(y)?];
         let [x, y] = columns.each_ref().map(|column| column.values().len());
         if x == y { Ok(Shape::Pair(columns)) } else { Err(refuse(format!("{x} values along x for {y} along y"))) }
     }

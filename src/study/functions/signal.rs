@@ -21,7 +21,7 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("time_of_min", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(smallest(s)?[0]))
         .register_fn("start", |s: &mut Series| end_of(s.time().first()))
         .register_fn("end", |s: &mut Series| end_of(s.time().last()))
-        .register_fn("at", at)
+        .register_fn("at", value_at)
         .register_fn("slice", slice)
         .register_fn("mean", mean)
         .register_fn("integral", |s: &mut Series| integrate::total(s))
@@ -84,7 +84,7 @@ fn nothing() -> Box<EvalAltResult> {
     refuse("the signal has no samples")
 }
 
-fn at(s: &mut Series, time: Dynamic) -> HostResult<f64> {
+fn value_at(s: &mut Series, time: Dynamic) -> HostResult<f64> {
     let time = number(&time, "a time")?;
     s.value_at(time).ok_or_else(|| refuse(format!("the signal has no value at {time} s")))
 }
@@ -118,7 +118,7 @@ fn pointwise(a: &Series, b: &Series, f: Operator) -> Series {
 fn relative_error(context: NativeCallContext, signal: Series, reference: Series, bounds: Dynamic) -> HostResult<f64> {
     let window = window(&bounds)?;
     let error = norm::relative_error(&signal, &reference, window).map_err(refuse)?;
-    Session::of(&context).add_comparison(|| Compared::signals(&signal, &reference, window));
+    Session::from_context(&context).add_comparison(|| Compared::signals(&signal, &reference, window));
     Ok(error)
 }
 
@@ -130,7 +130,7 @@ fn relative_residuals(
 ) -> HostResult<Series> {
     let window = window(&bounds)?;
     let residuals = norm::relative_residuals(&signal, &reference, window).map_err(refuse)?;
-    Session::of(&context).add_comparison(|| Compared::signals(&signal, &reference, window));
+    Session::from_context(&context).add_comparison(|| Compared::signals(&signal, &reference, window));
     Ok(residuals)
 }
 

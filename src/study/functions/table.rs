@@ -35,7 +35,7 @@ enum TableError {
 /// Offers `read_table` to scripts that may read files.
 pub(super) fn register(engine: &mut Engine) {
     engine.register_fn("read_table", |context: NativeCallContext, path: &str| {
-        Session::of(&context).add_input(Path::new(path));
+        Session::from_context(&context).add_input(Path::new(path));
         read(Path::new(path)).map_err(refuse)
     });
 }

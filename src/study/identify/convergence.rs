@@ -47,7 +47,7 @@ impl SignalLabel {
     }
 
     /// The label of signal `index`: of a stress, where it is compared over strain.
-    fn of(labels: &Labels, index: usize, over: Over) -> SignalLabel {
+    fn for_signal(labels: &Labels, index: usize, over: Over) -> SignalLabel {
         let is_stress = |unit: &Unit| unit.measures(Pressure::DIMENSION);
         match (labels.signals.get(index), over) {
             (None, Over::Time) => SignalLabel { quantity: format!("signal {}", index + 1), unit: None },
@@ -97,7 +97,7 @@ fn fits(result: &StartResult, labels: &Labels, evaluator: &Evaluator<'_, '_>) ->
                 Some(fit) if fit.target == compared.target => fit.improvements.push(improvement),
                 Some(_) => {}
                 None => {
-                    let SignalLabel { quantity, unit } = SignalLabel::of(labels, index, compared.target.over);
+                    let SignalLabel { quantity, unit } = SignalLabel::for_signal(labels, index, compared.target.over);
                     fits.push(FitHistory { quantity, unit, target: compared.target, improvements: vec![improvement] });
                 }
             }
@@ -161,7 +161,7 @@ mod tests {
         ] {
             let signals = texts.iter().map(|text| SignalLabel::parse(text)).collect();
             let labels = Labels { title: None, signals };
-            assert_eq!(parts(&SignalLabel::of(&labels, 0, over)), expected, "{texts:?}");
+            assert_eq!(parts(&SignalLabel::for_signal(&labels, 0, over)), expected, "{texts:?}");
         }
     }
 }

@@ -28,8 +28,11 @@ pub fn minimize(
     let mut failures = Failures::default();
     let mut left_out = Vec::new();
     for (number, start) in starts::all(search).into_iter().enumerate() {
+        // Each start has its own count of trials and failures, so that its result does not depend on those before it.
         let trials = Trials::new(search, evaluator);
         let (start, replaced) = match trials.beginning(start) {
+            // The first start is what the user wrote: without a value there the search has no base. Of the others, which are
+            // drawn, one may fall where the model has none.
             Err(error) if number > 0 && matches!(search.starts, Starts::Spread(_)) => {
                 left_out.push(starts::without_value(error)?);
                 continue;
@@ -46,6 +49,7 @@ pub fn minimize(
             Method::LevenbergMarquardt => levenberg_marquardt::search(&start, context)?,
             Method::CmaEs => cma_es::search(&start, context)?,
         };
+        // Where a bound stops the search no gradient vanishes: the criterion was met, but not at a minimum.
         results.push(match result.converged && !search.bounds.active(&result.x).is_empty() {
             true => StartResult { converged: false, reason: StopReason::OnBound, ..result },
             false => result,
@@ -60,6 +64,7 @@ pub fn minimize(
     if !best.converged && best.reason != StopReason::OnBound {
         warnings.push(Warning::NotConverged { reason: best.reason.clone() });
     }
+    // Trials beside the best point, on the far side of a bound, tell whether the bound costs anything.
     let trials = Trials::new(search, evaluator);
     for (index, side) in search.bounds.active(&best.x) {
         let (parameter, value) = (search.names[index].clone(), best.x[index]);

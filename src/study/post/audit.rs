@@ -90,7 +90,7 @@ pub struct RelaxationFigures {
 }
 
 impl RelaxationFigures {
-    fn of(relaxation: Relaxation) -> RelaxationFigures {
+    fn from_relaxation(relaxation: Relaxation) -> RelaxationFigures {
         let Relaxation { mounted, residual, steps, displacement, .. } = relaxation;
         RelaxationFigures { mounted_residual: mounted, residual, steps, displacement_m: displacement }
     }
@@ -114,7 +114,7 @@ pub struct MeshFigures {
 }
 
 impl MeshFigures {
-    fn of(quality: &Quality) -> MeshFigures {
+    fn from_quality(quality: &Quality) -> MeshFigures {
         MeshFigures {
             elements: quality.elements,
             shortest_edge_m: quality.edges[0],
@@ -141,7 +141,7 @@ pub struct Histogram {
 
 impl Audit {
     /// The figures of a finished or failed run.
-    pub fn of(outcome: &Outcome) -> Audit {
+    pub fn from_outcome(outcome: &Outcome) -> Audit {
         let wall_s = outcome.wall.as_secs_f64();
         let relaxed = outcome.relaxation.map_or(0, |relaxation| relaxation.steps);
         let element_steps = outcome.elements as f64 * (outcome.steps + relaxed) as f64;
@@ -167,16 +167,16 @@ impl Audit {
             added_mass_share: added.map(|[mass, own]| mass / own),
             kinetic_share: outcome.kinetic_share,
             damping_share: outcome.damping_share,
-            relaxation: outcome.relaxation.map(RelaxationFigures::of),
+            relaxation: outcome.relaxation.map(RelaxationFigures::from_relaxation),
             penetration: outcome.penetration,
-            meshes: outcome.films.iter().map(|film| MeshFigures::of(&film.quality)).collect(),
-            strain_rates: Histogram::of(&outcome.rates),
+            meshes: outcome.films.iter().map(|film| MeshFigures::from_quality(&film.quality)).collect(),
+            strain_rates: Histogram::from_rates(&outcome.rates),
         }
     }
 }
 
 impl Histogram {
-    fn of(rates: &RateHistogram) -> Histogram {
+    fn from_rates(rates: &RateHistogram) -> Histogram {
         Histogram {
             edges_1_s: rates.edges.clone(),
             shares: rates.shares.clone(),

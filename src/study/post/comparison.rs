@@ -93,7 +93,7 @@ const KEY: [&str; 13] = [
 
 impl RunComparison {
     /// Compares `runs`; of the signals only those that `wanted` names, or all where it is empty.
-    pub fn of(runs: &[StoredRun], wanted: &[String]) -> RunComparison {
+    pub fn from_runs(runs: &[StoredRun], wanted: &[String]) -> RunComparison {
         let names = names(&runs.iter().map(|run| run.place.as_path()).collect::<Vec<_>>());
         let title = |run: &StoredRun| run.summary.get("title").and_then(Value::as_str).map(str::to_owned);
         let subject = |(run, name): (&StoredRun, &String)| ComparedRun {
@@ -345,7 +345,7 @@ mod tests {
     fn runs_are_compared_with_the_first() {
         let first = json!({ "title": "a", "peak_force_N": 200.0, "ruptured": false, "wall_s": 1.0, "warnings": ["w"] });
         let second = json!({ "title": "b", "peak_force_N": 150.0, "ruptured": false, "wall_s": 2.0, "more": "text" });
-        let comparison = RunComparison::of(
+        let comparison = RunComparison::from_runs(
             &[
                 run(
                     "/r/a",
@@ -382,7 +382,7 @@ mod tests {
     fn failed_runs_and_virtual_recordings_are_findings() {
         let failed = StoredRun { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
         let computed = StoredRun { is_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
-        let comparison = RunComparison::of(&[failed, computed], &[]);
+        let comparison = RunComparison::from_runs(&[failed, computed], &[]);
         let codes: Vec<&str> = comparison.findings.iter().map(|finding| finding.code.as_str()).collect();
         let one = "signals-of-one-run";
         assert_eq!(codes, ["failed-run", "virtual-recording", one, one, "no-common-signal"]);
@@ -390,14 +390,15 @@ mod tests {
         assert_eq!(notes[..2], ["a failed: lost", "b is a VIRTUAL recording: nothing was measured"]);
         let compared = json!({ "acceleration_error": 0.1, "reference_notes": ["VIRTUAL drop test: nothing fell"] });
         let notes_of = |summary| {
-            messages(&RunComparison::of(&[run("/r/a", summary, "", &[]), run("/r/b", json!({}), "", &[])], &[]))
+            messages(&RunComparison::from_runs(&[run("/r/a", summary, "", &[]), run("/r/b", json!({}), "", &[])], &[]))
         };
         assert_eq!(notes_of(compared)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
         let found = json!({ "findings": [{ "code": "virtual-reference" }], "reference_notes": [] });
         assert_eq!(notes_of(found)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
         assert!(!notes_of(json!({ "reference_notes": ["a test"] }))[0].contains("VIRTUAL"));
         assert_eq!(notes[2..], ["only a has `force_N`", "only b has `strain`", "the runs have no signal in common"]);
-        let only = RunComparison::of(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);
+        let only =
+            RunComparison::from_runs(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);
         assert!(only.signals.is_empty());
     }
 }

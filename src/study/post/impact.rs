@@ -84,7 +84,7 @@ impl Impact {
         let bodies = bodies.map(|(impactor, prefix)| BodyFigures::measure(impactor, prefix, model, signals)).collect();
         let recorded = model.reference.as_ref().and_then(|reference| prefixes.get(reference.impactor));
         let prefix = recorded.or(prefixes.first()).map_or("", String::as_str);
-        let mut findings = RunFindings::of(model, outcome);
+        let mut findings = RunFindings::from_outcome(model, outcome);
         let mut error = |channel: &'static str, result: Option<Result<f64, NormError>>| match result {
             Some(Err(reason)) => {
                 findings.push(&Warning::NoReferenceError { channel, reason });
@@ -107,7 +107,7 @@ impl Impact {
             displacement_error,
             reference_drop: comparison.and_then(|comparison| comparison.drop.clone().map(Box::new)),
             reference_notes: comparison.map(ReferenceComparison::notes),
-            audit: Audit::of(outcome),
+            audit: Audit::from_outcome(outcome),
             findings,
         }
     }

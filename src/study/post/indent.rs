@@ -52,7 +52,7 @@ impl Indent {
             depth_at_break: outcome.rupture_time.map(|time| velocity * time),
             final_depth: depth.values().last().copied(),
             final_force: force.values().last().copied(),
-            audit: Audit::of(outcome),
+            audit: Audit::from_outcome(outcome),
             findings,
         }
     }

@@ -49,7 +49,7 @@ impl Inflation {
             final_volume: channel(column::VOLUME.name).values().last().copied(),
             settling: outcome.settling,
             burst_pressure: outcome.rupture_time.and(last_pressure),
-            audit: Audit::of(outcome),
+            audit: Audit::from_outcome(outcome),
             findings,
         }
     }

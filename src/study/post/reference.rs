@@ -240,11 +240,13 @@ impl Signals {
             ChannelNames { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
         let sensed = DropChannels::find(measurement, &names);
         let sensed = sensed.map_err(|source| ReferenceError::Channels { path: path(), source: source.into() })?;
+        // Without a written height, the one that a free fall to the velocity of the run has.
         let height = match reference.drop_height {
             Some(height) => Height::Known(height),
             None => Height::OfSpeed(0.5 * velocity * velocity / gravity),
         };
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height };
+        // The class of the run, unless the recorder has filtered already: two filters in a row would lower the peak twice.
         let reduction = Reduction { class: sensed.class_to_apply(model.output.filter), ..Reduction::default() };
         let drop = sensed.reduce(&tower, &reduction).map_err(|source| ReferenceError::Drop { path: path(), source })?;
         let channel = |name| drop.signals.series(name);

@@ -74,7 +74,7 @@ impl Results {
         comparison: Option<ReferenceComparison>,
     ) -> Result<Results, EvaluateError> {
         let signals = with_filtered(model, &outcome.signals)?;
-        let findings = || RunFindings::of(model, outcome);
+        let findings = || RunFindings::from_outcome(model, outcome);
         let measures = match model.loading.test() {
             Test::Impact => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
             Test::Stretch => Measures::Stretch(Stretch::measure(outcome, &signals, findings())),

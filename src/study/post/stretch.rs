@@ -52,7 +52,7 @@ impl Stretch {
             strain_at_break: at_break.map(|(strain, _)| strain),
             stress_at_break: at_break.map(|(_, stress)| stress),
             final_strain: strain.values().last().copied(),
-            audit: Audit::of(outcome),
+            audit: Audit::from_outcome(outcome),
             findings,
         }
     }

@@ -74,7 +74,7 @@ pub struct RunFindings(Vec<Finding>);
 
 impl RunFindings {
     /// The findings of the run of `model`.
-    pub(super) fn of(model: &Model, outcome: &Outcome) -> RunFindings {
+    pub(super) fn from_outcome(model: &Model, outcome: &Outcome) -> RunFindings {
         let finding = |warning| {
             let message = with_remedy(warning, model, outcome.mass_scaling);
             Finding { message, ..Finding::new(warning) }

@@ -123,7 +123,7 @@ impl Study {
             None => {
                 let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
                 let ran = simulate::run_with(model, options, &mut |_| {});
-                Some(ran.map_err(|error| NoOutcome::of(&error, model)))
+                Some(ran.map_err(|error| NoOutcome::from_error(&error, model)))
             }
         };
         let Some(found) = found else { return Ok(None) };
@@ -253,7 +253,7 @@ fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
 
 /// Simulates all in parallel; the runs are in the order of the scenarios.
 fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Array> {
-    let session = Session::of(&context);
+    let session = Session::from_context(&context);
     let study = |item: Dynamic| {
         let found = item.type_name();
         let study = item.try_cast::<Study>();
@@ -344,12 +344,14 @@ pub fn register(engine: &mut Engine, changes: Vec<Assignment>, evaluations: Opti
     engine
         .register_type_with_name::<Study>("scenario")
         .register_fn("scenario", move |context: NativeCallContext, path: &str| {
-            Study::read(Path::new(path), &changes, evaluations.clone(), &Session::of(&context))
+            Study::read(Path::new(path), &changes, evaluations.clone(), &Session::from_context(&context))
         })
         .register_fn("with", |context: NativeCallContext, study: &mut Study, changes: Map| {
-            study.with(changes, &Session::of(&context))
+            study.with(changes, &Session::from_context(&context))
         })
-        .register_fn("simulate", |context: NativeCallContext, study: &mut Study| study.simulate(&Session::of(&context)))
+        .register_fn("simulate", |context: NativeCallContext, study: &mut Study| {
+            study.simulate(&Session::from_context(&context))
+        })
         .register_fn("simulate_all", simulate_all)
         .register_fn("pull", |study: &mut Study, strains: Array| study.pull(self::strains(&strains)?, &Map::new()))
         .register_fn("pull", |study: &mut Study, strains: Array, more: Map| study.pull(self::strains(&strains)?, &more))

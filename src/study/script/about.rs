@@ -64,7 +64,7 @@ pub enum Kind {
 
 impl Kind {
     /// The kind of values like `default`.
-    fn of(default: &str) -> Kind {
+    fn from_default(default: &str) -> Kind {
         let numbers: Vec<Option<f64>> = default.split(',').map(|number| number.trim().parse().ok()).collect();
         match (argument_value(default), numbers.len()) {
             _ if default.is_empty() => Kind::Any,
@@ -241,7 +241,7 @@ fn declaration(said: &str) -> Option<Declared> {
     };
     let is_name = name.starts_with(|first: char| first.is_ascii_lowercase())
         && name.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_');
-    let kind = default.map_or(Kind::Any, Kind::of);
+    let kind = default.map_or(Kind::Any, Kind::from_default);
     let declared = || Declared { name: name.into(), default: default.map(str::to_owned), kind, text: text.into() };
     (is_name && name != "scenario" && !text.is_empty()).then(declared)
 }

@@ -22,7 +22,7 @@ pub(super) fn undefined(engine: &Engine, units: &[Unit]) -> Vec<Fault> {
         .into_iter()
         .collect();
     known.extend(BUILT_IN.map(str::to_owned));
-    let words: Vec<Words> = units.iter().map(|unit| Words::of(&unit.program)).collect();
+    let words: Vec<Words> = units.iter().map(|unit| Words::from_program(&unit.program)).collect();
     let mentioned: HashSet<&str> = words.iter().flat_map(|words| words.mentioned.iter().map(String::as_str)).collect();
     units.iter().zip(&words).flat_map(|(unit, words)| of_unit(unit, words, &mentioned, known.clone())).collect()
 }
@@ -37,7 +37,7 @@ fn of_unit(unit: &Unit, words: &Words, mentioned: &HashSet<&str>, mut known: BTr
     calls.sort_by_key(|call| (call.position.line(), call.position.position()));
     let fault = |call: &Call| {
         let message = format!("undefined function `{}`", call.name);
-        Fault::at(&unit.source, call.position, message).with_hint(hint(call, words, &known))
+        Fault::located(&unit.source, call.position, message).with_hint(hint(call, words, &known))
     };
     calls.into_iter().map(fault).collect()
 }
@@ -68,7 +68,7 @@ struct Words {
 }
 
 impl Words {
-    fn of(program: &AST) -> Words {
+    fn from_program(program: &AST) -> Words {
         let mut words = Words::default();
         program.walk(&mut |path: &[ASTNode]| {
             match path.last() {

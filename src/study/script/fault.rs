@@ -37,9 +37,9 @@ impl Fault {
         match error.err_type() {
             ParseErrorType::Reserved(word) if UNSUPPORTED.contains(&word.as_str()) => {
                 let hint = (word == "export").then(|| "a module exports all its functions and constants".into());
-                Fault::at(file, error.position(), format!("`{word}` is not supported in scripts")).with_hint(hint)
+                Fault::located(file, error.position(), format!("`{word}` is not supported in scripts")).with_hint(hint)
             }
-            other => Fault::at(file, error.position(), other.to_string()),
+            other => Fault::located(file, error.position(), other.to_string()),
         }
     }
 
@@ -49,7 +49,7 @@ impl Fault {
         let (file, program) = (&unit.source, &unit.program);
         let culprit = error.unwrap_inner();
         let position = culprit.position();
-        let at = |message: String| Fault::at(file, position, message);
+        let at = |message: String| Fault::located(file, position, message);
         match culprit {
             EvalAltResult::ErrorRuntime(value, _) => of_value(unit, position, value),
             EvalAltResult::ErrorTerminated(reason, _) => Fault { may_pass: true, ..at(reason.to_string()) },
@@ -73,10 +73,10 @@ impl Fault {
 
     pub(super) fn starting(file: &SourceText, error: &io::Error) -> Fault {
         let message = format!("cannot start a thread for the script: {error}");
-        Fault { may_pass: true, ..Fault::at(file, Position::NONE, message) }
+        Fault { may_pass: true, ..Fault::located(file, Position::NONE, message) }
     }
 
-    pub(super) fn at(source: &SourceText, position: Position, message: String) -> Fault {
+    pub(super) fn located(source: &SourceText, position: Position, message: String) -> Fault {
         Fault {
             file: source.file.clone(),
             text: Arc::clone(&source.text),
@@ -131,9 +131,9 @@ fn of_value(unit: &Unit, position: Position, value: &Dynamic) -> Fault {
     match value.read_lock::<KeyMistake>() {
         Some(mistake) => {
             let place = places::place_of_key(program, &mistake.key, position).unwrap_or(position);
-            Fault::at(file, place, mistake.message.to_string()).with_hint(mistake.hint.clone())
+            Fault::located(file, place, mistake.message.to_string()).with_hint(mistake.hint.clone())
         }
-        None => Fault { numerical, ..Fault::at(file, position, thrown(value)) },
+        None => Fault { numerical, ..Fault::located(file, position, thrown(value)) },
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) fn unknown(known: &[Fields], units: &[Unit]) -> Vec<Fault> {
         if own.contains(&map) || own.contains(&field) {
             return None;
         }
-        let fault = Fault::at(&unit.source, position, format!("a {map} has no `{field}`"));
+        let fault = Fault::located(&unit.source, position, format!("a {map} has no `{field}`"));
         let close = closest(&field, known.names.iter().copied());
         Some(fault.with_hint(close.map(|name| format!("did you mean `{name}`?"))))
     };

@@ -58,7 +58,7 @@ pub struct Trial {
 
 impl Session {
     /// The session of the script that calls a host function.
-    pub fn of(context: &NativeCallContext) -> Session {
+    pub fn from_context(context: &NativeCallContext) -> Session {
         context.tag().and_then(Session::in_tag).unwrap_or_default()
     }
 
@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn host_functions_find_the_session_of_their_engine() {
         let mut engine = engine(Limits::POST);
-        engine.register_fn("trial", |context: NativeCallContext| Session::of(&context).is_trial());
+        engine.register_fn("trial", |context: NativeCallContext| Session::from_context(&context).is_trial());
         assert!(!engine.eval::<bool>("trial()").unwrap());
         engine.set_default_tag(Session::default().with_trial(&Cancellation::default()));
         assert!(engine.eval::<bool>("[1].map(|x| trial())[0]").unwrap());

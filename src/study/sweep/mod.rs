@@ -85,7 +85,7 @@ impl Sweep {
     /// # Errors
     /// The scenario as written has mistakes, nothing varies, or its points cannot be chosen.
     pub fn prepare(document: &Document, samples: Option<usize>) -> Result<Sweep, SweepError> {
-        Sweep::of(document, |variation| variation.points(samples).map_err(SweepError::Points))
+        Sweep::with_points(document, |variation| variation.points(samples).map_err(SweepError::Points))
     }
 
     /// The sweep at places of the unit cube: of each key the probability of at most its value, in the order of the
@@ -93,11 +93,11 @@ impl Sweep {
     ///
     /// # Errors
     /// As those of [`Sweep::prepare`].
-    pub fn at(document: &Document, places: &[Vec<f64>]) -> Result<Sweep, SweepError> {
-        Sweep::of(document, |variation| Ok(places.iter().map(|place| variation.at(place)).collect()))
+    pub fn prepare_at(document: &Document, places: &[Vec<f64>]) -> Result<Sweep, SweepError> {
+        Sweep::with_points(document, |variation| Ok(places.iter().map(|place| variation.point_at(place)).collect()))
     }
 
-    fn of(
+    fn with_points(
         document: &Document,
         points: impl Fn(&Variation) -> Result<Vec<Point>, SweepError>,
     ) -> Result<Sweep, SweepError> {
@@ -160,7 +160,7 @@ impl Sweep {
     pub fn digest(&self) -> Result<Key, EvaluationError> {
         let base = Evaluations::keys(&self.model, &self.plan)?.figures;
         let runs: Vec<String> = (0..self.len()).map(|place| self.changes(place).join("\n")).collect();
-        Ok(Key::of(&[&base.0, runs.join("\n\n").as_bytes()]))
+        Ok(Key::from_parts(&[&base.0, runs.join("\n\n").as_bytes()]))
     }
 
     /// Keys of the evaluations of all runs; none of a run whose values make no valid scenario.

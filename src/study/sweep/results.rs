@@ -37,8 +37,12 @@ impl SweepResults {
     ///
     /// # Errors
     /// A record cannot be read.
-    pub fn of(sweep: &Sweep, done: &Done, evaluations: &Evaluations) -> Result<SweepResults, EvaluationError> {
-        let table = Table::of(sweep, done, evaluations)?;
+    pub fn from_evaluations(
+        sweep: &Sweep,
+        done: &Done,
+        evaluations: &Evaluations,
+    ) -> Result<SweepResults, EvaluationError> {
+        let table = Table::from_evaluations(sweep, done, evaluations)?;
         let failed = (0..table.rows()).filter(|row| table.failure(*row).is_some()).count();
         let figures: Vec<&Column> = table.figures().iter().filter(|column| !is_cost(&column.name)).collect();
         let statistics = figures.iter().filter_map(|column| {

@@ -70,7 +70,7 @@ impl Table {
     ///
     /// # Errors
     /// A record cannot be read.
-    pub fn of(sweep: &Sweep, done: &Done, evaluations: &Evaluations) -> Result<Table, EvaluationError> {
+    pub fn from_evaluations(sweep: &Sweep, done: &Done, evaluations: &Evaluations) -> Result<Table, EvaluationError> {
         let mut figures = Figures::default();
         let (mut places, mut status, mut findings, mut failures, mut keys) = (vec![], vec![], vec![], vec![], vec![]);
         for place in 0..sweep.len() {

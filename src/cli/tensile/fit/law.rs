@@ -19,7 +19,7 @@ use lab::experiment::material_file::fitted::law_text;
 use lab::signal::file::ChannelSelection;
 
 pub(super) fn run(law: LawChoice, args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
-    let places = Places::of(args)?;
+    let places = Places::from_args(args)?;
     let data = paths(&args.data)?;
     let kinds = one_each(&args.test, data.len(), "kinds of tests", "--test")?;
     let weights = one_each(&args.weight, data.len(), "weights", "--weight")?;
@@ -33,7 +33,7 @@ pub(super) fn run(law: LawChoice, args: &FitArgs, shared: &Shared) -> Result<(),
     let material = law_text(&fit, &args.film());
     let written =
         places.write(&material, &page(&fit, &findings, places.material.as_ref().map(|_| material.as_str())))?;
-    let figures = LawFigures::of(&fit, findings, written);
+    let figures = LawFigures::new(&fit, findings, written);
     print_figures(shared, &figures, || figures.text())
 }
 
@@ -54,10 +54,10 @@ fn one_each<'v, T: Copy>(
 fn set(args: &FitArgs, path: &Path, kind: Option<TestKind>, weight: Option<f64>) -> Result<DataSet, Diagnostic> {
     let reader = StressReader { kind, table: args.file.options(ChannelSelection::All)? };
     let set = reader.read(path).map_err(|error| reading(&error))?;
-    set.with_weight(weight.unwrap_or(1.0)).map_err(|error| at(path, &error))
+    set.with_weight(weight.unwrap_or(1.0)).map_err(|error| located(path, &error))
 }
 
-fn at(path: &Path, error: &impl std::fmt::Display) -> Diagnostic {
+fn located(path: &Path, error: &impl std::fmt::Display) -> Diagnostic {
     Diagnostic::new(format!("{}: {error}", path.display()))
 }
 

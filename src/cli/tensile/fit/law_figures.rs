@@ -50,7 +50,7 @@ struct TestFigures {
 }
 
 impl LawFigures {
-    pub(super) fn of(fit: &LawFit, findings: Vec<Finding>, written: Vec<String>) -> LawFigures {
+    pub(super) fn new(fit: &LawFit, findings: Vec<Finding>, written: Vec<String>) -> LawFigures {
         let matrix = fit.confidence.as_ref().map(|confidence| &confidence.correlation);
         LawFigures {
             law: fit.choice.to_string(),

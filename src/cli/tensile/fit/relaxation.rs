@@ -20,7 +20,7 @@ use lab::experiment::relaxation::{
 use lab::signal::file::ChannelSelection;
 
 pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
-    let places = Places::of(args)?;
+    let places = Places::from_args(args)?;
     if let Some(poisson) = args.poisson.filter(|ratio| !(-1.0 < *ratio && *ratio < 0.5)) {
         return Err(Diagnostic::new(format!("expected a Poisson's ratio from -1 to 0.5, found {poisson}")).into());
     }
@@ -46,7 +46,7 @@ pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     let material = relaxation_text(&RelaxationMaterial { fit, source, poisson, shift, film });
     let shown = places.material.as_ref().map(|_| material.as_str());
     let written = places.write(&material, &page(&fitted, &findings, shown))?;
-    let figures = RelaxationFigures::of(&fitted, findings, written);
+    let figures = RelaxationFigures::new(&fitted, findings, written);
     print_figures(shared, &figures, || figures.text())
 }
 

@@ -74,7 +74,7 @@ enum ShiftConstants {
 }
 
 impl RelaxationFigures {
-    pub(super) fn of(fitted: &Fitted, findings: Vec<Finding>, written: Vec<String>) -> RelaxationFigures {
+    pub(super) fn new(fitted: &Fitted, findings: Vec<Finding>, written: Vec<String>) -> RelaxationFigures {
         let fit = &fitted.fit;
         let shift = fitted.master.as_ref().map(|(master, fits)| ShiftFigures {
             reference_k: master.reference,

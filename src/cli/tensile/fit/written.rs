@@ -14,7 +14,7 @@ pub(super) struct Places {
 
 impl Places {
     /// The places that the arguments name.
-    pub(super) fn of(args: &FitArgs) -> Result<Places, Failure> {
+    pub(super) fn from_args(args: &FitArgs) -> Result<Places, Failure> {
         let material = args.out.clone();
         if let Some(path) = material.as_deref().filter(|path| !output::ends_in(path, "toml")) {
             let message = format!("a material file ends in .toml, and {} does not", shown_path(path));

@@ -94,7 +94,7 @@ fn in_file(path: &Path, fault: Fault) -> MeshError {
 
 /// The mesh of a file, its elements and edges checked; of a file that did not change since it was read last, that mesh.
 fn checked(path: &Path) -> Result<Arc<Mesh>, Fault> {
-    let state = FileState::of(path);
+    let state = FileState::from_path(path);
     let is_same = |(known, _): &&(FileState, Arc<Mesh>)| Some(known) == state.as_ref();
     if let Some((_, mesh)) = stored().iter().find(is_same) {
         return Ok(Arc::clone(mesh));
@@ -102,7 +102,7 @@ fn checked(path: &Path) -> Result<Arc<Mesh>, Fault> {
     let mesh = Arc::new(read(path)?);
     // A file that changed while it was read is read again the next time.
     if let Some(state) =
-        state.filter(|before| before.length <= LONGEST_STORED && FileState::of(path).as_ref() == Some(before))
+        state.filter(|before| before.length <= LONGEST_STORED && FileState::from_path(path).as_ref() == Some(before))
     {
         let mut stored = stored();
         if stored.len() >= MOST_STORED {
@@ -134,7 +134,7 @@ struct FileState {
 }
 
 impl FileState {
-    fn of(path: &Path) -> Option<FileState> {
+    fn from_path(path: &Path) -> Option<FileState> {
         let found = fs::metadata(path).ok()?;
         Some(FileState { path: fs::canonicalize(path).ok()?, length: found.len(), changed: found.modified().ok()? })
     }

@@ -37,7 +37,7 @@ pub(super) struct Segment {
 
 impl Boundary {
     /// The loops of `polygon` in edges of about the `wanted` lengths (m).
-    pub(super) fn of(polygon: &Polygon, wanted: &dyn Fn(Point2<f64>) -> f64) -> Boundary {
+    pub(super) fn from_polygon(polygon: &Polygon, wanted: &dyn Fn(Point2<f64>) -> f64) -> Boundary {
         let mut boundary = Boundary::default();
         polygon.loops().for_each(|corners| boundary.add(corners, wanted));
         boundary

@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn what_cannot_be_triangulated_is_no_empty_mesh() {
         let corners = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let boundary = Boundary::of(&Polygon { outer: corners, holes: vec![] }, &|_| 2.0);
+        let boundary = Boundary::from_polygon(&Polygon { outer: corners, holes: vec![] }, &|_| 2.0);
         let found = |inner: f64| triangulation(&boundary, &[Point2::new(inner, 0.5)]).map(|(_, triangles)| triangles);
         assert_eq!(found(0.5).map(|triangles| triangles.len()), Ok(4));
         assert_eq!(found(1e250), Err(InsertionError::TooLarge));

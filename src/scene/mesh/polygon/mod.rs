@@ -122,7 +122,7 @@ fn triangles(
     wanted: &dyn Fn(Point2<f64>) -> f64,
     most: f64,
 ) -> Result<delaunay::Triangles<Point3<f64>>, PolygonFault> {
-    let boundary = Boundary::of(polygon, wanted);
+    let boundary = Boundary::from_polygon(polygon, wanted);
     let refined = delaunay::refined(boundary, polygon, wanted, most as usize);
     let (mut nodes, tris) = refined.map_err(PolygonFault::NotTriangulated)?;
     smooth(&mut nodes, &tris);

@@ -66,7 +66,7 @@ impl Variation {
         if let Some(correlation) = &self.correlation {
             chosen.iter_mut().for_each(|point| *point = correlation.apply(point));
         }
-        Ok(chosen.iter().map(|point| self.at(point)).collect())
+        Ok(chosen.iter().map(|point| self.point_at(point)).collect())
     }
 
     /// The changes of the scenario that make it the one of a run.
@@ -109,7 +109,7 @@ impl Variation {
     }
 
     /// The point at a place of the unit cube: of each factor the probability of at most its value.
-    pub fn at(&self, place: &[f64]) -> Point {
+    pub fn point_at(&self, place: &[f64]) -> Point {
         let at = |(factor, place): (&Factor, &f64)| match &factor.values {
             Values::Levels(levels) => factor.level((place * levels.len() as f64) as usize),
             Values::Distribution(distribution) => factor.number(distribution.quantile(*place)),

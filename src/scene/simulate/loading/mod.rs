@@ -67,7 +67,7 @@ pub(super) trait LoadCase {
 }
 
 /// The loading of `model`.
-pub(super) fn of(model: &Model) -> Box<dyn LoadCase + '_> {
+pub(super) fn load_case(model: &Model) -> Box<dyn LoadCase + '_> {
     match &model.loading {
         Loading::Impact(loading) => Box::new(impact::Impact::new(model, loading)),
         Loading::Stretch(loading) => Box::new(Stretch::new(model, loading)),

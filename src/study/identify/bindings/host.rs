@@ -71,7 +71,7 @@ impl SearchHost {
     ) -> HostResult<Vec<SearchResult>> {
         let several = searches.len() > 1;
         let begun = self.searches.load(Ordering::Relaxed);
-        let session = Session::of(context);
+        let session = Session::from_context(context);
         let results = self.run(context, searches, |evaluator, number| {
             let ScriptSearch { search, labels, .. } = &searches[number];
             let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
@@ -96,7 +96,7 @@ impl SearchHost {
         search: &ScriptSearch,
         options: &ProfileOptions,
     ) -> HostResult<Refinement> {
-        let session = Session::of(context);
+        let session = Session::from_context(context);
         let ScriptSearch { search: from, labels, .. } = search;
         let found = self.run::<_, ProfileError>(context, std::slice::from_ref(search), |evaluator, _| {
             let continued = Search { starts: Starts::One, ..from.clone() };
@@ -105,7 +105,7 @@ impl SearchHost {
                 ProfileEvent::OpenPoints(open) => (self.observer)(SearchEvent::OpenPoints(open)),
                 ProfileEvent::Iteration(at) => (self.observer)(SearchEvent::Progress(&progress.update(at))),
             };
-            let refinement = Refinement::of(from, options, evaluator, &mut observer)?;
+            let refinement = Refinement::run(from, options, evaluator, &mut observer)?;
             let title = |number: usize| {
                 let title = labels.title.as_deref().unwrap_or("search");
                 if number == 0 { format!("{title}, continued") } else { format!("{title}, continued {}", number + 1) }
@@ -128,7 +128,7 @@ impl SearchHost {
         searches: &[ScriptSearch],
         job: impl Fn(&Evaluator<'_, '_>, usize) -> Result<T, E> + Sync,
     ) -> HostResult<Vec<T>> {
-        let session = Session::of(context);
+        let session = Session::from_context(context);
         if session.is_trial() {
             return Err(refuse(format!("an objective cannot search: `{}` is called within one", context.fn_name())));
         }

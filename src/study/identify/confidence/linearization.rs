@@ -90,6 +90,7 @@ impl SearchFailure for LinearizationError {
 pub fn linearize_at_start(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<Linearization, LinearizationError> {
     let x = &search.start;
     let steps: Vec<[Option<f64>; 2]> = (0..x.len()).map(|index| steps(search, index)).collect();
+    // The estimate itself first, then all steps: one batch, so that all threads have work from the beginning.
     let mut points = vec![x.clone()];
     points.extend(
         steps
@@ -106,6 +107,7 @@ pub fn linearize_at_start(search: &Search, evaluator: &Evaluator<'_, '_>) -> Res
         })?,
         None => return Err(PoolError::Closed.into()),
     };
+    // With as many unknowns as residuals, no degree of freedom is left from which to estimate their variance.
     if residuals.len() <= x.len() {
         return Err(LinearizationError::TooFew { found: residuals.len(), unknowns: x.len() });
     }

@@ -251,6 +251,7 @@ fn warnings(
     let above = points.iter().find(|point| point.f.is_none() && point.value > estimate);
     let sides = [Side::Lower, Side::Upper].into_iter().zip(ends).zip([below, above]).zip(interval);
     for (((side, end), failed), reached) in sides {
+        // An end that was not reached has two reasons: the model has no value there, or the objective does not rise enough.
         match (end, failed, reached) {
             (_, Some(failed), None) => {
                 warnings.push(Warning::OpenInterval { parameter: parameter(), side, limit: failed.value });

@@ -80,7 +80,7 @@ impl Refinement {
     ///
     /// # Errors
     /// The errors of [`profiles`] and [`minimize`].
-    pub fn of(
+    pub fn run(
         search: &Search,
         options: &ProfileOptions,
         evaluator: &Evaluator<'_, '_>,

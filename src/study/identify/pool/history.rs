@@ -241,7 +241,7 @@ impl History {
 fn head(identity: &Identity, number: usize, inputs: &BTreeMap<PathBuf, String>) -> String {
     let inputs: Map<String, Value> =
         inputs.iter().map(|(path, content)| (path.display().to_string(), json!(content))).collect();
-    let script = Digest::of(identity.script.as_bytes()).to_string();
+    let script = Digest::from_bytes(identity.script.as_bytes()).to_string();
     let head = json!({
         "droptower": env!("CARGO_PKG_VERSION"),
         "search": number,

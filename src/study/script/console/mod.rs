@@ -116,7 +116,7 @@ impl Console {
     ) -> Result<Compiled, Vec<Fault>> {
         let before = self.transcript.lines();
         if before + input.lines().count() > MOST_LINES {
-            let fault = Fault::at(source, Position::NONE, format!("a session has at most {MOST_LINES} lines"));
+            let fault = Fault::located(source, Position::NONE, format!("a session has at most {MOST_LINES} lines"));
             let hint = "run long texts with `droptower script`";
             return Err(vec![Fault { line: before + 1, ..fault }.with_hint(Some(hint.into()))]);
         }
@@ -124,7 +124,7 @@ impl Console {
         let compiled = engine.compile_with_scope(&self.scope, text);
         let program = compiled.map_err(|error| vec![Fault::parsing(source, &error)])?;
         if let Some(position) = returned_from(&program) {
-            let fault = Fault::at(source, position, "`return` ends a script, and a session goes on".into());
+            let fault = Fault::located(source, position, "`return` ends a script, and a session goes on".into());
             return Err(vec![fault.with_hint(Some("leave `return` out: the last value is shown".into()))]);
         }
         let folder = self.folder_after(file, source, &module::imports_of(&program, source)?)?;
@@ -148,7 +148,7 @@ impl Console {
             Some(folder) if file.is_some() && !is_same(folder, &own) => {
                 let message = format!("the modules of this session are in {}", shown_folder(folder));
                 let hint = format!("start another session for those in {}", shown_folder(&own));
-                Err(vec![Fault::at(source, first.position, message).with_hint(Some(hint))])
+                Err(vec![Fault::located(source, first.position, message).with_hint(Some(hint))])
             }
             Some(folder) => Ok(Some(folder.clone())),
             None => Ok(Some(own)),

@@ -41,8 +41,9 @@ impl Loader<'_> {
     fn follow(&mut self, place: usize, chain: &mut Vec<String>) {
         for import in self.units[place].imports.clone() {
             let source = self.units[place].source.clone();
-            let mut refuse =
-                |message: String, hint| self.faults.push(Fault::at(&source, import.position, message).with_hint(hint));
+            let mut refuse = |message: String, hint| {
+                self.faults.push(Fault::located(&source, import.position, message).with_hint(hint))
+            };
             if let Some(begin) = chain.iter().position(|name| *name == import.name) {
                 let cycle = chain[begin..].iter().chain([&import.name]);
                 let cycle = cycle.map(String::as_str).collect::<Vec<_>>().join(" → ");
@@ -93,7 +94,7 @@ pub(in crate::script) fn imports_of(program: &AST, source: &SourceText) -> Resul
         match read(&import.0, &import.1) {
             Some((name, alias, position)) => imports.push(Import { alias, name, position }),
             None => faults.push(
-                Fault::at(source, *at, "an import has a text and a name".into())
+                Fault::located(source, *at, "an import has a text and a name".into())
                     .with_hint(Some("write it like `import \"film\" as film;`".into())),
             ),
         }

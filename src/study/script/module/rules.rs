@@ -30,7 +30,7 @@ fn late_imports(unit: &Unit) -> Vec<Fault> {
         if let Some(ASTNode::Stmt(Stmt::Import(_, position))) = path.last()
             && !outer.contains(position)
         {
-            let fault = Fault::at(&unit.source, *position, "a module is imported within a block".into());
+            let fault = Fault::located(&unit.source, *position, "a module is imported within a block".into());
             faults.push(fault.with_hint(Some("write the import at the beginning of the file".into())));
         }
         true
@@ -47,7 +47,7 @@ fn statements(unit: &Unit) -> Vec<Fault> {
     });
     let fault = |statement: &Stmt| {
         let fault =
-            Fault::at(&unit.source, statement.position(), "a module has functions, constants and imports".into());
+            Fault::located(&unit.source, statement.position(), "a module has functions, constants and imports".into());
         let hint = match statement {
             Stmt::Var(..) => "a constant begins with `const`",
             _ => "write it into a function that the script calls",
@@ -80,7 +80,7 @@ fn clash(unit: &Unit, other: &Unit, name: &str) -> Fault {
         words.windows(2).any(|pair| pair == ["fn", name])
     });
     let message = format!("{} has a function `{name}`, too", other.source.file.display());
-    let fault = Fault::at(&unit.source, Position::NONE, message);
+    let fault = Fault::located(&unit.source, Position::NONE, message);
     // Its positions end at line 65 535.
     Fault { line: line.map_or(1, |line| line + 1), ..fault }
         .with_hint(Some("a script and its modules have functions of different names".into()))
@@ -96,7 +96,7 @@ fn common_aliases(units: &[Unit]) -> Vec<Fault> {
             if module != import.name {
                 let message = format!("`{}` is the module \"{module}\" elsewhere in this program", import.alias);
                 let hint = Some("import it under another name".into());
-                faults.push(Fault::at(&unit.source, import.position, message).with_hint(hint));
+                faults.push(Fault::located(&unit.source, import.position, message).with_hint(hint));
             }
         }
     }
@@ -128,7 +128,7 @@ fn uses(unit: &Unit, units: &[Unit]) -> Vec<Fault> {
             Some(values) => of_call(unit.imported(units, &namespace), &namespace, &name, values)?,
             None => of_constant(unit.imported(units, &namespace), &namespace, &name)?,
         };
-        Some(Fault::at(&unit.source, position, message).with_hint(hint))
+        Some(Fault::located(&unit.source, position, message).with_hint(hint))
     };
     found.into_iter().filter_map(fault).collect()
 }

@@ -51,7 +51,7 @@ pub struct Key(pub [u8; 16]);
 
 impl Key {
     /// The digest of parts, each with its length.
-    pub fn of(parts: &[&[u8]]) -> Key {
+    pub fn from_parts(parts: &[&[u8]]) -> Key {
         let mut digest = Sha256::new();
         for part in parts {
             digest.update((part.len() as u64).to_le_bytes());

@@ -80,7 +80,7 @@ pub(super) struct OwnSegment {
 }
 
 impl Kind {
-    fn of(byte: u8) -> Option<Kind> {
+    fn from_byte(byte: u8) -> Option<Kind> {
         use Kind::{Alive, Begun, Claim, Closed, Header, Kept, Record, Released};
         const ALL: [Kind; 8] = [Header, Record, Claim, Alive, Closed, Released, Kept, Begun];
         ALL.into_iter().find(|kind| *kind as u8 == byte)
@@ -205,7 +205,7 @@ fn next(reader: &mut impl Read, start: u64, length: u64, content: &mut Vec<u8>) 
     reader.read_exact(&mut content[LEAD - FRAME..])?;
     let mut key = [0; 16];
     key.copy_from_slice(&lead[FRAME + 1..]);
-    let kind = Kind::of(lead[FRAME]).filter(|_| file::checksum(content) == checksum);
+    let kind = Kind::from_byte(lead[FRAME]).filter(|_| file::checksum(content) == checksum);
     Ok(kind.map(|kind| Entry { kind, key: Key(key), offset, length: size }))
 }
 

@@ -21,7 +21,7 @@ impl Host<'_> {
     /// The results of a sweep.
     pub(super) fn results(&self, sweep: &Sweep) -> HostResult<SweepResults> {
         let done = self.done(sweep)?;
-        SweepResults::of(sweep, &done, self.evaluations).map_err(refuse)
+        SweepResults::from_evaluations(sweep, &done, self.evaluations).map_err(refuse)
     }
 
     fn done(&self, sweep: &Sweep) -> HostResult<Done> {
@@ -70,7 +70,7 @@ pub(super) fn whole(options: &Options<'_>, name: &str, default: usize) -> HostRe
 pub(super) type Points = Vec<Vec<f64>>;
 
 /// The sweep of a study at points of the unit cube, whose number of coordinates is that of the keys that vary.
-pub(super) fn at(
+pub(super) fn sweep_at(
     study: &Study,
     options: &Options<'_>,
     places: &dyn Fn(usize) -> Result<Points, String>,
@@ -79,7 +79,7 @@ pub(super) fn at(
     let variation = model::variation(&document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
     let factors = variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors.len();
     let points = places(factors).map_err(refuse)?;
-    Ok((Sweep::at(&document, &points).map_err(refused)?, points))
+    Ok((Sweep::prepare_at(&document, &points).map_err(refused)?, points))
 }
 
 /// The keys that vary in a sweep, by their paths.

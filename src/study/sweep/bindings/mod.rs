@@ -32,7 +32,7 @@ pub fn register(engine: &mut Engine, evaluations: &Arc<Evaluations>) {
     for (name, function) in FUNCTIONS {
         let evaluations = Arc::clone(evaluations);
         engine.register_fn(name, move |context: NativeCallContext, study: &mut Study, options: Map| {
-            let host = Host { evaluations: &evaluations, session: Session::of(&context) };
+            let host = Host { evaluations: &evaluations, session: Session::from_context(&context) };
             function(study, &Options { of: name, map: &options }, &host)
         });
     }

@@ -104,7 +104,7 @@ fn with(probability: &Probability, name: &str, more: Value) -> Value {
 fn outputs(document: &Document, points: &[Vec<f64>], limit: &Limit, host: &Host<'_>) -> HostResult<Vec<Option<f64>>> {
     let unit = |z: &f64| normal::cumulative(*z).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON);
     let places: Vec<Vec<f64>> = points.iter().map(|point| point.iter().map(unit).collect()).collect();
-    let sweep = Sweep::at(document, &places).map_err(refused)?;
+    let sweep = Sweep::prepare_at(document, &places).map_err(refused)?;
     let results = host.results(&sweep)?;
     let values = match results.table.column(&limit.figure) {
         Some(column) => column.values.numbers(),

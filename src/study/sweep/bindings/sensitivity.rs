@@ -9,7 +9,7 @@ use uncertainty::screening::{self as morris, Effects};
 use uncertainty::statistics::{Bootstrap, Estimate};
 use uncertainty::surrogate::{Family, Options as Fit, Surrogate};
 
-use super::common::{Host, at, keys, reduced, whole};
+use super::common::{Host, keys, reduced, sweep_at, whole};
 use crate::scenario_functions::Study;
 use crate::script::{Entry, HostResult, Options};
 use scene::model::{Factor, Values};
@@ -23,7 +23,7 @@ pub(super) fn screening(study: &Study, options: &Options<'_>, host: &Host<'_>) -
     let count = whole(options, "trajectories", 10)?;
     let seed = whole(options, "seed", 1)? as u64;
     let places = |factors| morris::trajectories(factors, count, LEVELS, seed).map_err(|error| error.to_string());
-    let (sweep, points) = at(study, options, &places)?;
+    let (sweep, points) = sweep_at(study, options, &places)?;
     let of_factor =
         |Effects { mean, mean_magnitude: Estimate { value, interval }, deviation, missing, .. }: Effects| {
             let interval = interval.map(|interval| [interval.low, interval.high]);
@@ -42,7 +42,7 @@ pub(super) fn indices(study: &Study, options: &Options<'_>, host: &Host<'_>) -> 
     let blocks = whole(options, "blocks", 64)?;
     let seed = whole(options, "seed", 1)? as u64;
     let places = |factors| sobol::rows(factors, blocks, seed).map_err(|error| error.to_string());
-    let (sweep, _) = at(study, options, &places)?;
+    let (sweep, _) = sweep_at(study, options, &places)?;
     let estimate = |Estimate { value, interval }: Estimate| json!({ "value": value, "interval": interval.map(|interval| [interval.low, interval.high]) });
     let of_factor = |FactorIndices { first, total, missing, .. }: FactorIndices| json!({ "first": estimate(first), "total": estimate(total), "missing": missing });
     let factors = sweep.variation().factors.len();
@@ -61,7 +61,7 @@ pub(super) fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -
         design::points(Method::Sobol, &vec![Levels::Continuous; factors], samples, seed)
             .map_err(|error| error.to_string())
     };
-    let (sweep, points) = at(study, options, &places)?;
+    let (sweep, points) = sweep_at(study, options, &places)?;
     let families: Vec<Family> = sweep.variation().factors.iter().map(family).collect();
     let of_keys = |values: Option<Vec<f64>>| -> Value { keys(&sweep).zip(values.into_iter().flatten()).collect() };
     reduced(&sweep, options, host, |outputs| {
