@@ -56,3 +56,5 @@ pub use report;
 pub use scene::{digitize, expectation, mesh, model, scenario, simulate};
 #[doc(inline)]
 pub use study::{cluster, evaluate, functions, identify, post, reference, scenario_functions, script, store, sweep};
+#[doc(inline)]
+pub use uncertainty;

@@ -69,9 +69,9 @@ pub struct Code {
 /// }
 /// ```
 ///
-/// - A variant has its fields in braces, or one in parentheses: name, type, sentence and, after `=>`, the figures that it
-///   gives: the field itself under a name, or values; `=> ..pairs` gives those of an iterator of names and values. Figures
-///   stand in the order of the fields.
+/// - A variant has its fields in braces: name, type, sentence and, after `=>`, the figures that it gives: the field itself
+///   under a name, or values; `=> ..pairs` gives those of an iterator of names and values. Or it has one field in
+///   parentheses: name, type and, after `=>`, values or pairs. Figures stand in the order of the fields.
 /// - After `=` follow the name of its code and its severity, `as` a constant where others name the code, or `code` and an
 ///   expression for the code of another variant or module, or of the finding that a field holds.
 /// - The message is a format with its arguments, in which fields are references. The meaning documents the variant where

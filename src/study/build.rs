@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 /// All that decides the figures of a run: the sources from the files of a scenario to its figures, the modules that
 /// scripts import, and the versions of the dependencies.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 11] = [
     "src/base",
     "src/membrane",
     "src/lab",
@@ -19,6 +19,7 @@ const SOURCES: [&str; 10] = [
     "src/study/evaluate",
     "scripts/droptower",
     "Cargo.lock",
+    "Cargo.toml",
 ];
 
 /// Lines in which the compiler states what decides the bits that it makes.

@@ -160,25 +160,20 @@ fn check(matrix: &[Vec<f64>]) -> Result<(), CorrelationError> {
     Ok(())
 }
 
-/// Correlation of the normal scores of two inputs that have Spearman's rank correlation `rank`: 2 sin(π rank/6).
-pub fn of_spearman(rank: f64) -> f64 {
-    2.0 * libm::sin(PI / 6.0 * rank)
-}
-
 /// Spearman's rank correlation of two inputs whose normal scores have the correlation `correlation`.
 pub fn spearman(correlation: f64) -> f64 {
     6.0 / PI * libm::asin(0.5 * correlation)
-}
-
-/// Kendall's rank correlation of two inputs whose normal scores have the correlation `correlation`.
-pub fn kendall(correlation: f64) -> f64 {
-    2.0 / PI * libm::asin(correlation)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::design::{Levels, Method, points};
+
+    /// Kendall's rank correlation of two inputs whose normal scores have the correlation `correlation`.
+    fn kendall(correlation: f64) -> f64 {
+        2.0 / PI * libm::asin(correlation)
+    }
 
     fn sample(correlation: &Correlation, samples: usize) -> Vec<Vec<f64>> {
         let levels = vec![Levels::Continuous; correlation.inputs()];
@@ -248,7 +243,7 @@ mod tests {
     #[test]
     fn spearman_leads_back_to_the_correlation_of_the_scores() {
         for rho in [-0.99, -0.2, 0.0, 0.5, 0.9] {
-            assert!((of_spearman(spearman(rho)) - rho).abs() < 1e-15);
+            assert!((2.0 * libm::sin(PI / 6.0 * spearman(rho)) - rho).abs() < 1e-15);
         }
     }
 

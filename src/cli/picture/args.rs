@@ -42,7 +42,7 @@ pub(crate) struct PictureArgs {
     /// Simulate the stored scenario again, for every snapshot, element and field instead of those on the page
     #[arg(long)]
     pub again: bool,
-    /// Size, letters, lines and resolution
+    /// Size, font, lines and resolution
     #[arg(long, value_enum, default_value_t)]
     pub style: Preset,
     /// Size in pixels: 1600x1000
@@ -54,10 +54,10 @@ pub(crate) struct PictureArgs {
     /// Height on paper, such as 60mm
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     pub height: Option<f64>,
-    /// Family of letters, such as "Times New Roman"; of a PNG Arial
+    /// Font family, such as "Times New Roman"; of a PNG Arial
     #[arg(long, value_name = "FAMILY", value_parser = family)]
     pub font: Option<String>,
-    /// Size of letters, such as 8pt
+    /// Font size, such as 8pt
     #[arg(long, value_name = "SIZE", value_parser = points)]
     pub font_size: Option<f64>,
     /// Width of curves, such as 0.75pt
@@ -126,7 +126,7 @@ fn points(text: &str) -> Result<f64, String> {
 fn family(text: &str) -> Result<String, String> {
     let is_plain = |letter: char| letter.is_alphanumeric() || " -,_".contains(letter);
     let is_family = !text.trim().is_empty() && text.len() <= 200 && text.chars().all(is_plain);
-    if is_family { Ok(text.to_owned()) } else { Err(format!("expected families of letters, found \"{text}\"")) }
+    if is_family { Ok(text.to_owned()) } else { Err(format!("expected font families, found \"{text}\"")) }
 }
 
 #[cfg(test)]

@@ -13,9 +13,9 @@ const FAMILY: &str = "Arial, Helvetica, Arimo, sans-serif";
 /// The style that the arguments ask for, and its dpi.
 ///
 /// # Errors
-/// A PNG in letters that it does not have.
+/// A PNG in a font that it does not have.
 pub(super) fn from_args(args: &PictureArgs, format: Format) -> Result<(Style, f64), Diagnostic> {
-    let Values { width, letters, line, dpi, plot, scene } = args.style.values();
+    let Values { width, font_size, line, dpi, plot, scene } = args.style.values();
     let dpi = args.dpi.map_or(dpi, f64::from);
     let proportion = if args.plot.is_some() { plot } else { scene };
     let [width, height] = match args.size {
@@ -31,15 +31,15 @@ pub(super) fn from_args(args: &PictureArgs, format: Format) -> Result<(Style, f6
     };
     let family = args.font.clone().unwrap_or_else(|| FAMILY.to_owned());
     if format == Format::Png && !is_in_png(&family) {
-        let mistake = Diagnostic::new(format!("a PNG has no letters of the family {family}"));
+        let mistake = Diagnostic::new(format!("a PNG has no font of the family {family}"));
         return Err(mistake.hint(format!("a PNG has {}; an SVG names any family", FAMILIES.join(", "))));
     }
-    let letters = args.font_size.unwrap_or(letters);
-    let style = Style { width, height, letters, family, line: args.line_width.unwrap_or(line), has_title };
-    let [across, down] = [width / letters, height / letters];
+    let font_size = args.font_size.unwrap_or(font_size);
+    let style = Style { width, height, letters: font_size, family, line: args.line_width.unwrap_or(line), has_title };
+    let [across, down] = [width / font_size, height / font_size];
     if across < 14.0 || down < 9.0 {
-        let mistake = Diagnostic::new(format!("letters of {letters} pt leave no room for the picture"));
-        return Err(mistake.hint("make the picture larger, or its letters smaller: --font-size"));
+        let mistake = Diagnostic::new(format!("a font of {font_size} pt leaves no room for the picture"));
+        return Err(mistake.hint("make the picture larger, or its font smaller: --font-size"));
     }
     Ok((style, dpi))
 }

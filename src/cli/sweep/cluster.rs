@@ -1,5 +1,6 @@
 //! `droptower sweep --on`: runs computed by tasks of a cluster.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -25,20 +26,20 @@ const MOST_FAILURES: usize = 60;
 const MOST_IDLE: usize = 3;
 
 /// A cluster, and what a task on it may use.
-pub(super) struct Centre {
+pub(super) struct Cluster {
     scheduler: Scheduler,
     resources: Resources,
 }
 
-impl Centre {
+impl Cluster {
     /// The cluster whose resources are in the file.
-    pub(super) fn read(on: On, path: &Path) -> Result<Centre, Failure> {
+    pub(super) fn read(on: On, path: &Path) -> Result<Cluster, Failure> {
         let scheduler = match on {
             On::Slurm => Scheduler::Slurm,
             On::HyperQueue => Scheduler::HyperQueue,
         };
         let document = Document::read_cluster(path)?;
-        Ok(Centre { scheduler, resources: Resources::check(&document, scheduler)? })
+        Ok(Cluster { scheduler, resources: Resources::check(&document, scheduler)? })
     }
 
     /// Lets tasks compute all runs, and waits for them; the number of runs that were done before the first of them.
@@ -48,8 +49,12 @@ impl Centre {
         let study = task.sweep.digest().map_err(|error| failed(&error))?.to_string();
         let folder = job_folder(&task.place);
         let progress = Progress::new(task.sweep.len(), shared);
-        let mut watch = Watch { centre: self, task, args, keys, folder, progress: &progress };
+        let refused = HashMap::new();
+        let mut watch = Watch { cluster: self, task, args, keys, refused, folder, progress: &progress };
         let mut job = watch.job(study)?;
+        if job.submissions.is_empty() {
+            watch.refused = watch.keys.iter().map(|key| (*key, task.evaluations.store().refusals(*key))).collect();
+        }
         let found = watch.until_done(&mut job);
         progress.finish();
         found
@@ -65,11 +70,13 @@ fn job_folder(place: &Path) -> PathBuf {
 
 /// A study while its tasks compute it.
 struct Watch<'a> {
-    centre: &'a Centre,
+    cluster: &'a Cluster,
     task: &'a Task,
     args: &'a SweepArgs,
     /// Keys of the runs that can start.
     keys: Vec<Key>,
+    /// How often each was refused before the job, for causes that may have passed.
+    refused: HashMap<Key, usize>,
     folder: PathBuf,
     progress: &'a Progress,
 }
@@ -77,7 +84,7 @@ struct Watch<'a> {
 impl Watch<'_> {
     /// The job of the study that is under way, or a new one.
     fn job(&self, study: String) -> Result<Job, Failure> {
-        let scheduler = self.centre.scheduler;
+        let scheduler = self.cluster.scheduler;
         let Some(job) = Job::read(&self.folder).map_err(|error| unkept(&error))? else {
             return Ok(Job { scheduler, study, submissions: vec![] });
         };
@@ -100,11 +107,12 @@ impl Watch<'_> {
         }
     }
 
-    /// Runs that are done.
+    /// Runs that are done: those that the job was refused for a cause that may pass as well, or it would never end.
     fn done(&self) -> Result<usize, Failure> {
         let store = self.task.evaluations.store();
         store.refresh().map_err(|error| failed(&self.task.evaluations.failed(error)))?;
-        Ok(self.keys.iter().filter(|key| store.contains(**key)).count())
+        let was_refused = |key: &Key| store.refusals(*key) > self.refused.get(key).copied().unwrap_or_default();
+        Ok(self.keys.iter().filter(|key| store.contains(**key) || was_refused(key)).count())
     }
 
     /// Submits what is missing, and waits.
@@ -143,7 +151,7 @@ impl Watch<'_> {
     /// Asks the scheduler for the tasks; where there are none, submits what is missing.
     fn advance(&self, job: &mut Job) -> Result<(), Advance> {
         if let Some(last) = job.submissions.last() {
-            let tasks = self.centre.scheduler.tasks(&last.id)?;
+            let tasks = self.cluster.scheduler.tasks(&last.id)?;
             if tasks.waiting + tasks.running > 0 {
                 self.progress.tasks(&last.id, &tasks);
                 return Ok(());
@@ -158,7 +166,7 @@ impl Watch<'_> {
         if idle >= MOST_IDLE {
             return Err(self.stuck(done).into());
         }
-        let tasks = usize::from(self.centre.resources.nodes).min(self.keys.len() - done);
+        let tasks = usize::from(self.cluster.resources.nodes).min(self.keys.len() - done);
         std::fs::create_dir_all(&self.folder).map_err(|source| {
             Failure::output(Diagnostic::new(format!("cannot write {}: {source}", shown_path(&self.folder))))
         })?;
@@ -166,18 +174,18 @@ impl Watch<'_> {
             .map_err(|error| Failure::output(Diagnostic::new(format!("cannot tell the working folder: {error}"))))?;
         let folder = std::path::absolute(&self.folder).unwrap_or_else(|_| self.folder.clone());
         let command = self.command(tasks, &job.study);
-        let id = self.centre.scheduler.submit(&Batch {
+        let id = self.cluster.scheduler.submit(&Batch {
             name: &self.task.sweep.model().name,
             tasks,
             working_folder: &working_folder,
             folder: &folder,
-            resources: &self.centre.resources,
+            resources: &self.cluster.resources,
             command: &command,
         })?;
         job.submissions.push(Submission::new(id.clone(), tasks, done));
         job.write(&self.folder).map_err(|error| Advance::from(unkept(&error)))?;
         let missing = self.keys.len() - done;
-        let scheduler = self.centre.scheduler.name();
+        let scheduler = self.cluster.scheduler.name();
         self.progress.note(&format!("{missing} runs submitted to {scheduler}: job {id}, {tasks} tasks"));
         Ok(())
     }
@@ -194,7 +202,7 @@ impl Watch<'_> {
 
     /// The command of a task.
     fn command(&self, tasks: usize, study: &str) -> Vec<String> {
-        let (resources, args) = (&self.centre.resources, self.args);
+        let (resources, args) = (&self.cluster.resources, self.args);
         let this = || std::env::current_exe().map_or_else(|_| "droptower".into(), |path| path.display().to_string());
         let program = match &resources.program {
             Some(program) => program.clone(),

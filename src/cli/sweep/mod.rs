@@ -16,7 +16,7 @@ use super::faults::{preparing, storing};
 use super::scenarios::both;
 use super::{Failure, Shared, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
-use cluster::Centre;
+use cluster::Cluster;
 use progress::Progress;
 use results::Keep;
 use scene::scenario::Document;
@@ -84,18 +84,18 @@ struct Task {
     place: PathBuf,
     keep: Keep,
     stop: Stop,
-    centre: Option<Centre>,
+    cluster: Option<Cluster>,
 }
 
 pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     let begin = Instant::now();
     let task = task(args, begin)?;
-    let Task { sweep, evaluations, stop, centre, .. } = &task;
+    let Task { sweep, evaluations, stop, cluster, .. } = &task;
     farm::cancel_on_termination(&stop.requested)?;
-    let before = centre.as_ref().map(|centre| centre.compute(&task, args, shared)).transpose()?;
+    let before = cluster.as_ref().map(|cluster| cluster.compute(&task, args, shared)).transpose()?;
     let progress = Progress::new(sweep.len(), shared);
     let is_part = evaluations.share() != Share::WHOLE;
-    let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge || centre.is_some() };
+    let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge || cluster.is_some() };
     let done = work.run(&|event| progress.show(&event));
     progress.finish();
     let mut done = done.map_err(|error| failed(&error))?;
@@ -121,10 +121,10 @@ fn task(args: &SweepArgs, begin: Instant) -> Result<Task, Failure> {
     keep.check(sweep.len())?;
     let place = place(args, &sweep.model().name)?;
     same_study(args, &sweep)?;
-    let centre = args.on.map(|on| Centre::read(on, &args.cluster)).transpose()?;
+    let cluster = args.on.map(|on| Cluster::read(on, &args.cluster)).transpose()?;
     let evaluations = Evaluations::open(&args.store).map_err(|error| failed(&error))?.with_share(share);
     let stop = Stop { deadline, ..Stop::default() };
-    Ok(Task { sweep, document, evaluations, place, keep, stop, centre })
+    Ok(Task { sweep, document, evaluations, place, keep, stop, cluster })
 }
 
 /// Refuses to change a key that varies: each run would give it another value.

@@ -113,7 +113,7 @@ impl Progress {
             Event::Refused(cause) => {
                 state.refused += 1;
                 if state.refused == 1 && !self.quiet && !self.events {
-                    let text = format!("warning: a run cannot start: {cause}");
+                    let text = format!("warning: a run has no result: {cause}");
                     self.bar.suspend(|| drop(writeln!(io::stderr(), "{}", printable(&text))));
                 }
             }

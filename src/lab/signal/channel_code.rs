@@ -45,16 +45,6 @@ impl ChannelCode {
         &self.0[1..2]
     }
 
-    /// Main location, e.g. HEAD.
-    pub fn main_location(&self) -> &str {
-        &self.0[2..6]
-    }
-
-    /// The three fine locations.
-    pub fn fine_locations(&self) -> [&str; 3] {
-        [&self.0[6..8], &self.0[8..10], &self.0[10..12]]
-    }
-
     /// Physical dimension: AC acceleration, DS displacement, VE velocity, FO force, MO moment, TI time, …
     pub fn dimension(&self) -> &str {
         &self.0[12..14]
@@ -108,8 +98,7 @@ mod tests {
     #[test]
     fn a_code_has_parts() {
         let code = ChannelCode::parse("24NECKUP00P2MOZP").unwrap();
-        assert_eq!((code.object(), code.position(), code.main_location()), ("2", "4", "NECK"));
-        assert_eq!(code.fine_locations(), ["UP", "00", "P2"]);
+        assert_eq!((code.object(), code.position()), ("2", "4"));
         assert_eq!((code.dimension(), code.direction(), code.filter()), ("MO", "Z", "P"));
         assert_eq!(code.class(), None);
         assert_eq!(ChannelCode::parse("11HEADCG0000ACXA").unwrap().class(), Some(1000.0));

@@ -69,7 +69,7 @@ impl Keys<'_> {
         if is_own { format!("layer.{}.mesh.{key}", self.place) } else { format!("specimen.mesh.{key}") }
     }
 
-    /// Keys that have a meaning with `fine` only.
+    /// Keys that are allowed with `fine` only.
     fn without_fine(&self, mistakes: &mut ModelDiagnostics<'_>) {
         let written = |meshing: &Meshing| {
             [

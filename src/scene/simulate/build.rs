@@ -74,6 +74,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
         topologies.push(topology);
     }
+    mount::add_air(model, &films, &nodes, &mut loads);
     let impacts = loading.apply(&films, &nodes, &mut loads)?;
     let body = |impact: &Impact| BodyMounting {
         start: impact.body.centre().z,

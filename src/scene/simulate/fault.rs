@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::outcome::Outcome;
 use super::warning::ImpactorName;
-use crate::mesh::MeshError;
+use crate::mesh::{self, MeshError};
 use crate::model::{Impactor, Model};
 use base::number;
 use membrane::engine::{self, StateMismatch, SurfaceError, UndefinedFibreDirection};
@@ -117,13 +117,16 @@ impl RunError {
         }
     }
 
-    /// Whether the same run may succeed another time: the file of a mesh could not be read, or did not hold what it held
-    /// before.
+    /// Whether the same run may succeed another time: it was cancelled, or the file of a mesh could not be read. What is
+    /// wrong with the content of a file stays wrong as long as the file is the same.
     pub fn may_pass(&self) -> bool {
-        matches!(self, RunError::Mesh(MeshError::File { .. }) | RunError::Cancelled)
+        matches!(
+            self,
+            RunError::Mesh(MeshError::File { fault: mesh::import::Fault::Read(_), .. }) | RunError::Cancelled
+        )
     }
 
-    /// What can be changed in the scenario, if anything.
+    /// Remedy in the scenario, if there is one.
     pub fn hint(&self) -> Option<String> {
         Some(match self {
             RunError::Overlap { .. } => "change its `position`, or leave out its height".to_owned(),
@@ -160,7 +163,7 @@ impl RunError {
 pub struct Failure {
     /// Time, place and cause.
     pub cause: Fault,
-    /// What was computed until then.
+    /// Outcome until then.
     pub so_far: Outcome,
 }
 
@@ -182,7 +185,7 @@ pub enum Fault {
         name: String,
         /// Time of the release, s.
         time: f64,
-        /// What it is inside: the film, the bars of the frame, or an impactor with its name.
+        /// Name of what it is inside: the film, the bars of the frame, or an impactor with its name.
         inside: String,
         /// How deep, m.
         depth: f64,

@@ -53,7 +53,7 @@ pub(super) struct Crest {
 }
 
 impl Crest {
-    /// That of `model`, before any face is mounted.
+    /// The crest of the frame of `model`, before any face is mounted.
     pub(super) fn from_model(model: &Model) -> Crest {
         Crest { nodes: vec![], copies: model.frame.bars.map_or(0.0, |_| model.specimen.symmetry.copies()) }
     }

@@ -39,7 +39,7 @@ use lab::signal::Recording;
 pub use membrane::engine::EnergyTerm;
 use membrane::engine::{self, Engine, Relaxation, Settling, Surface, ThreadPool};
 use mount::Mounting;
-pub use mount::{falling, section, surface};
+pub use mount::{rigid_body, section, surface};
 pub use outcome::Outcome;
 use probe::Probe;
 pub use pull::{Across, PullError, pull, pull_along};

@@ -109,7 +109,7 @@ impl ContactMonitor {
 }
 
 impl Monitor {
-    /// That of a run with so many `impactors`, and bars after them.
+    /// The monitor of a run with so many `impactors`, and bars after them.
     pub(super) fn new(impactors: usize, has_bars: bool) -> Monitor {
         let contacts = vec![ContactMonitor::default(); impactors + usize::from(has_bars)];
         Monitor {

@@ -57,7 +57,7 @@ pub fn section(face: &Face, mass_scaling: f64) -> Section {
 }
 
 /// Adds the air around `films` to `loads`; its mass that moves with them is in their sections.
-pub(super) fn surround(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut Loads) {
+pub(super) fn add_air(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut Loads) {
     let Some(air) = &model.air else { return };
     let mass: f64 = nodes.mass.iter().sum();
     let own = |(face, film): (&Face, &Film)| {
@@ -102,7 +102,7 @@ pub fn surface(shape: &ImpactorShape) -> Result<Surface, RunError> {
 }
 
 /// The impactor at `pose` with its velocity at the start.
-pub fn falling(impactor: &Impactor, surface: &Surface, pose: Isometry3<f64>) -> RigidBody {
+pub fn rigid_body(impactor: &Impactor, surface: &Surface, pose: Isometry3<f64>) -> RigidBody {
     let velocity = Vector3::from(impactor.velocity);
     let freedom = match impactor.guide {
         Guide::Fixed => return RigidBody::prescribed(pose, 0.0),
@@ -140,7 +140,7 @@ pub(super) fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
 
 /// Contact and pose of the impactor at this place among those of `model`: at its height, or with its lowest point on
 /// the highest point of the first face.
-pub(super) fn over_film(
+pub(super) fn above_film(
     place: usize,
     model: &Model,
     films: &[Film],

@@ -29,7 +29,7 @@ pub struct Outcome {
     pub impactors: Vec<Surface>,
     /// Strain increments by strain rate.
     pub rates: RateHistogram,
-    /// What puts figures in doubt.
+    /// Findings that put figures in doubt.
     pub warnings: Vec<Warning>,
     /// Time at which the first element failed, s.
     pub rupture_time: Option<f64>,

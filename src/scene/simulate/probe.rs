@@ -52,7 +52,7 @@ pub(super) struct Probe<'a> {
     record: Record,
 }
 
-/// What a probe has recorded so far: its part of a checkpoint.
+/// Record of a probe so far: its part of a checkpoint.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Record {
     audits: usize,
@@ -104,7 +104,7 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// What was recorded so far.
+    /// Record so far.
     pub(super) fn record(&self) -> &Record {
         &self.record
     }
@@ -158,7 +158,10 @@ impl<'a> Probe<'a> {
 
     fn not_in_equilibrium(&self) -> Option<Fault> {
         let (time, share) = self.record.energy.kinetic_share(self.model.can_tear());
-        if self.is_quasi_static() && share > KINETIC {
+        if !self.is_quasi_static() {
+            return None;
+        }
+        if share > KINETIC {
             return Some(Fault::NotQuasiStatic { time, share });
         }
         let unsettled = self.settling().filter(|change| *change > UNSETTLED);

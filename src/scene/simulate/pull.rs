@@ -75,7 +75,7 @@ pub fn pull(model: &Model, strains: &[f64], across: Across) -> Result<Vec<f64>, 
     strains.iter().map(stress).collect()
 }
 
-/// The same at the points `[time (s), strain]` of a path, which starts without strain at the time zero; between two
+/// Stresses at the points `[time (s), strain]` of a path, which starts without strain at the time zero; between two
 /// points of one strain the film is held.
 ///
 /// # Errors

@@ -26,7 +26,7 @@ pub(super) struct Tracks {
     pub(super) strains: Grid<2>,
     /// The frame's bars; only where there are any.
     pub(super) bars: Option<BodyTracks>,
-    /// What is sampled for a column, by the column's name; only of those that the run has.
+    /// Samples of the columns that the run has, by their names.
     sampled: BTreeMap<String, Grid<1>>,
 }
 
@@ -103,7 +103,7 @@ impl BodyTracks {
         self.mean_force(k, 1)
     }
 
-    /// The same of other impactors.
+    /// Impulse of the other impactors on it around sample `k`, over the time between samples, N.
     pub(super) fn collision_force(&self, k: usize) -> f64 {
         self.mean_force(k, 2)
     }

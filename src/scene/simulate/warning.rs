@@ -32,7 +32,7 @@ impl ImpactorName {
         ImpactorName(Name::Bars)
     }
 
-    /// That at this place among the impactors of `model`.
+    /// The name of the impactor at this place among those of `model`.
     pub(super) fn of_impactor(model: &Model, place: usize) -> ImpactorName {
         ImpactorName::named(model.names().get(place).copied().flatten())
     }
@@ -86,7 +86,7 @@ pub enum BodySize {
 }
 
 impl BodySize {
-    /// That of a body of this shape.
+    /// The size of a body of this shape.
     pub(super) fn from_shape(shape: &ImpactorShape) -> BodySize {
         match shape {
             ImpactorShape::Sphere { .. } | ImpactorShape::Hemisphere { .. } | ImpactorShape::Capsule { .. } => {
@@ -119,7 +119,7 @@ impl fmt::Display for BodySize {
 }
 
 findings! {
-    /// What puts figures of a run in doubt. Faces are counted from one.
+    /// Findings that put figures of a run in doubt. Faces are counted from one.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     pub enum Warning {
         MisshapenElements {

@@ -68,7 +68,7 @@ fn misplaced(document: &Document, scheduler: Scheduler) -> Vec<Diagnostic> {
     }
     let found = ["account", "partition", "memory"].into_iter().filter(|key| document.find(key).is_some());
     let mistake = |key| {
-        let mistake = Diagnostic::new(format!("`{key}` has no meaning for HyperQueue")).at(&document.key_span(key));
+        let mistake = Diagnostic::new(format!("`{key}` is not allowed for HyperQueue")).at(&document.key_span(key));
         mistake.hint("leave it out: it belongs to the workers, `hq alloc add` or `hq worker start`")
     };
     found.map(mistake).collect()
@@ -130,6 +130,6 @@ mod tests {
         let all = found.join("\n");
         assert!(expected.iter().all(|words| all.contains(words)), "{all}");
         let found = checked("account = \"lab\"\ntime = \"1 h\"\ncores = 1", Scheduler::HyperQueue).unwrap_err();
-        assert_eq!(found, ["`account` has no meaning for HyperQueue"]);
+        assert_eq!(found, ["`account` is not allowed for HyperQueue"]);
     }
 }

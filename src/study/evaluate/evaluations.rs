@@ -316,7 +316,9 @@ impl Evaluations {
                 Evaluation { failure: Some(cause.clone()), ..so_far.unwrap_or_else(|| Evaluation::failed(cause)) }
             }
             // What may be different at the next try must not be stored as the value of this point.
-            Err(error) if error.may_pass() => return Err(EvaluationError::Passing(error.to_string())),
+            Err(error) if may_pass(&error, model, keys.run) => {
+                return Err(EvaluationError::Passing(error.to_string()));
+            }
             Err(error) => Evaluation::failed(NoOutcome::from_error(&error, model).cause),
         };
         self.add(keys, &evaluation)?;
@@ -343,20 +345,18 @@ impl Evaluations {
             self.cache_hits.fetch_add(1, Ordering::Relaxed);
             return Ok(Some(known));
         }
-        if !self.store.claim(run).map_err(|source| self.failed(source))? {
-            return Ok(None);
-        }
+        let Some(claim) = self.store.claim(run).map_err(|source| self.failed(source))? else { return Ok(None) };
         let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
         let found = simulate::run_with(&model, options, &mut |_| {});
         match &found {
             Ok(outcome) => self.keep(run, outcome)?,
-            Err(error) if error.may_pass() => {}
+            Err(error) if may_pass(error, &model, run) => {}
             Err(error) => {
                 let record = packed(&NoOutcome::from_error(error, &model)).map_err(|source| self.failed(source))?;
                 self.store.put(failure_key(run), &record).map_err(|source| self.failed(source))?;
             }
         }
-        self.store.release(run).map_err(|source| self.failed(source))?;
+        claim.release().map_err(|source| self.failed(source))?;
         if matches!(found, Err(RunError::Cancelled)) {
             return Err(EvaluationError::Cancelled);
         }
@@ -478,6 +478,11 @@ fn unpacked<T: DeserializeOwned>(content: &[u8]) -> Option<T> {
     postcard::from_bytes(&bytes).ok()
 }
 
+/// Whether the same run may succeed another time: also where a file is not what it was when its `key` was made.
+fn may_pass(error: &RunError, model: &Model, key: Key) -> bool {
+    error.may_pass() || !matches!(run_key(model), Ok(now) if now == key)
+}
+
 #[cfg(test)]
 mod tests {
     use std::fs;
@@ -494,9 +499,9 @@ mod tests {
     fn imported(folder: &Path, mesh: &Path) -> Model {
         let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
         let path = folder.join("film.toml");
-        fs::write(&path, format!("extends = \"{}\"\n", base.display())).unwrap();
+        fs::write(&path, format!("extends = {base:?}\n")).unwrap();
         let unset = ["reference", "post", "specimen.shape", "specimen.mesh"].map(|key| Assignment::unset(key, "test"));
-        let shape = format!("specimen.shape.mesh=\"{}\"", mesh.display());
+        let shape = format!("specimen.shape.mesh={mesh:?}");
         let set = [shape.as_str(), "specimen.symmetry=none", "loading.impact.duration=1 ms"];
         let set = set.map(|text| Assignment::from_argument(text).unwrap());
         model::check(&Document::read(&path).unwrap().with(&unset).with(&set)).unwrap()

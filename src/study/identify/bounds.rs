@@ -120,11 +120,6 @@ impl Bounds {
         self.lower.iter().zip(&self.upper).map(|(lower, upper)| [*lower, *upper])
     }
 
-    /// Whether any unknown has a bound.
-    pub fn are_any(&self) -> bool {
-        self.pairs().flatten().any(f64::is_finite)
-    }
-
     /// Whether every unknown has both bounds.
     pub fn are_all(&self) -> bool {
         self.pairs().flatten().all(f64::is_finite)

@@ -243,7 +243,7 @@ impl Signals {
         // Without a written height, the one that a free fall to the velocity of the run has.
         let height = match reference.drop_height {
             Some(height) => Height::Known(height),
-            None => Height::OfSpeed(0.5 * velocity * velocity / gravity),
+            None => Height::of_speed(*velocity, *gravity),
         };
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height };
         // The class of the run, unless the recorder has filtered already: two filters in a row would lower the peak twice.

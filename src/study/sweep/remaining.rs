@@ -115,7 +115,7 @@ mod tests {
         let path = folder.join("a.toml");
         let masses: Vec<String> = (0..count).map(|number| format!("{}", 10.0 + 0.01 * number as f64)).collect();
         let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
-        fs::write(&path, format!("extends = \"{}\"\nunset = [\"reference\", \"post\"]\n", base.display())).unwrap();
+        fs::write(&path, format!("extends = {base:?}\nunset = [\"reference\", \"post\"]\n")).unwrap();
         let set = [
             "specimen.mesh.size=\"80 mm\"".to_owned(),
             "loading.impact.duration=\"3 ms\"".to_owned(),

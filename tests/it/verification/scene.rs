@@ -4,7 +4,7 @@ use droptower::engine::{Contact, Energies, Engine, Film, Impact, Jaw, Loads, Nod
 use droptower::mesh::{self, Mesh, MeshError, Side};
 use droptower::model::loading;
 use droptower::model::{Face, Hold, Impactor, Model, Symmetry};
-use droptower::simulate::{falling, section, surface};
+use droptower::simulate::{rigid_body, section, surface};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 /// An engine that is stepped by a test.
@@ -48,7 +48,7 @@ impl Scene {
         let lowest = surface.lowest(&UnitQuaternion::identity());
         let pose = Isometry3::translation(x, y, model.faces[0].height + offset[0] - lowest);
         let impactor = Impactor { velocity: [0.0, 0.0, -velocity], spin: spin.into(), ..impactor.clone() };
-        let body = falling(&impactor, &surface, pose);
+        let body = rigid_body(&impactor, &surface, pose);
         let multiplicity = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, multiplicity, offset);
         let loads = Loads { gravity, multiplicity, ..Loads::default() };

@@ -15,7 +15,7 @@ pub(super) enum Pair {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Friction {
     pub(super) body_on_film: f64,
-    pub(super) film_on_film: f64,
+    film_on_film: f64,
     /// Number of nodes of the first face, which come first.
     first_face: usize,
 }
@@ -26,7 +26,7 @@ impl Friction {
         Friction { body_on_film: coefficient, film_on_film: coefficient, first_face: usize::MAX }
     }
 
-    /// The same with the coefficient `film_on_film` at all nodes but the first, which are so many.
+    /// This friction with the coefficient `film_on_film` at the nodes from `first_face` on.
     pub(super) fn with_faces(self, film_on_film: f64, first_face: usize) -> Friction {
         Friction { film_on_film, first_face, ..self }
     }

@@ -159,11 +159,6 @@ impl RateCurves {
         self.mix(&self.log_rate(&[1.0 / rate]), |curve| curve.stress_lanes(&[strain]))[0]
     }
 
-    /// Break strain at the constant `rate` (1/s).
-    pub fn break_strain_at(&self, rate: f64) -> f64 {
-        self.mix(&self.log_rate(&[1.0 / rate]), |curve| [curve.end()])[0]
-    }
-
     /// Logarithm of the rate (1/s) within those of the curves.
     #[inline(always)]
     fn log_rate<const L: usize>(&self, slowness: &Lane<L>) -> Lane<L> {

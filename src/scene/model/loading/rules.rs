@@ -60,8 +60,8 @@ pub enum Impactors {
 /// Why something is not possible under a loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// It has no meaning, for this reason.
-    Meaningless(&'static str),
+    /// It is not allowed, for this reason.
+    NotAllowed(&'static str),
     /// It is not supported or not sensible.
     Unsupported {
         /// The fact.
@@ -75,7 +75,7 @@ impl Refusal {
     /// Reports what is written at the key path.
     pub(in crate::model) fn report(self, path: &str, mistakes: &mut ModelDiagnostics<'_>) {
         match self {
-            Refusal::Meaningless(why) => mistakes.out_of_place(path, why),
+            Refusal::NotAllowed(why) => mistakes.out_of_place(path, why),
             Refusal::Unsupported { message, hint } => mistakes.report_with(path, message, hint),
         }
     }
@@ -107,7 +107,7 @@ pub(super) fn gas_time(ramp: f64) -> f64 {
     (1.0 + GAS_REST) * ramp
 }
 
-/// Keys that have a meaning under an impact alone, and why.
+/// Keys that are allowed under an impact alone, and why.
 pub(super) const OF_IMPACTS: [(&str, &str); 2] = [
     ("reference", "only an impact is compared with a recording"),
     ("output.filter", "only an impact has a filtered channel"),

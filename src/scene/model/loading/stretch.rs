@@ -66,7 +66,7 @@ impl Kind for Stretch {
     }
 
     fn refuses_bars(&self) -> Option<Refusal> {
-        Some(Refusal::Meaningless("jaws hold the film of a stretch test, which stays plane"))
+        Some(Refusal::NotAllowed("jaws hold the film of a stretch test, which stays plane"))
     }
 
     fn refuses_clamp(&self) -> Option<Refusal> {

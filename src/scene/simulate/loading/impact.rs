@@ -51,10 +51,9 @@ impl LoadCase for Impact<'_> {
 
     fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Vec<engine::Impact>, RunError> {
         loads.gravity = self.gravity;
-        mount::surround(self.model, films, nodes, loads);
         let mounted = |(place, impactor): (usize, &Impactor)| {
-            let (contact, pose) = mount::over_film(place, self.model, films, nodes)?;
-            let body = mount::falling(impactor, contact.surface(), pose);
+            let (contact, pose) = mount::above_film(place, self.model, films, nodes)?;
+            let body = mount::rigid_body(impactor, contact.surface(), pose);
             let in_contact = impactor.height.is_none() && !matches!(impactor.guide, Guide::Hinge { .. });
             let impact = engine::Impact::new(body, contact).starting_in_contact(in_contact);
             Ok(impact.with_restitution(impactor.restitution).released_at(impactor.release))

@@ -49,7 +49,7 @@ impl LoadCase for Indent<'_> {
         if self.model.impactors.is_empty() {
             return Ok(vec![]);
         }
-        let (contact, mut pose) = mount::over_film(0, self.model, films, nodes)?;
+        let (contact, mut pose) = mount::above_film(0, self.model, films, nodes)?;
         pose.translation.vector.z -= travel_to_contact(&contact, &pose, nodes).ok_or(RunError::Missed)?;
         let body = RigidBody::prescribed(pose, -self.velocity);
         Ok(vec![engine::Impact::new(body, contact).starting_in_contact(true)])

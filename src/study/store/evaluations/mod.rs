@@ -91,6 +91,51 @@ pub struct EvaluationStore {
     state: Mutex<State>,
 }
 
+/// How often an evaluation failed for a cause that may pass, and where the last cause is.
+#[derive(Clone, Copy, Debug)]
+struct Refusal {
+    count: usize,
+    cause: Place,
+}
+
+/// A claim of this process on an evaluation. It is given up when it is dropped, however its thread ends, unless the
+/// evaluation was added: nobody would compute what others wait for.
+#[derive(Debug)]
+#[must_use]
+pub struct OwnClaim<'a> {
+    store: &'a EvaluationStore,
+    key: Key,
+}
+
+impl OwnClaim<'_> {
+    /// Gives up the claim: the evaluation is kept otherwise, or was not finished.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn release(self) -> io::Result<()> {
+        self.store.end(self.key, Kind::Released, &[])
+    }
+
+    /// Gives up the claim of an evaluation that failed for a `cause` that may pass: others need not wait for it, and may
+    /// try again.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn refuse(self, cause: &str) -> io::Result<()> {
+        self.store.end(self.key, Kind::Refused, cause.as_bytes())
+    }
+}
+
+impl Drop for OwnClaim<'_> {
+    fn drop(&mut self) {
+        let is_held = self.store.state().under_way.contains(&self.key);
+        if is_held {
+            // What cannot be written leaves a claim that ends with the process.
+            let _ = self.store.end(self.key, Kind::Released, &[]);
+        }
+    }
+}
+
 /// A claim of another process.
 #[derive(Clone, Copy, Debug)]
 struct Claim {
@@ -116,6 +161,8 @@ struct State {
     index: HashMap<Key, Place>,
     /// Claims of other processes.
     claims: HashMap<Key, Vec<Claim>>,
+    /// Evaluations that failed for causes that may pass, and have no record yet.
+    refusals: HashMap<Key, Refusal>,
     /// Claims of this process.
     under_way: HashSet<Key>,
     own: Option<OwnSegment>,
@@ -222,18 +269,37 @@ impl EvaluationStore {
         Ok(())
     }
 
-    /// Claims an evaluation for a thread of this process; `false` where another thread or another process computes it.
+    /// Why the evaluation under `key`, of which there is no record, failed last for a cause that may pass.
+    ///
+    /// # Errors
+    /// Its segment cannot be read.
+    pub fn refusal(&self, key: Key) -> io::Result<Option<String>> {
+        let mut state = self.state();
+        let Some(Place { segment, offset, length }) = state.refusals.get(&key).map(|refusal| refusal.cause) else {
+            return Ok(None);
+        };
+        let Some(segment) = state.segments.get_mut(segment as usize) else { return Ok(None) };
+        segment.read(offset, length).map(|cause| Some(String::from_utf8_lossy(&cause).into_owned()))
+    }
+
+    /// How often the evaluation under `key`, of which there is no record, failed for a cause that may pass.
+    pub fn refusals(&self, key: Key) -> usize {
+        self.state().refusals.get(&key).map_or(0, |refusal| refusal.count)
+    }
+
+    /// Claims an evaluation for a thread of this process; none where another thread or another process computes it.
     ///
     /// # Errors
     /// The claim cannot be written.
-    pub fn claim(&self, key: Key) -> io::Result<bool> {
+    pub fn claim(&self, key: Key) -> io::Result<Option<OwnClaim<'_>>> {
         // The lock is not held while the claim is written, so that threads with other keys go on.
         {
             let mut state = self.state();
             if state.rivals(key).next().is_some() || !state.under_way.insert(key) {
-                return Ok(false);
+                return Ok(None);
             }
         }
+        let claim = OwnClaim { store: self, key };
         self.append(Kind::Claim, key, &[])?;
         // Another process may have done the same at the same time. Of the claims that have not begun, the one in the first
         // segment stands once the others have yielded; they do not wait for it, so that none waits for long.
@@ -242,21 +308,19 @@ impl EvaluationStore {
             let verdict = self.state().verdict(key);
             match verdict {
                 Verdict::Stands => break,
-                Verdict::Yields => return self.release(key).map(|()| false),
+                Verdict::Yields => return claim.release().map(|()| None),
                 Verdict::Open => thread::sleep(LOOK_AGAIN),
             }
         }
         self.append(Kind::Begun, key, &[])?;
-        Ok(true)
+        Ok(Some(claim))
     }
 
-    /// Gives up a claim of this process: the evaluation is kept otherwise, or was not finished.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn release(&self, key: Key) -> io::Result<()> {
+    /// Ends a claim of this process by an entry of this `kind`.
+    fn end(&self, key: Key, kind: Kind, content: &[u8]) -> io::Result<()> {
+        // First: should it not be written, no thread of this process waits for it.
         self.state().under_way.remove(&key);
-        self.append(Kind::Released, key, &[])
+        self.append(kind, key, content)
     }
 
     /// Shows other processes that this one is at work, where it has claims and has not shown it lately.
@@ -357,8 +421,13 @@ impl EvaluationStore {
         let offset = own.append(kind, key, content)?;
         let segment = own.number.get_or_insert(number);
         let place = Place { segment: *segment, length: content.len() as u32, offset };
-        if kind == Kind::Record {
-            state.index.insert(key, place);
+        match kind {
+            Kind::Record => {
+                state.refusals.remove(&key);
+                state.index.insert(key, place);
+            }
+            Kind::Refused => note_refusal(&mut state.refusals, key, place),
+            _ => {}
         }
         Ok(())
     }
@@ -372,7 +441,7 @@ impl EvaluationStore {
 impl State {
     /// Takes in what a segment has gained.
     fn follow(&mut self, place: usize) -> io::Result<()> {
-        let State { segments, index, claims, others, .. } = self;
+        let State { segments, index, claims, refusals, others, .. } = self;
         let number = place as u32;
         let Some(segment) = segments.get_mut(place) else { return Ok(()) };
         let mut is_closed = segment.is_closed;
@@ -381,6 +450,7 @@ impl State {
             match kind {
                 Kind::Record => {
                     claims.remove(&key);
+                    refusals.remove(&key);
                     index.entry(key).or_insert_with(|| {
                         *others += 1;
                         Place { segment: number, length, offset }
@@ -391,7 +461,10 @@ impl State {
                     all.retain(|claim| claim.segment != number);
                     all.push(Claim { segment: number, has_begun: kind == Kind::Begun });
                 }
-                Kind::Released => {
+                Kind::Released | Kind::Refused => {
+                    if kind == Kind::Refused && !index.contains_key(&key) {
+                        note_refusal(refusals, key, Place { segment: number, length, offset });
+                    }
                     if let Some(all) = claims.get_mut(&key) {
                         all.retain(|claim| claim.segment != number);
                     }
@@ -422,6 +495,11 @@ impl State {
         };
         self.rivals(key).map(of_rival).max().unwrap_or(Verdict::Stands)
     }
+}
+
+fn note_refusal(refusals: &mut HashMap<Key, Refusal>, key: Key, cause: Place) {
+    let refusal = refusals.entry(key).or_insert(Refusal { count: 0, cause });
+    *refusal = Refusal { count: refusal.count + 1, cause };
 }
 
 fn run_path(folder: &Path, key: Key) -> PathBuf {

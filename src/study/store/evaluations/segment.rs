@@ -39,6 +39,8 @@ pub(super) enum Kind {
     Kept = 6,
     /// The process computes an evaluation that it has claimed: no other claim has begun, or stands before it.
     Begun = 7,
+    /// The evaluation failed for a cause that may pass, which is the content; the process gives up its claim.
+    Refused = 8,
 }
 
 /// An entry of a segment, with the place of its content.
@@ -81,8 +83,8 @@ pub(super) struct OwnSegment {
 
 impl Kind {
     fn from_byte(byte: u8) -> Option<Kind> {
-        use Kind::{Alive, Begun, Claim, Closed, Header, Kept, Record, Released};
-        const ALL: [Kind; 8] = [Header, Record, Claim, Alive, Closed, Released, Kept, Begun];
+        use Kind::{Alive, Begun, Claim, Closed, Header, Kept, Record, Refused, Released};
+        const ALL: [Kind; 9] = [Header, Record, Claim, Alive, Closed, Released, Kept, Begun, Refused];
         ALL.into_iter().find(|kind| *kind as u8 == byte)
     }
 }

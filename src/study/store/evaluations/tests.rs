@@ -92,22 +92,67 @@ fn a_damaged_record_is_none() {
     assert!(found.contains(key(1)) && !found.contains(key(2)));
 }
 
+/// Whether the store claims the evaluation; the claim is held, as by a process that is at work.
+fn claims(store: &EvaluationStore, key: Key) -> bool {
+    store.claim(key).unwrap().map(std::mem::forget).is_some()
+}
+
+/// However a thread ends, nobody waits for what it does not compute any more.
+#[test]
+fn a_dropped_claim_is_given_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, other] = [open(folder.path()), open(folder.path())];
+    let claim = one.claim(key(1)).unwrap();
+    other.refresh().unwrap();
+    assert!(claim.is_some() && !claims(&one, key(1)) && !claims(&other, key(1)));
+    drop(claim);
+    other.refresh().unwrap();
+    assert!(claims(&other, key(1)));
+    // What was added is not given up.
+    let claim = one.claim(key(2)).unwrap();
+    one.put(key(2), b"done").unwrap();
+    let length = || fs::metadata(&one.state().own.as_ref().unwrap().path).unwrap().len();
+    let before = length();
+    drop(claim);
+    assert_eq!(length(), before);
+}
+
+#[test]
+fn a_refusal_is_told_and_may_pass() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, other] = [open(folder.path()), open(folder.path())];
+    for (count, cause) in [(1, "too slow"), (2, "too slow again")] {
+        one.claim(key(1)).unwrap().unwrap().refuse(cause).unwrap();
+        other.refresh().unwrap();
+        for store in [&one, &other, &open(folder.path())] {
+            assert_eq!(store.refusal(key(1)).unwrap().as_deref(), Some(cause));
+            assert_eq!((store.refusals(key(1)), store.contains(key(1))), (count, false));
+        }
+    }
+    other.claim(key(1)).unwrap().map(std::mem::forget).unwrap();
+    other.put(key(1), b"done").unwrap();
+    one.refresh().unwrap();
+    for store in [&one, &other, &open(folder.path())] {
+        assert_eq!((store.refusal(key(1)).unwrap(), store.refusals(key(1))), (None, 0));
+    }
+}
+
 #[test]
 fn claims_hold_until_given_up_or_fulfilled() {
     let folder = tempfile::tempdir().unwrap();
     let [one, other] = [open(folder.path()), open(folder.path())];
-    assert!(one.claim(key(1)).unwrap() && one.claim(key(2)).unwrap());
+    assert!(claims(&one, key(1)) && claims(&one, key(2)));
     other.refresh().unwrap();
-    assert!(!other.claim(key(1)).unwrap());
-    assert!(other.claim(key(3)).unwrap());
+    assert!(!claims(&other, key(1)));
+    assert!(claims(&other, key(3)));
     one.put(key(1), b"done").unwrap();
     one.close().unwrap();
     other.refresh().unwrap();
-    assert!(other.contains(key(1)) && other.claim(key(2)).unwrap());
+    assert!(other.contains(key(1)) && claims(&other, key(2)));
     // Whoever goes on working after all claims again.
-    assert!(one.claim(key(4)).unwrap());
+    assert!(claims(&one, key(4)));
     other.refresh().unwrap();
-    assert!(!other.claim(key(4)).unwrap());
+    assert!(!claims(&other, key(4)));
 }
 
 /// Two processes that look, find nothing, and claim the same at once: when both have looked again, one computes it.
@@ -118,12 +163,12 @@ fn of_two_claims_at_once_one_yields() {
     let path = |store: &EvaluationStore| store.state().own.as_ref().unwrap().path.clone();
     [&one, &other].iter().for_each(|store| store.put(key(9), b"").unwrap());
     let [first, second] = if path(&one) < path(&other) { [one, other] } else { [other, one] };
-    assert!(first.claim(key(1)).unwrap() && !second.claim(key(1)).unwrap());
+    assert!(claims(&first, key(1)) && !claims(&second, key(1)));
     // The one that yields gives up its own claim, not that of the other.
     third.refresh().unwrap();
-    assert!(!third.claim(key(1)).unwrap());
+    assert!(!claims(&third, key(1)));
     // One that has begun keeps its claim, in whichever segment it is.
-    assert!(second.claim(key(2)).unwrap() && !first.claim(key(2)).unwrap());
+    assert!(claims(&second, key(2)) && !claims(&first, key(2)));
     second.put(key(2), b"once").unwrap();
     first.refresh().unwrap();
     assert!(first.contains(key(2)));
@@ -138,11 +183,11 @@ fn of_claims_at_the_same_moment_one_stands() {
     let start = std::sync::Barrier::new(PROCESSES);
     let process = || {
         let store = open(folder.path());
-        let claims = |number: &u16| {
+        let claimed = |number: &u16| {
             start.wait();
-            store.claim(evaluation(*number)).unwrap()
+            claims(&store, evaluation(*number))
         };
-        (0..EVALUATIONS).filter(claims).collect::<Vec<u16>>()
+        (0..EVALUATIONS).filter(claimed).collect::<Vec<u16>>()
     };
     let mut standing: Vec<u16> = std::thread::scope(|scope| {
         let processes = [(); PROCESSES].map(|()| scope.spawn(process));
@@ -156,10 +201,10 @@ fn of_claims_at_the_same_moment_one_stands() {
 fn claims_of_an_old_segment_do_not_hold() {
     let folder = tempfile::tempdir().unwrap();
     let killed = open(folder.path());
-    killed.claim(key(1)).unwrap();
+    assert!(claims(&killed, key(1)));
     let file = fs::OpenOptions::new().append(true).open(only_segment(folder.path())).unwrap();
     file.set_modified(std::time::SystemTime::now() - 2 * STALE).unwrap();
-    assert!(open(folder.path()).claim(key(1)).unwrap());
+    assert!(claims(&open(folder.path()), key(1)));
 }
 
 /// An entry that a killed process or a full disk left incomplete is no sign of life: its claims end.
@@ -168,13 +213,13 @@ fn a_segment_that_ends_in_an_incomplete_entry_does_not_grow() {
     let folder = tempfile::tempdir().unwrap();
     let killed = open(folder.path());
     killed.put(key(2), b"whole").unwrap();
-    killed.claim(key(1)).unwrap();
+    assert!(claims(&killed, key(1)));
     let mut file = fs::OpenOptions::new().append(true).open(only_segment(folder.path())).unwrap();
     file.write_all(&[7; 40]).unwrap();
     file.set_modified(std::time::SystemTime::now() - 2 * STALE).unwrap();
     let found = open(folder.path());
     found.refresh().unwrap();
-    assert!(found.contains(key(2)) && found.claim(key(1)).unwrap());
+    assert!(found.contains(key(2)) && claims(&found, key(1)));
 }
 
 /// A segment shows its header as soon as it shows itself: a process that looked too early would never look again.
@@ -182,11 +227,11 @@ fn a_segment_that_ends_in_an_incomplete_entry_does_not_grow() {
 fn nothing_but_whole_segments_is_seen() {
     let folder = tempfile::tempdir().unwrap();
     let [one, other] = [open(folder.path()), open(folder.path())];
-    one.claim(key(1)).unwrap();
+    assert!(claims(&one, key(1)));
     let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert_eq!(names, [only_segment(folder.path())]);
     other.refresh().unwrap();
-    assert!(!other.claim(key(1)).unwrap());
+    assert!(!claims(&other, key(1)));
 }
 
 #[test]
