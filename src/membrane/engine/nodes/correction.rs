@@ -46,8 +46,9 @@ impl Correction<'_> {
             for l in 0..LANES {
                 let change = impulse[axis][l] * inverse_mass[axis][l];
                 x[l] += change * dt;
-                v[l] += change;
-                after[axis][l] = v[l];
+                let velocity = v[l] + change;
+                v[l] = velocity;
+                after[axis][l] = velocity;
             }
         }
         after
