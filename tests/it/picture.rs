@@ -208,7 +208,7 @@ fn mistakes_are_named_and_write_nothing() {
         (&["picture", "run", "-o", "x.png", "--field", "damage"], "--again"),
         (&["picture", "run", "-o", "x.png", "--view", "behind"], "azimuth and elevation in degrees"),
         (&["picture", "run", "-o", "x.png", "--font", "Times New Roman"], "a PNG has no font of the family"),
-        (&["picture", "run", "-o", "x.png", "--size", "100x100"], "leave no room for the picture"),
+        (&["picture", "run", "-o", "x.png", "--size", "100x100"], "leaves no room for the picture"),
         (&["picture", "run", "-o", "x.png", "--width", "5 m", "--dpi", "2400"], "pixels is not drawn"),
     ] {
         let output = droptower(RUN.path(), arguments);
