@@ -80,18 +80,18 @@ fn pictures(scene: &Scene, properties: &mut Properties) -> Option<ContainerLike>
 }
 
 fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Properties) -> ContainerLike {
-    let mut view = Spatial3DView::new(match scene.bodies.len() {
+    let view = Spatial3DView::new(match scene.bodies.len() {
         0 => "Film",
         1 => "Film and impactor",
         _ => "Film and impactors",
     })
     .with_origin("/")
     .with_contents(["+ /scene/**"]);
-    for film in &scene.films {
-        view = view
-            .with_override(film::entity(film), Mesh3D::update_fields().visualizer().with_mappings([mapping(quantity)]));
-    }
     let view: ContainerLike = view.into();
+    for film in &scene.films {
+        let visualizer = Mesh3D::update_fields().visualizer().with_mappings([mapping(quantity)]);
+        properties.visualize(&view, &film::entity(film), &visualizer);
+    }
     properties.set(
         &view,
         "EyeControls3D",

@@ -166,6 +166,40 @@ fn the_blueprint_arranges_the_views() {
     assert_eq!(["/EyeControls3D", "/Background", "/TextLogColumns", "/time_panel"].map(set), [2, 4, 1, 1]);
 }
 
+/// The layout of a second recording is taken from the first: its views, and what is logged to their paths, have those names.
+#[test]
+fn the_layout_of_every_recording_is_whole() {
+    for sides in [3, 4, 3] {
+        let films = [film(sides, 2), (FilmTrack { name: "second".to_owned(), ..film(sides, 2).0 }, film(sides, 2).1)];
+        let played = written(scene(&films, vec![signal("a", 10)]), &films);
+        let all: Vec<&str> = played.blueprint().collect();
+        let view = |path: &&str| path.strip_prefix("/view/").is_some_and(|rest| !rest.contains('/'));
+        let views: Vec<&str> = all.iter().copied().filter(view).collect();
+        assert!(views.len() >= 4, "{all:?}");
+        for path in all.iter().filter(|path| path.starts_with("/view/")) {
+            assert!(views.iter().any(|view| path.starts_with(view)), "{path} belongs to none of {views:?}");
+        }
+        for film in ["film", "second"] {
+            let place = format!("/ViewContents/overrides/scene/{film}/visualizers");
+            assert_eq!(all.iter().filter(|path| path.ends_with(&place)).count(), 2, "{film}: {all:?}");
+        }
+    }
+}
+
+/// Recordings leave no threads: hundreds of runs of one command would need as many.
+#[cfg(target_os = "linux")]
+#[test]
+fn recordings_leave_no_threads() {
+    let threads = || std::fs::read_dir("/proc/self/task").unwrap().count();
+    let films = [film(5, 2)];
+    let write = || drop(written(scene(&films, vec![signal("threads", 10)]), &films));
+    write();
+    let before = threads();
+    (0..20).for_each(|_| write());
+    // Other tests run beside this one.
+    assert!(threads() < before + 20, "{before} threads became {}", threads());
+}
+
 #[test]
 fn a_search_closes_in_along_its_iterations() {
     let played = written(search(), &[]);
