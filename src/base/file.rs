@@ -1,15 +1,15 @@
 //! Files as a whole: one bounded read of a regular file, and the checksum of what a file holds.
 
 use std::fmt;
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use tempfile::NamedTempFile;
 use thiserror::Error;
 
 use crate::diagnostic::folder_of;
+use crate::scratch;
 
 pub use crc32fast::Hasher as Crc32;
 
@@ -60,11 +60,18 @@ impl From<io::Error> for FileError {
 
 /// Opens the regular file at `path`.
 pub fn open(path: &Path) -> Result<File, FileError> {
-    // Checked first: opening a pipe would wait for its writer.
+    // Checked first: opening a device may act on it.
     if !fs::metadata(path)?.is_file() {
         return Err(FileError::NotAFile);
     }
-    Ok(File::open(path)?)
+    let mut options = OpenOptions::new();
+    options.read(true);
+    // A pipe that has taken the place of the file since would wait for its writer, and some regular files of the system
+    // (`/proc/kmsg`) for what the kernel may say next.
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
+    let file = options.open(path)?;
+    if file.metadata()?.is_file() { Ok(file) } else { Err(FileError::NotAFile) }
 }
 
 /// The bytes of the regular file at `path`, at most `limit`.
@@ -98,21 +105,42 @@ fn is_utf16(bytes: &[u8]) -> bool {
     start.len() >= 4 && 10 * even.max(odd) > 4 * start.len() && 10 * even.min(odd) < start.len()
 }
 
-/// A temporary file in `folder` with the permissions of the user's mask instead of the owner's alone.
-pub fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".droptower-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
+/// Refuses a link at `path`, a name that the program made up: whoever packed the project could have it lead anywhere.
+///
+/// # Errors
+/// There is a link.
+pub fn refuse_link(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_symlink() => Err(io::Error::other("it is a link, which is not followed; remove it")),
+        _ => Ok(()),
     }
-    builder.tempfile_in(folder)
+}
+
+/// Creates the folder at `path`, a name that the program made up, where there is none.
+///
+/// # Errors
+/// There is a link, or the folder cannot be created.
+pub fn own_folder(path: &Path) -> io::Result<()> {
+    refuse_link(path)?;
+    fs::create_dir_all(path)
+}
+
+/// Creates the file at `path`, a name that the program made up, in place of what has it; a link there is removed, not
+/// followed.
+///
+/// # Errors
+/// What is there cannot be removed, or the file cannot be created.
+pub fn create_own(path: &Path) -> io::Result<File> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        // Exclusively: a link that is made meanwhile is not followed either.
+        _ => File::create_new(path),
+    }
 }
 
 /// Writes `bytes` to `path` in one piece: a reader finds what was there before or all of them.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut draft = temporary(folder_of(path))?;
+    let mut draft = scratch::file(folder_of(path))?;
     draft.write_all(bytes)?;
     draft.persist(path).map(drop).map_err(|error| error.error)
 }

@@ -4,9 +4,11 @@
 pub mod number;
 pub mod units;
 pub mod diagnostic;
+pub mod scratch;
 pub mod file;
 pub mod finding;
 pub mod shell;
 pub mod cancellation;
+pub mod budget;
 pub mod periodic;
 pub mod table;

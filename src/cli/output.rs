@@ -10,6 +10,7 @@ use tempfile::NamedTempFile;
 use super::Failure;
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
 use base::file;
+use base::scratch;
 
 /// Text before the checksum in the last line of a file that may be replaced while it is unchanged.
 const SEAL: &str = "# Replaced by the next reduction only while it is unchanged: ";
@@ -102,7 +103,7 @@ impl Draft {
         let place = existing(out)?.map_or_else(|| out.to_owned(), |(place, _)| place);
         let folder = folder_of(&place);
         fs::create_dir_all(folder)?;
-        let mut file = file::temporary(folder)?;
+        let mut file = scratch::file(folder)?;
         let mut text = BufWriter::new(&mut file);
         content(&mut text)?;
         text.flush()?;

@@ -4,7 +4,7 @@ mod case;
 mod material;
 mod test;
 
-use std::fs::{self, OpenOptions};
+use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,8 @@ use clap::Args;
 use serde_json::Value;
 
 use super::{Failure, Shared, output, print};
-use base::diagnostic::{Diagnostic, shown_path};
+use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use base::scratch;
 use scene::scenario::FileKind;
 
 #[derive(Debug, Args)]
@@ -117,8 +118,11 @@ fn exists(path: &Path, hint: &str) -> Failure {
 }
 
 fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
-    let written =
-        OpenOptions::new().write(true).create_new(true).open(path).and_then(|mut file| file.write_all(text.as_bytes()));
+    let written = scratch::file(folder_of(path)).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        // Whole or not at all: what a full disk took of it would be in the way of the next try.
+        file.persist_noclobber(path).map(drop).map_err(|error| error.error)
+    });
     written.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => exists(path, "give another name, or remove it first"),
         _ => Failure::output(Diagnostic::new(format!("cannot write {}: {error}", shown_path(path)))),

@@ -15,6 +15,7 @@ use crate::signal::channel_code::ChannelCode;
 use crate::signal::{MeasuredChannel, Measurement, Series, resample};
 use base::diagnostic::folder_of;
 use base::number::clean_time;
+use base::scratch::ScratchFolder;
 use base::units::Time;
 
 /// Why a container was not written.
@@ -144,7 +145,7 @@ impl<'a> Texts<'a> {
 
 fn lay_down(path: &Path, folder: &Path, channels: &Path, texts: &Texts) -> io::Result<()> {
     fs::create_dir_all(folder)?;
-    let draft = tempfile::Builder::new().prefix(".isomme-").tempdir_in(folder)?;
+    let draft = ScratchFolder::new(folder)?;
     fs::create_dir(draft.path().join(CHANNELS))?;
     let mut last = PathBuf::new();
     texts.each(|name, write| {
