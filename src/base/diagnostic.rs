@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use serde::Serialize;
@@ -20,6 +20,8 @@ pub struct Source {
     pub folder: PathBuf,
     /// The line of the file that the text starts with, counted from one.
     pub first_line: usize,
+    /// Where each line starts, bytes: a text may have as many mistakes as lines.
+    line_starts: OnceLock<Vec<usize>>,
 }
 
 impl Source {
@@ -31,12 +33,30 @@ impl Source {
     /// A part of the file at `path`, too long to be held: the `text` from the line `first_line` on.
     pub fn excerpt(path: &Path, first_line: usize, text: String) -> Arc<Source> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Arc::new(Source { name: shown_path(path), text, folder, first_line })
+        Arc::new(Source { name: shown_path(path), text, folder, first_line, line_starts: OnceLock::new() })
     }
 
     /// A text that is not a file; its relative paths start from the working directory.
     pub fn unfiled(name: &str, text: String) -> Arc<Source> {
-        Arc::new(Source { name: name.to_owned(), text, folder: PathBuf::new(), first_line: 1 })
+        Arc::new(Source {
+            name: name.to_owned(),
+            text,
+            folder: PathBuf::new(),
+            first_line: 1,
+            line_starts: OnceLock::new(),
+        })
+    }
+
+    fn line_starts(&self) -> &[usize] {
+        self.line_starts
+            .get_or_init(|| std::iter::once(0).chain(self.text.match_indices('\n').map(|(end, _)| end + 1)).collect())
+    }
+
+    /// The line of the file that holds the byte `place` of the text, counted from one, and the byte that it starts at.
+    fn line_at(&self, place: usize) -> (usize, usize) {
+        let starts = self.line_starts();
+        let before = starts.partition_point(|start| *start <= place) - 1;
+        (self.first_line + before, starts[before])
     }
 }
 
@@ -65,7 +85,7 @@ impl Span {
 
     /// The line `number` of the text (counted from one) without its end.
     pub fn line(source: &Arc<Source>, number: usize) -> Span {
-        let start: usize = source.text.split_inclusive('\n').take(number.saturating_sub(1)).map(str::len).sum();
+        let start = source.line_starts().get(number.saturating_sub(1)).copied().unwrap_or(source.text.len());
         let length = source.text[start..].lines().next().map_or(0, str::len);
         Span::new(source, start..start + length)
     }
@@ -83,10 +103,13 @@ impl Span {
 
     /// Line of the file and column (in characters) of its start, both counted from one.
     pub fn start(&self) -> (usize, usize) {
-        let before = &self.source.text[..self.range.start];
-        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-        let line = self.source.first_line + before.matches('\n').count();
-        (line, before[line_start..].chars().count() + 1)
+        let (line, start) = self.source.line_at(self.range.start);
+        (line, self.source.text[start..self.range.start].chars().count() + 1)
+    }
+
+    /// Line of the file that it starts on, counted from one.
+    pub fn line_number(&self) -> usize {
+        self.source.line_at(self.range.start).0
     }
 }
 
@@ -156,18 +179,15 @@ impl Diagnostic {
             let help = hint.iter().map(|hint| Level::HELP.message(hint.as_ref()));
             return renderer.render(&[title.elements(help)]);
         };
-        let labels: Vec<(&Span, Cow<'_, str>)> =
-            self.labels.iter().map(|label| (&label.span, printable(&label.text))).collect();
-        let context = |place: usize| {
-            let (span, text) = &labels[place];
-            AnnotationKind::Context.span(span.range.clone()).label(text.as_ref())
-        };
-        let is_beside = |place: &usize| Arc::ptr_eq(&labels[*place].0.source, &span.source);
-        let mark = AnnotationKind::Primary.span(span.range.clone()).label(hint.as_deref());
-        let own = snippet(&span.source).annotation(mark);
-        let own = own.annotations((0..labels.len()).filter(is_beside).map(context));
-        let others = (0..labels.len()).filter(|place| !is_beside(place));
-        let others = others.map(|place| snippet(&labels[place].0.source).annotation(context(place)));
+        let (beside, others): (Vec<&Label>, Vec<&Label>) =
+            self.labels.iter().partition(|label| Arc::ptr_eq(&label.span.source, &span.source));
+        let own = Excerpt::new(&span.source, std::iter::once(span).chain(beside.iter().map(|label| &label.span)));
+        let others: Vec<(Excerpt<'_>, &Label)> =
+            others.into_iter().map(|label| (Excerpt::new(&label.span.source, [&label.span]), label)).collect();
+        let mark = AnnotationKind::Primary.span(own.range(span)).label(hint.as_deref());
+        let beside = beside.into_iter().map(|label| own.context(label));
+        let own = own.snippet().annotation(mark).annotations(beside);
+        let others = others.iter().map(|(excerpt, label)| excerpt.snippet().annotation(excerpt.context(label)));
         renderer.render(&[title.element(own).elements(others)])
     }
 }
@@ -239,20 +259,82 @@ impl Diagnostic {
     }
 }
 
-/// The text of `source` under its name.
-fn snippet<'a>(source: &'a Source) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
-    Snippet::source(&source.text).line_start(source.first_line).path(printable(&source.name))
+/// The lines of a source that some spans are on. Whole files would be searched for their lines at every report.
+struct Excerpt<'a> {
+    source: &'a Source,
+    /// Where it begins in the text of the source, bytes.
+    start: usize,
+    /// The lines as a terminal may show them.
+    text: Cow<'a, str>,
 }
 
-/// The text without control characters: names and notes of files are not trusted.
+impl<'a> Excerpt<'a> {
+    fn new<'s>(source: &'a Source, spans: impl IntoIterator<Item = &'s Span>) -> Excerpt<'a> {
+        let text = &source.text;
+        let whole =
+            spans.into_iter().map(|span| span.range.clone()).reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
+        let whole = whole.unwrap_or(0..0);
+        // Behind the last line there is nothing to show.
+        let is_behind = whole.start == text.len() && text.ends_with('\n');
+        let first = if is_behind { whole.start - 1 } else { whole.start };
+        let start = text[..first].rfind('\n').map_or(0, |at| at + 1);
+        let end = text[whole.end..].find('\n').map_or(text.len(), |at| whole.end + at + 1);
+        Excerpt { source, start, text: printable(&text[start..end]) }
+    }
+
+    /// Bytes of the excerpt that are those of `span`: what replaces a character may be longer.
+    fn range(&self, span: &Span) -> Range<usize> {
+        let last = self.text.strip_suffix('\n').unwrap_or(&self.text).len();
+        let place = |at: usize| printable(&self.source.text[self.start..at]).len().min(last);
+        place(span.range.start)..place(span.range.end)
+    }
+
+    fn context<'l>(&self, label: &'l Label) -> annotate_snippets::Annotation<'l> {
+        AnnotationKind::Context.span(self.range(&label.span)).label(printable(&label.text))
+    }
+
+    fn snippet<'s>(&'s self) -> Snippet<'s, annotate_snippets::Annotation<'s>> {
+        let (line, _) = self.source.line_at(self.start);
+        Snippet::source(self.text.as_ref()).line_start(line).path(printable(&self.source.name))
+    }
+}
+
+/// Whether a letter steers a terminal or turns the direction of the text about it.
+pub fn steers(letter: char) -> bool {
+    let turns =
+        matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || (letter.is_control() && letter != '\n' && letter != '\t')
+}
+
+/// The text without characters that steer what shows it: names and notes of files are not trusted.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    let steers = |letter: char| letter.is_control() && letter != '\n' && letter != '\t';
     if text.contains(steers) { text.replace(steers, "\u{fffd}").into() } else { text.into() }
 }
 
-/// All mistakes, one report after the other.
+/// JSON in which characters that steer what shows it are escaped; it means the same.
+pub fn printable_json(json: &str) -> Cow<'_, str> {
+    if !json.contains(steers) {
+        return json.into();
+    }
+    // Beyond those that JSON itself escapes, they occur in strings only, and all are below U+FFFF.
+    let escaped = json.chars().map(|letter| match steers(letter) {
+        true => format!("\\u{:04x}", u32::from(letter)),
+        false => letter.into(),
+    });
+    escaped.collect::<String>().into()
+}
+
+/// Reports that are shown at once: mistakes beyond them are mostly consequences, or the same one again.
+const SHOWN: usize = 10;
+
+/// The first mistakes, one report after the other, and how many there are besides.
 pub fn render(mistakes: &[Diagnostic], styled: bool) -> String {
-    let reports: Vec<String> = mistakes.iter().map(|m| m.render(styled)).collect();
+    let mut reports: Vec<String> = mistakes.iter().take(SHOWN).map(|mistake| mistake.render(styled)).collect();
+    match mistakes.len().saturating_sub(SHOWN) {
+        0 => {}
+        1 => reports.push("and 1 more mistake".to_owned()),
+        more => reports.push(format!("and {more} more mistakes")),
+    }
     reports.join("\n\n")
 }
 
@@ -377,11 +459,44 @@ error: `velocity` and `drop_height` exclude each other
     fn nothing_steers_the_terminal() {
         assert_eq!(printable("a\tb\nc \u{b0}"), "a\tb\nc \u{b0}");
         assert_eq!(printable("\u{1b}[31mred\r\u{9b}2J"), "\u{fffd}[31mred\u{fffd}\u{fffd}2J");
-        let source = Source::unfiled("\u{1b}[2J", "\u{1b}[31m,x\n".to_owned());
+        assert_eq!(printable("a\u{202e}b\u{2066}c"), "a\u{fffd}b\u{fffd}c");
+        let source = Source::unfiled("\u{1b}[2J", "\u{1b}[31m,\u{9b}x\n".to_owned());
         let mistake = Diagnostic::new("no `\u{1b}[1m`").hint("\u{7}");
         for shown in [mistake.clone().at(&Span::position(&source, 1, 7)), mistake] {
             assert!(!shown.render(false).contains(|c: char| c.is_control() && c != '\n'), "{shown:?}");
         }
+    }
+
+    #[test]
+    fn json_keeps_what_it_means() {
+        let text = "a\u{9b}b\u{202e}c\u{1b}\u{2066}\u{e9}";
+        let json = printable_json(&serde_json::to_string(text).unwrap()).into_owned();
+        assert!(!json.contains(steers) && json.contains('\u{e9}'), "{json}");
+        assert_eq!(serde_json::from_str::<String>(&json).unwrap(), text);
+    }
+
+    #[test]
+    fn marks_stand_below_what_they_mark() {
+        let source = Source::unfiled("a", "first\n\u{9b}\u{202e}key = 1\nlast\n".to_owned());
+        let start = source.text.find("key").unwrap();
+        let shown = Diagnostic::new("no").at(&Span::new(&source, start..start + 3)).render(false);
+        assert_eq!(shown, "error: no\n --> a:2:3\n  |\n2 | \u{fffd}\u{fffd}key = 1\n  |   ^^^");
+    }
+
+    #[test]
+    fn what_is_missing_at_the_end_is_shown_at_the_last_line() {
+        let source = Source::unfiled("a", "first\n(1 + 2\n".to_owned());
+        let shown = Diagnostic::new("no").at(&Span::new(&source, 13..13)).render(false);
+        assert_eq!(shown, "error: no\n --> a:2:7\n  |\n2 | (1 + 2\n  |       ^");
+    }
+
+    #[test]
+    fn ten_mistakes_are_shown_and_the_others_counted() {
+        let mistakes = |count: usize| vec![Diagnostic::new("no"); count];
+        assert_eq!(render(&mistakes(10), false).matches("error: no").count(), 10);
+        let shown = render(&mistakes(12), false);
+        assert_eq!(shown.matches("error: no").count(), 10);
+        assert!(shown.ends_with("\n\nand 2 more mistakes"), "{shown}");
     }
 
     #[test]

@@ -48,6 +48,9 @@ mod watch;
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
+#[cfg(unix)]
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
@@ -149,7 +152,27 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Checks and sets what the whole program needs of the system.
+///
+/// # Errors
+/// The clock is before 1970: recordings and names of files could not carry its time.
+fn prepare() -> Result<(), Failure> {
+    if SystemTime::now() < UNIX_EPOCH {
+        let mistake = Diagnostic::new("the clock of this machine is before 1970");
+        return Err(Failure::output(mistake.hint("set it: recordings carry its time")));
+    }
+    // A file that reaches the limit of its size (`ulimit -f`) is then an error of the write, as a full disk is, and does
+    // not end the program.
+    #[cfg(unix)]
+    if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()) {
+        return Err(Failure::output(Diagnostic::new(format!("cannot handle signals: {error}"))));
+    }
+    Ok(())
+}
+
 fn run(command: &Command, shared: &Shared) -> Result<(), Failure> {
+    prepare()?;
+    study::script::silence_panics();
     if let Some(threads) = shared.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         let started = pool.build_global();
@@ -191,7 +214,7 @@ pub(crate) fn print_records(diagnostics: &[Diagnostic]) {
     for diagnostic in diagnostics {
         let record = serde_json::to_string(&diagnostic.record()).unwrap_or_default();
         // With standard error closed, the exit status is left.
-        let _ = writeln!(io::stderr(), "{record}");
+        let _ = writeln!(io::stderr(), "{}", diagnostic::printable_json(&record));
     }
 }
 
@@ -208,13 +231,15 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 /// Prints figures as JSON on standard output.
 pub(crate) fn print_json(figures: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(figures);
-    print(&text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?)
+    let text = text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?;
+    print(&diagnostic::printable_json(&text))
 }
 
 /// Prints an event as one line of JSON on standard output.
 pub(crate) fn print_line(event: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string(event);
-    print(&text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?)
+    let text = text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?;
+    print(&diagnostic::printable_json(&text))
 }
 
 /// Prints the figures of a command as JSON, as text, or not at all, as `--json` and `--quiet` ask for.

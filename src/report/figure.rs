@@ -3,6 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::html::escape;
+use base::diagnostic::steers;
 use base::number;
 use base::units::{STANDARD_GRAVITY, Unit};
 
@@ -111,6 +112,7 @@ pub(super) fn escaped(text: &str) -> String {
         match c {
             '\n' | '\r' => out.push(' '),
             '|' | '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '#' | '~' | '&' | '!' => out.extend(['\\', c]),
+            c if steers(c) => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }

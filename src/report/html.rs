@@ -8,6 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
+use base::diagnostic::{printable_json, steers};
 use base::finding::Finding;
 use plot::viridis::VIRIDIS;
 
@@ -44,6 +45,8 @@ pub(super) fn escape(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
+            // Nor does a text turn the direction of what follows.
+            other if steers(other) => safe.push('\u{fffd}'),
             other => safe.push(other),
         }
     }
@@ -94,7 +97,7 @@ fn with_code(finding: &Finding) -> String {
 /// Data for the page's scripts; no text in it can end the block.
 pub(super) fn data(value: &Value) -> String {
     // In JSON, `<` occurs in strings only, where this escape means the same.
-    let text = value.to_string().replace('<', "\\u003c");
+    let text = printable_json(&value.to_string()).replace('<', "\\u003c");
     format!("<script type=\"application/json\">{text}</script>\n")
 }
 

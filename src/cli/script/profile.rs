@@ -19,7 +19,7 @@ pub(super) fn watch(engine: &mut Engine, args: &ScriptArgs) -> Profile {
             if is_traced {
                 let module = if source.file == script { String::new() } else { format!("{}:", line.file) };
                 // With standard error closed, the script still runs.
-                let _ = writeln!(io::stderr(), "{module}{:>5}  {}", line.number, text(source, line.number));
+                let _ = writeln!(io::stderr(), "{module}{:>5}  {}", line.number, printable(&text(source, line.number)));
             }
         }),
     )

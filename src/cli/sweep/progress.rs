@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
 use crate::Shared;
-use base::diagnostic::printable;
+use base::diagnostic::{printable, printable_json};
 use base::number::{figure, wall_time};
 use study::cluster::Tasks;
 use study::sweep::{Event, RemainingWork};
@@ -139,7 +139,7 @@ impl Progress {
                 "to_go_s": pace.map(|[_, to_go]| to_go),
             });
             // Whoever follows may have gone.
-            let _ = writeln!(io::stderr(), "{event}");
+            let _ = writeln!(io::stderr(), "{}", printable_json(&event.to_string()));
         }
         self.bar.set_position(state.done() as u64);
         let failed = match state.failed + state.refused {
@@ -173,7 +173,7 @@ impl Progress {
         }
         if self.events && !self.quiet {
             let event = json!({ "event": "tasks", "job": id, "tasks": tasks });
-            let _ = writeln!(io::stderr(), "{event}");
+            let _ = writeln!(io::stderr(), "{}", printable_json(&event.to_string()));
         }
         let reason = tasks.reason.as_ref().map(|reason| format!(" ({reason})")).unwrap_or_default();
         self.note(&format!("job {id}: {} tasks run, {} wait{reason}", tasks.running, tasks.waiting));

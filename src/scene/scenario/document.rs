@@ -69,6 +69,11 @@ impl Document {
         Document::read_by(path, grammar::expectations())
     }
 
+    /// Bytes that it takes in memory, about.
+    pub fn size(&self) -> usize {
+        self.root.size()
+    }
+
     /// The files that reading the scenario at `path` looks at, even where it cannot be read.
     pub fn sources(path: &Path) -> Vec<PathBuf> {
         let mut reader = Reader::default();

@@ -1,5 +1,6 @@
 //! The tree of a file: keys and values with their places in the source.
 
+use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -70,13 +71,8 @@ pub fn parse_as(text: &str, source: &Arc<Source>) -> Result<Node, Vec<Diagnostic
     if !errors.is_empty() {
         let mut mistakes: Vec<Diagnostic> = errors.iter().map(|e| syntax_error(e, source)).collect();
         // Further errors of the same line are mostly consequences of the first.
-        let mut lines = Vec::new();
-        mistakes.retain(|mistake| {
-            let line = mistake.span.as_ref().map(|span| span.start().0);
-            let new = !lines.contains(&line);
-            lines.push(line);
-            new
-        });
+        let mut lines = HashSet::new();
+        mistakes.retain(|mistake| lines.insert(mistake.span.as_ref().map(Span::line_number)));
         return Err(mistakes);
     }
     let mut mistakes = Vec::new();
@@ -153,6 +149,20 @@ impl Node {
     /// A value that is not included from a file.
     pub fn new(value: Value, span: Span) -> Node {
         Node { value, span, included: false }
+    }
+
+    /// Bytes that it takes in memory, about.
+    pub fn size(&self) -> usize {
+        let within: usize = match &self.value {
+            Value::Text(text) | Value::Time(text) => text.len(),
+            Value::Whole(_) | Value::Number(_) | Value::Flag(_) => 0,
+            Value::List(items) => items.iter().map(Node::size).sum(),
+            Value::Table(table) => {
+                let size = |entry: &Entry| size_of::<Entry>() + entry.key.len() + entry.node.size();
+                table.entries.iter().map(size).sum()
+            }
+        };
+        size_of::<Node>() + within
     }
 
     /// The node at the key path, e.g. `specimen.shape.rectangle.0`.
