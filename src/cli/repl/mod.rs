@@ -35,7 +35,7 @@ use study::evaluate::Evaluations;
 use study::identify::{SearchEvent, SearchHost};
 use study::script::{
     Arguments, Console, Fault, LONGEST_SCRIPT, Limits, Message, OutputCollector, STACK, ScriptOutput, Session,
-    stop_after, to_json,
+    stop_beyond, to_json,
 };
 use study::store;
 
@@ -174,7 +174,7 @@ impl<'a> Repl<'a> {
     fn answer(&mut self, input: &str) -> Result<bool, Failure> {
         let cancellation = Cancellation::default();
         self.engine.set_default_tag(Session::of_engine(&self.engine).with_cancellation(&cancellation));
-        stop_after(&mut self.engine, Limits::STUDY.time, &cancellation);
+        stop_beyond(&mut self.engine, Limits::STUDY, &cancellation);
         self.signals.set_current(Some(cancellation));
         let found = self.answered(input);
         self.signals.set_current(None);

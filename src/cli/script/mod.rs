@@ -194,6 +194,7 @@ fn run_script(
     host.identify(Identity { script: program.whole_text(), given: decisive(&call) });
     let stopped = |fault: Fault| match fault.numerical {
         true => Failure::numerical(script(&fault)),
+        false if fault.may_pass => Failure::output(script(&fault)),
         false => Failure::from(script(&fault)),
     };
     let cancellation = Session::of_engine(&engine).cancellation().clone();
@@ -203,7 +204,7 @@ fn run_script(
     let ran = farm::watched(evaluations, &cancellation, deadline, || program.run(&engine, scope));
     if let Some(profile) = profile.filter(|_| args.profile) {
         // Where the time went is asked of a script that failed, too.
-        let _ = writeln!(io::stderr(), "{}", profile::table(&profile.lines(), &program));
+        let _ = writeln!(io::stderr(), "{}", printable(&profile::table(&profile.lines(), &program)));
     }
     match ran {
         Err(_) if cancellation.is_cancelled() => return Ok(None),
@@ -334,7 +335,7 @@ fn decisive(call: &Map<String, Value>) -> Map<String, Value> {
 fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
     let place = match out {
         Some(folder) => folder.into(),
-        None => store::place(Path::new("runs"), name)?,
+        None => store::default_place(name)?,
     };
     store::check_places(std::slice::from_ref(&place))?;
     Ok(place)

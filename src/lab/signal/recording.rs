@@ -37,6 +37,11 @@ impl Recording {
         Some(Series::new(self.time.as_slice(), values))
     }
 
+    /// Bytes of its numbers.
+    pub fn size(&self) -> usize {
+        size_of::<f64>() * (self.time.len() + self.channels.iter().map(|channel| channel.values.len()).sum::<usize>())
+    }
+
     /// The columns of its table: those of [`csv::write`](super::csv::write), the same numbers.
     pub fn columns(&self) -> Vec<Column> {
         let time = Column::of_numbers(TIME, self.time.iter().copied().map(clean_time));

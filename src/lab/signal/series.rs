@@ -1,17 +1,17 @@
 //! One quantity over its own time axis.
 
-use std::sync::Arc;
+use base::budget::Numbers;
 
 /// One quantity over its own time axis; cheap to clone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    time: Arc<[f64]>,
-    values: Arc<[f64]>,
+    time: Numbers,
+    values: Numbers,
 }
 
 impl Series {
     /// A series of `values` at `time` (s, strictly increasing); the longer of the two is cut.
-    pub fn new(time: impl Into<Arc<[f64]>>, values: impl Into<Arc<[f64]>>) -> Series {
+    pub fn new(time: impl Into<Numbers>, values: impl Into<Numbers>) -> Series {
         let (time, values) = (time.into(), values.into());
         let count = time.len().min(values.len());
         if time.len() == values.len() {
@@ -47,7 +47,7 @@ impl Series {
 
     /// Other values on the same time axis.
     pub fn with_values(&self, values: Vec<f64>) -> Series {
-        Series::new(Arc::clone(&self.time), values)
+        Series::new(self.time.clone(), values)
     }
 
     /// The samples with `from <= time <= to`.

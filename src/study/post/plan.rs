@@ -1,5 +1,7 @@
 //! The evaluation of a run, prepared before it: the reference is read and the script compiled first.
 
+use std::sync::Arc;
+
 use rhai::Engine;
 use thiserror::Error;
 
@@ -15,7 +17,7 @@ use scene::simulate::Outcome;
 #[derive(Clone, Debug)]
 pub struct Plan {
     comparison: Option<ReferenceComparison>,
-    script: Option<Script>,
+    script: Option<Arc<Script>>,
     /// Findings about the scenario itself.
     findings: Vec<Finding>,
 }
@@ -48,7 +50,7 @@ impl Plan {
         let engine = host(&collector);
         let stand_in = run::scope(Run::empty());
         let read = |path| Script::read(&engine, &stand_in, path);
-        let script = model.post.as_deref().map(read).transpose()?;
+        let script = model.post.as_deref().map(read).transpose()?.map(Arc::new);
         Ok(Plan { comparison, script, findings: vec![] })
     }
 
@@ -76,7 +78,7 @@ impl Plan {
         let mut results = self.measure(model, outcome)?;
         if let Some(script) = &self.script {
             let collector = OutputCollector::new(results.measures.reserved());
-            let run = Run::new(model, outcome, &results);
+            let run = Run::new(model, outcome, &results, None);
             script.run(&host(&collector), run::scope(run))?;
             results.script_output = collector.output();
             results.measures.findings_mut().extend(&results.script_output.findings);
@@ -96,12 +98,12 @@ impl Plan {
 
     /// The text of the post script.
     pub fn script(&self) -> Option<&str> {
-        self.script.as_ref().map(Script::text)
+        self.script.as_deref().map(Script::text)
     }
 
     /// The identity of the post script: its text and those of its modules.
     pub fn whole_script(&self) -> Option<String> {
-        self.script.as_ref().map(Script::whole_text)
+        self.script.as_deref().map(Script::whole_text)
     }
 
     /// The comparison with the reference, where the scenario names one.

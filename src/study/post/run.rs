@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::figures::SUMMARY;
 use super::{ReferenceComparison, Results};
 use crate::script::{Entry, Fields, Session, from_json, refuse};
+use base::budget::{Budget, Claim};
 use lab::signal::{Recording, Series, column};
 use scene::model::{Impactor, Model};
 use scene::simulate::Outcome;
@@ -22,6 +23,7 @@ struct Parts {
     energies: Recording,
     summary: serde_json::Map<String, Value>,
     model: serde_json::Map<String, Value>,
+    _claim: Option<Claim>,
 }
 
 /// Channels by the names of their columns.
@@ -36,9 +38,10 @@ struct Columns {
 pub(crate) struct ReferenceSignals(pub ReferenceComparison);
 
 impl Run {
-    /// The run of `model` with its results.
-    pub fn new(model: &Model, outcome: &Outcome, results: &Results) -> Run {
+    /// The run of `model` with its results, which count towards the budget of a script where there is one.
+    pub fn new(model: &Model, outcome: &Outcome, results: &Results, budget: Option<&Budget>) -> Run {
         Run(Arc::new(Parts {
+            _claim: budget.map(|budget| budget.claim(results.signals.size() + outcome.energies.size())),
             signals: results.signals.clone(),
             energies: outcome.energies.clone(),
             summary: results.summary(model),

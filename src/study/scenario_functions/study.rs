@@ -17,6 +17,7 @@ use crate::script::{
     Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, refuse_key, to_json,
 };
 use crate::store::evaluations::Share;
+use base::budget::Claim;
 use base::diagnostic::Diagnostic;
 use base::finding::Finding;
 use lab::experiment::coupon::Curve;
@@ -35,7 +36,11 @@ struct Parts {
     plan: Plan,
     /// Runs that were computed before; none where all are computed again.
     evaluations: Option<Arc<Evaluations>>,
+    _claim: Claim,
 }
+
+/// Bytes of a checked scenario beside its document, about: its model, with curves of up to some hundred points.
+const MODEL_SIZE: usize = 16 << 10;
 
 /// The outcome of a run, or why there is none.
 type Found = Result<Outcome, NoOutcome>;
@@ -87,7 +92,8 @@ impl Study {
         if let (Some(reference), Some(comparison)) = (&model.reference, plan.comparison()) {
             session.add_recording(&reference.signals, comparison.is_virtual());
         }
-        Ok(Study(Arc::new(Parts { document, model, plan, evaluations })))
+        let _claim = session.budget().claim(MODEL_SIZE + document.size());
+        Ok(Study(Arc::new(Parts { document, model, plan, evaluations, _claim })))
     }
 
     /// A study of the scenario with changed values of its keys.
@@ -139,7 +145,7 @@ impl Study {
         if model.run_time() < self.0.model.run_time() {
             results = results.ended_early();
         }
-        Ok(Some(Run::new(model, &outcome, &results)))
+        Ok(Some(Run::new(model, &outcome, &results, Some(session.budget()))))
     }
 
     fn reference(&mut self) -> HostResult<ReferenceSignals> {

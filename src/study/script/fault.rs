@@ -1,4 +1,4 @@
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -52,7 +52,10 @@ impl Fault {
         let at = |message: String| Fault::located(file, position, message);
         match culprit {
             EvalAltResult::ErrorRuntime(value, _) => of_value(unit, position, value),
-            EvalAltResult::ErrorTerminated(reason, _) => Fault { may_pass: true, ..at(reason.to_string()) },
+            EvalAltResult::ErrorTerminated(reason, _) => match reason.read_lock::<TooLarge>() {
+                Some(too_large) => at(too_large.to_string()),
+                None => Fault { may_pass: true, ..at(reason.to_string()) },
+            },
             EvalAltResult::ErrorFunctionNotFound(signature, _) => at(not_taken(signature)),
             EvalAltResult::ErrorPropertyNotFound(name, _) => {
                 let fields = Session::of_engine(engine).fields();
@@ -166,6 +169,28 @@ fn in_words(name: &str) -> &str {
         "Fn" => "function",
         "()" => "nothing",
         other => other,
+    }
+}
+
+/// Why a script is ended that holds more bytes than it may, which is no matter of time.
+#[derive(Clone, Copy)]
+pub(super) struct TooLarge {
+    limit: usize,
+}
+
+impl TooLarge {
+    pub(super) fn new(limit: usize) -> TooLarge {
+        TooLarge { limit }
+    }
+}
+
+impl fmt::Display for TooLarge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the signals, curves, scenarios and runs that the script holds take more than {} MiB",
+            self.limit >> 20
+        )
     }
 }
 

@@ -11,12 +11,14 @@ use rhai::packages::{
     BasicStringPackage, LogicPackage, MoreStringPackage, Package,
 };
 use rhai::{
-    AST, Caches, Dynamic, Engine, ImmutableString, Locked, OptimizationLevel, Scope, Shared, Token, TokenizeState,
+    AST, Caches, Dynamic, Engine, EvalAltResult, ImmutableString, Locked, OptimizationLevel, Scope, Shared, Token,
+    TokenizeState,
 };
 use thiserror::Error;
 
+use super::fault::TooLarge;
 use super::module::{self, Finder, Import, LONGEST_SCRIPT, Resolver, SourceText, Unit};
-use super::{Fault, Session, calls, fields, places};
+use super::{Fault, Session, calls, fields, panic, places};
 use base::cancellation::Cancellation;
 use base::file::{self, FileError};
 
@@ -26,17 +28,21 @@ pub const STACK: usize = 256 << 20;
 /// Limits of a script.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Steps of the interpreter; bounds memory too, since every step stores at most one value.
+    /// Steps of the interpreter.
     pub operations: u64,
+    /// Bytes of the signals, curves, scenarios and runs that it holds. The lists, maps and strings of a variable have
+    /// limits of their own.
+    pub bytes: usize,
     /// Wall time, host functions included.
     pub time: Duration,
 }
 
 impl Limits {
     /// For a post script, which reads one finished run.
-    pub const POST: Limits = Limits { operations: 1_000_000, time: Duration::from_secs(60) };
+    pub const POST: Limits = Limits { operations: 1_000_000, bytes: 256 << 20, time: Duration::from_secs(60) };
     /// For a script that simulates; its host functions may take hours.
-    pub const STUDY: Limits = Limits { operations: 2_000_000, time: Duration::from_secs(7 * 24 * 3600) };
+    pub const STUDY: Limits =
+        Limits { operations: 2_000_000, bytes: 512 << 20, time: Duration::from_secs(7 * 24 * 3600) };
 }
 
 /// Why a script cannot be read or compiled.
@@ -88,21 +94,27 @@ pub fn engine(limits: Limits) -> Engine {
     let session = Session::default();
     engine.set_module_resolver(Resolver(session.programs().clone()));
     engine.set_default_tag(session);
-    stop_after(&mut engine, limits.time, &Cancellation::default());
+    stop_beyond(&mut engine, limits, &Cancellation::default());
     super::fault::register(&mut engine);
+    super::sort::register(&mut engine);
     engine
 }
 
-/// Ends what `engine` runs when `time` has passed from now on, or once `cancellation` says so.
-pub fn stop_after(engine: &mut Engine, time: Duration, cancellation: &Cancellation) {
+/// Ends what `engine` runs when the time of `limits` has passed from now on, when it holds more bytes, or once
+/// `cancellation` says so.
+pub fn stop_beyond(engine: &mut Engine, limits: Limits, cancellation: &Cancellation) {
     let (start, cancellation) = (Instant::now(), cancellation.clone());
+    let budget = Session::of_engine(engine).budget().clone();
     engine.on_progress(move |operations| {
         if cancellation.is_cancelled() {
             return Some("stopped".into());
         }
+        if budget.held() > limits.bytes {
+            return Some(Dynamic::from(TooLarge::new(limits.bytes)));
+        }
         // The clock costs more than an operation of the interpreter.
-        let late = operations % 256 == 0 && start.elapsed() > time;
-        late.then(|| format!("the script took longer than {} s", time.as_secs()).into())
+        let late = operations % 256 == 0 && start.elapsed() > limits.time;
+        late.then(|| format!("the script took longer than {} s", limits.time.as_secs()).into())
     });
 }
 
@@ -249,7 +261,8 @@ impl Script {
         constants: BTreeMap<ImmutableString, Dynamic>,
     ) -> Result<Dynamic, Fault> {
         self.on_stack(|| {
-            Session::of_engine(engine).programs().install(&self.units);
+            let session = Session::of_engine(engine);
+            session.programs().install(&self.units);
             let program = &self.units[0].program;
             let mut global = engine.new_global_runtime_state();
             global.source = program.source().map(Into::into);
@@ -257,14 +270,29 @@ impl Script {
             global.constants = Some(Shared::new(Locked::new(constants)));
             // Deprecated only because it may change; the tests of the console cover it.
             #[allow(deprecated)]
-            let result = engine.eval_statements_raw(&mut global, &mut Caches::new(), scope, program.statements());
-            result.map_err(|error| Fault::running(engine, &self.units, &error))
+            self.interpret(engine, &session, || {
+                engine.eval_statements_raw(&mut global, &mut Caches::new(), scope, program.statements())
+            })
         })
     }
 
     fn value(&self, engine: &Engine, scope: &mut Scope<'static>) -> Result<Dynamic, Fault> {
-        Session::of_engine(engine).programs().install(&self.units);
-        let result = engine.eval_ast_with_scope(scope, &self.units[0].program);
+        let session = Session::of_engine(engine);
+        session.programs().install(&self.units);
+        self.interpret(engine, &session, || engine.eval_ast_with_scope(scope, &self.units[0].program))
+    }
+
+    /// Does `work`, the interpreter's: what it makes counts, and a panic is a fault at the call of the host that was last.
+    fn interpret(
+        &self,
+        engine: &Engine,
+        session: &Session,
+        work: impl FnOnce() -> Result<Dynamic, Box<EvalAltResult>>,
+    ) -> Result<Dynamic, Fault> {
+        let result = session
+            .budget()
+            .count(|| panic::catch(work))
+            .unwrap_or_else(|message| Err(EvalAltResult::ErrorRuntime(message.into(), session.last_call()).into()));
         result.map_err(|error| Fault::running(engine, &self.units, &error))
     }
 
@@ -282,7 +310,10 @@ impl Script {
 
 #[cfg(test)]
 mod tests {
+    use rhai::NativeCallContext;
+
     use super::*;
+
     fn run(text: &str) -> Result<(), Fault> {
         let (engine, scope) = (engine(Limits { operations: 30_000, ..Limits::STUDY }), Scope::new());
         let script = Script::compile(&engine, &scope, Path::new("s.rhai"), text);
@@ -328,13 +359,77 @@ mod tests {
     }
 
     #[test]
+    fn lists_are_sorted_and_those_without_an_order_are_refused() {
+        for (text, expected) in [
+            ("let a = [2, 1.5, -3]; a.sort(); a", "[-3, 1.5, 2]"),
+            ("let a = [9007199254740993, 9007199254740992]; a.sort(); a", "[9007199254740992, 9007199254740993]"),
+            ("let a = [\"b\", \"a\"]; a.sort_desc(); a", "[\"b\", \"a\"]"),
+            ("let a = [true, false]; a.sort(); a", "[false, true]"),
+        ] {
+            run(&format!("let found = {{ {text} }}; if `${{found}}` != {expected:?} {{ throw `${{found}}` }}"))
+                .unwrap();
+        }
+        let random = "let a = []; let x = 1; for i in 0..200 { x = (x * 7919) % 10007; a.push(x); }";
+        for (text, expected) in [
+            ("let a = [1.0, 0.0 / 0.0];\na.sort()", "s.rhai:2:3: a list with NaN has no order"),
+            ("[1, \"a\"].sort()", "s.rhai:1:10: a list is sorted where"),
+            (
+                &format!(
+                    "{random}\na.sort(|a, b| {{ x = (x * 75 + 74) % 65537; if x % 2 == 0 {{ 1 }} else {{ -1 }} }})"
+                ),
+                "s.rhai:2:3: error in comparer",
+            ),
+        ] {
+            let fault = run(text).unwrap_err().to_string();
+            assert!(fault.starts_with(expected), "{text:?} gave: {fault}");
+        }
+    }
+
+    #[test]
+    fn a_panic_is_an_error_of_the_script() {
+        let mut engine = engine(Limits::POST);
+        engine.register_fn("fails", |context: NativeCallContext| -> i64 {
+            Session::from_context(&context);
+            panic!("no such case")
+        });
+        let script =
+            Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), "let a = 1;\nlet b = fails();").unwrap();
+        let fault = script.run(&engine, Scope::new()).unwrap_err().to_string();
+        assert!(fault.starts_with("s.rhai:2:9: ") && fault.ends_with("no such case"), "{fault}");
+    }
+
+    #[test]
+    fn what_a_script_holds_is_bounded() {
+        let engine = crate::functions::engine(Limits::POST);
+        let signal = "let s = signal([0.0, 1.0], [10.0, 2.0]).resampled(1.1e-6); let a = [];\n";
+        let curve = "let e = []; for i in 0..9000 { e.push(i * 0.1); } let c = curve(e, e); let a = [];\n";
+        for (made, kept, dropped) in
+            [(signal, "a.push(s * i)", "s * i"), (curve, "a.push(c.slice(0, 880 + i * 1e-4))", "c.slice(0, 880)")]
+        {
+            let run = |each: &str| {
+                let text = format!("{made}for i in 0..9000 {{ {each}; }}");
+                let script = Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), &text).unwrap();
+                script.run(&engine, Scope::new())
+            };
+            let fault = run(kept).unwrap_err();
+            assert!(fault.to_string().starts_with("s.rhai:2:"), "{fault}");
+            assert!(fault.message.contains("take more than 256 MiB") && !fault.may_pass, "{fault}");
+            // What is not kept does not count.
+            if made == curve {
+                run(dropped).unwrap();
+            }
+        }
+    }
+
+    #[test]
     fn closures_capture_variables() {
         run("let k = 2; let f = |x| x * k; if f.call(3) != 6 { throw f.call(3) }").unwrap();
     }
 
     #[test]
     fn a_script_is_stopped_at_its_time_limit() {
-        let (engine, scope) = (engine(Limits { operations: 0, time: Duration::from_millis(30) }), Scope::new());
+        let (engine, scope) =
+            (engine(Limits { operations: 0, time: Duration::from_millis(30), ..Limits::POST }), Scope::new());
         let script = Script::compile(&engine, &scope, Path::new("s.rhai"), "loop {}").unwrap();
         let fault = script.run(&engine, scope).unwrap_err();
         assert_eq!(fault.message, "the script took longer than 0 s");
@@ -350,7 +445,8 @@ mod tests {
         {
             let (mut engine, cancellation) =
                 (engine(Limits { operations: 0, ..Limits::STUDY }), Cancellation::default());
-            stop_after(&mut engine, Duration::from_millis(time), &cancellation);
+            let limits = Limits { operations: 0, time: Duration::from_millis(time), ..Limits::STUDY };
+            stop_beyond(&mut engine, limits, &cancellation);
             if is_cancelled {
                 cancellation.cancel();
             }

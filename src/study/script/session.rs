@@ -6,10 +6,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rhai::{Dynamic, Engine, NativeCallContext};
+use rhai::{Dynamic, Engine, NativeCallContext, Position};
 
 use super::module::{Programs, ShippedModule};
 use super::{Compared, OutputCollector};
+use base::budget::Budget;
 use base::cancellation::Cancellation;
 use base::file::{Digest, FileError};
 use base::finding::Finding;
@@ -33,6 +34,8 @@ pub struct Session {
     recordings: Arc<Mutex<BTreeMap<PathBuf, bool>>>,
     trial: Option<Arc<Mutex<Trial>>>,
     cancellation: Cancellation,
+    budget: Budget,
+    last_call: Arc<Mutex<Position>>,
     fields: Arc<Mutex<Vec<Fields>>>,
     output: Arc<Mutex<Option<OutputCollector>>>,
     modules: Arc<Mutex<(Vec<ShippedModule>, bool)>>,
@@ -59,7 +62,9 @@ pub struct Trial {
 impl Session {
     /// The session of the script that calls a host function.
     pub fn from_context(context: &NativeCallContext) -> Session {
-        context.tag().and_then(Session::in_tag).unwrap_or_default()
+        let session = context.tag().and_then(Session::in_tag).unwrap_or_default();
+        *lock(&session.last_call) = context.call_position();
+        session
     }
 
     /// The session of the scripts that `engine` runs.
@@ -129,6 +134,16 @@ impl Session {
     /// Cancels the simulations of an evaluation whose result is no longer needed.
     pub fn cancellation(&self) -> &Cancellation {
         &self.cancellation
+    }
+
+    /// What the values of the host that the script holds count towards.
+    pub fn budget(&self) -> &Budget {
+        &self.budget
+    }
+
+    /// Where the host was last called with a context.
+    pub(super) fn last_call(&self) -> Position {
+        *lock(&self.last_call)
     }
 
     /// Whether an objective is being evaluated.

@@ -1,8 +1,7 @@
-use std::sync::Arc;
-
 use thiserror::Error;
 
 use crate::signal::interpolated;
+use base::budget::Numbers;
 
 /// Largest decrease of strain, as a share of its range, that counts as jitter of jaws or extensometer.
 pub const JITTER: f64 = 0.01;
@@ -12,8 +11,8 @@ pub const JITTER: f64 = 0.01;
 /// Strain increases from sample to sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    strain: Arc<[f64]>,
-    stress: Arc<[f64]>,
+    strain: Numbers,
+    stress: Numbers,
     merged: usize,
 }
 

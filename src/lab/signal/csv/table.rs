@@ -3,7 +3,6 @@
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::sync::Arc;
 
 use super::cell::{Mark, at_cell};
 use super::fault::{Fault, Mistake, ReadError};
@@ -13,6 +12,7 @@ use crate::signal::text::{self, Line, Lines};
 use crate::signal::{
     Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Recording, Series, Warning,
 };
+use base::budget::Numbers;
 use base::units::Unit;
 
 /// A column of a table, which need not have a time axis.
@@ -41,9 +41,9 @@ impl Table {
     /// The columns as channels over the sample number, in place of a time.
     pub fn over_samples(self) -> Measurement {
         let rows = self.columns.first().map_or(0, |column| column.values.len());
-        let number: Arc<[f64]> = (0..rows).map(|row| row as f64).collect();
+        let number: Numbers = (0..rows).map(|row| row as f64).collect();
         let channel = |Column { name, label, unit, values }: Column| {
-            let series = Series::new(Arc::clone(&number), values);
+            let series = Series::new(number.clone(), values);
             MeasuredChannel { name, label, unit, filtered: None, series }
         };
         let channels = self.columns.into_iter().map(channel).collect();
@@ -84,10 +84,10 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
         let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
         let wanted: Vec<usize> = std::iter::once(time).chain(places.iter().copied()).collect();
         let mut values = Rows::new(&layout, &wanted, Some(time)).read(&mut layout, lines)?.into_iter();
-        let time: Arc<[f64]> = in_si(values.next().unwrap_or_default(), time_unit.as_ref()).into();
+        let time: Numbers = in_si(values.next().unwrap_or_default(), time_unit.as_ref()).into();
         let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
-            let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
+            let series = Series::new(time.clone(), in_si(values, unit.as_ref()));
             let filtered = layout.annotations.filter_class(&column.name);
             MeasuredChannel { name: column.name.clone(), label: column.label.clone(), unit, filtered, series }
         });

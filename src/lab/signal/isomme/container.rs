@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use super::channel::{ChannelHead, read_header};
 use super::fault::{Fault, Mistake, ReadError};
@@ -12,6 +11,7 @@ use crate::signal::channel_fault::ChannelFault;
 use crate::signal::measurement::find;
 use crate::signal::warning::Extreme;
 use crate::signal::{Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, Warning};
+use base::budget::Numbers;
 use base::units::Unit;
 
 /// Reads the channels of the container that the file or folder at `path` belongs to; of a channel file that one alone.
@@ -219,7 +219,7 @@ fn unit(head: &ChannelHead, options: &ReadOptions, warnings: &mut Vec<Warning>) 
 /// Time axes; those that several channels share are read once.
 struct Axes<'a> {
     heads: &'a [ChannelHead],
-    known: BTreeMap<String, Arc<[f64]>>,
+    known: BTreeMap<String, Numbers>,
 }
 
 impl Axes<'_> {
@@ -229,7 +229,7 @@ impl Axes<'_> {
         head: &ChannelHead,
         samples: usize,
         warnings: &mut Vec<Warning>,
-    ) -> Result<Arc<[f64]>, ReadError> {
+    ) -> Result<Numbers, ReadError> {
         let kind = head.header.text("Reference channel").map(str::to_lowercase);
         let reference = head.header.text("Reference channel name");
         match (kind.as_deref(), reference) {
@@ -251,16 +251,16 @@ impl Axes<'_> {
         reference: &str,
         samples: usize,
         warnings: &mut Vec<Warning>,
-    ) -> Result<Arc<[f64]>, ReadError> {
+    ) -> Result<Numbers, ReadError> {
         let channel = || head.name.clone();
         let time = match self.known.get(reference) {
-            Some(time) => Arc::clone(time),
+            Some(time) => time.clone(),
             None => {
                 let missing = || Fault::NoReference { channel: channel(), reference: reference.into() };
                 let axis = self.heads.iter().find(|axis| axis.name == reference);
                 let axis = axis.ok_or_else(|| head.fault_at("Reference channel name", missing()))?;
-                let time: Arc<[f64]> = axis.times(warnings)?.into();
-                self.known.insert(reference.into(), Arc::clone(&time));
+                let time: Numbers = axis.times(warnings)?.into();
+                self.known.insert(reference.into(), time.clone());
                 time
             }
         };
@@ -274,7 +274,7 @@ impl Axes<'_> {
 }
 
 /// First sample, interval and count.
-fn implicit(head: &ChannelHead, samples: usize, warnings: &mut Vec<Warning>) -> Result<Arc<[f64]>, ReadError> {
+fn implicit(head: &ChannelHead, samples: usize, warnings: &mut Vec<Warning>) -> Result<Numbers, ReadError> {
     let channel = || head.name.clone();
     let interval = head.number("Sampling interval")?;
     let interval =
@@ -286,7 +286,7 @@ fn implicit(head: &ChannelHead, samples: usize, warnings: &mut Vec<Warning>) -> 
         warnings.push(Warning::FirstTimeAssumed { channel: channel() });
         0.0
     });
-    let times: Arc<[f64]> = (0..samples).map(|sample| start + sample as f64 * interval).collect();
+    let times: Numbers = (0..samples).map(|sample| start + sample as f64 * interval).collect();
     let increases = times.windows(2).all(|pair| pair[0] < pair[1]);
     if increases {
         Ok(times)
@@ -298,11 +298,11 @@ fn implicit(head: &ChannelHead, samples: usize, warnings: &mut Vec<Warning>) -> 
 /// Compares the extremes that the header states with those of the samples.
 fn check_extremes(
     head: &ChannelHead,
-    time: &Arc<[f64]>,
+    time: &Numbers,
     values: &[f64],
     warnings: &mut Vec<Warning>,
 ) -> Result<(), ReadError> {
-    let series = Series::new(Arc::clone(time), values);
+    let series = Series::new(time.clone(), values);
     let scale = values.iter().filter(|value| value.is_finite()).fold(0.0, |scale: f64, value| scale.max(value.abs()));
     let step = time.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     for (extreme, found) in [(Extreme::Maximum, series.largest()), (Extreme::Minimum, series.smallest())] {

@@ -7,7 +7,7 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, Map
 use thiserror::Error;
 
 use crate::identify::objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
-use crate::script::{HostResult, Session, is_numerical, key_mistake, number, refuse, thrown};
+use crate::script::{HostResult, Session, catch_panics, is_numerical, key_mistake, number, refuse, thrown};
 use base::cancellation::Cancellation;
 use lab::signal::Series;
 
@@ -95,7 +95,8 @@ impl<'c> ScriptObjective<'c> {
         global.tag = session.clone().into();
         let context = NativeCallContext::new_with_all_fields(self.engine, self.name, None, &global, self.position);
         let x: Array = x.iter().map(|x| Dynamic::from(*x)).collect();
-        unshared(&self.call).call_raw(&context, None, [Dynamic::from(x)])
+        let call = || unshared(&self.call).call_raw(&context, None, [Dynamic::from(x)]);
+        session.budget().count(|| catch_panics(call)).unwrap_or_else(|message| Err(refuse(message)))
     }
 
     fn evaluation(&self, returned: HostResult<Dynamic>, session: &Session) -> Evaluation {

@@ -17,7 +17,7 @@ use super::trial_record::{self, CurveRecord, Record};
 use crate::identify::objective::{Evaluation, Trial};
 use crate::identify::warning::Warning;
 use crate::script::{self, Compared, Target};
-use base::file::{Digest, checksum};
+use base::file::{self, Digest, checksum};
 
 /// The identity of a search: all that determines the values of the trials of a script, beside the files that it reads
 /// and the number of the search.
@@ -92,7 +92,7 @@ impl History {
         let head = head(identity, number, &inputs);
         let path = folder.join(format!("{number}-{:08x}.jsonl", checksum(head.as_bytes())));
         let failed = |source| HistoryError::Write { path: path.clone(), source };
-        fs::create_dir_all(folder).map_err(failed)?;
+        file::own_folder(folder).map_err(failed)?;
         let mut history = History::lock(&path, inputs.clone())?;
         let mut text = history.whole_lines().map_err(failed)?;
         if let Some(changed) = changed_input(&text) {
@@ -116,6 +116,7 @@ impl History {
     /// Opens and locks the file at `path`.
     fn lock(path: &Path, inputs: BTreeMap<PathBuf, String>) -> Result<History, HistoryError> {
         let failed = |source| HistoryError::Write { path: path.into(), source };
+        file::refuse_link(path).map_err(failed)?;
         let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         match file.try_lock() {
             Ok(()) => {
