@@ -17,6 +17,8 @@ mod golden;
 mod graded_mesh;
 mod guide;
 mod identification;
+#[cfg(unix)]
+mod links;
 mod mesh;
 mod paper_study;
 mod paraview;

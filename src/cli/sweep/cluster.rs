@@ -9,6 +9,7 @@ use super::progress::Progress;
 use super::{On, SweepArgs, Task, failed};
 use crate::{Failure, Shared};
 use base::diagnostic::{Diagnostic, shown_path};
+use base::file;
 use scene::scenario::Document;
 use study::cluster::{Batch, Job, JobError, Resources, Scheduler, SchedulerError, Submission, TASK};
 use study::store::evaluations::{Key, STALE};
@@ -167,7 +168,7 @@ impl Watch<'_> {
             return Err(self.stuck(done).into());
         }
         let tasks = usize::from(self.cluster.resources.nodes).min(self.keys.len() - done);
-        std::fs::create_dir_all(&self.folder).map_err(|source| {
+        file::own_folder(&self.folder).map_err(|source| {
             Failure::output(Diagnostic::new(format!("cannot write {}: {source}", shown_path(&self.folder))))
         })?;
         let working_folder = std::env::current_dir()

@@ -4,7 +4,7 @@ mod cluster;
 mod progress;
 mod results;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -157,7 +157,7 @@ fn same_study(args: &SweepArgs, sweep: &Sweep) -> Result<(), Failure> {
 fn place(args: &SweepArgs, name: &str) -> Result<PathBuf, Failure> {
     let place = match &args.out {
         Some(folder) => folder.clone(),
-        None => store::place(Path::new("runs"), &format!("{name}.sweep")).map_err(|error| storing(&error))?,
+        None => store::default_place(&format!("{name}.sweep")).map_err(|error| storing(&error))?,
     };
     store::check_places(std::slice::from_ref(&place)).map_err(|error| storing(&error))?;
     if !args.force {

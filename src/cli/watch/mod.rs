@@ -142,7 +142,7 @@ impl Watch<'_> {
     fn simulate(&self, checked: scenarios::Checked, inputs: &Inputs) -> Result<Option<(PathBuf, Done)>, Failure> {
         let place = match &self.args.out {
             Some(out) => out.clone(),
-            None => store::place(Path::new("runs"), &checked.model.name).map_err(|error| storing(&error))?,
+            None => store::default_place(&checked.model.name).map_err(|error| storing(&error))?,
         };
         store::check_places(std::slice::from_ref(&place)).map_err(|error| storing(&error))?;
         if !self.args.force {

@@ -8,7 +8,7 @@ use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::{StoreError, sibling_name};
-use base::file::Crc32;
+use base::file::{self, Crc32};
 
 /// Appended to the name of the run folder.
 const SUFFIX: &str = ".checkpoint";
@@ -79,7 +79,7 @@ impl CheckpointStore {
 
     /// Creates the folder: one that cannot be written is reported before the run.
     pub fn create_folder(&self) -> Result<(), StoreError> {
-        fs::create_dir_all(&self.folder).map_err(|error| StoreError::write(&self.folder, error))
+        file::own_folder(&self.folder).map_err(|error| StoreError::write(&self.folder, error))
     }
 
     /// Writes the checkpoint `number`, larger than all before, with `content`; then removes all but the newest.
@@ -96,7 +96,7 @@ impl CheckpointStore {
     fn write(&self, path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
         // Under another name until it is whole: a process that is killed here leaves the checkpoints before it.
         let unfinished = self.folder.join(UNFINISHED);
-        let file = Summed { inner: File::create(&unfinished)?, sum: Crc32::new() };
+        let file = Summed { inner: file::create_own(&unfinished)?, sum: Crc32::new() };
         let mut buffered = BufWriter::with_capacity(BUFFER, file);
         content(&mut buffered)?;
         let Summed { inner: mut file, sum } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;

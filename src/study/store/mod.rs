@@ -13,11 +13,11 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
-use tempfile::TempDir;
 use thiserror::Error;
 
 use base::diagnostic::folder_of;
 use base::file;
+use base::scratch::ScratchFolder;
 
 pub use checkpoints::CheckpointStore;
 pub use evaluations::EvaluationStore;
@@ -37,6 +37,12 @@ pub enum StoreError {
     #[error("`{}` does not name a run folder; give --out a new folder, such as {}", path.display(), path.join("results").display())]
     NoName {
         /// Path that is to be the run folder.
+        path: PathBuf,
+    },
+    /// A link has the name of the run folder, or of one that it lies in and that nobody named.
+    #[error("{} is a link, which is not followed; remove it, or give --out the folder that it leads to", path.display())]
+    Link {
+        /// The link.
         path: PathBuf,
     },
     /// A file has the name of the run folder.
@@ -119,18 +125,23 @@ impl StoreError {
     fn list(path: &Path, source: io::Error) -> StoreError {
         let path = path.to_owned();
         match source.kind() {
-            // A link that leads nowhere is no folder either.
-            io::ErrorKind::NotADirectory | io::ErrorKind::NotFound => StoreError::NotAFolder { path },
+            io::ErrorKind::NotADirectory => StoreError::NotAFolder { path },
             _ => StoreError::Unreadable { path, source },
         }
     }
 
     /// Whether a folder is not replaced for what it holds.
     fn is_refusal(&self) -> bool {
-        use StoreError::{Foreign, NotAFolder, NotARun, OfAnother, Unreadable};
-        matches!(self, NotAFolder { .. } | Unreadable { .. } | NotARun { .. } | Foreign { .. } | OfAnother { .. })
+        use StoreError::{Foreign, Link, NotAFolder, NotARun, OfAnother, Unreadable};
+        matches!(
+            self,
+            Link { .. } | NotAFolder { .. } | Unreadable { .. } | NotARun { .. } | Foreign { .. } | OfAnother { .. }
+        )
     }
 }
+
+/// Folder of results where no other is given.
+const RUNS: &str = "runs";
 
 /// Folder of evaluations that are never computed twice, where no other is given.
 pub const EVALUATIONS: &str = "runs/.evaluations";
@@ -140,14 +151,33 @@ pub fn history_of(target: &Path) -> PathBuf {
     sibling_name(target, ".history")
 }
 
+/// Path of the run called `name` where no output folder is given.
+///
+/// # Errors
+/// [`place`]'s, or the folder of all runs is a link.
+pub fn default_place(name: &str) -> Result<PathBuf, StoreError> {
+    let root = Path::new(RUNS);
+    refuse_link(root)?;
+    place(root, name)
+}
+
+fn refuse_link(path: &Path) -> Result<(), StoreError> {
+    file::refuse_link(path).map_err(|_| StoreError::Link { path: path.into() })
+}
+
 /// Path below `root` of the run called `name` (`/` between its parts).
+///
+/// # Errors
+/// The name leaves `root`, or a folder between is a link.
 pub fn place(root: &Path, name: &str) -> Result<PathBuf, StoreError> {
     let parts = Path::new(name);
     let plain = |part: Component| matches!(part, Component::Normal(_));
     if name.is_empty() || name.contains('\\') || !parts.components().all(plain) {
         return Err(StoreError::Name { name: name.into() });
     }
-    Ok(root.join(parts))
+    let place = root.join(parts);
+    place.ancestors().skip(1).take_while(|folder| *folder != root).try_for_each(refuse_link)?;
+    Ok(place)
 }
 
 /// Checks that each of `places` is free or a run folder of droptower, and none is given twice.
@@ -170,7 +200,7 @@ pub fn is_run(folder: &Path) -> bool {
 /// Results to be stored in the folder `target`; a draft that is dropped unpublished leaves nothing.
 #[derive(Debug)]
 pub struct Draft {
-    folder: TempDir,
+    folder: ScratchFolder,
     target: PathBuf,
     origin: Origin,
     force: bool,
@@ -258,7 +288,7 @@ impl Draft {
         loop {
             self.check(target, target, force)?;
             let former = sibling(target)?;
-            let former_run = former.path().join("former");
+            let former_run = former.former(target).map_err(write)?;
             // A rename is the only step that cannot be half done, and of two processes it lets one come first.
             let replaced = match rename(target.into(), former_run.clone()) {
                 Ok(()) => true,
@@ -272,7 +302,7 @@ impl Draft {
             let moved = moved.and_then(|()| rename(self.path().into(), target.into()).map_err(write));
             let Err(error) = moved else {
                 // The temporary folder was renamed: there is nothing left to remove.
-                self.folder.disable_cleanup(true);
+                self.folder.renamed();
                 return Ok(());
             };
             // Another process may have stored its results there since; both are checked by the next turn.
@@ -280,10 +310,10 @@ impl Draft {
             if taken {
                 continue;
             }
-            if replaced && let Err(source) = rename(former_run, target.into()) {
+            if replaced && let Err(source) = rename(former_run.clone(), target.into()) {
                 // Dropping the temporary folder would delete the former run.
-                let former = former.keep().join("former");
-                return Err(StoreError::Stranded { path: target.into(), former, source });
+                former.keep();
+                return Err(StoreError::Stranded { path: target.into(), former: former_run, source });
             }
             return Err(error);
         }
@@ -312,18 +342,11 @@ fn sibling_name(target: &Path, suffix: &str) -> PathBuf {
     target.with_file_name(name)
 }
 
-fn sibling(target: &Path) -> Result<TempDir, StoreError> {
+fn sibling(target: &Path) -> Result<ScratchFolder, StoreError> {
     let parent = folder_of(target);
     let error = |source| StoreError::write(parent, source);
     fs::create_dir_all(parent).map_err(error)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".droptower-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o777));
-    }
-    builder.tempdir_in(parent).map_err(error)
+    ScratchFolder::new(parent).map_err(error)
 }
 
 fn check_replaceable(target: &Path) -> Result<(), StoreError> {
@@ -337,8 +360,10 @@ fn check_moved(folder: &Path, target: &Path) -> Result<(), StoreError> {
     if target.file_name().is_none() {
         return Err(StoreError::NoName { path: path() });
     }
-    if fs::symlink_metadata(folder).is_err() {
-        return Ok(());
+    match fs::symlink_metadata(folder) {
+        Err(_) => return Ok(()),
+        Ok(found) if found.is_symlink() => return Err(StoreError::Link { path: path() }),
+        Ok(_) => {}
     }
     let entries = fs::read_dir(folder).map_err(|source| StoreError::list(target, source))?;
     let names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();

@@ -45,6 +45,15 @@ const RUNS: &str = "runs";
 /// Extension of a run that is kept whole.
 const RUN: &str = "run";
 
+/// Creates the folder of a store; in the path of the one that nobody named, no link is followed.
+fn create_folder(folder: &Path) -> io::Result<()> {
+    if folder == Path::new(super::EVALUATIONS) {
+        let mut parts = folder.ancestors().filter(|part| !part.as_os_str().is_empty());
+        parts.try_for_each(file::refuse_link)?;
+    }
+    fs::create_dir_all(folder)
+}
+
 /// The identity of an evaluation: a digest of all that decides its result.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Key(pub [u8; 16]);
@@ -358,7 +367,7 @@ impl EvaluationStore {
         self.append(Kind::Kept, key, &[])?;
         let path = self.run_path(key);
         let folder = path.parent().unwrap_or(&self.folder);
-        fs::create_dir_all(folder)?;
+        file::own_folder(folder)?;
         file::replace(&path, &[&file::checksum(content).to_le_bytes(), content].concat())
     }
 
@@ -409,7 +418,7 @@ impl EvaluationStore {
     fn append(&self, kind: Kind, key: Key, content: &[u8]) -> io::Result<()> {
         let mut state = self.state();
         if state.own.is_none() {
-            fs::create_dir_all(&self.folder)?;
+            create_folder(&self.folder)?;
             let own = OwnSegment::create(&self.folder, SEGMENT, &self.build)?;
             state.known.insert(own.path.clone());
             let segment = Segment::of_own(&own)?;
@@ -444,7 +453,7 @@ impl State {
         let State { segments, index, claims, refusals, others, .. } = self;
         let number = place as u32;
         let Some(segment) = segments.get_mut(place) else { return Ok(()) };
-        let mut is_closed = segment.is_closed;
+        let (mut is_closed, mut machine) = (segment.is_closed, None);
         segment.follow(|Entry { kind, key, offset, length }| {
             is_closed = kind == Kind::Closed;
             match kind {
@@ -473,9 +482,14 @@ impl State {
                     all.retain(|claim| claim.segment != number);
                     !all.is_empty()
                 }),
+                Kind::Machine => machine = Some((offset, length)),
                 Kind::Header | Kind::Alive | Kind::Kept => {}
             }
         })?;
+        if let Some((offset, length)) = machine {
+            let name = segment.read(offset, length)?;
+            segment.set_machine(&name);
+        }
         segment.is_closed = is_closed;
         Ok(())
     }

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::{Key, STALE, SegmentFigures};
-use base::file;
+use base::file::{self, FileError};
+use base::scratch;
 
 /// The first line of a segment.
 const MAGIC: &[u8] = b"droptower evaluations 01\n";
@@ -41,6 +42,8 @@ pub(super) enum Kind {
     Begun = 7,
     /// The evaluation failed for a cause that may pass, which is the content; the process gives up its claim.
     Refused = 8,
+    /// The machine of the process, since it was started.
+    Machine = 9,
 }
 
 /// An entry of a segment, with the place of its content.
@@ -65,6 +68,8 @@ pub(super) struct Segment {
     pub grown: Option<Instant>,
     /// Whether its process has given up its claims.
     pub is_closed: bool,
+    /// Whether its process is one of this machine, which shows by a lock that it lives.
+    is_local: bool,
 }
 
 /// The segment of this process.
@@ -83,8 +88,8 @@ pub(super) struct OwnSegment {
 
 impl Kind {
     fn from_byte(byte: u8) -> Option<Kind> {
-        use Kind::{Alive, Begun, Claim, Closed, Header, Kept, Record, Refused, Released};
-        const ALL: [Kind; 9] = [Header, Record, Claim, Alive, Closed, Released, Kept, Begun, Refused];
+        use Kind::{Alive, Begun, Claim, Closed, Header, Kept, Machine, Record, Refused, Released};
+        const ALL: [Kind; 10] = [Header, Record, Claim, Alive, Closed, Released, Kept, Begun, Refused, Machine];
         ALL.into_iter().find(|kind| *kind as u8 == byte)
     }
 }
@@ -98,27 +103,54 @@ impl Segment {
 
     /// The segment at `path`; none where it is damaged.
     pub(super) fn open_any(path: &Path) -> io::Result<Option<Segment>> {
-        let mut file = File::open(path)?;
+        let mut file = match file::open(path) {
+            Ok(file) => file,
+            Err(FileError::NotAFile) => return Ok(None),
+            Err(error) => return Err(io::Error::other(error)),
+        };
         let mut start = Vec::new();
         (&mut file).take(MAGIC.len() as u64).read_to_end(&mut start)?;
         // By the clocks of two machines, which may differ: at worst a claim is taken for alive or dead a while too long.
         let about = file.metadata()?;
         let age = about.modified()?.elapsed().unwrap_or_default();
         let grown = Instant::now().checked_sub(age);
-        let segment =
-            Segment { path: path.into(), file, end: MAGIC.len() as u64, length: about.len(), grown, is_closed: false };
+        let segment = Segment {
+            path: path.into(),
+            file,
+            end: MAGIC.len() as u64,
+            length: about.len(),
+            grown,
+            is_closed: false,
+            is_local: false,
+        };
         Ok((start == MAGIC).then_some(segment))
     }
 
     /// The segment of this process, of which nothing remains to be read.
     pub(super) fn of_own(own: &OwnSegment) -> io::Result<Segment> {
         let file = File::open(&own.path)?;
-        Ok(Segment { path: own.path.clone(), file, end: u64::MAX, length: u64::MAX, grown: None, is_closed: false })
+        let (path, end) = (own.path.clone(), u64::MAX);
+        Ok(Segment { path, file, end, length: end, grown: None, is_closed: false, is_local: false })
     }
 
     /// Whether its claims hold.
     pub(super) fn is_alive(&self) -> bool {
-        !self.is_closed && self.grown.is_some_and(|at| at.elapsed() < STALE)
+        !self.is_closed && self.grown.is_some_and(|at| at.elapsed() < STALE) && !self.has_ended()
+    }
+
+    /// Whether its process was one of this machine and lives no longer, which another machine learns by its silence alone.
+    fn has_ended(&self) -> bool {
+        let ended = self.is_local && self.file.try_lock_shared().is_ok();
+        if ended {
+            // Whatever becomes of the lock, nobody waits for it.
+            let _ = self.file.unlock();
+        }
+        ended
+    }
+
+    /// Takes note of the machine of its process.
+    pub(super) fn set_machine(&mut self, machine: &[u8]) {
+        self.is_local = machine == scratch::boot().as_bytes();
     }
 
     /// Whether it comes before the segment at `path`: of two claims that were made at once and have not begun, that of the
@@ -229,15 +261,18 @@ fn entry(kind: Kind, key: Key, content: &[u8]) -> io::Result<Vec<u8>> {
 impl OwnSegment {
     /// A new segment in `folder`, which has its header by the time that others see it.
     pub(super) fn create(folder: &Path, extension: &str, build: &str) -> io::Result<OwnSegment> {
-        let mut draft = file::temporary(folder)?;
+        let mut draft = scratch::file(folder)?;
         let header = entry(Kind::Header, Key([0; 16]), build.as_bytes())?;
-        let start = [MAGIC, &header].concat();
+        let machine = entry(Kind::Machine, Key([0; 16]), scratch::boot().as_bytes())?;
+        let start = [MAGIC, &header, &machine].concat();
         draft.write_all(&start)?;
         let name = draft.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
         let name = name.rsplit('-').next().unwrap_or_default();
         let path = folder.join(name).with_extension(extension);
         draft.persist_noclobber(&path).map_err(|error| error.error)?;
         let file = OpenOptions::new().append(true).open(&path)?;
+        // Before the first claim. Where files cannot be locked, others cannot lock it either, and wait for its silence.
+        let _ = file.lock();
         Ok(OwnSegment { path, file, end: start.len() as u64, is_torn: false, written: Instant::now(), number: None })
     }
 

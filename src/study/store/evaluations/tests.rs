@@ -187,12 +187,15 @@ fn of_claims_at_the_same_moment_one_stands() {
             start.wait();
             claims(&store, evaluation(*number))
         };
-        (0..EVALUATIONS).filter(claimed).collect::<Vec<u16>>()
+        let claimed: Vec<u16> = (0..EVALUATIONS).filter(claimed).collect();
+        // Claims end with their process.
+        (claimed, store)
     };
-    let mut standing: Vec<u16> = std::thread::scope(|scope| {
+    let ended = std::thread::scope(|scope| {
         let processes = [(); PROCESSES].map(|()| scope.spawn(process));
-        processes.into_iter().flat_map(|process| process.join().unwrap()).collect()
+        processes.map(|process| process.join().unwrap())
     });
+    let mut standing: Vec<u16> = ended.iter().flat_map(|(claimed, _)| claimed).copied().collect();
     standing.sort_unstable();
     assert_eq!(standing, (0..EVALUATIONS).collect::<Vec<u16>>());
 }
@@ -205,6 +208,19 @@ fn claims_of_an_old_segment_do_not_hold() {
     let file = fs::OpenOptions::new().append(true).open(only_segment(folder.path())).unwrap();
     file.set_modified(std::time::SystemTime::now() - 2 * STALE).unwrap();
     assert!(claims(&open(folder.path()), key(1)));
+}
+
+/// The lock of a killed process is gone, whatever the age of its segment.
+#[cfg(target_os = "linux")]
+#[test]
+fn claims_of_a_killed_process_of_this_machine_do_not_hold() {
+    let folder = tempfile::tempdir().unwrap();
+    let killed = open(folder.path());
+    assert!(claims(&killed, key(1)));
+    let other = open(folder.path());
+    assert!(!claims(&other, key(1)));
+    drop(killed);
+    assert!(claims(&other, key(1)));
 }
 
 /// An entry that a killed process or a full disk left incomplete is no sign of life: its claims end.
