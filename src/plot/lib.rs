@@ -97,11 +97,16 @@ impl Axis {
         Axis { label: label.into(), scale: Scale::Linear }
     }
 
-    /// Whether the axis has a place for `value`.
+    /// Whether the axis has a place for `value`: beyond [`SIZES`] the length of an axis would overflow.
     fn has_place(&self, value: f64) -> bool {
-        value.is_finite() && (self.scale == Scale::Linear || value > 0.0)
+        let size = value.abs();
+        let is_zero = size == 0.0 && self.scale == Scale::Linear;
+        is_zero || ((SIZES[0]..=SIZES[1]).contains(&size) && (self.scale == Scale::Linear || value > 0.0))
     }
 }
+
+/// Sizes of the values, other than zero, that axes have a place for.
+const SIZES: [f64; 2] = [1e-300, 1e300];
 
 impl Plot {
     /// A plot over linear axes without marks.

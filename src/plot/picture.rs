@@ -33,6 +33,9 @@ const TICKS: usize = 10;
 /// Digits of a tick.
 const TICK_DIGITS: usize = 6;
 
+/// Least length of an axis, as a share of the largest size on it.
+const LEAST_SPAN: f64 = 1e-12;
+
 /// Size of a font of the crate over that of its letters.
 const FONT: f64 = 1.24;
 
@@ -291,7 +294,9 @@ fn widened([low, high]: [f64; 2], scale: Scale) -> [f64; 2] {
         Scale::Logarithmic if low < high => [low, high],
         Scale::Logarithmic => [0.5 * low, 2.0 * high],
         Scale::Linear => {
-            let span = if high > low { high - low } else { low.abs().max(1.0) };
+            // Rounded values within a range must differ, or there is no end of them.
+            let size = low.abs().max(high.abs());
+            let span = if high - low > LEAST_SPAN * size { high - low } else { size.max(1.0) };
             let (near, far) = (low >= 0.0 && low < 0.3 * high, 0.04 * span);
             [if near { 0.0 } else { low - far }, high + far]
         }
@@ -375,6 +380,29 @@ mod tests {
             let along = Along { range, scale };
             let found: Vec<String> = along.key_points(TICKS).iter().map(|tick| along.format_ext(tick)).collect();
             assert_eq!(found.join(" "), expected);
+        }
+    }
+
+    #[test]
+    fn any_numbers_are_drawn() {
+        for values in [
+            [-9e307, 9e307],
+            [-1e300, 1e300],
+            [8e-31, 1.0],
+            [5e-324, 0.0],
+            [0.0, 1e-300],
+            [1.0, 1.0 + f64::EPSILON],
+            [1e16, 1e16 + 2.0],
+            [f64::INFINITY, f64::MIN],
+        ] {
+            for scale in [Scale::Linear, Scale::Logarithmic] {
+                let points = [[0.0, values[0]], [1.0, values[1]], [values[0], values[1]]];
+                let mut plot = Plot::new("t", ["x", "y"], vec![Curve::line("c", points)]);
+                (plot.x.scale, plot.y.scale) = (scale, scale);
+                let text = svg(&plot);
+                assert!(text.len() < 20_000 && !text.contains("NaN") && !text.contains("inf"), "{values:?}: {text}");
+                assert!(crate::braille(&plot, [40, 10]).len() < 10_000);
+            }
         }
     }
 

@@ -65,26 +65,27 @@ impl States {
         push_all(&mut self.on_cells, &grid.on_cells, earlier);
     }
 
-    fn written(&self) -> Result<Vec<u8>, VtuError> {
+    /// The file. Each array is dropped once the builder has a copy of it, so that they are not held twice.
+    fn written(self) -> Result<Vec<u8>, VtuError> {
         let mut file = FileBuilder::new();
         let mut root = file.create_group("VTKHDF");
         root.set_attr("Version", AttrValue::I64Array(VERSION.to_vec()));
         // VTK takes a string of fixed length only.
         root.set_attr("Type", AttrValue::AsciiString("UnstructuredGrid".into()));
-        self.points.write(root.create_dataset("Points"));
+        let point_offsets = self.points.write(root.create_dataset("Points"));
         self.meshes.write(&mut root);
         let mut steps = root.create_group("Steps");
         steps.set_attr("NSteps", AttrValue::I64(self.times.len() as i64));
         steps.create_dataset("Values").with_f64_data(&self.times);
         steps.create_dataset("NumberOfParts").with_i64_data(&vec![1; self.times.len()]);
-        steps.create_dataset("PointOffsets").with_i64_data(&self.points.offsets);
+        steps.create_dataset("PointOffsets").with_i64_data(&point_offsets);
         self.meshes.write_steps(&mut steps);
-        for (name, arrays) in [("PointData", &self.on_points), ("CellData", &self.on_cells)] {
+        for (name, arrays) in [("PointData", self.on_points), ("CellData", self.on_cells)] {
             let mut data = root.create_group(name);
             let mut offsets = steps.create_group(&format!("{name}Offsets"));
             for (name, array) in arrays {
-                array.write(data.create_dataset(name));
-                offsets.create_dataset(name).with_i64_data(&array.offsets);
+                let firsts = array.write(data.create_dataset(&name));
+                offsets.create_dataset(&name).with_i64_data(&firsts);
             }
             root.add_group(data.finish());
             steps.add_group(offsets.finish());
@@ -149,7 +150,8 @@ impl Array {
         self.offsets.push((self.latest / components) as i64);
     }
 
-    fn write(&self, dataset: &mut DatasetBuilder) {
+    /// Puts the values into a data set; the first row of each state.
+    fn write(self, dataset: &mut DatasetBuilder) -> Vec<i64> {
         let length = match &self.values {
             Values::Floats(values) => {
                 dataset.with_f32_data(values);
@@ -169,6 +171,7 @@ impl Array {
         dataset.with_shape(&shape(rows));
         // HDF5 refuses a chunk longer than a data set of fixed size.
         compress(dataset, rows, &shape(rows.min(CHUNK)));
+        self.offsets
     }
 }
 

@@ -39,6 +39,25 @@
     return [Math.floor(low / digit(low) + 1e-9) * digit(low), Math.ceil(high / digit(high) - 1e-9) * digit(high)];
   };
 
+  /** The values within the ends that are marked, at most one to `least` of the share of the axis. */
+  const marks = (log, low, high, least) => {
+    // Places are counted, not added up: a small step does not change a large value.
+    const between = (from, to, value) => Array.from({ length: Math.max(to - from + 1, 0) }, (_, at) => value(from + at));
+    if (log) {
+      const decades = Math.log10(high / low);
+      const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
+      const step = Math.max(Math.ceil(decades * least), 1);
+      const factors = step > 1 ? [1] : [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 5]].find((some) => 0.8 / some.length >= decades * least) ?? [1];
+      const powers = between(Math.ceil(first / step), Math.floor(last / step), (count) => 10 ** (count * step));
+      return powers.flatMap((power) => factors.map((factor) => factor * power)).filter((value) => value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9));
+    }
+    const wanted = (high - low) * least;
+    const power = 10 ** Math.floor(Math.log10(wanted));
+    const step = power * [1, 2, 2.5, 5, 10].find((factor) => factor * power >= wanted * (1 - 1e-9));
+    const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
+    return last - first > 1 / least + 1 ? [] : between(first, last, (count) => count * step);
+  };
+
   /** CSS colours of all curves: lines in turn, a single dashed one in ink, several in the colours of their lines. */
   const colours = (curves) => {
     const dashed = curves.filter((curve) => curve.look === "dashed").length;
@@ -184,8 +203,13 @@
         grid: { stroke: () => css(this.element, "borderTopColor"), width: 1 },
         ticks: { stroke: () => css(this.element, "borderTopColor"), width: 1, size: 5 },
         values: (_, places) => places.map(tick),
+        filter: (_, places) => places,
+        splits: (plot, _, low, high) => {
+          const { width, height } = plot.bbox;
+          const length = (scale === "x" ? width : height) / uPlot.pxRatio;
+          return marks(this.axes[scale].log, low, high, (scale === "x" ? 64 : 34) / Math.max(length, 1));
+        },
         size,
-        space: scale === "x" ? 64 : 34,
       });
       const wide = (plot, values) => {
         if (!values?.length) return 40;

@@ -3,7 +3,7 @@
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use image::{ImageFormat, ImageReader, Limits, RgbImage};
+use image::{DynamicImage, GenericImageView, ImageDecoder, ImageFormat, ImageReader, Limits, Rgb, RgbImage, Rgba};
 use thiserror::Error;
 
 use super::Ink;
@@ -13,11 +13,11 @@ use base::diagnostic::{Diagnostic, Diagnostics, shown_path};
 use base::file::{self, FileError};
 use lab::signal::column;
 
-/// Most pixels across or down.
-const MOST_PIXELS: u32 = 20_000;
+/// Most pixels of a picture: a page of A4 at 600 dots an inch has 35 million. A small file can hold any number of one colour.
+const MOST_PIXELS: u64 = 40_000_000;
 
-/// Most bytes of a picture in memory.
-const MOST_BYTES: u64 = 1 << 30;
+/// Most bytes of a picture as its decoder gives it.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// A figure that can be digitized.
 #[derive(Clone, Debug)]
@@ -56,7 +56,17 @@ pub enum PictureError {
         /// Why.
         source: FileError,
     },
-    /// It is no PNG or JPEG, or too large.
+    /// It has too many pixels.
+    #[error("{} has {width} × {height} pixels, more than {} million", shown_path(path), MOST_PIXELS / 1_000_000)]
+    TooLarge {
+        /// The picture.
+        path: PathBuf,
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
+    /// It is no PNG or JPEG, or its content is damaged.
     #[error("{}: {source}", shown_path(path))]
     Decode {
         /// The picture.
@@ -100,21 +110,25 @@ fn read(path: &Path) -> Result<(RgbImage, f64), PictureError> {
     });
     let mut reader = opened.map_err(|source| PictureError::Read { path: path.to_owned(), source })?;
     let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_PIXELS);
-    limits.max_image_height = Some(MOST_PIXELS);
     limits.max_alloc = Some(MOST_BYTES);
     reader.limits(limits);
     let least_scatter = if reader.format() == Some(ImageFormat::Jpeg) { LEAST_SCATTER_JPEG } else { LEAST_SCATTER };
-    let picture = reader.decode().map_err(|source| PictureError::Decode { path: path.to_owned(), source })?;
-    // Transparent pixels show paper.
-    let mut picture = picture.into_rgba8();
-    for pixel in picture.pixels_mut() {
-        let alpha = u16::from(pixel.0[3]);
-        for part in &mut pixel.0[..3] {
-            *part = ((u16::from(*part) * alpha + 255 * (255 - alpha)) / 255) as u8;
-        }
+    let damaged = |source| PictureError::Decode { path: path.to_owned(), source };
+    let decoder = reader.into_decoder().map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    if u64::from(width) * u64::from(height) > MOST_PIXELS || decoder.total_bytes() > MOST_BYTES {
+        return Err(PictureError::TooLarge { path: path.to_owned(), width, height });
     }
-    Ok((image::DynamicImage::ImageRgba8(picture).into_rgb8(), least_scatter))
+    let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    // Transparent pixels show paper.
+    let on_paper = |column, row| {
+        let Rgba([parts @ .., alpha]) = picture.get_pixel(column, row);
+        let alpha = u16::from(alpha);
+        Rgb(parts.map(|part| ((u16::from(part) * alpha + 255 * (255 - alpha)) / 255) as u8))
+    };
+    let has_paper = picture.color().has_alpha();
+    let picture = if has_paper { RgbImage::from_fn(width, height, on_paper) } else { picture.into_rgb8() };
+    Ok((picture, least_scatter))
 }
 
 struct Check<'a> {

@@ -37,7 +37,7 @@ pub use loading::Loading;
 use membrane::engine::GuideFriction;
 use membrane::material::Material;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
-pub use variation::{Factor, Input, Level, Point, PointsError, Values, Variation, variation};
+pub use variation::{Factor, Input, Level, Point, Points, PointsError, Values, Variation, variation};
 pub use warning::ABSORPTION_NOT_GIVEN;
 pub use warning::{CODES, Warning, warnings};
 

@@ -89,10 +89,11 @@ pub(super) fn add(tracks: &Tracks, signals: &mut Recording) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulate::tracks::Sampling;
 
     #[test]
     fn sampled_channels_follow_those_that_a_loading_placed_itself() {
-        let mut tracks = Tracks::new(1.0, 0.5, vec![], None);
+        let mut tracks = Tracks::new(Sampling::new(1.0, 0.5), vec![], None);
         for time in [0.0, 0.5, 1.0] {
             tracks.sample(&column::PRESSURE, time, 1.0);
             tracks.sample(&column::FILM_CONTACT_NODES, time, 2.6);

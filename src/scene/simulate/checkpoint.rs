@@ -61,7 +61,6 @@ impl Restart {
     /// Restores `engine` and `probe`, newly built from the same model, to the state of the checkpoint.
     pub(super) fn restore(self, engine: &mut Engine, probe: &mut Probe<'_>) -> Result<(), StateMismatch> {
         engine.restore(self.engine)?;
-        probe.resume(self.record);
-        Ok(())
+        probe.resume(self.record)
     }
 }

@@ -16,12 +16,12 @@ use super::outcome::Outcome;
 use super::rates::RateAudit;
 use super::rise::{self, Rise};
 use super::snapshot::{self, FilmState, Snapshot};
-use super::tracks::{BodyTracks, Tracks};
+use super::tracks::{BodyTracks, Sampling, Tracks};
 use super::warning::bounds::KINETIC;
 use crate::model::Model;
 use crate::model::loading::Inertia;
 use lab::signal::{Recording, column};
-use membrane::engine::{self, ElementStrain, Engine, Observer, Relaxation, Torn, Track, View};
+use membrane::engine::{self, ElementStrain, Engine, Observer, Relaxation, StateMismatch, Torn, Track, View};
 
 /// Audits of energies, contact and strains in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
@@ -78,7 +78,7 @@ impl<'a> Probe<'a> {
         let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
         let record = Record {
             audits: 0,
-            tracks: tracks(model, mounting, duration, sample),
+            tracks: tracks(model, mounting, Sampling::new(duration, sample)),
             rise: Rise::default(),
             snapshots: vec![],
             energy: EnergyCheck::new(mounting.energy_scale, checked_from),
@@ -110,8 +110,21 @@ impl<'a> Probe<'a> {
     }
 
     /// Resumes from the record of a checkpoint.
-    pub(super) fn resume(&mut self, record: Record) {
+    ///
+    /// # Errors
+    /// It is of another scene.
+    pub(super) fn resume(&mut self, record: Record) -> Result<(), StateMismatch> {
+        let counts = |record: &Record| [record.tracks.sampling.count, record.tracks.bodies.len(), record.lowest.len()];
+        let (found, expected) = (counts(&record), counts(&self.record));
+        let mut pairs = ["samples", "tracks", "impactors"].into_iter().zip(found.into_iter().zip(expected));
+        if let Some((what, (found, expected))) = pairs.find(|(_, (found, expected))| found != expected) {
+            return Err(StateMismatch { what, found, expected });
+        }
+        if !record.tracks.is_like(&self.record.tracks) {
+            return Err(StateMismatch { what: "tracks like those of the scene", found: 0, expected: found[1] });
+        }
         self.record = record;
+        Ok(())
     }
 
     /// Records how the film came to equilibrium before the first step.
@@ -315,12 +328,12 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// The tracks of a run of `model` over `duration` (s) with `sample` (s) between samples.
-fn tracks(model: &Model, mounting: &Mounting, duration: f64, sample: f64) -> Tracks {
+/// The tracks of a run of `model`.
+fn tracks(model: &Model, mounting: &Mounting, sampling: Sampling) -> Tracks {
     let bodies = model.impactors.iter().zip(&mounting.bodies);
-    let bodies = bodies.map(|(impactor, body)| BodyTracks::new(sample, body.approach, impactor.is_spatial()));
-    let bars = model.frame.bars.map(|_| BodyTracks::new(sample, [0.0; 2], false));
-    Tracks::new(duration, sample, bodies.collect(), bars)
+    let bodies = bodies.map(|(impactor, body)| BodyTracks::new(sampling, body.approach, impactor.is_spatial()));
+    let bars = model.frame.bars.map(|_| BodyTracks::new(sampling, [0.0; 2], false));
+    Tracks::new(sampling, bodies.collect(), bars)
 }
 
 fn not_finite(view: &View<'_>, faces: &[Vec<ElementStrain>]) -> engine::Fault {

@@ -36,10 +36,11 @@ pub(super) fn settling(tracks: &Tracks) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulate::tracks::Sampling;
 
     #[test]
     fn settling_is_the_change_in_the_last_tenth() {
-        let mut tracks = Tracks::new(1.0, 0.05, vec![], None);
+        let mut tracks = Tracks::new(Sampling::new(1.0, 0.05), vec![], None);
         assert_eq!(settling(&tracks), None);
         for k in 0..=20 {
             let time = 0.05 * f64::from(k);

@@ -9,13 +9,36 @@ use lab::signal::column::Column;
 use lab::signal::{Channel, Recording};
 use membrane::engine::{BodyTrack, Track};
 
+/// The samples of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Sampling {
+    /// Time between two, s.
+    pub(super) interval: f64,
+    /// Their number.
+    pub(super) count: usize,
+}
+
+impl Sampling {
+    /// Samples of a run of `duration` (s), `interval` (s) apart.
+    pub(super) fn new(duration: f64, interval: f64) -> Sampling {
+        Sampling { interval, count: (duration / interval * (1.0 + 1e-12)).floor() as usize + 1 }
+    }
+
+    fn at_samples<const K: usize>(self) -> Grid<K> {
+        Grid::new(0.0, self.interval, self.count)
+    }
+
+    /// Twice a sample, from the half before the first to that after the last.
+    fn at_halves<const K: usize>(self) -> Grid<K> {
+        Grid::new(-0.5 * self.interval, 0.5 * self.interval, 2 * self.count + 1)
+    }
+}
+
 /// Impactors, jaws and strains at the samples of a run. Each loading makes its signals of them.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Tracks {
-    /// Between two samples, s.
-    pub(super) sample: f64,
-    /// Number of samples.
-    pub(super) samples: usize,
+    /// When they are recorded.
+    pub(super) sampling: Sampling,
     /// The impactors.
     pub(super) bodies: Vec<BodyTracks>,
     /// Force on the jaws, N.
@@ -33,8 +56,7 @@ pub(super) struct Tracks {
 /// An impactor at the samples of a run.
 #[derive(Serialize, Deserialize)]
 pub(super) struct BodyTracks {
-    /// Between two samples, s.
-    sample: f64,
+    sampling: Sampling,
     /// Height (m), work on the film (J).
     pub(super) at_steps: Grid<2>,
     /// Velocity (m/s), while it is held that with which it is released, and the impulses of the film and of other
@@ -53,23 +75,31 @@ pub(super) struct BodyTracks {
 }
 
 impl BodyTracks {
-    /// Tracks with `sample` (s) between samples of an impactor that moves down at `speed` (m/s) in free fall under
-    /// `gravity` (m/s²), along z alone or not.
-    pub(super) fn new(sample: f64, [speed, gravity]: [f64; 2], is_spatial: bool) -> BodyTracks {
-        let mut at_half_steps = Grid::new(-0.5 * sample, 0.5 * sample);
+    /// Tracks of an impactor that moves down at `speed` (m/s) in free fall under `gravity` (m/s²), along z alone or not.
+    pub(super) fn new(sampling: Sampling, [speed, gravity]: [f64; 2], is_spatial: bool) -> BodyTracks {
+        let (mut at_half_steps, interval) = (sampling.at_halves(), sampling.interval);
         // Free fall before first contact, so that the first sample is a mean like every other.
-        at_half_steps.push(-sample, [gravity * sample - speed, 0.0, 0.0]);
+        at_half_steps.push(-interval, [gravity * interval - speed, 0.0, 0.0]);
         at_half_steps.push(0.0, [-speed, 0.0, 0.0]);
         BodyTracks {
-            sample,
-            at_steps: Grid::new(0.0, sample),
+            sampling,
+            at_steps: sampling.at_samples(),
             at_half_steps,
             is_spatial,
-            lateral: Grid::new(0.0, sample),
-            lateral_half: Grid::new(-0.5 * sample, 0.5 * sample),
+            lateral: sampling.at_samples(),
+            lateral_half: sampling.at_halves(),
             first_contact: None,
             has_met: false,
         }
+    }
+
+    fn is_like(&self, other: &BodyTracks) -> bool {
+        self.sampling == other.sampling
+            && self.is_spatial == other.is_spatial
+            && self.at_steps.is_like(&other.at_steps)
+            && self.at_half_steps.is_like(&other.at_half_steps)
+            && self.lateral.is_like(&other.lateral)
+            && self.lateral_half.is_like(&other.lateral_half)
     }
 
     /// Records a step at the time of the full step and in the middle of the step after it, s.
@@ -85,7 +115,7 @@ impl BodyTracks {
         if self.is_spatial {
             let lateral = [along_x, along_y, body.lateral_energy];
             if self.lateral_half.rows.is_empty() {
-                self.lateral_half.push(-self.sample, lateral);
+                self.lateral_half.push(-self.sampling.interval, lateral);
             }
             self.lateral.push(time, [x, y]);
             self.lateral_half.push(middle, lateral);
@@ -110,7 +140,7 @@ impl BodyTracks {
 
     fn mean_force(&self, k: usize, impulse: usize) -> f64 {
         let half = &self.at_half_steps.rows;
-        (half[2 * k + 2][impulse] - half[2 * k][impulse]) / self.sample
+        (half[2 * k + 2][impulse] - half[2 * k][impulse]) / self.sampling.interval
     }
 
     /// Whether it touched the film, and whether other bodies.
@@ -120,18 +150,32 @@ impl BodyTracks {
 }
 
 impl Tracks {
-    /// Tracks of a run of `duration` (s) with `sample` (s) between samples.
-    pub(super) fn new(duration: f64, sample: f64, bodies: Vec<BodyTracks>, bars: Option<BodyTracks>) -> Tracks {
+    /// Tracks of a run with these impactors and the frame's bars.
+    pub(super) fn new(sampling: Sampling, bodies: Vec<BodyTracks>, bars: Option<BodyTracks>) -> Tracks {
         Tracks {
-            sample,
-            samples: (duration / sample * (1.0 + 1e-12)).floor() as usize + 1,
+            sampling,
             bodies,
-            jaws: Grid::new(0.0, sample),
+            jaws: sampling.at_samples(),
             middle: 0.0,
-            strains: Grid::new(0.0, sample),
+            strains: sampling.at_samples(),
             bars,
             sampled: BTreeMap::new(),
         }
+    }
+
+    /// Whether it has the same samples and impactors as the other, whatever is recorded: of another scene, it could be of
+    /// any length.
+    pub(super) fn is_like(&self, other: &Tracks) -> bool {
+        let bodies = |tracks: &Tracks| tracks.bodies.len();
+        let pairs = self.bodies.iter().chain(&self.bars).zip(other.bodies.iter().chain(&other.bars));
+        let new = other.sampling.at_samples();
+        self.sampling == other.sampling
+            && bodies(self) == bodies(other)
+            && self.bars.is_some() == other.bars.is_some()
+            && pairs.into_iter().all(|(one, other)| one.is_like(other))
+            && self.jaws.is_like(&other.jaws)
+            && self.strains.is_like(&other.strains)
+            && self.sampled.values().all(|grid| grid.is_like(&new))
     }
 
     /// Records one step.
@@ -148,7 +192,7 @@ impl Tracks {
 
     /// Adds the value that is sampled for `column` at `time` (s).
     pub(super) fn sample(&mut self, column: &Column, time: f64, value: f64) {
-        let new = || Grid::new(0.0, self.sample);
+        let new = || self.sampling.at_samples();
         self.sampled.entry(column.name.to_owned()).or_insert_with(new).push(time, [value]);
     }
 
@@ -159,25 +203,26 @@ impl Tracks {
 
     /// Whether `time` (s) has reached the next sample of the strains.
     pub(super) fn is_due(&self, time: f64) -> bool {
-        self.strains.rows.len() < self.samples && self.strains.is_due(time)
+        self.strains.rows.len() < self.sampling.count && self.strains.is_due(time)
     }
 
     /// Whether every sample has been recorded, with the half steps on both of its sides.
     pub(super) fn are_complete(&self) -> bool {
-        let last = -0.5 * self.sample + (2 * self.samples) as f64 * (0.5 * self.sample);
-        self.jaws.rows.len() >= self.samples && last <= self.middle
+        let Sampling { interval, count } = self.sampling;
+        let last = -0.5 * interval + (2 * count) as f64 * (0.5 * interval);
+        self.jaws.rows.len() >= count && last <= self.middle
     }
 
     /// Samples at which everything is known of the impactors and the strains.
     pub(super) fn whole(&self) -> usize {
         let of_bodies = self.bodies.iter().chain(&self.bars).map(BodyTracks::whole).min().unwrap_or(0);
-        self.samples.min(of_bodies).min(self.strains.rows.len())
+        self.sampling.count.min(of_bodies).min(self.strains.rows.len())
     }
 
     /// Channels of one row a sample.
     pub(super) fn table<const K: usize>(&self, names: &[&str; K], rows: &[[f64; K]]) -> Recording {
         Recording {
-            time: (0..rows.len()).map(|k| k as f64 * self.sample).collect(),
+            time: (0..rows.len()).map(|k| k as f64 * self.sampling.interval).collect(),
             channels: (0..K)
                 .map(|c| Channel { name: names[c].to_string(), values: rows.iter().map(|r| r[c]).collect() })
                 .collect(),

@@ -18,7 +18,7 @@ use base::finding::Finding;
 pub use bindings::{REFERENCE, register};
 pub use remaining::RemainingWork;
 pub use results::SweepResults;
-use scene::model::{self, Factor, Input, Model, Point, PointsError, Variation};
+use scene::model::{self, Factor, Input, Model, Point, Points, PointsError, Variation};
 use scene::scenario::Document;
 use scene::simulate;
 pub use statistics::{Effect, Effects, Quantiles};
@@ -32,7 +32,7 @@ pub struct Sweep {
     /// The scenario without what varies.
     base: Document,
     variation: Variation,
-    points: Vec<Point>,
+    points: Points,
     /// Model and plan of the scenario as written.
     model: Model,
     plan: Plan,
@@ -94,12 +94,12 @@ impl Sweep {
     /// # Errors
     /// As those of [`Sweep::prepare`].
     pub fn prepare_at(document: &Document, places: &[Vec<f64>]) -> Result<Sweep, SweepError> {
-        Sweep::with_points(document, |variation| Ok(places.iter().map(|place| variation.point_at(place)).collect()))
+        Sweep::with_points(document, |_| Ok(Points::Places(places.to_vec())))
     }
 
     fn with_points(
         document: &Document,
-        points: impl Fn(&Variation) -> Result<Vec<Point>, SweepError>,
+        points: impl Fn(&Variation) -> Result<Points, SweepError>,
     ) -> Result<Sweep, SweepError> {
         let variation = model::variation(document).map_err(SweepError::Scenario)?;
         let base = document.without_variation();
@@ -138,18 +138,22 @@ impl Sweep {
     }
 
     /// The values of the run at `place`, counted from zero.
-    pub fn inputs(&self, place: usize) -> impl Iterator<Item = &Input> {
-        self.points[place].levels.iter().map(|level| &level.input)
+    pub fn inputs(&self, place: usize) -> impl Iterator<Item = Input> {
+        self.point(place).levels.into_iter().map(|level| level.input)
+    }
+
+    fn point(&self, place: usize) -> Point {
+        self.variation.point(&self.points, place)
     }
 
     /// The scenario of the run at `place`.
     pub fn document(&self, place: usize) -> Document {
-        self.base.with(&self.variation.assignments(&self.points[place]))
+        self.base.with(&self.variation.assignments(&self.point(place)))
     }
 
     /// The changes of the scenario that give the run at `place`, as arguments of `--set`.
     pub fn changes(&self, place: usize) -> Vec<String> {
-        let levels = self.variation.factors.iter().zip(&self.points[place].levels);
+        let levels = self.variation.factors.iter().zip(self.point(place).levels);
         levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml())).collect()
     }
 

@@ -141,9 +141,10 @@ impl Table {
 }
 
 fn inputs(sweep: &Sweep, places: &[usize]) -> Vec<Column> {
+    let rows: Vec<Vec<Input>> = places.iter().map(|place| sweep.inputs(*place).collect()).collect();
     let factors = sweep.variation().factors.iter().enumerate();
     let column = |(index, factor): (usize, &scene::model::Factor)| {
-        let values: Vec<&Input> = places.iter().filter_map(|place| sweep.inputs(*place).nth(index)).collect();
+        let values: Vec<&Input> = rows.iter().map(|row| &row[index]).collect();
         let number = |input: &&Input| match input {
             Input::Number(number) => Some(*number),
             Input::Text(_) => None,

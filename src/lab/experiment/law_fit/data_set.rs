@@ -36,6 +36,9 @@ pub struct BiaxialPoint {
     pub stresses: [f64; 2],
 }
 
+/// Largest stretch that is taken for one: the softest rubbers break at some 10.
+const LARGEST_STRETCH: f64 = 100.0;
+
 /// Why measured numbers are no test.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DataError {
@@ -54,6 +57,14 @@ pub enum DataError {
     /// A stretch is not positive.
     #[error("the stretch {stretch} of row {row} is not above zero")]
     Stretch {
+        /// As measured.
+        stretch: f64,
+        /// Row, counted from one.
+        row: usize,
+    },
+    /// A stretch is larger than that of any film.
+    #[error("the stretch {stretch} of row {row} is larger than {LARGEST_STRETCH}, that of any film")]
+    LargeStretch {
         /// As measured.
         stretch: f64,
         /// Row, counted from one.
@@ -152,6 +163,9 @@ impl Measured {
             if *stretch <= 0.0 {
                 return Err(DataError::Stretch { stretch: *stretch, row });
             }
+            if *stretch > LARGEST_STRETCH {
+                return Err(DataError::LargeStretch { stretch: *stretch, row });
+            }
         }
         if stretches.iter().all(|stretch| *stretch == 1.0) {
             return Err(DataError::AtRest);
@@ -180,6 +194,7 @@ mod tests {
         for (measured, expected) in [
             (uniaxial(&[[1.1, 2e5]]), "1 measured points"),
             (uniaxial(&[[1.0, 1e5], [1.0, 2e5]]), "no stretch differs from 1"),
+            (uniaxial(&[[1.1, 1e5], [1e5, 2e5]]), "the stretch 100000 of row 2 is larger than 100"),
             (uniaxial(&[[1.1, 0.0], [1.2, 0.0]]), "no stress differs from 0"),
             (uniaxial(&[[1.1, 2e5], [1.2, 2e5]]), "all stresses are 200000 Pa"),
             (Measured::Biaxial(vec![biaxial([3e5; 2]); 2]), "all stresses are 300000 Pa"),

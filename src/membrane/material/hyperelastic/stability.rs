@@ -31,8 +31,11 @@ impl HyperelasticLaw {
 }
 
 fn instability(energy: &impl StrainEnergy, most: f64) -> Option<(Tension, f64)> {
-    let steps = ((most - 1.0) / STEP).round() as u32;
-    let stretches = (0..=steps).map(|step| 1.0 + STEP * f64::from(step));
+    let steps = ((most.min(MOST) - 1.0) / STEP).round() as u32;
+    let near = (0..=steps).map(|step| 1.0 + STEP * f64::from(step));
+    // Beyond, in proportion: nobody's number makes the search endless.
+    let beyond = std::iter::successors(Some(MOST), |stretch| Some(stretch * (1.0 + STEP))).skip(1);
+    let stretches = near.chain(beyond.take_while(|stretch| *stretch <= most));
     let tensions = [Tension::Uniaxial, Tension::Equibiaxial, Tension::Plane];
     let mut states = stretches.flat_map(|stretch| tensions.map(|tension| (tension, stretch)));
     states.find(|(tension, stretch)| !is_stable(energy, tension.squares(energy, *stretch)))

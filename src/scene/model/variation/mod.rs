@@ -10,7 +10,7 @@ use super::ModelDiagnostics;
 use crate::scenario::{self, Document, Method};
 use base::diagnostic::Diagnostic;
 pub use factor::{Factor, Input, Level, Values};
-pub use points::{Point, PointsError};
+pub use points::{Point, Points, PointsError};
 
 const METHOD: &str = "variation.method";
 const CORRELATION: &str = "variation.correlation";

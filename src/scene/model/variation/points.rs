@@ -7,13 +7,37 @@ use super::{Factor, Level, Values, Variation};
 use crate::scenario::{Assignment, Method};
 
 /// Most runs of a sweep.
-const MOST: usize = 10_000_000;
+const MOST: usize = 1_000_000;
 
 /// The values of one run, in the order of the factors.
 #[derive(Clone, Debug)]
 pub struct Point {
     /// A value of each factor.
     pub levels: Vec<Level>,
+}
+
+/// Which values all runs of a sweep have; those of a run are made when it is at hand.
+#[derive(Clone, Debug)]
+pub enum Points {
+    /// The rows of a table, as many.
+    Rows(usize),
+    /// Places in the unit cube, of each factor the probability of at most its value.
+    Places(Vec<Vec<f64>>),
+}
+
+impl Points {
+    /// Number of runs.
+    pub fn len(&self) -> usize {
+        match self {
+            Points::Rows(count) => *count,
+            Points::Places(places) => places.len(),
+        }
+    }
+
+    /// Whether there are no runs.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }
 
 /// Why a variation has no points.
@@ -49,7 +73,7 @@ impl Variation {
     ///
     /// # Errors
     /// Their number is not known, or the method does not suit the factors.
-    pub fn points(&self, samples: Option<usize>) -> Result<Vec<Point>, PointsError> {
+    pub fn points(&self, samples: Option<usize>) -> Result<Points, PointsError> {
         let listed = self.listed();
         let count = match (listed, samples) {
             (Some(listed), Some(samples)) if samples != listed => return Err(PointsError::Fixed(listed)),
@@ -60,13 +84,21 @@ impl Variation {
             return Err(PointsError::TooMany);
         }
         if let Method::Table(_) = self.method {
-            return Ok((0..count).map(|row| self.row(row)).collect());
+            return Ok(Points::Rows(count));
         }
         let mut chosen = design::points(self.sampling(), &self.levels(), count, self.seed)?;
         if let Some(correlation) = &self.correlation {
             chosen.iter_mut().for_each(|point| *point = correlation.apply(point));
         }
-        Ok(chosen.iter().map(|point| self.point_at(point)).collect())
+        Ok(Points::Places(chosen))
+    }
+
+    /// The values of the run at `place` among `points`.
+    pub fn point(&self, points: &Points, place: usize) -> Point {
+        match points {
+            Points::Rows(_) => Point { levels: self.factors.iter().map(|factor| factor.level(place)).collect() },
+            Points::Places(places) => self.point_at(&places[place]),
+        }
     }
 
     /// The changes of the scenario that make it the one of a run.
@@ -103,13 +135,7 @@ impl Variation {
         self.factors.iter().map(levels).collect()
     }
 
-    /// The row of a table.
-    fn row(&self, row: usize) -> Point {
-        Point { levels: self.factors.iter().map(|factor| factor.level(row)).collect() }
-    }
-
-    /// The point at a place of the unit cube: of each factor the probability of at most its value.
-    pub fn point_at(&self, place: &[f64]) -> Point {
+    fn point_at(&self, place: &[f64]) -> Point {
         let at = |(factor, place): (&Factor, &f64)| match &factor.values {
             Values::Levels(levels) => factor.level((place * levels.len() as f64) as usize),
             Values::Distribution(distribution) => factor.number(distribution.quantile(*place)),

@@ -99,11 +99,11 @@ impl Impact<'_> {
         let mass = if impactor.mass.is_finite() { impactor.mass } else { 0.0 };
         let start = body.first_contact.unwrap_or(start);
         let (half, lateral) = (&body.at_half_steps.rows, &body.lateral_half.rows);
-        let is_held = |k: usize| k as f64 * tracks.sample < impactor.release;
+        let is_held = |k: usize| k as f64 * tracks.sampling.interval < impactor.release;
         let row = |k: usize| {
             let [z, work] = body.at_steps.rows[k];
             let velocity = if is_held(k) { 0.0 } else { half[2 * k + 1][0] };
-            let acceleration = (half[2 * k + 2][0] - half[2 * k][0]) / tracks.sample;
+            let acceleration = (half[2 * k + 2][0] - half[2 * k][0]) / tracks.sampling.interval;
             let displacement = z - start;
             let besides = lateral.get(2 * k + 1).filter(|_| !is_held(k)).map_or(0.0, |[_, _, energy]| *energy);
             let kinetic = 0.5 * mass * velocity * velocity + besides;
@@ -116,7 +116,7 @@ impl Impact<'_> {
         let spatial = |k: usize| {
             let [x, y] = body.lateral.rows[k];
             let [along_x, along_y] = if is_held(k) { [0.0; 2] } else { [0, 1].map(|axis| lateral[2 * k + 1][axis]) };
-            let of = |axis: usize| (lateral[2 * k + 2][axis] - lateral[2 * k][axis]) / tracks.sample;
+            let of = |axis: usize| (lateral[2 * k + 2][axis] - lateral[2 * k][axis]) / tracks.sampling.interval;
             let (across, up) = ([of(0), of(1)], rows[k][2]);
             let resultant = (across[0] * across[0] + across[1] * across[1] + up * up).sqrt();
             [x - from[0], y - from[1], along_x, along_y, across[0], across[1], resultant]

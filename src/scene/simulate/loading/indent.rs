@@ -63,7 +63,7 @@ impl LoadCase for Indent<'_> {
     /// time.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
         let force = |k: usize| tracks.bodies.iter().map(|body| body.contact_force(k)).sum();
-        let row = |k: usize| [self.velocity * k as f64 * tracks.sample, force(k)];
+        let row = |k: usize| [self.velocity * k as f64 * tracks.sampling.interval, force(k)];
         let rows: Vec<_> = (0..tracks.whole()).map(row).collect();
         tracks.table(&[column::DEPTH.name, column::FORCE.name], &rows)
     }

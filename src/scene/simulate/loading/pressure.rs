@@ -56,7 +56,7 @@ impl LoadCase for Pressure<'_> {
         let inflation = self.inflation();
         let samples = tracks.sampled(&column::DEFLECTION).iter().zip(tracks.sampled(&column::VOLUME)).enumerate();
         let row = |(k, (rise, volume)): (usize, (&f64, &f64))| {
-            [inflation.pressure_at(k as f64 * tracks.sample), *rise, *volume]
+            [inflation.pressure_at(k as f64 * tracks.sampling.interval), *rise, *volume]
         };
         let rows: Vec<_> = samples.map(row).collect();
         tracks.table(&[column::PRESSURE.name, column::DEFLECTION.name, column::VOLUME.name], &rows)

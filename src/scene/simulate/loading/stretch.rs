@@ -76,11 +76,11 @@ impl LoadCase for Stretch {
         let Stretch { velocity, section, gauge, .. } = *self;
         let copies = mounting.films.first().map_or(1.0, |f| if f.mirrored[1] { 2.0 } else { 1.0 });
         let row = |k: usize| {
-            let displacement = velocity * k as f64 * tracks.sample;
+            let displacement = velocity * k as f64 * tracks.sampling.interval;
             let force = copies * tracks.jaws.rows[k][0];
             [displacement, force, displacement / gauge, force / section]
         };
-        let rows: Vec<_> = (0..tracks.samples.min(tracks.jaws.rows.len())).map(row).collect();
+        let rows: Vec<_> = (0..tracks.sampling.count.min(tracks.jaws.rows.len())).map(row).collect();
         tracks.table(&[column::DISPLACEMENT.name, column::FORCE.name, column::STRAIN.name, column::STRESS.name], &rows)
     }
 }
