@@ -10,7 +10,10 @@ use scene::model::{Model, Symmetry};
 use scene::simulate::Progress;
 
 /// Wall time from which a forecast is printed, s.
-const LONG: f64 = 3600.0;
+const LONG: f64 = 60.0;
+
+/// Wall time from which it says what is cheaper, s.
+const COSTLY: f64 = 3600.0;
 
 /// Wall time that is measured before the forecast: the first steps fill caches and curves.
 const MEASURED: Duration = Duration::from_secs(1);
@@ -62,6 +65,20 @@ impl Left {
     /// The message of the terminal; `has_checkpoints` is whether the run writes checkpoints.
     pub(super) fn message(&self, model: &Model, has_checkpoints: bool) -> String {
         let Left { wall, per_element_step, steps, progress } = self;
+        let hints = if *wall < COSTLY { vec![] } else { self.cheaper(model, has_checkpoints) };
+        let hints: String = hints.iter().map(|way| format!("\n  {way}")).collect();
+        format!(
+            "{} will take about {}: {} elements, {} steps of {} us to go, {per_element_step:.0} ns per element step{hints}",
+            model.name,
+            wall_time(*wall),
+            grouped(progress.elements as u64),
+            grouped(rounded(*steps, 2) as u64),
+            number::figure(1e6 * progress.time_step, DIGITS),
+        )
+    }
+
+    /// Ways to a shorter run, or to one that may be interrupted.
+    fn cheaper(&self, model: &Model, has_checkpoints: bool) -> Vec<String> {
         let mut cheaper = vec![];
         if model.faces.iter().any(|face| face.meshing.grading.is_some()) {
             cheaper.push("a larger specimen.mesh.fine takes fewer elements and longer steps".to_owned());
@@ -72,18 +89,10 @@ impl Left {
             cheaper.push("specimen.symmetry, where the scene is symmetric, takes a half or a quarter".to_owned());
         }
         if !has_checkpoints {
-            let every = rounded(progress.duration * BETWEEN_CHECKPOINTS / wall, 1);
+            let every = rounded(self.progress.duration * BETWEEN_CHECKPOINTS / self.wall, 1);
             cheaper.push(format!("--checkpoint-every \"{}\" allows it to resume after an interruption", Time(every)));
         }
-        let hint: String = cheaper.iter().map(|way| format!("\n  {way}")).collect();
-        format!(
-            "{} will take about {}: {} elements, {} steps of {} us to go, {per_element_step:.0} ns per element step{hint}",
-            model.name,
-            wall_time(*wall),
-            grouped(progress.elements as u64),
-            grouped(rounded(*steps, 2) as u64),
-            number::figure(1e6 * progress.time_step, DIGITS),
-        )
+        cheaper
     }
 }
 
@@ -110,8 +119,9 @@ mod tests {
     }
 
     #[test]
-    fn a_run_of_less_than_an_hour_has_no_forecast() {
-        for (steps_a_second, long) in [(29, false), (27, true)] {
+    fn a_run_of_less_than_a_minute_has_no_forecast() {
+        // 100 000 steps.
+        for (steps_a_second, long) in [(1700, false), (1600, true)] {
             let mut forecast = Forecast::default();
             forecast.update(&after(1), Duration::from_millis(200));
             let left = forecast.update(&after(1 + steps_a_second), Duration::from_millis(1200));

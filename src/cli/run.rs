@@ -96,11 +96,15 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     for Checked { model, plan, .. } in jobs.iter().map(|job| &job.checked) {
         plan.findings().iter().for_each(|finding| bar.finding(&model.name, finding));
     }
-    let run = |(index, job): (usize, &Job)| job.run(&bar, index, viewer.as_ref());
+    // Each is dropped once it is done: a batch takes no more memory for the runs that are behind it.
+    let run = |(index, job): (usize, Job)| {
+        let done = job.run(&bar, index, viewer.as_ref());
+        Done { summary: done.summary.filter(|_| shared.json), ..done }
+    };
     // One run has all threads to itself; several share them.
-    let done: Vec<Done> = match jobs.as_slice() {
-        [job] => vec![run((0, job))],
-        jobs => jobs.par_iter().enumerate().map(run).collect(),
+    let done: Vec<Done> = match jobs.len() {
+        1 => jobs.into_iter().enumerate().map(run).collect(),
+        _ => jobs.into_par_iter().enumerate().map(run).collect(),
     };
     bar.finish();
     let failure = Failure::all(done.iter().filter_map(|done| done.failure.clone()));
@@ -212,7 +216,7 @@ fn place(out: Option<&Path>, name: &str, several: bool) -> Result<PathBuf, store
     match out {
         Some(folder) if !several => Ok(folder.into()),
         Some(folder) => store::place(folder, name),
-        None => store::place(Path::new("runs"), name),
+        None => store::default_place(name),
     }
 }
 
@@ -300,7 +304,10 @@ impl Job {
 
     fn store(&self, outcome: &Outcome, scenario: &str, show: Show) -> Result<Done, Failure> {
         let model = &self.checked.model;
-        let results = self.checked.plan.evaluate(model, outcome).map_err(|error| evaluating(&error))?;
+        let results = self.checked.plan.evaluate(model, outcome).map_err(|error| match error.may_pass() {
+            true => Failure::output(evaluating(&error)),
+            false => evaluating(&error).into(),
+        })?;
         let contents = Contents {
             model,
             outcome,

@@ -1,5 +1,7 @@
 //! The scenarios that the arguments name.
 
+use std::cell::RefCell;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -39,6 +41,9 @@ impl Selection {
     /// The mistakes of all scenarios at once.
     pub(super) fn checked(&self) -> Result<Vec<Checked>, Vec<Diagnostic>> {
         let (mut checked, mut mistakes) = (Vec::new(), Vec::new());
+        let known = RefCell::default();
+        let check =
+            |path: &Path, assignments: &[Assignment]| known_plan(changed(path, assignments)?, &mut known.borrow_mut());
         for (_, verdict) in self.each(check)? {
             match verdict {
                 Ok(scenario) => checked.push(scenario),
@@ -70,18 +75,36 @@ pub(super) type Verdict = Result<Checked, Vec<Diagnostic>>;
 
 /// Checks the scenario at `path` with `assignments` applied.
 pub(super) fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
+    of_document(changed(path, assignments)?)
+}
+
+/// The scenario at `path` with `assignments` applied.
+fn changed(path: &Path, assignments: &[Assignment]) -> Result<Document, Vec<Diagnostic>> {
     let document = Document::read(path)?;
     if document.is_material() {
         return Err(vec![material(path)]);
     }
-    of_document(document.with(assignments))
+    Ok(document.with(assignments))
 }
 
 /// Checks a scenario that was read.
 pub(super) fn of_document(document: Document) -> Verdict {
+    known_plan(document, &mut Vec::new())
+}
+
+/// Checks a scenario that was read. References and scripts that it has in common with one of the `known` are theirs: a batch
+/// of hundreds mostly has the same.
+fn known_plan(document: Document, known: &mut Vec<(Model, Plan)>) -> Verdict {
     let model = model::check(&document)?;
     simulate::check(&document, &model)?;
-    let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;
+    let plan = match known.iter().find(|(other, _)| Plan::is_common(&model, other)) {
+        Some((_, plan)) => plan.clone(),
+        None => {
+            let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;
+            known.push((model.clone(), plan.clone()));
+            plan
+        }
+    };
     let warnings = model::warnings(&document, &model);
     let plan = plan.with_findings(warnings.iter().map(Finding::new).collect());
     Ok(Checked { document, model, plan })
@@ -96,13 +119,10 @@ fn material(path: &Path) -> Diagnostic {
 /// The files that paths and globs name, each once, in the order of the arguments. A shell expands globs
 /// itself; elsewhere, and in quotes, they are expanded here.
 fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
-    let (mut files, mut mistakes) = (Vec::new(), Vec::new());
+    let (mut files, mut known, mut mistakes) = (Vec::new(), HashSet::new(), Vec::new());
     for pattern in patterns {
         match matches(pattern) {
-            Ok(found) => {
-                let new: Vec<PathBuf> = found.into_iter().filter(|file| !files.contains(file)).collect();
-                files.extend(new);
-            }
+            Ok(found) => files.extend(found.into_iter().filter(|file| known.insert(file.clone()))),
             Err(mistake) => mistakes.push(mistake),
         }
     }

@@ -36,7 +36,7 @@ findings! {
             run: String, "name of the run" => "run";
             damaged: PathBuf, "the checkpoint" => "damaged" = shown_path(damaged);
             used: PathBuf, "the one before it" => "used" = shown_path(used);
-        } = "damaged-checkpoint", Note;
+        } = "damaged-checkpoint", Warning;
             meaning "the newest checkpoint of a run is damaged, so the run resumes from the one before it";
             remedy "none is needed; what was computed between the two is computed again, with the same result";
             message "{run}: {} is damaged; the run resumes from {}, the one before it",
