@@ -7,6 +7,7 @@ mod body;
 mod colour;
 mod diagram;
 mod eye;
+mod file_sink;
 mod film;
 mod layout;
 mod live;
@@ -40,6 +41,9 @@ pub enum VizError {
     /// The SDK cannot log.
     #[error("{0}")]
     Rerun(Box<RecordingStreamError>),
+    /// The file cannot be made.
+    #[error("{0}")]
+    File(#[from] std::io::Error),
     /// The file or the viewer does not take the data in time.
     #[error("{0}")]
     Flush(#[from] SinkFlushError),

@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::Duration;
 
 use re_sdk::log::ChunkBatcherConfig;
-use re_sdk::sink::{FileSink, FileSinkOptions};
 use re_sdk::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 use re_sdk_types::archetypes::{Scalars, SeriesLines, TextDocument, TextLog, Transform3D, ViewCoordinates};
 use re_sdk_types::components::{MediaType, TextLogLevel};
 
 use crate::eye::Eye;
+use crate::file_sink::FileSink;
 use crate::film::Film;
 use crate::live::Address;
 use crate::scene::{Document, Event, FilmSnapshot, Pose, Scene, Severity};
@@ -35,8 +35,7 @@ impl Stage {
     pub fn file(path: &Path, scene: Scene) -> Result<Stage, VizError> {
         scene.check()?;
         let stream = recording(&scene).batcher_config(by_size()).buffered()?;
-        let sink = FileSink::with_options(path, FileSinkOptions { write_footer: false });
-        stream.set_sink(Box::new(sink.map_err(RecordingStreamError::from)?));
+        stream.set_sink(Box::new(FileSink::new(path)?));
         Stage::begin(stream, scene)
     }
 

@@ -76,10 +76,11 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     if let Some((path, _)) = scripts.iter().find(|(path, text)| is_other(path, text)) {
         return Err(exists(path, "the template needs a script of this name: choose another folder"));
     }
-    write_with_schema(kind, path, template.text)?;
+    check_new(path)?;
     for (path, text) in scripts.iter().filter(|(path, _)| !path.exists()) {
         write_new(path, text)?;
     }
+    write_with_schema(kind, path, template.text)?;
     if shared.quiet {
         return Ok(());
     }
@@ -90,8 +91,18 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
 
 /// Writes a new file whose first line names the schema beside it, by which editors know its keys.
 fn write_with_schema(kind: FileKind, path: &Path, text: &str) -> Result<(), Failure> {
-    write_new(path, &format!("#:schema {}\n{text}", kind.schema_file()))?;
-    write_schema(kind, &path.with_file_name(kind.schema_file()))
+    check_new(path)?;
+    // The file comes last: it would be in the way of the next try, should the disk be full before.
+    write_schema(kind, &path.with_file_name(kind.schema_file()))?;
+    write_new(path, &format!("#:schema {}\n{text}", kind.schema_file()))
+}
+
+/// Refuses a path that is taken, before anything is written.
+fn check_new(path: &Path) -> Result<(), Failure> {
+    match path.exists() {
+        true => Err(exists(path, "give another name, or remove it first")),
+        false => Ok(()),
+    }
 }
 
 /// Writes the schema; that of another version is replaced, a file of the user's is left as it is.
