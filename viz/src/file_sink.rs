@@ -38,7 +38,10 @@ impl FileSink {
     }
 
     /// Does `work` unless an earlier one failed.
-    fn with<E: ToString>(&self, work: impl FnOnce(&mut Encoder<BufWriter<File>>) -> Result<(), E>) -> Result<(), String> {
+    fn with<E: ToString>(
+        &self,
+        work: impl FnOnce(&mut Encoder<BufWriter<File>>) -> Result<(), E>,
+    ) -> Result<(), String> {
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(failure) = &state.failure {
             return Err(failure.clone());

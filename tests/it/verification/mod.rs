@@ -27,6 +27,7 @@ mod oscillation;
 mod patch;
 mod plastic;
 mod poisson_sheet;
+mod properties;
 mod rates;
 mod rubber;
 mod rupture;
