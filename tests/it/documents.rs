@@ -46,6 +46,30 @@ fn the_readme_links_every_document() {
     }
 }
 
+/// Every crate that the manifests name stands in the table of dependencies, and no other.
+#[test]
+fn every_direct_dependency_is_explained() {
+    let read = |path: &str| fs::read_to_string(root().join(path)).expect("a text");
+    let table = |path: &str| read(path).parse::<toml::Table>().expect("a manifest");
+    let of_workspace = table("Cargo.toml")["workspace"]["dependencies"].as_table().expect("a table").clone();
+    let of_members = ["viz/Cargo.toml", "tests/loom/Cargo.toml"].map(table);
+    let kinds = ["dependencies", "dev-dependencies"];
+    let of_members =
+        of_members.iter().flat_map(|manifest| kinds.iter().filter_map(|kind| manifest.get(*kind)?.as_table()));
+    let named: BTreeSet<String> = of_members
+        .chain([&of_workspace])
+        .flatten()
+        .filter(|(_, value)| value.get("path").is_none() && value.get("workspace").is_none())
+        .map(|(name, value)| value.get("package").and_then(|name| name.as_str()).unwrap_or(name).to_owned())
+        .collect();
+    let document = read("docs/dependencies.md");
+    let table = document.split("## ").next().unwrap_or_default();
+    let rows = table.lines().filter_map(|line| line.strip_prefix("| `")?.split(" | ").next());
+    let crates = rows.flat_map(|cell| cell.split(", ")).map(|name| name.trim_matches('`').to_owned());
+    let explained: BTreeSet<String> = crates.collect();
+    assert_eq!(named, explained);
+}
+
 /// The numbers that a text cites of the theory as `what`, "equation" or "section".
 fn cited(text: &str, what: &str) -> BTreeSet<String> {
     let lines = text.lines().map(|line| line.trim().trim_start_matches(['/', '!']).trim());
