@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use base::diagnostic::{printable_json, steers};
+use base::diagnostic::steers;
 use base::finding::Finding;
 use plot::viridis::VIRIDIS;
 
@@ -97,7 +97,7 @@ fn with_code(finding: &Finding) -> String {
 /// Data for the page's scripts; no text in it can end the block.
 pub(super) fn data(value: &Value) -> String {
     // In JSON, `<` occurs in strings only, where this escape means the same.
-    let text = printable_json(&value.to_string()).replace('<', "\\u003c");
+    let text = value.to_string().replace('<', "\\u003c").replace(steers, "\u{fffd}");
     format!("<script type=\"application/json\">{text}</script>\n")
 }
 

@@ -55,6 +55,7 @@ class OpenPage:
         self.faults = []
         own = path.as_uri()
         self.page.on("console", self.on_console)
+        self.page.on("dialog", lambda dialog: self.faults.append(f"dialog: {dialog.message}"))
         self.page.on("pageerror", lambda error: self.faults.append(f"error: {error}"))
         self.page.on("request", lambda request: self.on_request(request, own))
         self.page.goto(own)
@@ -133,6 +134,14 @@ def figures_are_those_of(opened, summary):
     return len(names)
 
 
+def texts_do_nothing(opened):
+    """Whatever a title, a name or a message says is shown as text, and turns or steers nothing."""
+    expect(opened.page.evaluate("() => window.hacked") is None, "a text of a file was run")
+    text = opened.page.evaluate("() => document.title + document.body.textContent")
+    steering = re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]", text)
+    expect(not steering, f"the page has the character {steering and hex(ord(steering[0]))}")
+
+
 def keyboard_reaches_plots(opened):
     page = opened.page
     first = page.locator("figure.plot .area").first
@@ -204,6 +213,7 @@ def examine(browser, path, name, pictures):
     film_moves(light)
     theme_changes(light)
     fits_the_screen(light)
+    texts_do_nothing(light)
     if plots:
         keyboard_reaches_plots(light)
         legend_hides_curves(light)

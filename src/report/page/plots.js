@@ -44,7 +44,7 @@
     // Places are counted, not added up: a small step does not change a large value.
     const between = (from, to, value) => Array.from({ length: Math.max(to - from + 1, 0) }, (_, at) => value(from + at));
     if (log) {
-      const decades = Math.log10(high / low);
+      const decades = Math.log10(high) - Math.log10(low);
       const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
       const step = Math.max(Math.ceil(decades * least), 1);
       const factors = step > 1 ? [1] : [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 5]].find((some) => 0.8 / some.length >= decades * least) ?? [1];
