@@ -222,8 +222,8 @@ def kill_conversion(desk, kills):
     desk.write("in.csv", "time_s,force_N\n" + rows)
     for ending in ["csv", "parquet", "zip"]:
         arguments = ["signal", "convert", "in.csv", "--quiet", "--force", "-o"]
-        taken = duration(desk, *arguments, f"reference.{ending}")
-        whole = (desk.folder / f"reference.{ending}").read_bytes()
+        taken = duration(desk, *arguments, f"out.{ending}")
+        whole = (desk.folder / f"out.{ending}").read_bytes()
         for _ in range(max(kills // 3, 1)):
             desk.killed(random.uniform(0.2, 1.0) * taken, *arguments, f"out.{ending}")
             out = desk.folder / f"out.{ending}"

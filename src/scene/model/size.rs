@@ -50,7 +50,8 @@ pub fn check(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
                 grouped(rounded(total, 3) as u64),
                 significant(memory * 1e-9, 2)
             );
-            too_large(&path, message, mistakes);
+            let fit = total * (MOST_MEMORY - (memory - film)).max(0.0) / film;
+            too_large(&path, message, fit, mistakes);
             return;
         }
     }
@@ -59,11 +60,12 @@ pub fn check(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
     }
 }
 
-/// Reports a mesh that is too large, at the sizes that are implausible where there are any: they are its cause.
-fn too_large(path: &str, message: String, mistakes: &mut ModelDiagnostics<'_>) {
+/// Reports a mesh that is too large, of whose elements so many `fit`, at the sizes that are implausible where there are any: they are its cause.
+fn too_large(path: &str, message: String, fit: f64, mistakes: &mut ModelDiagnostics<'_>) {
     let is_size = |value: &Implausible| value.key.starts_with("specimen.shape.") || value.key.ends_with("mesh.size");
     let sizes: Vec<Implausible> = mistakes.document.implausible().into_iter().filter(is_size).collect();
-    let hint = format!("a run may take {} GB", MOST_MEMORY / 1e9);
+    let fit = grouped(rounded(fit, 2) as u64);
+    let hint = format!("a run may take {} GB: about {fit} such elements", MOST_MEMORY / 1e9);
     if sizes.is_empty() {
         return mistakes.report_with(path, message, hint);
     }
