@@ -21,12 +21,17 @@ const MEASURED: Duration = Duration::from_secs(1);
 /// Wall time between two checkpoints that the forecast proposes, s.
 const BETWEEN_CHECKPOINTS: f64 = 600.0;
 
-/// Measures the first second of a run.
+/// Factor on a forecast from which a later one is printed too: film that unloads or tears may shorten the step by orders
+/// of magnitude.
+const LONGER: f64 = 10.0;
+
+/// Measures a run second by second.
 #[derive(Default)]
 pub(super) struct Forecast {
-    /// Wall time and steps at the first call.
+    /// Wall time and steps at the start of the present measurement.
     first: Option<(Duration, u64)>,
-    done: bool,
+    /// Wall time from which the next forecast is printed, s; none before the first measurement.
+    from: Option<f64>,
 }
 
 /// The rest of a run.
@@ -41,23 +46,30 @@ pub(super) struct Left {
 }
 
 impl Forecast {
-    /// The rest of a run that has taken `wall` so far, if it is long; given once, after the first second of stepping.
-    /// The time step is taken as constant; yielding film makes it longer.
+    /// The rest of a run that has taken `wall` so far, if it is long; given after the first second of stepping, and again
+    /// where a later second shows that the run takes [`LONGER`] times as long. The time step is taken as constant;
+    /// yielding film makes it longer.
     pub(super) fn update(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
         // Equilibrium before the first step has another pace, and its end is not known.
         if progress.settling.is_some() {
             return None;
         }
         let (before, steps) = *self.first.get_or_insert((wall, progress.steps));
-        if self.done || wall - before < MEASURED || progress.steps == steps {
+        if wall - before < MEASURED || progress.steps == steps {
             return None;
         }
-        self.done = true;
+        self.first = Some((wall, progress.steps));
         let per_step = (wall - before).as_secs_f64() / (progress.steps - steps) as f64;
         let steps = (progress.duration - progress.time).max(0.0) / progress.time_step;
         let per_element_step = 1e9 * per_step / progress.elements.max(1) as f64;
         let left = Left { wall: steps * per_step, per_element_step, steps, progress: *progress };
-        (left.wall >= LONG).then_some(left)
+        // Strictly, or a run without an end would be told of every second.
+        let is_longer = self.from.map_or(left.wall >= LONG, |from| left.wall > from);
+        if is_longer || self.from.is_none() {
+            // A run of less than a minute that is disturbed for a second is not long yet.
+            self.from = Some(LONGER * left.wall.max(LONG));
+        }
+        is_longer.then_some(left)
     }
 }
 
@@ -116,6 +128,18 @@ mod tests {
         assert!((left.wall - 0.2 * (100_000.0 - 20.0)).abs() < 1e-6 * left.wall, "{left:?}");
         assert!((left.per_element_step - 2000.0).abs() < 1e-9);
         assert!(update(9000, 30).is_none(), "there is one forecast");
+    }
+
+    #[test]
+    fn a_run_whose_step_shrinks_is_forecast_again() {
+        let mut forecast = Forecast::default();
+        let mut update = |millis, progress: Progress| forecast.update(&progress, Duration::from_millis(millis));
+        assert!(update(0, after(1)).is_none());
+        assert!(update(1000, after(10_001)).is_none(), "nine seconds");
+        let shrunk = |steps| Progress { time_step: 1e-11, ..after(steps) };
+        let left = update(2000, shrunk(20_001)).expect("10 000 000 000 steps are long");
+        assert!(left.wall > 1e5, "{left:?}");
+        assert!(update(3000, shrunk(30_001)).is_none(), "there is one forecast for it");
     }
 
     #[test]

@@ -43,6 +43,16 @@ pub enum Fault {
         /// Number of the element in the face, from 1, quads first.
         element: usize,
     },
+    /// No stable time step, or no force, of a face is a number.
+    #[error(
+        "the strains of face {face} are not finite at {time:.6} s, or too large for its law to have a stiffness there"
+    )]
+    FilmLost {
+        /// Time, s.
+        time: f64,
+        /// Number of the face, from 1.
+        face: usize,
+    },
     /// The stable time step is a small part of the first one.
     #[error("the time step fell from {first:.3e} s to {now:.3e} s at {time:.6} s, limited by face {face}")]
     TimeStepCollapsed {
@@ -51,6 +61,19 @@ pub enum Fault {
         /// The first time step, s.
         first: f64,
         /// The present stable time step, s.
+        now: f64,
+        /// Number of the face that limits it, from 1.
+        face: usize,
+    },
+    /// A step is so short that it does not change the time.
+    #[error(
+        "the time step {now:.3e} s, limited by face {face}, is too short to advance the time {time:.6} s: the film is too \
+         stiff or too light"
+    )]
+    StepTooShort {
+        /// Time, s.
+        time: f64,
+        /// The stable time step, s.
         now: f64,
         /// Number of the face that limits it, from 1.
         face: usize,

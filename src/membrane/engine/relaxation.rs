@@ -77,14 +77,19 @@ impl Engine {
     /// Each step calls `proceed` with its progress, which ends the relaxation by `false`.
     ///
     /// # Errors
-    /// The time step collapses.
+    /// The time step collapses, or a force on the film as mounted is not finite.
     pub fn relax(&mut self, wanted: &[bool], mut proceed: impl FnMut(Settling) -> bool) -> Result<Relaxation, Fault> {
         let all = vec![true; self.films.len()];
         self.virgin_forces();
         let mounted = self.residual(&all);
         let mut residual = self.residual(wanted);
-        // A residual that is not finite is reported by the first step.
-        if residual <= MOUNTED || residual.is_nan() {
+        if let Some(face) = self.face_without_forces() {
+            // A first step would carry it to the impactor and blame that.
+            let (time, has_limit) = (self.time, self.films[face].has_limit());
+            let face = face + 1;
+            return Err(if has_limit { Fault::StretchLimit { time, face } } else { Fault::FilmLost { time, face } });
+        }
+        if residual <= MOUNTED {
             self.nodes.clear_forces();
             return Ok(Relaxation { mounted, residual: mounted, steps: 0, displacement: 0.0, lift: 0.0 });
         }
@@ -214,6 +219,12 @@ impl Engine {
         // `max` would drop a NaN, and film that is nowhere would count as settled.
         let larger = |most: f64, residual: f64| if residual > most || residual.is_nan() { residual } else { most };
         chosen(&self.films, wanted).map(of_film).fold(0.0, larger)
+    }
+
+    /// The first face with a residual that is not a number.
+    fn face_without_forces(&self) -> Option<usize> {
+        let only = |face: usize| (0..self.films.len()).map(|other| other == face).collect::<Vec<bool>>();
+        (0..self.films.len()).find(|face| self.residual(&only(*face)).is_nan())
     }
 
     /// Sum of squares of the nodal forces of `film` under a strain of [`ROUND_OFF`], N²: mass over the square of the

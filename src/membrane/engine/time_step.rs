@@ -96,8 +96,15 @@ impl TimeStep {
             if collapsed && films.get(face).is_some_and(Film::has_limit) {
                 return Err(Fault::StretchLimit { time, face: face + 1 });
             }
+            if stable.is_nan() {
+                return Err(Fault::FilmLost { time, face: face + 1 });
+            }
             if collapsed {
                 return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face: face + 1 });
+            }
+            // Such a run would step for ever.
+            if stable <= f64::EPSILON * time {
+                return Err(Fault::StepTooShort { time, now: stable, face: face + 1 });
             }
             self.target = stable.min(CEILING * self.first);
             // Counted in steps of the target: a step that is still growing towards it is shorter, and the bound is on

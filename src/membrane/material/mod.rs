@@ -317,6 +317,22 @@ impl Law {
         self.visit(VirginStress(f.into()))
     }
 
+    /// Energy stored and absorbed in virgin film at the gradient `f`, reached slowly, J/m³.
+    pub fn virgin_energy(&self, f: Gradient<1>) -> f64 {
+        struct VirginEnergy(Deformation<1>);
+        impl LawVisitor for VirginEnergy {
+            type Output = f64;
+
+            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> f64 {
+                let mut history = M::History::virgin();
+                law.stress(&self.0, &mut history, 0.0);
+                let Energy { stored, absorbed, .. } = law.energy(&self.0, &history);
+                stored[0] + absorbed[0]
+            }
+        }
+        self.visit(VirginEnergy(f.into()))
+    }
+
     /// Calls `visitor` with the law itself: the only dispatch over laws.
     pub fn visit<V: LawVisitor>(&self, visitor: V) -> V::Output {
         match self {

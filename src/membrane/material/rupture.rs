@@ -53,6 +53,16 @@ impl Limit {
         }
     }
 
+    /// The largest value that it has anywhere.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Limit::One(value) => *value,
+            Limit::ByTriaxiality(points) | Limit::ByRate(points) => {
+                points.iter().map(|[_, value]| *value).fold(f64::NEG_INFINITY, f64::max)
+            }
+        }
+    }
+
     /// The value for this stress triaxiality and this strain rate (1/s).
     pub(crate) fn value_at(&self, triaxiality: f64, rate: f64) -> f64 {
         match self {

@@ -8,7 +8,7 @@ use crate::mesh::{Element, Meshing};
 use crate::scenario::{self, Layer, Layers, MountingCurve, Scale, Scenario};
 use base::number::significant;
 use membrane::lane::splat;
-use membrane::material::{Curve, Law, LayerBreaks, Material};
+use membrane::material::{Criterion, Curve, Law, LayerBreaks, Material};
 
 /// The faces; none where a material is missing or no material.
 pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Face>> {
@@ -268,6 +268,10 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnost
             mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
             continue;
         }
+        if let Some(message) = torn(face) {
+            mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger limit");
+            continue;
+        }
         let ends = face.material.break_strains();
         let fibres = [("md", "MD"), ("td", "TD")].into_iter().zip(ends);
         for (((key, name), end), prestrain) in fibres.zip(face.prestrain) {
@@ -283,6 +287,27 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnost
             }
         }
     }
+}
+
+/// Why pre-strain tears film whose rupture criterion is a stress or an energy, if it surely does: every element would fail
+/// in the first step. Viscous film is left out, since its stress depends on how long it rested.
+fn torn(face: &Face) -> Option<String> {
+    let rupture = face.material.rupture.as_ref().filter(|_| face.material.viscosity.is_none())?;
+    let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
+    let gradient = [[splat(md), splat(0.0), splat(0.0)], [splat(0.0), splat(td), splat(0.0)]];
+    let (value, what, unit) = match rupture.criterion {
+        Criterion::Stress => {
+            let stress = face.material.law.virgin_stress(gradient);
+            (stress[0][0][0].max(stress[1][1][0]), "stress", "Pa")
+        }
+        Criterion::Energy => (face.material.law.virgin_energy(gradient), "energy", "J/m3"),
+        Criterion::Strain | Criterion::FibreStrain | Criterion::Break => return None,
+    };
+    let limit = rupture.limit.largest();
+    let shown = |value| significant(value, 4);
+    (face.prestrain != [0.0; 2] && value >= limit).then(|| {
+        format!("pre-strain tears the film: its {what} is {} {unit}, the limit {} {unit}", shown(value), shown(limit))
+    })
 }
 
 /// The material of a face as written.

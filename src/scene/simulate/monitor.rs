@@ -57,6 +57,10 @@ struct ContactMonitor {
     edge: Option<(f64, f64)>,
     penetration: Option<(f64, f64)>,
     frame_hit: Option<f64>,
+    /// Time (s) and length (m) of the longest travel in one step.
+    travel: (f64, f64),
+    /// Size of the body, m; zero before the first audit.
+    size: f64,
 }
 
 /// Intact elements, by their number among such, that share a node with the one of number `element`.
@@ -81,6 +85,7 @@ fn neighbours(film: &engine::Film, element: usize) -> Vec<usize> {
 impl ContactMonitor {
     /// Records the state of contact at `time` (s) on an impactor of `size` (m).
     fn record(&mut self, time: f64, size: f64, state: &ContactState) {
+        self.size = size;
         let (edge, depth) = (state.longest_edge / size, state.penetration / size);
         if edge > bounds::EDGE && self.edge.is_none_or(|(_, worst)| edge > worst) {
             self.edge = Some((self.edge.map_or(time, |c| c.0), edge));
@@ -104,7 +109,14 @@ impl ContactMonitor {
         let depth =
             self.penetration.map(|(time, depth)| Warning::Penetration { impactor: impactor(), time, depth, size });
         let hit = self.frame_hit.map(|time| Warning::FrameHit { impactor: name.clone(), time, has_bars });
-        [edge, depth, hit].into_iter().flatten()
+        let (time, travel) = (self.travel.0, self.travel.1 / self.size);
+        let too_fast = (self.size > 0.0 && travel > bounds::TRAVEL).then(|| Warning::TooFast {
+            impactor: impactor(),
+            time,
+            travel,
+            size,
+        });
+        [too_fast, edge, depth, hit].into_iter().flatten()
     }
 }
 
@@ -130,6 +142,14 @@ impl Monitor {
         // With bars, it is them that an impactor reaches.
         let frame_hit = state.frame_hit && !self.has_bars;
         self.contacts[body].record(time, size, &ContactState { frame_hit, ..*state });
+    }
+
+    /// Records that the body of this index travels so far (m) in the step at `time` (s).
+    pub(super) fn travel(&mut self, body: usize, time: f64, length: f64) {
+        let longest = &mut self.contacts[body].travel;
+        if length > longest.1 {
+            *longest = (time, length);
+        }
     }
 
     /// Records that the impactor of this index met the frame's bars at `time` (s).

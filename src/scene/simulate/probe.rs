@@ -362,8 +362,12 @@ impl Observer for Probe<'_> {
     }
 
     fn track(&mut self, track: &Track<'_>) {
-        for (impactor, _) in track.bodies.iter().enumerate().filter(|(_, body)| body.meets_frame) {
-            self.record.monitor.frame_hit(impactor, track.time);
+        for (impactor, body) in track.bodies.iter().enumerate() {
+            if body.meets_frame {
+                self.record.monitor.frame_hit(impactor, track.time);
+            }
+            let speed = body.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+            self.record.monitor.travel(impactor, track.time, speed * track.dt);
         }
         self.record.tracks.follow(track);
     }

@@ -184,6 +184,19 @@ findings! {
             remedy "use a smaller `specimen.mesh.size`";
             message "coarse contact: from {} edges in contact are up to {} of {} {size} (bound {})",
                 number::duration(*time), number::figure(*edge, 2), impactor.possessive(), bounds::EDGE;
+        TooFast {
+            impactor: ImpactorName, "which one" => ..impactor.figure();
+            time: f64, "when it was fastest, s" => "time_s";
+            travel: f64, "longest travel in one step over the size of the impactor"
+                => ..size.figure(["travel_over_radius", "travel_over_half_extent"], *travel);
+            size: BodySize, "what that size is";
+        } = "too-fast", Warning;
+            meaning "the impactor travels farther in one step than it is thick, so that it passes film without being \
+                seen in contact with it, or for one step only";
+            remedy "use a lower speed, or a smaller `solver.step_factor`; a film so soft or so heavy that waves in it are \
+                much slower than the impactor has too long a step";
+            message "too fast: at {} {impactor} travels {} of {} {size} in one step (bound {})",
+                number::duration(*time), number::figure(*travel, 2), impactor.its(), bounds::TRAVEL;
         Penetration {
             impactor: ImpactorName, "which one" => ..impactor.figure();
             time: f64, "when the bound was exceeded first, s" => "time_s";
@@ -352,6 +365,8 @@ pub(super) mod bounds {
     pub(in crate::simulate) const EDGE: f64 = 0.25;
     /// Penetration over the size of the impactor.
     pub(in crate::simulate) const PENETRATION: f64 = 0.01;
+    /// Travel of an impactor in one step over its size.
+    pub(in crate::simulate) const TRAVEL: f64 = 1.0;
     /// Strain of one element over the mean of its neighbours.
     pub(in crate::simulate) const LOCALISATION: f64 = 2.0;
 

@@ -14,6 +14,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         Warning::AddedMass { .. }
         | Warning::NotInEquilibrium(_)
         | Warning::NoContact(_)
+        | Warning::TooFast { .. }
         | Warning::ClampLeft { .. }
         | Warning::ClampSlip { .. }
         | Warning::Unfinished(_)
