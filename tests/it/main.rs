@@ -35,6 +35,7 @@ mod runs;
 mod script_help;
 mod shell;
 mod shipped;
+mod sick;
 mod signals;
 mod slow;
 mod sweeps;
