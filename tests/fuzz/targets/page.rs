@@ -1,0 +1,14 @@
+//! Pages that are read back: plots, and the film as a scene.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+use droptower_fuzz::with_file;
+use report::StoredPage;
+
+fuzz_target!(|input: &[u8]| {
+    with_file("report.html", input, |path| match StoredPage::read(path) {
+        Ok(page) => drop(page.scene().map_err(|error| error.to_string())),
+        Err(error) => drop(error.to_string()),
+    });
+});
