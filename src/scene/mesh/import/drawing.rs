@@ -61,6 +61,12 @@ pub enum DrawingFault {
         /// Counted from 1.
         line: u32,
     },
+    /// An element of an SVG file has a coordinate that no drawing has.
+    #[error("line {line}: a coordinate is larger than any drawing")]
+    Far {
+        /// Counted from 1.
+        line: u32,
+    },
     /// Width and height of an SVG file have other ratios to its view box.
     #[error("width and height of the drawing do not have the ratio of its viewBox")]
     Distorted,

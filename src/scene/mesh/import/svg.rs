@@ -6,12 +6,16 @@ use std::str::FromStr;
 use kurbo::{Affine, BezPath, Circle, Ellipse, PathEl, Point, Rect, RoundedRect, Shape};
 use nalgebra::Point2;
 use roxmltree::{Document, Node};
-use svgtypes::{Length, LengthUnit, PointsParser, Transform, ViewBox};
+use svgtypes::{Length, LengthUnit, PathParser, PathSegment, PointsParser, Transform, ViewBox};
 
 use super::drawing::{Drawing, DrawingFault};
 
 /// Most distance between a curve and its chords over the extent of the path.
 const TOLERANCE: f64 = 5e-5;
+/// Largest coordinate, in units of the drawing.
+const FARTHEST: f64 = 1e12;
+/// Least distance of chords from a curve over the largest coordinate: what is smaller is lost in the rounding of numbers.
+const ROUNDING: f64 = 1e-15;
 /// Elements without lines, and those whose content is not drawn.
 const NOTES: [&str; 8] = ["title", "desc", "metadata", "style", "defs", "text", "namedview", "script"];
 
@@ -60,20 +64,65 @@ fn metres(unit: LengthUnit) -> Option<f64> {
     }
 }
 
-/// Draws the elements in `parent`, whose coordinates `place` transforms.
-fn elements(parent: &Node<'_, '_>, place: Affine, drawing: &mut Drawing) -> Result<(), DrawingFault> {
-    for element in parent.children().filter(Node::is_element) {
+/// Draws the elements in `root`, whose coordinates `place` transforms.
+fn elements(root: &Node<'_, '_>, place: Affine, drawing: &mut Drawing) -> Result<(), DrawingFault> {
+    // The groups around the present element, each with the rest of its content: a file may nest more of them than a stack
+    // has room for calls.
+    let mut groups = vec![(root.children(), place)];
+    while let Some((content, place)) = groups.last_mut() {
+        let Some(element) = content.find(Node::is_element) else {
+            groups.pop();
+            continue;
+        };
         let own: Option<Transform> = attribute(&element, "transform")?;
-        let place = own.map_or(place, |t| place * Affine::new([t.a, t.b, t.c, t.d, t.e, t.f]));
+        let place = own.map_or(*place, |t| *place * Affine::new([t.a, t.b, t.c, t.d, t.e, t.f]));
         let name = element.tag_name().name();
         let is_note = NOTES.contains(&name) || is_hidden(&element);
         match name {
             _ if is_note => {}
-            "g" | "a" => elements(&element, place, drawing)?,
-            _ => lines(place * outline(&element)?, drawing),
+            "g" | "a" => groups.push((element.children(), place)),
+            _ => {
+                let path = place * outline(&element)?;
+                if !reach(&path).is_some_and(|reach| reach <= FARTHEST) {
+                    return Err(DrawingFault::Far { line: line(&element) });
+                }
+                lines(path, drawing);
+            }
         }
     }
     Ok(())
+}
+
+/// Largest coordinate of a path and its control points; none where one is no number.
+fn reach(path: &BezPath) -> Option<f64> {
+    let points = path.iter().flat_map(|element| match element {
+        PathEl::MoveTo(a) | PathEl::LineTo(a) => [Some(a), None, None],
+        PathEl::QuadTo(a, b) => [Some(a), Some(b), None],
+        PathEl::CurveTo(a, b, c) => [Some(a), Some(b), Some(c)],
+        PathEl::ClosePath => [None; 3],
+    });
+    points.flatten().try_fold(0.0, |most: f64, p| (!p.is_nan()).then(|| most.max(p.x.abs()).max(p.y.abs())))
+}
+
+/// Whether the numbers of a path reach no further than [`FARTHEST`]: the parts of an arc grow with its radius, and kurbo lists
+/// them all.
+fn is_near(data: &str) -> bool {
+    PathParser::from(data).all(|segment| {
+        let numbers = match segment {
+            Ok(PathSegment::MoveTo { x, y, .. } | PathSegment::LineTo { x, y, .. }) => vec![x, y],
+            Ok(PathSegment::SmoothQuadratic { x, y, .. }) => vec![x, y],
+            Ok(PathSegment::HorizontalLineTo { x, .. }) => vec![x],
+            Ok(PathSegment::VerticalLineTo { y, .. }) => vec![y],
+            Ok(PathSegment::CurveTo { x1, y1, x2, y2, x, y, .. }) => vec![x1, y1, x2, y2, x, y],
+            Ok(PathSegment::SmoothCurveTo { x2, y2, x, y, .. }) => vec![x2, y2, x, y],
+            Ok(PathSegment::Quadratic { x1, y1, x, y, .. }) => vec![x1, y1, x, y],
+            Ok(PathSegment::EllipticalArc { rx, ry, x, y, .. }) => vec![rx, ry, x, y],
+            Ok(PathSegment::ClosePath { .. }) => vec![],
+            // kurbo says so too, or reads what no other program does.
+            Err(_) => return false,
+        };
+        numbers.iter().all(|number| number.abs() <= FARTHEST)
+    })
 }
 
 /// Whether an element is not shown, by its attribute or its style.
@@ -98,6 +147,9 @@ fn outline(element: &Node<'_, '_>) -> Result<BezPath, DrawingFault> {
     Ok(match element.tag_name().name() {
         "path" => {
             let data = element.attribute("d").unwrap_or_default();
+            if !is_near(data) {
+                return Err(unreadable(element, "d"));
+            }
             BezPath::from_svg(data).map_err(|_| unreadable(element, "d"))?
         }
         name @ ("polygon" | "polyline") => {
@@ -160,7 +212,8 @@ fn lines(path: BezPath, drawing: &mut Drawing) {
     };
     let mut closed = vec![];
     let point = |p: Point| Point2::new(p.x, p.y);
-    kurbo::flatten(path.iter(), tolerance(path.bounding_box()), |element| match element {
+    let tolerance = tolerance(path.bounding_box()).max(ROUNDING * reach(&path).unwrap_or(0.0));
+    kurbo::flatten(path.iter(), tolerance, |element| match element {
         PathEl::MoveTo(to) => {
             open(&mut line);
             line.push(point(to));
@@ -193,4 +246,43 @@ fn unreadable(element: &Node<'_, '_>, attribute: &str) -> DrawingFault {
 /// Line of the file in which an element begins, from 1.
 fn line(element: &Node<'_, '_>) -> u32 {
     element.document().text_pos_at(element.range().start).row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(elements: &str) -> Result<Drawing, DrawingFault> {
+        read(
+            format!("<svg xmlns='http://www.w3.org/2000/svg' width='1mm' viewBox='0 0 1 1'>{elements}</svg>")
+                .as_bytes(),
+        )
+    }
+
+    #[test]
+    fn groups_are_nested_as_deeply_as_they_are() {
+        let count = 100_000;
+        let circle = "<circle r='2'/>";
+        let drawing = drawn(&format!("{}{circle}{}{circle}", "<g>".repeat(count), "</g>".repeat(count))).unwrap();
+        assert_eq!(drawing.closed.len(), 2);
+    }
+
+    #[test]
+    fn coordinates_beyond_all_drawings_are_refused() {
+        for element in [
+            "<path d='M0 0 C1e308 0 -1e308 1e308 5 5 Z'/>",
+            "<path d='M0 0 A1e100 1e100 0 0 1 5 5 Z'/>",
+            "<path d='M0 0 A1 1 0 0 1 1e100 5 Z'/>",
+            "<path d='M0 0 q1 2 3 4 5 6 7 1e13'/>",
+            "<g transform='scale(1e300)'><path transform='scale(1e300)' d='M0 0 C1 0 0 1 5 5 Z'/></g>",
+            "<circle r='1e308' cx='1e308'/>",
+            "<ellipse rx='1e308' ry='1e-300'/>",
+        ] {
+            let fault = drawn(element).err();
+            let is_expected = matches!(fault, Some(DrawingFault::Far { .. } | DrawingFault::Attribute { .. }));
+            assert!(is_expected, "{element}: {fault:?}");
+        }
+        let drawing = drawn("<path d='M1e12 1 c1e-4 0 0 1e-4 1e-4 1e-4 q1 1 -1 1 z'/>").unwrap();
+        assert!(drawing.closed.iter().flatten().count() < 1000);
+    }
 }
