@@ -1,6 +1,5 @@
 //! OBJ as tobj reads it: faces of all its objects and groups; materials are not opened.
 
-use std::io::BufReader;
 use std::path::Path;
 
 use nalgebra::Point3;
@@ -9,17 +8,28 @@ use super::Fault;
 use crate::mesh::Mesh;
 use base::file;
 
+/// Longest file that is read, bytes.
+const MOST_BYTES: u64 = 1 << 30;
+
 /// The triangles and quadrilaterals of the file; objects do not share nodes yet.
 pub(crate) fn read(path: &Path) -> Result<Mesh, Fault> {
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
-    let mut file = BufReader::new(file::open(path)?);
+    let text = file::read(path, MOST_BYTES)?;
+    let used: Vec<&[u8]> = text.split_inclusive(|byte| *byte == b'\n').filter(|line| is_used(line)).collect();
     let no_materials = |_: &Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut file, &options, no_materials)?;
+    let (models, _) = tobj::load_obj_buf(&mut used.concat().as_slice(), &options, no_materials)?;
     let mut mesh = Mesh::default();
     for model in &models {
         append(&mut mesh, &model.mesh)?;
     }
     Ok(mesh)
+}
+
+/// Whether a line is of a mesh: normals and texture coordinates are not, and tobj does not check the numbers by which faces name
+/// them.
+fn is_used(line: &[u8]) -> bool {
+    let word = str::from_utf8(line).ok().and_then(|line| line.split_whitespace().next());
+    !matches!(word, Some("vn" | "vt"))
 }
 
 fn append(mesh: &mut Mesh, part: &tobj::Mesh) -> Result<(), Fault> {
@@ -46,4 +56,24 @@ fn append(mesh: &mut Mesh, part: &tobj::Mesh) -> Result<(), Fault> {
         rest = after;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    #[test]
+    fn faces_may_name_normals_that_are_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.obj");
+        let points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n \u{a0}vt 0 0\n";
+        for corner in ["1//-5", "1/-5/1", "1//6148914691236517206", "1/9223372036854775807/1"] {
+            fs::write(&path, format!("{points}f {corner} 2//1 3//1\n")).unwrap();
+            assert_eq!(read(&path).unwrap().tris.len(), 1, "{corner}");
+        }
+        fs::write(&path, format!("{points}f -5 2 3\n")).unwrap();
+        assert!(read(&path).is_err());
+    }
 }
