@@ -75,6 +75,13 @@ impl TimeStep {
         *self = TimeStep { damping: self.damping, factor: self.factor, air: self.air, ..saved };
     }
 
+    /// Whether a run goes on from `time` (s) by these steps, and bounds them again soon.
+    pub(super) fn advances(&self, time: f64) -> bool {
+        let steps = [self.safety, self.first, self.now, self.target];
+        let is_bounded = steps.iter().all(|step| *step > 0.0 && step.is_finite()) && self.until_update <= INTERVAL.0;
+        is_bounded && time >= 0.0 && time + self.now.min(self.target) > time
+    }
+
     /// The present step, s.
     pub(super) fn now(&self) -> f64 {
         self.now
@@ -140,5 +147,30 @@ impl TimeStep {
         let frequency = (squared + self.air).sqrt();
         let damping = if self.damping > 0.0 { self.damping / (2.0 * frequency) } else { 0.0 };
         (self.factor * self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_steps_that_advance_are_restored() {
+        let step =
+            TimeStep { safety: SAFETY, first: 1e-6, now: 1e-6, target: 2e-6, until_update: 3, ..TimeStep::default() };
+        assert!(step.advances(0.0) && step.advances(0.25));
+        for time in [-1e-3, 1e300, f64::INFINITY, f64::NAN] {
+            assert!(!step.advances(time), "{time}");
+        }
+        for forged in [
+            TimeStep { now: 0.0, ..step.clone() },
+            TimeStep { target: f64::NAN, ..step.clone() },
+            TimeStep { target: 1e-300, ..step.clone() },
+            TimeStep { first: f64::INFINITY, ..step.clone() },
+            TimeStep { safety: -1.0, ..step.clone() },
+            TimeStep { until_update: u32::MAX, ..step.clone() },
+        ] {
+            assert!(!forged.advances(0.25), "{forged:?}");
+        }
     }
 }
