@@ -149,7 +149,7 @@ impl Setup {
                 self.film_contact,
             ),
             Loading::Stretch { speed: v, until } => {
-                let direction = if self.turns % 2 == 0 { "MD" } else { "TD" };
+                let direction = if self.turns.is_multiple_of(2) { "MD" } else { "TD" };
                 let text = format!(
                     "[loading.stretch]\ndirection = \"{direction}\"\nvelocity = {}\nuntil = {until}\n",
                     of(*v, speed)
