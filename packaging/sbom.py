@@ -1,11 +1,12 @@
 """Prints what is built into the program for a target, as CycloneDX 1.5; the same bytes for the same sources.
 
-    packaging/sbom.py TARGET
+packaging/sbom.py TARGET
 """
 
 import json
 import subprocess
 import sys
+
 import tomllib
 
 ROOT = "droptower"
