@@ -15,6 +15,9 @@ use tempfile::{Builder, NamedTempFile, TempDir};
 /// Begins the name of each.
 const PREFIX: &str = ".droptower-";
 
+/// Begins the name of one that is kept.
+const KEPT: &str = "droptower-kept-";
+
 /// Folder within a temporary one with what is to be replaced, under its name.
 const FORMER: &str = "former";
 
@@ -66,9 +69,15 @@ impl ScratchFolder {
         self.folder.disable_cleanup(true);
     }
 
-    /// Its path; it is not removed.
+    /// Its path from now on: it is not removed, and has a name that no later process takes for something left.
     pub fn keep(self) -> PathBuf {
-        self.folder.keep()
+        let path = self.folder.keep();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().replacen(PREFIX, KEPT, 1);
+        let kept = path.with_file_name(name);
+        match fs::rename(&path, &kept) {
+            Ok(()) => kept,
+            Err(_) => path,
+        }
     }
 }
 
@@ -201,17 +210,34 @@ mod tests {
     }
 
     #[test]
+    fn what_is_kept_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let scratch = ScratchFolder::new(folder.path()).unwrap();
+        let former = scratch.former(&folder.path().join("run")).unwrap();
+        fs::create_dir(&former).unwrap();
+        fs::create_dir(folder.path().join("run")).unwrap();
+        let kept = scratch.keep();
+        age(&kept, 2 * OLD);
+        sweep(folder.path());
+        assert!(kept.join(FORMER).join("run").is_dir());
+    }
+
+    #[test]
     fn what_was_to_be_replaced_comes_back() {
         let folder = tempfile::tempdir().unwrap();
         for (target, is_published) in [("lost", false), ("replaced", true)] {
-            let scratch = ScratchFolder::new(folder.path()).unwrap();
+            let mut scratch = ScratchFolder::new(folder.path()).unwrap();
             let former = scratch.former(&folder.path().join(target)).unwrap();
             fs::create_dir(&former).unwrap();
             fs::write(former.join("former"), "").unwrap();
             if is_published {
                 fs::create_dir(folder.path().join(target)).unwrap();
             }
-            age(&scratch.keep(), Duration::from_secs(2));
+            // As a killed process leaves it.
+            let left = scratch.path().to_owned();
+            scratch.renamed();
+            drop(scratch);
+            age(&left, Duration::from_secs(2));
         }
         sweep(folder.path());
         assert_eq!(names(folder.path()), ["lost", "replaced"]);

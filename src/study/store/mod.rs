@@ -312,8 +312,8 @@ impl Draft {
             }
             if replaced && let Err(source) = rename(former_run.clone(), target.into()) {
                 // Dropping the temporary folder would delete the former run.
-                former.keep();
-                return Err(StoreError::Stranded { path: target.into(), former: former_run, source });
+                let inner = former_run.strip_prefix(former.path()).map(Path::to_owned).unwrap_or_default();
+                return Err(StoreError::Stranded { path: target.into(), former: former.keep().join(inner), source });
             }
             return Err(error);
         }
