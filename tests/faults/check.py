@@ -294,6 +294,10 @@ def another_user(desk, _):
     (desk.folder / "closed").mkdir()
     (desk.folder / "closed").chmod(0)
     other = {"user": NOBODY, "group": NOBODY, "extra_groups": []}
+    # The program may lie where only its owner may look.
+    program = desk.folder / "program"
+    shutil.copy(desk.program, program)
+    desk.program = program
     for arguments, expected, words in (
         (["run", "a.toml", "--out", "out", "--quiet"], 1, "cannot write"),
         (["run", "a.toml", "--out", "closed/out", "--quiet"], {1, 2}, "closed"),
