@@ -5,14 +5,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
-
 use crate::expectations;
 use crate::scenarios;
 pub(super) use crate::scenarios::Checked;
 use crate::search;
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
-use base::file::{self, FileError};
+use base::file;
 use lab::signal::csv;
 use scene::expectation::{Expectations, Recorded};
 
@@ -24,9 +22,6 @@ const FIGURES: &str = "expected.json";
 
 /// End of the name of a scenario that is a case beside others.
 const ENDING: &str = ".test.toml";
-
-/// Most bytes of recorded figures.
-const MOST_BYTES: u64 = 64 << 20;
 
 /// A scenario and what its run must give, checked.
 pub(super) struct Case {
@@ -136,7 +131,7 @@ impl Case {
             expectations::read(&files.expectations, scripts_report)
         };
         let (checked, expectations) = scenarios::both(checked, expectations())?;
-        let recorded = recorded(&files).map_err(|mistake| vec![mistake])?;
+        let recorded = Recorded::read(&files.signals, &files.figures).map_err(|mistake| vec![mistake])?;
         Ok(Case { name: shown_path(&files.name).to_string(), checked, expectations, recorded, files })
     }
 
@@ -169,23 +164,4 @@ impl Case {
         let of_figures = renew(&self.files.figures, figures).map_err(failed(&self.files.figures))?;
         Ok(of_signals || of_figures)
     }
-}
-
-/// The record of an earlier run.
-fn recorded(files: &Files) -> Result<Recorded, Diagnostic> {
-    let signals = match files.signals.exists() {
-        true => Some(csv::read(&files.signals).map_err(|error| Diagnostic::new(error.to_string()))?),
-        false => None,
-    };
-    let refused = |what: String| Diagnostic::new(format!("{}: {what}", shown_path(&files.figures)));
-    let figures = match file::read_text(&files.figures, MOST_BYTES) {
-        Ok(text) => match serde_json::from_str(&text) {
-            Ok(Value::Object(figures)) => figures,
-            Ok(_) => return Err(refused("expected an object".into())),
-            Err(error) => return Err(refused(error.to_string())),
-        },
-        Err(FileError::NotFound) => serde_json::Map::new(),
-        Err(error) => return Err(refused(error.to_string())),
-    };
-    Ok(Recorded { signals, figures })
 }

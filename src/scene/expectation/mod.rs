@@ -7,12 +7,19 @@ mod findings;
 mod signals;
 mod verdict;
 
+use std::path::Path;
+
 use serde_json::{Map, Value};
 
+use base::diagnostic::{Diagnostic, shown_path};
+use base::file::{self, FileError};
 pub use check::{Expectations, FigureBounds, SignalBounds};
 pub use difference::Difference;
-use lab::signal::Recording;
+use lab::signal::{Recording, csv};
 pub use verdict::{Entry, Outside, Verdict};
+
+/// Most bytes of recorded figures.
+const MOST_BYTES: u64 = 64 << 20;
 
 /// The results of a run that are compared.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +37,30 @@ pub struct Recorded {
     pub signals: Option<Recording>,
     /// The figures that are bounded by their recorded values.
     pub figures: Map<String, Value>,
+}
+
+impl Recorded {
+    /// Reads the files of an earlier run; one that is not there records nothing.
+    ///
+    /// # Errors
+    /// A file cannot be read or holds something else.
+    pub fn read(signals: &Path, figures: &Path) -> Result<Recorded, Diagnostic> {
+        let signals = match signals.exists() {
+            true => Some(csv::read(signals).map_err(|error| Diagnostic::new(error.to_string()))?),
+            false => None,
+        };
+        let refused = |what: String| Diagnostic::new(format!("{}: {what}", shown_path(figures)));
+        let figures = match file::read_text(figures, MOST_BYTES) {
+            Ok(text) => match serde_json::from_str(&text) {
+                Ok(Value::Object(figures)) => figures,
+                Ok(_) => return Err(refused("expected an object".into())),
+                Err(error) => return Err(refused(error.to_string())),
+            },
+            Err(FileError::NotFound) => Map::new(),
+            Err(error) => return Err(refused(error.to_string())),
+        };
+        Ok(Recorded { signals, figures })
+    }
 }
 
 impl Expectations {

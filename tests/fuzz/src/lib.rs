@@ -16,6 +16,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use base::diagnostic::{self, Diagnostic};
+use scene::mesh::{Element, import};
 
 /// Most bytes that are held at once.
 const MOST_BYTES: usize = 500 << 20;
@@ -113,6 +114,31 @@ pub fn split<'a>(names: &[&'a str], input: &'a [u8]) -> Vec<(&'a str, &'a [u8])>
         rest = after;
     }
     parts
+}
+
+/// Reads a mesh of this name, as film and as the surface of an impactor.
+pub fn read_mesh(name: &str, input: &[u8]) {
+    with_file(name, input, |path| {
+        let extent = import::extent(path).map_err(|error| error.to_string());
+        if extent.is_ok() {
+            for (mirrored, element) in [([false, false], Element::Tri3), ([true, true], Element::Quad4)] {
+                drop(import::film(path, 1e-3, mirrored, element).map_err(|error| error.to_string()));
+            }
+            drop(import::surface(path).map_err(|error| error.to_string()));
+        }
+    });
+}
+
+/// Reads an outline of this name, with a unit and without.
+pub fn read_outline(name: &str, input: &[u8]) {
+    with_file(name, input, |path| {
+        for unit in [None, Some(1e-3)] {
+            match import::polygon(path, unit) {
+                Ok(polygon) => drop(polygon.check([false, true]).map_err(|fault| fault.to_string())),
+                Err(fault) => drop(fault.to_string()),
+            }
+        }
+    });
 }
 
 /// The text of mistakes, as a terminal shows it.

@@ -1,20 +1,8 @@
-//! Meshes in STL, as film and as the surface of an impactor.
+//! Meshes in STL.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 
-use droptower_fuzz::with_file;
-use scene::mesh::Element;
-use scene::mesh::import;
+use droptower_fuzz::read_mesh;
 
-fuzz_target!(|input: &[u8]| {
-    with_file("mesh.stl", input, |path| {
-        let extent = import::extent(path).map_err(|error| error.to_string());
-        if extent.is_ok() {
-            for (mirrored, element) in [([false, false], Element::Tri3), ([true, true], Element::Quad4)] {
-                drop(import::film(path, 1e-3, mirrored, element).map_err(|error| error.to_string()));
-            }
-            drop(import::surface(path).map_err(|error| error.to_string()));
-        }
-    });
-});
+fuzz_target!(|input: &[u8]| read_mesh("mesh.stl", input));
