@@ -185,6 +185,12 @@ fn a_computation_is_stopped_and_the_session_goes_on_or_ends() {
     terminal.wait_for("stopped");
     terminal.wait_for("> ");
     terminal.ask("6 * 7\r", "42");
+    // Within one of our functions, which alone would take seconds.
+    terminal.press("let s = signal([0.0, 9.0], [0.0, 1.0]).resampled(0.1); log(\"be\" + \"gun\"); rate(s, s); 7 * 7\r");
+    terminal.wait_for("begun");
+    terminal.signal(libc::SIGINT);
+    terminal.wait_for("stopped");
+    terminal.wait_for("> ");
     terminal.press(long);
     terminal.wait_for("begun");
     terminal.signal(libc::SIGTERM);

@@ -4,6 +4,8 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 // The version of nalgebra that the crate uses.
 use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
 
+use base::cancellation::stop_if_cancelled;
+
 /// Difference of an unknown over its size, at least one, by which residuals are differentiated.
 const DIFFERENCE: f64 = 1e-5;
 
@@ -44,6 +46,7 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     fn residuals_at(&self, u: &[f64]) -> DVector<f64> {
+        stop_if_cancelled();
         let finite = |r: f64| if r.is_finite() { r } else { WORST };
         DVector::from_vec((self.residuals)(u).into_iter().map(finite).collect())
     }

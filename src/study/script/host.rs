@@ -107,7 +107,7 @@ pub fn stop_beyond(engine: &mut Engine, limits: Limits, cancellation: &Cancellat
     let budget = Session::of_engine(engine).budget().clone();
     engine.on_progress(move |operations| {
         if cancellation.is_cancelled() {
-            return Some("stopped".into());
+            return Some(panic::STOPPED.into());
         }
         if budget.held() > limits.bytes {
             return Some(Dynamic::from(TooLarge::new(limits.bytes)));
@@ -289,10 +289,8 @@ impl Script {
         session: &Session,
         work: impl FnOnce() -> Result<Dynamic, Box<EvalAltResult>>,
     ) -> Result<Dynamic, Fault> {
-        let result = session
-            .budget()
-            .count(|| panic::catch(work))
-            .unwrap_or_else(|message| Err(EvalAltResult::ErrorRuntime(message.into(), session.last_call()).into()));
+        let caught = || panic::catch(session.cancellation(), || session.last_call(), work);
+        let result = session.budget().count(caught);
         result.map_err(|error| Fault::running(engine, &self.units, &error))
     }
 

@@ -1,8 +1,13 @@
-//! Panics of functions that a script calls are errors of the script.
+//! Panics of functions that a script calls are errors of the script, and so is that they were cancelled.
 
 use std::any::Any;
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
+
+use rhai::{EvalAltResult, Position};
+
+use super::HostResult;
+use base::cancellation::Cancellation;
 
 thread_local! {
     /// Whether this thread interprets a script, which reports what panics.
@@ -20,14 +25,28 @@ pub fn silence_panics() {
     }));
 }
 
-/// Does `work`, which interprets a script; a panic in it as its message.
-pub(crate) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+/// What ends a script that was cancelled.
+pub(crate) const STOPPED: &str = "stopped";
+
+/// Does `work`, which interprets a script; that `cancellation` stopped it, or a panic in it, is an error at `place`.
+pub(crate) fn catch<T>(
+    cancellation: &Cancellation,
+    place: impl Fn() -> Position,
+    work: impl FnOnce() -> HostResult<T>,
+) -> HostResult<T> {
     let before = INTERPRETS.replace(true);
-    let done = panic::catch_unwind(AssertUnwindSafe(work));
+    let done = panic::catch_unwind(AssertUnwindSafe(|| cancellation.stops(work)));
     INTERPRETS.set(before);
-    done.map_err(|panic| {
-        format!("a function of droptower failed, which is a mistake in droptower: {}", message(&*panic))
-    })
+    let error = match done {
+        Ok(Some(result)) => return result,
+        Ok(None) => EvalAltResult::ErrorTerminated(STOPPED.into(), place()),
+        Err(panic) => {
+            let text = message(&*panic);
+            let text = format!("a function of droptower failed, which is a mistake in droptower: {text}");
+            EvalAltResult::ErrorRuntime(text.into(), place())
+        }
+    };
+    Err(error.into())
 }
 
 fn message(panic: &(dyn Any + Send)) -> &str {

@@ -9,6 +9,7 @@
 use std::ops::Range;
 
 use super::relative::relative;
+use base::cancellation::stop_if_cancelled;
 use membrane::lane::{LANES, Lane, Width, at_width, splat};
 
 /// Relative difference of the warped curves as a rating: 1 for none, 0 for a half.
@@ -34,6 +35,7 @@ fn warped_lanewise(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 
     let mut fronts = [Front::new(count), Front::new(count), Front::new(count)];
     fronts[1].start(comparison[0] - reference[0], reference[0]);
     for diagonal in 1..2 * count - 1 {
+        stop_if_cancelled();
         let first = diagonal.saturating_sub(count - 1).max(diagonal.saturating_sub(band).div_ceil(2));
         // In a band without width every other antidiagonal is empty.
         let end = count.min(diagonal + 1).min((diagonal + band) / 2 + 1).max(first);

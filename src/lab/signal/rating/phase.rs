@@ -1,5 +1,6 @@
 //! The phase rating E_P of ISO/TS 18571, equation 65: the shift at which the curves correlate best.
 
+use base::cancellation::stop_if_cancelled;
 use membrane::lane::{LANES, Lane, Width, at_width, splat};
 
 /// Difference of correlations beyond rounding.
@@ -55,6 +56,7 @@ pub(super) fn best_shift(reference: &[f64], comparison: &[f64]) -> Shift {
     // correlation are not decided by the order of a sum.
     let shifts = (1..=reference.len() / 5).flat_map(|m| [Shift::Left(m), Shift::Right(m)]);
     for shift in shifts {
+        stop_if_cancelled();
         if let Some(found) = correlation(shift).filter(|found| *found > largest + ROUNDING) {
             (best, largest) = (shift, found);
         }

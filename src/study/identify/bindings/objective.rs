@@ -96,7 +96,7 @@ impl<'c> ScriptObjective<'c> {
         let context = NativeCallContext::new_with_all_fields(self.engine, self.name, None, &global, self.position);
         let x: Array = x.iter().map(|x| Dynamic::from(*x)).collect();
         let call = || unshared(&self.call).call_raw(&context, None, [Dynamic::from(x)]);
-        session.budget().count(|| catch_panics(call)).unwrap_or_else(|message| Err(refuse(message)))
+        session.budget().count(|| catch_panics(session.cancellation(), || Position::NONE, call))
     }
 
     fn evaluation(&self, returned: HostResult<Dynamic>, session: &Session) -> Evaluation {
