@@ -142,6 +142,22 @@ enum Command {
     Tensile(tensile::TensileCommand),
 }
 
+impl Command {
+    /// Whether it may compute for long without a bar of its own and without printing before the end.
+    fn works_without_runs(&self) -> bool {
+        matches!(
+            self,
+            Command::Check(_)
+                | Command::Compare(_)
+                | Command::List(_)
+                | Command::Picture(_)
+                | Command::Digitize(_)
+                | Command::Signal(_)
+                | Command::Tensile(_)
+        )
+    }
+}
+
 /// Runs the command that the arguments name; usage errors exit with status 2.
 pub fn main() -> ExitCode {
     complete::answer(Droptower::command);
@@ -178,6 +194,15 @@ fn run(command: &Command, shared: &Shared) -> Result<(), Failure> {
         let started = pool.build_global();
         started.map_err(|error| Diagnostic::new(format!("cannot start {threads} threads: {error}")))?;
     }
+    if command.works_without_runs() {
+        progress::begin_work(shared.quiet);
+    }
+    let done = run_command(command, shared);
+    progress::end_of_work();
+    done
+}
+
+fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
     match command {
         Command::Run(args) => run::run(args, shared),
         Command::Sweep(args) => sweep::run(args, shared),
@@ -204,6 +229,7 @@ fn run(command: &Command, shared: &Shared) -> Result<(), Failure> {
 
 /// Prints diagnostics on standard error, with colours on a terminal.
 pub(crate) fn print_diagnostics(diagnostics: &[Diagnostic]) {
+    progress::end_of_work();
     let styled = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     // With standard error closed, the exit status is left.
     let _ = writeln!(io::stderr(), "{}", diagnostic::render(diagnostics, styled));
@@ -211,6 +237,7 @@ pub(crate) fn print_diagnostics(diagnostics: &[Diagnostic]) {
 
 /// Prints diagnostics on standard error for a program that reads them.
 pub(crate) fn print_records(diagnostics: &[Diagnostic]) {
+    progress::end_of_work();
     for diagnostic in diagnostics {
         let record = serde_json::to_string(&diagnostic.record()).unwrap_or_default();
         // With standard error closed, the exit status is left.
@@ -220,6 +247,7 @@ pub(crate) fn print_records(diagnostics: &[Diagnostic]) {
 
 /// Prints text on standard output without control characters; a reader that closes the pipe (`| head`) is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    progress::end_of_work();
     match writeln!(io::stdout(), "{}", diagnostic::printable(text)) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::output(Diagnostic::new(format!("cannot print: {error}"))))

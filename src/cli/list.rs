@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, Shared, print, print_json, search};
+use super::{Failure, Shared, print, print_json, progress, search};
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
 use scene::scenario::{Document, Value};
 use study::store::{self, run_files};
@@ -38,6 +38,7 @@ pub(super) fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
         return Err(Diagnostic::new(format!("no scenarios in {}", shown_path(&args.folder))).into());
     }
     if !results.is_empty() && !shared.quiet {
+        progress::end_of_work();
         // With standard error closed, there is nowhere to print.
         let _ = writeln!(io::stderr(), "note: the scenarios of result folders are left out: {}", results.len());
     }

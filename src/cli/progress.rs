@@ -1,9 +1,11 @@
-//! A progress bar over all runs with the remaining time, on a terminal only.
+//! A progress bar over all runs with the remaining time, and a sign of work for commands without runs, on a terminal only.
 
 use std::collections::VecDeque;
 use std::io::{self, Write};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -19,6 +21,50 @@ const PER_RUN: f64 = 1000.0;
 
 /// Time between two updates of the bar.
 const REFRESH: Duration = Duration::from_millis(100);
+
+/// Time after which a command without a bar shows that it works.
+const SOON: Duration = Duration::from_secs(1);
+
+/// The end of the sign of work that is shown; it is closed to end it.
+static WORK: Mutex<Option<Work>> = Mutex::new(None);
+
+/// A thread that shows that a command works.
+struct Work {
+    end: Sender<()>,
+    thread: thread::JoinHandle<()>,
+}
+
+/// Shows on a terminal that a command without a bar works, from its first second until [`end_of_work`].
+pub(super) fn begin_work(quiet: bool) {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
+    if quiet || bar.is_hidden() {
+        return;
+    }
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed}") {
+        bar.set_style(style);
+    }
+    let (end, ended) = channel();
+    let show = move || {
+        let mut wait = SOON;
+        while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
+            bar.tick();
+            wait = REFRESH;
+        }
+        bar.finish_and_clear();
+    };
+    // Without a thread nothing is shown.
+    if let Ok(thread) = thread::Builder::new().name("progress".into()).spawn(show) {
+        *WORK.lock().unwrap_or_else(PoisonError::into_inner) = Some(Work { end, thread });
+    }
+}
+
+/// Removes what [`begin_work`] shows: the command prints now.
+pub(super) fn end_of_work() {
+    if let Some(Work { end, thread }) = WORK.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        drop(end);
+        let _ = thread.join();
+    }
+}
 
 /// One bar for all runs.
 pub(super) struct Bar {

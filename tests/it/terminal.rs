@@ -1,4 +1,4 @@
-//! `droptower repl` on a terminal: a pseudo-terminal whose keyboard and screen are the test.
+//! droptower on a terminal: a pseudo-terminal whose keyboard and screen are the test.
 
 use std::fs::{self, File};
 use std::io::{Read, Write};
@@ -44,9 +44,17 @@ struct Terminal {
 impl Terminal {
     /// A session in `folder`, whose earlier lines are kept there too; the prompt waits.
     fn start(folder: &Path, options: &[&str]) -> Terminal {
+        let mut terminal = Terminal::of(folder, &[&["repl"], options].concat());
+        terminal.wait_for("Ctrl-D ends");
+        terminal.wait_for("> ");
+        terminal
+    }
+
+    /// A command in `folder`.
+    fn of(folder: &Path, arguments: &[&str]) -> Terminal {
         let [keyboard, line] = pseudo_terminal();
         let end = || Stdio::from(line.try_clone().expect("its other end"));
-        let mut program = command(folder, &[&["repl"], options].concat());
+        let mut program = command(folder, arguments);
         program.env("TERM", "xterm").env("HOME", folder).env("XDG_DATA_HOME", folder);
         let program = program.stdin(end()).stdout(end()).stderr(end()).spawn().expect("the binary starts");
         let (tell, screen) = channel();
@@ -59,10 +67,7 @@ impl Terminal {
                 }
             }
         });
-        let mut terminal = Terminal { keyboard, screen, shown: String::new(), line, program };
-        terminal.wait_for("Ctrl-D ends");
-        terminal.wait_for("> ");
-        terminal
+        Terminal { keyboard, screen, shown: String::new(), line, program }
     }
 
     fn press(&mut self, keys: &str) {
@@ -196,4 +201,16 @@ fn a_computation_is_stopped_and_the_session_goes_on_or_ends() {
     terminal.signal(libc::SIGTERM);
     terminal.wait_for("a signal ended the session");
     assert_eq!(terminal.end().code(), Some(1));
+}
+
+#[test]
+fn a_command_that_computes_for_long_shows_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Nine seconds of recording are rated in far more than one.
+    let rows: String = (0..=90_000).map(|i| format!("{},{}\n", f64::from(i) * 1e-4, i % 7)).collect();
+    fs::write(folder.path().join("a.csv"), format!("time_s,force_N\n{rows}")).expect("a table");
+    let mut terminal = Terminal::of(folder.path(), &["signal", "rate", "a.csv", "a.csv"]);
+    terminal.wait_for(" 2s");
+    terminal.signal(libc::SIGINT);
+    assert!(!terminal.end().success());
 }
