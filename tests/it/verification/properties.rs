@@ -2,6 +2,7 @@
 //!
 //! `DROPTOWER_SCENES=2000 cargo test --release properties` draws so many of each, others in every run, instead of the same few.
 
+use std::cell::Cell;
 use std::fmt;
 
 use proptest::prelude::*;
@@ -233,7 +234,7 @@ fn impact() -> impl Strategy<Value = Loading> {
 
 fn loading() -> impl Strategy<Value = Loading> {
     let stretch = (2.0..20.0, 0.05..0.5).prop_map(|(speed, until)| Loading::Stretch { speed, until });
-    let pressure = (1e2..2e4, 2e-3..1e-2).prop_map(|(pressure, ramp)| Loading::Pressure { pressure, ramp });
+    let pressure = (1e3..2e4, 5e-2..0.2).prop_map(|(pressure, ramp)| Loading::Pressure { pressure, ramp });
     prop_oneof![4 => impact(), 1 => stretch, 1 => pressure]
 }
 
@@ -350,8 +351,11 @@ fn alike(one: &Recording, other: &Recording, factor: impl Fn(&str) -> f64) -> Re
 
 #[test]
 fn the_energy_balances_or_a_finding_says_that_it_does_not() {
+    let (scenes, balanced) = (Cell::new(0), Cell::new(0));
     every(setup(loading()), |setup| {
+        scenes.set(scenes.get() + 1);
         let Some(outcome) = run(&setup.model()) else { return Ok(()) };
+        balanced.set(balanced.get() + 1);
         let told = outcome.warnings.iter().any(|warning| {
             use droptower::finding::Report;
             ["energy-balance", "contact-energy"].contains(&warning.code().name)
@@ -362,6 +366,9 @@ fn the_energy_balances_or_a_finding_says_that_it_does_not() {
         prop_assert!(outcome.energy_balance_error < 0.01 || told, "{}", outcome.energy_balance_error);
         Ok(())
     });
+    let (scenes, balanced) = (scenes.get(), balanced.get());
+    println!("{balanced} of {scenes} runs end with a balance");
+    assert!(20 * balanced >= 17 * scenes, "{balanced} of {scenes}");
 }
 
 #[test]
