@@ -23,7 +23,7 @@ use scene::simulate::{
     self, Cancellation, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent,
 };
 use study::evaluate::{EvaluationError, Evaluations};
-use study::post;
+use study::post::{self, EvaluateError};
 use study::store::{self, Draft, Origin, run_files};
 
 #[derive(Debug, Args)]
@@ -220,6 +220,16 @@ fn place(out: Option<&Path>, name: &str, several: bool) -> Result<PathBuf, store
     }
 }
 
+/// A run that ended before its time, or whose post script failed.
+struct Unfinished<'a> {
+    outcome: &'a Outcome,
+    /// Why, in the words of its folder and page.
+    cause: String,
+    mistake: Diagnostic,
+    /// The failure of the command with this mistake.
+    failure: fn(Diagnostic) -> Failure,
+}
+
 impl Job {
     /// A run without checkpoints, whatever is in its folder.
     fn plain(checked: Checked, place: PathBuf, cancellation: Cancellation) -> Job {
@@ -237,7 +247,7 @@ impl Job {
         let mut show = Show::begin(viewer, &self.checked, &scenario, bar);
         let done = match self.simulate(bar, index, &mut show) {
             Err(failure) => return Done::failed(failure),
-            Ok(Ok(outcome)) => self.store(&outcome, &scenario, show).unwrap_or_else(Done::failed),
+            Ok(Ok(outcome)) => self.store(&outcome, &scenario, show),
             Ok(Err(RunError::Failure(failure))) => self.store_failed(&failure, &scenario, show),
             Ok(Err(error)) => {
                 let mistake = Diagnostic::new(format!("{}: {error}", self.checked.model.name));
@@ -302,64 +312,83 @@ impl Job {
         Ok(outcome)
     }
 
-    fn store(&self, outcome: &Outcome, scenario: &str, show: Show) -> Result<Done, Failure> {
+    fn store(&self, outcome: &Outcome, scenario: &str, show: Show) -> Done {
         let model = &self.checked.model;
-        let results = self.checked.plan.evaluate(model, outcome).map_err(|error| match error.may_pass() {
-            true => Failure::output(evaluating(&error)),
-            false => evaluating(&error).into(),
-        })?;
-        let contents = Contents {
-            model,
-            outcome,
-            results: Some(&results),
-            scenario,
-            script: self.checked.plan.script(),
-            failure: None,
-            formats: self.formats,
+        let results = match self.checked.plan.evaluate(model, outcome) {
+            Ok(results) => results,
+            Err(error) => {
+                let mistake = evaluating(&error);
+                let cause = match &error {
+                    EvaluateError::Script(fault) => fault.to_string(),
+                    EvaluateError::Filter(_) | EvaluateError::Resample(_) => mistake.message.clone(),
+                };
+                let failure = if error.may_pass() { Failure::output } else { Failure::from };
+                let done = self.store_unfinished(&Unfinished { outcome, cause, mistake, failure }, scenario, show);
+                // Another post script may follow from the last checkpoint.
+                return Done { stored: false, ..done };
+            }
         };
+        let contents = Contents { results: Some(&results), failure: None, ..self.contents(outcome, scenario) };
         let stored = Draft::begin(&self.place, self.origin(), self.force).and_then(|draft| {
             let files = folder::fill(&draft, &contents)?;
             Ok((draft.publish()?, files))
         });
         // The viewer may be slow: it gets the results after they are stored.
         show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None, files: &[] }));
-        let (place, files) = stored.map_err(|error| Failure::output(storing(&error)))?;
-        let text = [digest::run(model, outcome, &results), digest::folder(&place, &files)].concat();
-        Ok(Done { text, summary: Some(results.summary(model).into()), failure: None, stored: true })
+        match stored {
+            Ok((place, files)) => {
+                let text = [digest::run(model, outcome, &results), digest::folder(&place, &files)].concat();
+                Done { text, summary: Some(results.summary(model).into()), failure: None, stored: true }
+            }
+            Err(error) => Done::failed(Failure::output(storing(&error))),
+        }
     }
 
     fn store_failed(&self, failure: &simulate::Failure, scenario: &str, show: Show) -> Done {
-        let (model, outcome) = (&self.checked.model, &failure.so_far);
-        // A failed run may be too short or too irregular to be measured; then only its signals are written.
+        let cause = post::failure_message(failure, &self.checked.model);
+        let mistake = Diagnostic::new(format!("{}: {cause}", self.checked.model.name));
+        let outcome = &failure.so_far;
+        self.store_unfinished(&Unfinished { outcome, cause, mistake, failure: Failure::numerical }, scenario, show)
+    }
+
+    /// Stores a run that has no whole results beside those of its folder.
+    fn store_unfinished(&self, run: &Unfinished<'_>, scenario: &str, show: Show) -> Done {
+        let Unfinished { outcome, cause, mistake, failure } = run;
+        let model = &self.checked.model;
+        // It may be too short or too irregular to be measured; then only its signals are written.
         let results = self.checked.plan.measure(model, outcome).ok();
-        let cause = post::failure_message(failure, model);
-        let script = self.checked.plan.script();
-        let contents = Contents {
-            model,
-            outcome,
-            results: results.as_ref(),
-            scenario,
-            script,
-            failure: Some(&cause),
-            formats: self.formats,
-        };
+        let contents = Contents { results: results.as_ref(), failure: Some(cause), ..self.contents(outcome, scenario) };
         let stored = Draft::begin(&self.place, self.origin(), self.force).and_then(|draft| {
             folder::fill(&draft, &contents)?;
             draft.publish_failed()
         });
-        let page = |results| RunPage { model, outcome, results, scenario, failure: Some(&cause), files: &[] };
+        let page = |results| RunPage { model, outcome, results, scenario, failure: Some(cause), files: &[] };
         show.finish(results.as_ref().map(page).as_ref());
-        let mistake = Diagnostic::new(format!("{}: {cause}", model.name));
         let text = results.as_ref().map_or_else(String::new, |results| digest::failed(model, results));
         match stored {
             Ok(place) => {
-                let hint = format!("what was computed before is in {}", place.display());
-                Done { stored: true, text, ..Done::failed(Failure::numerical(mistake.hint(hint))) }
+                let kept = format!("what was computed before is in {}", place.display());
+                let hint = mistake.hint.iter().chain([&kept]).map(String::as_str).collect::<Vec<_>>().join("; ");
+                Done { stored: true, text, ..Done::failed(failure(mistake.clone().hint(hint))) }
             }
             Err(error) => {
-                let failures = [Failure::numerical(mistake), Failure::output(storing(&error))];
+                let failures = [failure(mistake.clone()), Failure::output(storing(&error))];
                 Done { text, failure: Failure::all(failures), ..Done::default() }
             }
+        }
+    }
+
+    /// What is stored of a run, without results.
+    fn contents<'a>(&'a self, outcome: &'a Outcome, scenario: &'a str) -> Contents<'a> {
+        let Checked { model, plan, .. } = &self.checked;
+        Contents {
+            model,
+            outcome,
+            results: None,
+            scenario,
+            script: plan.script(),
+            failure: None,
+            formats: self.formats,
         }
     }
 

@@ -226,6 +226,31 @@ fn nothing_is_written_where_one_scenario_is_wrong() {
 }
 
 #[test]
+fn a_run_whose_post_script_fails_is_kept() {
+    let bench = bench();
+    let good = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
+    fs::write(bench.path().join("post.rhai"), "let last = run.velocity.values();\nlast[10_000_000]").expect("a script");
+    fs::write(bench.path().join("drop.toml"), format!("{good}\n[post]\nscript = \"post.rhai\"\n")).expect("a scenario");
+    let output = run(bench.path(), &["drop.toml"]);
+    assert_eq!(code(&output), Some(2));
+    let said = error(&output);
+    assert!(
+        said.contains("post.rhai:2:") && said.contains("what was computed before is in runs/drop.failed"),
+        "{said}"
+    );
+    let kept = bench.path().join("runs/drop.failed");
+    assert!(csv::read(&kept.join("signals.csv")).expect("signals").time.len() > 100);
+    let cause = fs::read_to_string(kept.join("failure.txt")).expect("the cause");
+    assert!(cause.contains("post.rhai:2:") && kept.join("report.html").exists(), "{cause}");
+    // What it has is neither the result nor in the way of one.
+    assert!(!bench.path().join("runs/drop").exists());
+    fs::write(bench.path().join("post.rhai"), "measure(\"samples\", run.velocity.time().len())").expect("a script");
+    assert_eq!(code(&run(bench.path(), &["drop.toml", "--set", "output.sample_rate=1MHz"])), Some(0));
+    let samples = json(&bench.path().join("runs/drop/summary.json"))["samples"].as_f64();
+    assert!(samples.is_some_and(|samples| samples > 10_000.0), "{samples:?}");
+}
+
+#[test]
 fn folders_of_the_user_are_not_replaced() {
     let bench = bench();
     fs::create_dir(bench.path().join("own")).expect("a folder");

@@ -99,7 +99,7 @@ impl Column {
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "write_csv(name, [column name, …], [signal or list, …])",
-        gives: "a file among the results with one row per value; the times of a signal are `signal.times()`",
+        gives: "a file among the results with one row per value; the times of a signal are `signal.time()`",
         example: r#"write_csv("curves/md.csv", ["strain", "stress_Pa"], [[0, 0.26], [0, 8.4e6]]); true"#,
     },
     Entry {

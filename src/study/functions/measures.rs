@@ -21,6 +21,7 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("rate", rate)
         .register_fn("resampled", resampled)
         .register_fn("shifted", shifted)
+        .register_fn("time", |s: &mut Series| Series::new(s.time().to_vec(), s.time().to_vec()))
         .register_fn("times", |context: NativeCallContext, s: &mut Series| list(&context, s.time()))
         .register_fn("values", |context: NativeCallContext, s: &mut Series| list(&context, s.values()));
 }
@@ -127,8 +128,13 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "signal.times(), signal.values()",
-        gives: "the samples as lists; a value that was not measured is NaN",
+        gives: "the samples as lists, of 10 000 at most; a value that was not measured is NaN",
         example: "let s = signal([0, 1], [5, 6]); s.times() == [0.0, 1.0] && s.values()[1] == 6.0",
+    },
+    Entry {
+        call: "signal.time()",
+        gives: "the times of a signal of any length, as a signal",
+        example: "let s = signal([0, 2], [5, 6]); s.time().at(1) == 1.0 && s.time().len() == 2",
     },
 ];
 
