@@ -49,6 +49,17 @@ pub enum Starts {
     Given(Vec<Vec<f64>>),
 }
 
+impl Starts {
+    /// Their largest number.
+    pub(super) fn most(&self) -> usize {
+        match self {
+            Starts::One => 1,
+            Starts::Spread(count) => *count,
+            Starts::Given(others) => 1 + others.len(),
+        }
+    }
+}
+
 /// A search: method, start, tolerances and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {

@@ -37,9 +37,18 @@ fn minimize(host: &SearchHost, context: &NativeCallContext, search: ScriptSearch
 }
 
 fn minimize_all(host: &SearchHost, context: &NativeCallContext, searches: &[ScriptSearch]) -> HostResult<Vec<Map>> {
+    let values = |ScriptSearch { search, .. }: &ScriptSearch| {
+        result::history_values(searches.len(), search.starts.most(), search.start.len())
+    };
+    let Some(values) = searches.iter().map(values).collect::<Option<Vec<_>>>() else {
+        let count = searches.len();
+        return Err(refuse(format!(
+            "the results of {count} searches are more values than a list holds: call it for fewer"
+        )));
+    };
     let results = host.minimize(context, searches)?;
-    let map = |(found, search): (_, &ScriptSearch)| result::of_search(found, &search.search.names);
-    Ok(results.iter().zip(searches).map(map).collect())
+    let found = results.iter().zip(searches).zip(values);
+    Ok(found.map(|((found, search), values)| result::of_search(found, &search.search.names, values)).collect())
 }
 
 /// The searches of `minimize_all`. `options` are those of all, or a list with those of each.
@@ -323,6 +332,24 @@ mod tests {
             notes.len() == 1 && notes[0].code == \"start-replaced\" && best.warnings.len() == best.findings.len() - 1
                 && best.warnings.all(|text| !text.contains(\"started from\"))";
         assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
+    }
+
+    /// A script's values are limited, all results of a call together.
+    #[test]
+    fn many_results_share_the_limit_of_values() {
+        let engine = test_engine(Limits::STUDY);
+        let all = |count: usize| {
+            format!(
+                "let starts = []; let calls = [];
+                for i in 0..{count} {{ starts.push([3.0, 4, 5, 6]); calls.push(|x| x.reduce(|s, x| s + x ** 2, 0.0)); }}
+                let all = minimize_all(\"nelder-mead\", starts, #{{ max_evaluations: 400, tol_x: 0, tol_f: 0 }}, calls);
+                all.map(|one| one.history.len()).reduce(|a, b| a + b, 0)"
+            )
+        };
+        let rows = engine.eval::<INT>(&all(80)).unwrap();
+        assert!((160..1000).contains(&rows), "{rows}");
+        let error = engine.eval::<INT>(&all(400)).unwrap_err().to_string();
+        assert!(error.contains("the results of 400 searches are more values than a list holds"), "{error}");
     }
 
     #[test]

@@ -14,14 +14,24 @@ use crate::script::from_json;
 use base::finding::{Finding, Report, Severity};
 use lab::confidence::Confidence;
 
-/// Largest number of values in the history of a result, which a longer one is thinned to: values of scripts are
-/// limited.
-const MAX_VALUES: usize = 6_000;
+/// Largest number of values in the results of one call, below the limit of a script's values.
+const MAX_VALUES: usize = 9_000;
 
-/// The result of a search over unknowns with these names.
-pub(super) fn of_search(result: &SearchResult, names: &[String]) -> Map {
+/// Least number of them that are left for the histories, which are thinned to that.
+const LEAST_OF_HISTORIES: usize = 1_000;
+
+/// Largest number of values in the history of each of so many searches, with so many starts over so many unknowns; `None`
+/// where the results are too large without any.
+pub(super) fn history_values(searches: usize, starts: usize, unknowns: usize) -> Option<usize> {
+    const OF_A_START: usize = 8;
+    let others = searches * ((1 + starts) * (OF_A_START + unknowns) + OF_A_START);
+    MAX_VALUES.checked_sub(others).filter(|left| *left >= LEAST_OF_HISTORIES).map(|left| left / searches)
+}
+
+/// The result of a search over unknowns with these names, with so many values in its history.
+pub(super) fn of_search(result: &SearchResult, names: &[String], values: usize) -> Map {
     let mut map = of_start(&result.best);
-    let history = history(&result.starts, names, result.starts.len() > 1);
+    let history = history(&result.starts, names, values, result.starts.len() > 1);
     map.insert("history".into(), history.into());
     insert_findings(&mut map, result.warnings.iter());
     let starts: Array = result.starts.iter().map(|start| of_start(start).into()).collect();
@@ -43,10 +53,13 @@ fn of_start(result: &StartResult) -> Map {
     map
 }
 
-/// Iterations as rows of a table, thinned evenly.
-fn history(starts: &[StartResult], names: &[String], several: bool) -> Array {
+/// Largest number of values in the history of each part of a refined search.
+const REFINED: usize = 3_000;
+
+/// Iterations as rows of a table, thinned evenly to so many values.
+fn history(starts: &[StartResult], names: &[String], values: usize, several: bool) -> Array {
     let all: Vec<&Iteration> = starts.iter().flat_map(|start| &start.history).collect();
-    let shown = thinned(&all, MAX_VALUES / (names.len() + 7));
+    let shown = thinned(&all, values / (names.len() + 7));
     shown.map(|iteration| history_row(iteration, names, several).into()).collect()
 }
 
@@ -151,7 +164,7 @@ pub(super) fn of_refinement(refinement: &Refinement, best: &Map, search: &Search
     for result in &refinement.continued {
         let start = &result.best;
         let [iterations, evaluations] = ["iterations", "evaluations"].map(|name| count(&map, name));
-        let rows = history(&result.starts, &search.names, false).into_iter().map(|row| {
+        let rows = history(&result.starts, &search.names, REFINED, false).into_iter().map(|row| {
             let mut row = row.cast::<Map>();
             for (name, before) in [("iteration", iterations), ("evaluations", evaluations)] {
                 row.insert(name.into(), (before + count(&row, name)).into());
