@@ -18,7 +18,8 @@ def main():
     work, scenes, commit = Path(sys.argv[1]), sys.argv[2], sys.argv[3]
     out = [f"{date.today().isoformat()}, {commit}:", "", "| what | cases | result |", "|---|---:|---|"]
     out += [f"| fault: {name} | {cases} | {result} |" for name, cases, result, *_ in rows(work / "faults")]
-    out += [f"| fuzz: {name} | {cases} | {', '.join(rest)} |" for name, cases, *rest in rows(work / "fuzz")]
+    for name, cases, edges, peak, found in rows(work / "fuzz"):
+        out.append(f"| fuzz: {name} | {cases} | {found} found, {edges} edges more than its seeds, {peak} MB at most |")
     for line in (work / "tests").read_text().splitlines():
         name, _, result = line.removeprefix("test ").partition(" ... ")
         cases = scenes if "properties" in name else ""
