@@ -75,11 +75,16 @@ impl TimeStep {
         *self = TimeStep { damping: self.damping, factor: self.factor, air: self.air, ..saved };
     }
 
-    /// Whether a run goes on from `time` (s) by these steps, and bounds them again soon.
-    pub(super) fn advances(&self, time: f64) -> bool {
-        let steps = [self.safety, self.first, self.now, self.target];
-        let is_bounded = steps.iter().all(|step| *step > 0.0 && step.is_finite()) && self.until_update <= INTERVAL.0;
-        is_bounded && time >= 0.0 && time + self.now.min(self.target) > time
+    /// Whether a run of the same model may have been at `saved` at `time` (s): it goes on from there, and bounds its steps
+    /// again soon.
+    pub(super) fn precedes(&self, saved: &TimeStep, time: f64) -> bool {
+        let possible = COLLAPSE * saved.first..=CEILING * saved.first;
+        // That of settled film is another than that of mounted film, but no other magnitude.
+        let is_bounded = (COLLAPSE * self.first..=self.first / COLLAPSE).contains(&saved.first)
+            && [saved.now, saved.target].iter().all(|step| possible.contains(step))
+            && (saved.safety == SAFETY || saved.safety == TORN_SAFETY)
+            && saved.until_update <= INTERVAL.0;
+        is_bounded && time >= 0.0 && time + saved.now.min(saved.target) > time
     }
 
     /// The present step, s.
