@@ -163,19 +163,20 @@ mod tests {
     fn only_steps_that_advance_are_restored() {
         let step =
             TimeStep { safety: SAFETY, first: 1e-6, now: 1e-6, target: 2e-6, until_update: 3, ..TimeStep::default() };
-        assert!(step.advances(0.0) && step.advances(0.25));
+        assert!(step.precedes(&step, 0.0) && step.precedes(&step, 0.25));
         for time in [-1e-3, 1e300, f64::INFINITY, f64::NAN] {
-            assert!(!step.advances(time), "{time}");
+            assert!(!step.precedes(&step, time), "{time}");
         }
         for forged in [
             TimeStep { now: 0.0, ..step.clone() },
+            TimeStep { first: 1e-192, now: 1e-192, target: 1e-192, ..step.clone() },
             TimeStep { target: f64::NAN, ..step.clone() },
             TimeStep { target: 1e-300, ..step.clone() },
             TimeStep { first: f64::INFINITY, ..step.clone() },
             TimeStep { safety: -1.0, ..step.clone() },
             TimeStep { until_update: u32::MAX, ..step.clone() },
         ] {
-            assert!(!forged.advances(0.25), "{forged:?}");
+            assert!(!step.precedes(&forged, 0.25), "{forged:?}");
         }
     }
 }
