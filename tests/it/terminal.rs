@@ -211,6 +211,7 @@ fn a_command_that_computes_for_long_shows_it() {
     fs::write(folder.path().join("a.csv"), format!("time_s,force_N\n{rows}")).expect("a table");
     let mut terminal = Terminal::of(folder.path(), &["signal", "rate", "a.csv", "a.csv"]);
     terminal.wait_for(" 2s");
-    terminal.signal(libc::SIGINT);
+    // Not SIGINT, which a shell lets its background jobs ignore.
+    terminal.signal(libc::SIGTERM);
     assert!(!terminal.end().success());
 }
