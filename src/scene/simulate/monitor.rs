@@ -207,7 +207,8 @@ impl Monitor {
             if intact[worst] < bounds::LOCALISED_STRAIN {
                 continue;
             }
-            let around: Vec<f64> = neighbours(film, worst).into_iter().map(|k| intact[k]).collect();
+            // Elements without volume, as a forged checkpoint may have them, are not among the strains.
+            let around: Vec<f64> = neighbours(film, worst).into_iter().filter_map(|k| intact.get(k).copied()).collect();
             let mean = around.iter().sum::<f64>() / around.len().max(1) as f64;
             if !around.is_empty() && intact[worst] > bounds::LOCALISATION * mean {
                 self.localised = Some((view.time, intact[worst], face + 1));
