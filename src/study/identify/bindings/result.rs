@@ -17,6 +17,9 @@ use lab::confidence::Confidence;
 /// Largest number of values in the results of one call, below the limit of a script's values.
 const MAX_VALUES: usize = 9_000;
 
+/// Largest number of them in histories: a refined search has [`REFINED`] more.
+const MAX_OF_HISTORIES: usize = 6_000;
+
 /// Least number of them that are left for the histories, which are thinned to that.
 const LEAST_OF_HISTORIES: usize = 1_000;
 
@@ -25,7 +28,8 @@ const LEAST_OF_HISTORIES: usize = 1_000;
 pub(super) fn history_values(searches: usize, starts: usize, unknowns: usize) -> Option<usize> {
     const OF_A_START: usize = 8;
     let others = searches * ((1 + starts) * (OF_A_START + unknowns) + OF_A_START);
-    MAX_VALUES.checked_sub(others).filter(|left| *left >= LEAST_OF_HISTORIES).map(|left| left / searches)
+    let left = MAX_VALUES.checked_sub(others).filter(|left| *left >= LEAST_OF_HISTORIES)?;
+    Some(left.min(MAX_OF_HISTORIES) / searches)
 }
 
 /// The result of a search over unknowns with these names, with so many values in its history.
