@@ -1,9 +1,11 @@
 //! What holds of every scene: scenes are drawn at random and shrunk where one of them does not have it.
 //!
-//! `DROPTOWER_SCENES=2000 cargo test --release properties` draws so many of each, others in every run, instead of the same few.
+//! `DROPTOWER_SCENES=2000 cargo test --release properties` draws so many of each, others in every run, instead of the same few;
+//! each prints its seed, which `DROPTOWER_SEED` repeats.
 
 use std::cell::Cell;
 use std::fmt;
+use std::time::UNIX_EPOCH;
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
@@ -293,6 +295,17 @@ fn taut() -> impl Strategy<Value = Setup> {
     })
 }
 
+/// The seed that is given, else one of the clock's.
+fn seed() -> [u8; 32] {
+    let given = std::env::var("DROPTOWER_SEED").ok().map(|seed| seed.parse().expect("a whole number"));
+    let now = || UNIX_EPOCH.elapsed().map_or(0, |elapsed| elapsed.as_nanos() as u64);
+    let seed: u64 = given.unwrap_or_else(now);
+    println!("DROPTOWER_SEED={seed}");
+    let mut bytes = [0; 32];
+    bytes[..8].copy_from_slice(&seed.to_le_bytes());
+    bytes
+}
+
 /// Draws scenes and checks each; a scene that fails is shrunk to a small one.
 fn every(scenes: impl Strategy<Value = Setup>, holds: impl Fn(&Setup) -> Result<(), TestCaseError>) {
     let asked = std::env::var("DROPTOWER_SCENES").ok().map(|count| count.parse().expect("a number of scenes"));
@@ -303,7 +316,8 @@ fn every(scenes: impl Strategy<Value = Setup>, holds: impl Fn(&Setup) -> Result<
         ..Config::default()
     };
     let mut runner = match asked {
-        Some(_) => TestRunner::new(config),
+        // Without its `std`, proptest's own would be the same in every run.
+        Some(_) => TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &seed())),
         None => TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha)),
     };
     runner.run(&scenes, |setup| holds(&setup)).unwrap_or_else(|error| panic!("{error}"));
