@@ -1,5 +1,6 @@
 //! The built binary, for the commands that simulate: folders, figures, exit statuses, scripts.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -395,4 +396,26 @@ fn the_examples_of_the_scripting_reference_run() {
         assert!(matches!(held.as_ref().map(|held| held.as_bool()), Ok(Ok(true))), "{}: {held:?}", entry.call);
     }
     assert!(entries.len() > 50, "{} examples", entries.len());
+}
+
+/// What editors show of a function; `node editors/vscode/generate.mjs` writes it from `droptower explain functions --json`.
+#[test]
+fn the_snippets_of_editors_are_those_of_the_scripting_reference() {
+    let snippets = fs::read_to_string(root().join("editors/vscode/snippets/rhai.json")).expect("the snippets");
+    let snippets: Json = serde_json::from_str(&snippets).expect("JSON");
+    let shown: BTreeSet<&str> = snippets
+        .as_object()
+        .into_iter()
+        .flat_map(|all| all.values())
+        .filter_map(|one| one["description"].as_str())
+        .collect();
+    let entries: Vec<&Entry> = reference::chapters().flat_map(|chapter| chapter.entries).collect();
+    for entry in &entries {
+        let description = format!("{}\n\n{}", entry.gives, entry.example);
+        assert!(
+            shown.contains(description.as_str()),
+            "{} is not in editors/vscode/snippets/rhai.json as it is",
+            entry.call
+        );
+    }
 }
