@@ -1,4 +1,5 @@
-//! Warnings about what varies: values of a distribution with which the scenario cannot be run.
+//! Warnings about what varies: values of a distribution with which the scenario cannot be run; indices that too few runs leave
+//! open.
 
 use uncertainty::distribution::Distribution;
 
@@ -26,6 +27,18 @@ findings! {
             remedy "truncate the distribution to values that can be, as in `truncate = { low = 0 }`, or choose one \
                 that has no others, such as `lognormal` or `weibull` for what is above zero";
             message "{}", beyond.message(key);
+        OpenIndices {
+            figure: String, "figure of the runs" => "figure";
+            key: String, "path of the key whose index is known least" => "key";
+            width: f64, "from the lower to the upper end of its 95 % interval" => "width";
+            blocks: usize, "blocks of runs" => "blocks";
+        } = "open-indices", Warning;
+            meaning "an interval of Sobol' indices is wider than 0.2: so few blocks of runs do not tell how much of the \
+                variance the key causes";
+            remedy "more blocks (the width falls with their square root), or `surrogate`, which needs fewer runs where the \
+                figure is smooth";
+            message "{figure}: the index of `{key}` is known to within {} after {blocks} blocks of runs",
+                number::significant(*width, 2);
     }
 }
 

@@ -92,7 +92,7 @@ pub(super) fn reduced(
     sweep: &Sweep,
     options: &Options<'_>,
     host: &Host<'_>,
-    of: impl Fn(&[Option<f64>]) -> Result<Value, String>,
+    of: impl Fn(&str, &[Option<f64>]) -> Result<Value, String>,
 ) -> HostResult<Dynamic> {
     let results = host.results(sweep)?;
     let asked = options.map.get("figures").cloned().map(Dynamic::into_typed_array::<String>).transpose();
@@ -102,7 +102,7 @@ pub(super) fn reduced(
     for name in asked.unwrap_or_else(varying) {
         let column = results.table.column(&name);
         let column = column.ok_or_else(|| refuse(format!("the runs have no figure `{name}`")))?;
-        let value = of(&column.values.numbers()).map_err(|error| refuse(format!("{name}: {error}")))?;
+        let value = of(&name, &column.values.numbers()).map_err(|error| refuse(format!("{name}: {error}")))?;
         found.insert(name, value);
     }
     Ok(from_json(&Value::Object(found)))

@@ -155,6 +155,7 @@ pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -
             "level": fit.mean.value,
             "interval": fit.mean.interval.map(|interval| [interval.low, interval.high]),
             "deviation": fit.deviation.value,
+            "deviation_interval": fit.deviation.interval.map(|interval| [interval.low, interval.high]),
         })),
     });
     Ok(from_json(&found))

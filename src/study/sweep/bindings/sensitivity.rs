@@ -12,6 +12,8 @@ use uncertainty::surrogate::{Family, Options as Fit, Surrogate};
 use super::common::{Host, keys, reduced, sweep_at, whole};
 use crate::scenario_functions::Study;
 use crate::script::{Entry, HostResult, Options};
+use crate::sweep::{Sweep, Warning};
+use base::finding::Finding;
 use scene::model::{Factor, Values};
 
 /// Levels of a screening, of each input.
@@ -29,7 +31,7 @@ pub(super) fn screening(study: &Study, options: &Options<'_>, host: &Host<'_>) -
             let interval = interval.map(|interval| [interval.low, interval.high]);
             json!({ "mu_star": value, "interval": interval, "mu": mean, "sigma": deviation, "missing": missing })
         };
-    reduced(&sweep, options, host, |outputs| {
+    reduced(&sweep, options, host, |_, outputs| {
         let effects = morris::effects(&points, outputs, &Bootstrap::default()).map_err(|error| error.to_string())?;
         let effects = effects.into_iter().map(|effects| effects.map_or(Value::Null, of_factor));
         Ok(keys(&sweep).zip(effects).collect())
@@ -46,10 +48,21 @@ pub(super) fn indices(study: &Study, options: &Options<'_>, host: &Host<'_>) -> 
     let estimate = |Estimate { value, interval }: Estimate| json!({ "value": value, "interval": interval.map(|interval| [interval.low, interval.high]) });
     let of_factor = |FactorIndices { first, total, missing, .. }: FactorIndices| json!({ "first": estimate(first), "total": estimate(total), "missing": missing });
     let factors = sweep.variation().factors.len();
-    reduced(&sweep, options, host, |outputs| {
+    reduced(&sweep, options, host, |figure, outputs| {
         let found = sobol::indices(factors, outputs, &Bootstrap::default()).map_err(|error| error.to_string())?;
+        host.session.report(open(figure, &sweep, &found, blocks).iter().map(Finding::new));
         Ok(keys(&sweep).zip(found.into_iter().map(of_factor)).collect())
     })
+}
+
+/// The finding of indices whose widest interval leaves them open.
+fn open(figure: &str, sweep: &Sweep, found: &[FactorIndices], blocks: usize) -> Option<Warning> {
+    /// Largest width that needs no word.
+    const WIDTH: f64 = 0.2;
+    let width = |estimate: &Estimate| estimate.interval.map_or(0.0, |interval| interval.high - interval.low);
+    let widths = found.iter().map(|factor| width(&factor.first).max(width(&factor.total)));
+    let (key, width) = keys(sweep).zip(widths).max_by(|one, other| one.1.total_cmp(&other.1))?;
+    (width > WIDTH).then(|| Warning::OpenIndices { figure: figure.to_owned(), key, width, blocks })
 }
 
 /// `surrogate(scenario, #{ … })`.
@@ -64,7 +77,7 @@ pub(super) fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -
     let (sweep, points) = sweep_at(study, options, &places)?;
     let families: Vec<Family> = sweep.variation().factors.iter().map(family).collect();
     let of_keys = |values: Option<Vec<f64>>| -> Value { keys(&sweep).zip(values.into_iter().flatten()).collect() };
-    reduced(&sweep, options, host, |outputs| {
+    reduced(&sweep, options, host, |_, outputs| {
         let fit = Surrogate::fit(&families, &points, outputs, &Fit::default()).map_err(|error| error.to_string())?;
         Ok(json!({
             "q2": fit.q2(), "degree": fit.degree(), "terms": fit.terms(), "mean": fit.mean(), "deviation": fit.variance().sqrt(),
