@@ -94,6 +94,21 @@ impl<F: FibreLaw> Fabric<F> {
         &self.shear
     }
 
+    /// Whether MD and TD are coupled under biaxial load.
+    pub fn has_biaxial(&self) -> bool {
+        matches!(self.coupling, Coupling::Biaxial(_))
+    }
+
+    /// Whether it carries no compression along any direction.
+    pub fn wrinkles(&self) -> bool {
+        matches!(self.coupling, Coupling::Wrinkles)
+    }
+
+    /// Whether its layers break one after another.
+    pub fn breaks_by_layers(&self) -> bool {
+        self.layer_breaks != LayerBreaks::default()
+    }
+
     /// Share of the stored energy that is lost on unloading.
     pub fn absorption(&self) -> f64 {
         self.absorption.share()

@@ -55,6 +55,16 @@ impl Plastic {
         Plastic { elastic, hill, hardening, rate, modes }
     }
 
+    /// Its isotropic elasticity.
+    pub fn elastic(&self) -> &Elastic {
+        &self.elastic
+    }
+
+    /// How the flow stress depends on the rate.
+    pub fn rate(&self) -> &FlowRate {
+        &self.rate
+    }
+
     /// The flow stress of slow flow.
     pub fn hardening(&self) -> &Hardening {
         &self.hardening

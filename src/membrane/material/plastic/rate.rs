@@ -71,6 +71,8 @@ pub struct RateTable {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Step {
     interval: LogInterval,
+    /// Of the curve, 1/s.
+    rate: f64,
     curve: FlowCurve,
 }
 
@@ -124,10 +126,22 @@ impl RateTable {
             if let Some(strain) = std::iter::once(0.0).chain(corners).find(|p| curve.stress(*p) < below.stress(*p)) {
                 return Err(RateTableError::StressFalls { index, strain });
             }
-            steps.push(Step { interval: LogInterval::new(previous, rate), curve: curve.clone() });
+            steps.push(Step { interval: LogInterval::new(previous, rate), rate, curve: curve.clone() });
             (below, previous) = (curve, rate);
         }
         Ok((first, RateTable { steps, lowest, highest: previous }))
+    }
+}
+
+impl RateTable {
+    /// Rates (1/s) and curves above that of the hardening, which is at the lowest rate.
+    pub fn above(&self) -> impl Iterator<Item = (f64, &FlowCurve)> {
+        self.steps.iter().map(|step| (step.rate, &step.curve))
+    }
+
+    /// Rate of the hardening's curve, 1/s.
+    pub fn lowest(&self) -> f64 {
+        self.lowest
     }
 }
 
@@ -168,7 +182,7 @@ impl RateTable {
     pub(super) fn flow<const L: usize>(&self, slow: &Flow<L>, p: &Lane<L>, log_rate: &Lane<L>) -> RatedFlow<L> {
         let mut out = RatedFlow { stress: slow.stress, by_strain: slow.slope, by_log_rate: splat(0.0) };
         let (mut below, mut slope) = (slow.stress, slow.slope);
-        for Step { interval, curve } in &self.steps {
+        for Step { interval, curve, .. } in &self.steps {
             let above = curve.flow(p);
             for l in 0..L {
                 let weight = interval.weight(log_rate[l]);

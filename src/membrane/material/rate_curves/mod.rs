@@ -131,8 +131,14 @@ impl RateCurves {
         lowest.into_iter().chain(self.intervals.iter().map(|interval| interval.upper))
     }
 
+    /// All curves at their rates (1/s), lowest first.
+    pub fn curves(&self) -> Vec<(f64, Curve)> {
+        let others = self.intervals.iter().map(|interval| (interval.upper, interval.curve.clone()));
+        std::iter::once((self.lowest, self.slowest.clone())).chain(others).collect()
+    }
+
     /// The curve at the constant `rate` (1/s).
-    fn curve_at(&self, rate: f64) -> Curve {
+    pub fn curve_at(&self, rate: f64) -> Curve {
         let log_rate = ln(rate);
         let mut curve = self.slowest.clone();
         for interval in &self.intervals {
