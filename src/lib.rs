@@ -41,6 +41,8 @@
 #[doc(inline)]
 pub use base::{cancellation, diagnostic, file, finding, number, periodic, shell, table, units};
 #[doc(inline)]
+pub use card;
+#[doc(inline)]
 pub use cli;
 #[doc(inline)]
 pub use lab::{confidence, experiment, signal};

@@ -13,7 +13,7 @@ use source::{Crate, ModulePath};
 const OF_MODULES: [&str; 6] = ["base", "membrane", "lab", "uncertainty", "scene", "study"];
 
 /// Packages that are one module. The manifests keep the order of packages.
-const OF_FILES: [&str; 4] = ["plot", "report", "picture", "cli"];
+const OF_FILES: [&str; 5] = ["card", "plot", "report", "picture", "cli"];
 
 /// The folder of a package.
 fn folder_of(package: &str) -> PathBuf {

@@ -1,0 +1,159 @@
+//! Cards of Abaqus and of CalculiX, whose keywords are the same where it has them: `*MATERIAL` with what follows.
+//!
+//! Of a line of data at most eight values. Stresses and curves of fabric: nominal, the stress first (from memory).
+
+use super::film::{
+    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, bulk_modulus, lost_hill, shear_modulus,
+};
+use super::loss::Loss;
+use super::number::whole;
+use super::target::Target;
+use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, Viscosity};
+
+/// Values of a line of data.
+const MOST: usize = 8;
+
+/// The card without its head.
+pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
+    let law = match &film.material.law {
+        Law::Fabric(_) | Law::RateFabric(_) => fabric(film, request, losses)?,
+        Law::Elastic(law) => isotropic(film, law, request, losses),
+        Law::TensionField(field) => {
+            losses.push(Loss::Wrinkling);
+            isotropic(film, &field.0, request, losses)
+        }
+        Law::Hyperelastic(law) => rubber(film, law, request, losses)?,
+        Law::Plastic(law) => plastic(film, law, request, losses)?,
+    };
+    let density = whole(film.material.density / request.system.density());
+    let name: String = film.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    // A name begins with a letter.
+    Ok(format!("*MATERIAL, NAME=FILM_{}\n*DENSITY\n{density},\n{law}", name.to_ascii_uppercase()))
+}
+
+/// A keyword with its data, eight values a line.
+fn keyword(name: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
+    let mut text = format!("*{name}\n");
+    for row in rows {
+        let values: Vec<String> = row.iter().map(|value| whole(*value)).collect();
+        for line in values.chunks(MOST) {
+            text += &format!("{}\n", line.join(", "));
+        }
+    }
+    text
+}
+
+fn isotropic(film: &Film<'_>, law: &Elastic, request: &Request, losses: &mut Vec<Loss>) -> String {
+    losses.push(Loss::StrainMeasure { law: "*ELASTIC" });
+    losses.extend(film.lost_beside_the_law());
+    elastic(law, request)
+}
+
+fn elastic(law: &Elastic, request: &Request) -> String {
+    keyword("ELASTIC", [vec![law.young / request.system.stress(), law.poisson]])
+}
+
+fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
+    if request.target == Target::CalculiX {
+        return Err(Refusal::NoLaw { target: request.target.name(), law: "fabric" });
+    }
+    let curves = FabricCurves::of(&film.material.law, request, false, losses)?.expect("a fabric");
+    losses.push(Loss::FromMemory { what: "the stress stands before the strain in *LOADING DATA" });
+    losses.extend(film.lost_beside_the_law());
+    losses.extend((curves.absorption > 0.0).then_some(Loss::Absorption { share: curves.absorption }));
+    let stress = request.system.stress();
+    let [md, td] = &curves.fibres;
+    let mut text = String::from("*FABRIC\n");
+    for (component, curve) in [("1", &md[0].1), ("2", &td[0].1), ("SHEAR", &curves.shear)] {
+        // Shear is the same to both sides; fibres carry no compression.
+        let direction = if component == "SHEAR" { "" } else { ", DIRECTION=TENSION" };
+        text += &format!("*UNIAXIAL, COMPONENT={component}\n");
+        let rows = curve.points.iter().map(|[strain, value]| vec![value / stress, *strain]);
+        text += &keyword(&format!("LOADING DATA, TYPE=ELASTIC{direction}, EXTRAPOLATION=LINEAR"), rows);
+    }
+    Ok(text)
+}
+
+fn rubber(
+    film: &Film<'_>,
+    law: &HyperelasticLaw,
+    request: &Request,
+    losses: &mut Vec<Loss>,
+) -> Result<String, Refusal> {
+    let target = request.target.name();
+    let viscosity = film.material.viscosity.as_ref();
+    // CalculiX has no relaxation: its film is the one of the law as it is written.
+    let has_relaxation = request.target == Target::Abaqus;
+    losses.extend(viscosity.filter(|_| !has_relaxation).map(|_| Loss::Viscosity));
+    let instant = viscosity.filter(|_| has_relaxation).map_or(1.0, Viscosity::instant);
+    let stress = request.system.stress() / instant;
+    // A small compressibility for elements that need one; both potentials have D = 2/K.
+    let d = 2.0 * stress / bulk_modulus(shear_modulus(law), request.poisson);
+    let moduli = if viscosity.is_some() && has_relaxation { ", MODULI=INSTANTANEOUS" } else { "" };
+    let potential = match law {
+        HyperelasticLaw::Polynomial(film) => {
+            let Polynomial { first, second } = film.energy;
+            let [c10, c20, c30] = first.map(|c| c / stress);
+            match (second == 0.0, c20 == 0.0 && c30 == 0.0) {
+                (true, true) => keyword(&format!("HYPERELASTIC, NEO HOOKE{moduli}"), [vec![c10, d]]),
+                (true, false) => keyword(&format!("HYPERELASTIC, YEOH{moduli}"), [vec![c10, c20, c30, d, 0.0, 0.0]]),
+                (false, true) => {
+                    keyword(&format!("HYPERELASTIC, MOONEY-RIVLIN{moduli}"), [vec![c10, second / stress, d]])
+                }
+                (false, false) => {
+                    return Err(Refusal::NoLaw { target, law: "Yeoh's energy with a term in I2" });
+                }
+            }
+        }
+        HyperelasticLaw::Ogden(film) => {
+            let terms = film.energy.terms();
+            let most = if has_relaxation { 6 } else { 3 };
+            if terms.len() > most {
+                return Err(Refusal::TooManyTerms { target, terms: terms.len(), most });
+            }
+            // W = Σ 2μ/α² (…) there.
+            let row = terms.iter().flat_map(|term| [0.5 * term.mu * term.alpha / stress, term.alpha]);
+            let mut row: Vec<f64> = row.collect();
+            row.push(d);
+            row.resize(3 * terms.len(), 0.0);
+            keyword(&format!("HYPERELASTIC, OGDEN, N={}{moduli}", terms.len()), [row])
+        }
+        HyperelasticLaw::Gent(_) => {
+            return Err(Refusal::NoLaw { target, law: "Gent's energy" });
+        }
+        HyperelasticLaw::CompressibleNeoHookean(_) => {
+            return Err(Refusal::NoLaw { target, law: "compressible neo-Hookean film" });
+        }
+    };
+    losses.push(Loss::Compressible { poisson: request.poisson });
+    losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
+    losses.extend(film.material.rupture.as_ref().map(|_| Loss::Rupture));
+    let relaxation = viscosity.filter(|_| has_relaxation).map_or_else(String::new, |viscosity| {
+        // Shares of the instantaneous shear modulus; the volume does not relax.
+        let rows = viscosity.terms().iter().map(|term| vec![term.share, 0.0, term.time / request.system.time()]);
+        keyword("VISCOELASTIC, TIME=PRONY", rows)
+    });
+    Ok(potential + &relaxation)
+}
+
+fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
+    let has_hill = request.target == Target::Abaqus;
+    let hill = lost_hill(law);
+    losses.extend(hill.clone().filter(|_| !has_hill));
+    losses.extend(film.lost_beside_the_law());
+    // Ratios are over the curve, which is that along MD.
+    let flow = FlowCurves::of(law, along_md(law), request, Rates::One, losses)?;
+    let stress = request.system.stress();
+    let rows = flow.curves[0].1.points.iter().map(|[p, sigma]| vec![sigma / stress, *p]);
+    let mut text = elastic(law.elastic(), request) + &keyword("PLASTIC", rows);
+    if has_hill && hill.is_some() {
+        let md = along_md(law);
+        let hill = law.hill();
+        let across = |a: f64, b: f64| 1.0 / (a + b).sqrt() / md;
+        let (r22, r33) = (across(hill.f, hill.h), across(hill.f, hill.g));
+        let r12 = (1.5 / hill.n).sqrt() / md;
+        // Shear out of the plane does not act in a membrane.
+        text += &keyword("POTENTIAL", [vec![1.0, r22, r33, r12, 1.0, 1.0]]);
+    }
+    Ok(text)
+}

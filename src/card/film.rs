@@ -1,0 +1,353 @@
+//! The film of a card, in the terms of other solvers.
+
+use std::f64::consts::PI;
+
+use thiserror::Error;
+
+use super::loss::Loss;
+use super::sampled::{Sampled, of_function, thinned};
+use super::system::System;
+use super::target::Target;
+use membrane::material::{
+    Curve, Fabric, FibreLaw, FlowRate, Hardening, HyperelasticLaw, Law, Material, OgdenTerm, Plastic, Polynomial,
+    RateCurves,
+};
+
+/// A film to be written.
+#[derive(Clone, Debug)]
+pub struct Film<'a> {
+    /// Its name, in the head and where a card has a name.
+    pub name: &'a str,
+    /// Its law, density and thickness of one layer.
+    pub material: &'a Material,
+    /// What it was made from, a line each.
+    pub origin: &'a [String],
+}
+
+/// How a film is written.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The solver.
+    pub target: Target,
+    /// The system of units.
+    pub system: System,
+    /// Layers that one element stands for.
+    pub layers: u32,
+    /// Number of the material, from which those of curves follow.
+    pub id: u32,
+    /// Strain rate whose curves are written, 1/s; none for those of all rates.
+    pub rate: Option<f64>,
+    /// Most points of a curve.
+    pub points: usize,
+    /// Poisson's ratio of incompressible film in elements that need one.
+    pub poisson: f64,
+    /// Strain from which unloading curves are written; none for the ends of the curves.
+    pub unloading_from: Option<f64>,
+    /// Whether the nearest law of the target stands for one that it has not; the strain up to which their difference is
+    /// told.
+    pub approximate: Option<f64>,
+}
+
+impl Request {
+    /// A film of one layer for `target`, with the usual number of points.
+    pub fn new(target: Target, system: System) -> Request {
+        Request {
+            target,
+            system,
+            layers: 1,
+            id: 1,
+            rate: None,
+            points: 100,
+            poisson: 0.4995,
+            unloading_from: None,
+            approximate: None,
+        }
+    }
+}
+
+/// Why a film cannot be written.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Refusal {
+    /// The target has no such law.
+    #[error("{target} has no law for {law}")]
+    NoLaw {
+        /// Who.
+        target: &'static str,
+        /// The law of the film.
+        law: &'static str,
+    },
+    /// The target takes the curves of one rate only.
+    #[error("the curves are by strain rate, {} to {} 1/s, and {target} takes those of one", range[0], range[1])]
+    ManyRates {
+        /// Who.
+        target: &'static str,
+        /// Lowest and highest, 1/s.
+        range: [f64; 2],
+    },
+    /// A rate outside of those that were measured.
+    #[error("the curves are of {} to {} 1/s, not of {rate} 1/s", range[0], range[1])]
+    OtherRate {
+        /// As asked for, 1/s.
+        rate: f64,
+        /// Lowest and highest, 1/s.
+        range: [f64; 2],
+    },
+    /// The law has too many terms.
+    #[error("{target} takes {most} terms of Ogden's law, not {terms}")]
+    TooManyTerms {
+        /// Who.
+        target: &'static str,
+        /// Of the film.
+        terms: usize,
+        /// Of the target.
+        most: usize,
+    },
+}
+
+/// The curves of a fabric by strain rate, SI: nominal stress over engineering strain, in shear over the angle (rad).
+pub(crate) struct FabricCurves {
+    /// MD and TD: rate (none where the curve is of no rate, or of the one that was asked for) and curve.
+    pub(crate) fibres: [Vec<(Option<f64>, Sampled)>; 2],
+    pub(crate) shear: Sampled,
+    /// Largest slopes along MD, along TD and in shear, Pa.
+    pub(crate) slopes: [f64; 3],
+    /// Strains at which MD and TD fibres break.
+    pub(crate) ends: [f64; 2],
+    /// Share of the stored energy that is lost on unloading.
+    pub(crate) absorption: f64,
+}
+
+impl FabricCurves {
+    /// The curves of the law, if it is a fabric; `by_rate` where the target takes several rates.
+    pub(crate) fn of(
+        law: &Law,
+        request: &Request,
+        by_rate: bool,
+        losses: &mut Vec<Loss>,
+    ) -> Result<Option<FabricCurves>, Refusal> {
+        match law {
+            Law::Fabric(fabric) => {
+                let curves = |curve: &Curve| vec![(None, curve.clone())];
+                let fibres = [fabric.md(), fabric.td()].map(curves);
+                Ok(Some(FabricCurves::sampled(fabric, fibres, request, losses)))
+            }
+            Law::RateFabric(fabric) => {
+                let fibres = [rated(fabric.md(), request, by_rate)?, rated(fabric.td(), request, by_rate)?];
+                if let (Some(rate), Some(_)) = (request.rate, law.rates()) {
+                    losses.push(Loss::Rates { kept: rate });
+                }
+                Ok(Some(FabricCurves::sampled(fabric, fibres, request, losses)))
+            }
+            Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) | Law::Plastic(_) => Ok(None),
+        }
+    }
+
+    fn sampled<F: FibreLaw>(
+        fabric: &Fabric<F>,
+        fibres: [Vec<(Option<f64>, Curve)>; 2],
+        request: &Request,
+        losses: &mut Vec<Loss>,
+    ) -> FabricCurves {
+        let with_origin = |curve: &Curve| [&[[0.0, 0.0]], curve.points()].concat();
+        let thin = |curve: &Curve| thinned(&with_origin(curve), request.points);
+        let slope = |curve: &Curve| {
+            let slopes = with_origin(curve);
+            slopes.windows(2).map(|ends| (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])).fold(0.0, f64::max)
+        };
+        let stiffest =
+            |curves: &[(Option<f64>, Curve)]| curves.iter().map(|(_, curve)| slope(curve)).fold(0.0, f64::max);
+        let end =
+            |curves: &[(Option<f64>, Curve)]| curves.iter().map(|(_, curve)| curve.end()).fold(f64::INFINITY, f64::min);
+        let curves = FabricCurves {
+            slopes: [stiffest(&fibres[0]), stiffest(&fibres[1]), slope(fabric.shear())],
+            ends: [end(&fibres[0]), end(&fibres[1])],
+            fibres: fibres.map(|curves| curves.into_iter().map(|(rate, curve)| (rate, thin(&curve))).collect()),
+            shear: thin(fabric.shear()),
+            absorption: fabric.absorption(),
+        };
+        losses.extend(fabric.has_biaxial().then_some(Loss::BiaxialCoupling));
+        losses.extend(fabric.wrinkles().then_some(Loss::Wrinkling));
+        losses.extend(fabric.breaks_by_layers().then_some(Loss::LayerBreaks));
+        let [md, td] = curves.ends;
+        losses.push(Loss::BreakStrain { md, td });
+        let all = curves.fibres.iter().flatten().map(|(_, curve)| curve).chain([&curves.shear]);
+        losses.extend(sampling(all));
+        curves
+    }
+}
+
+/// The finding of curves that are off.
+pub(crate) fn sampling<'a>(curves: impl Iterator<Item = &'a Sampled>) -> Option<Loss> {
+    let (points, error) =
+        curves.fold((0, 0.0_f64), |(points, error), curve| (points.max(curve.points.len()), error.max(curve.error)));
+    (error > 0.0).then_some(Loss::Sampled { points, error })
+}
+
+fn rated(curves: &RateCurves, request: &Request, by_rate: bool) -> Result<Vec<(Option<f64>, Curve)>, Refusal> {
+    let Some(range) = curves.range() else {
+        return Ok(curves.curves().into_iter().map(|(_, curve)| (None, curve)).collect());
+    };
+    match request.rate {
+        Some(rate) if (range[0]..=range[1]).contains(&rate) => Ok(vec![(None, curves.curve_at(rate))]),
+        Some(rate) => Err(Refusal::OtherRate { rate, range }),
+        None if by_rate => Ok(curves.curves().into_iter().map(|(rate, curve)| (Some(rate), curve)).collect()),
+        None => Err(Refusal::ManyRates { target: request.target.name(), range }),
+    }
+}
+
+/// Unloading from the strain `from` of a curve by straight pieces: the curve, compressed towards it (theory.md, equation 8).
+pub(crate) fn unloading(curve: &[[f64; 2]], from: f64, absorption: f64) -> Vec<[f64; 2]> {
+    let below = curve.iter().copied().filter(|point| point[0] < from);
+    let top = [from, at(curve, from)];
+    let moved = below.chain([top]).map(|[strain, stress]| [from - (from - strain) * (1.0 - absorption), stress]);
+    let slack = (absorption > 0.0).then_some([0.0, 0.0]);
+    slack.into_iter().chain(moved).collect()
+}
+
+/// The value of straight pieces at `x`, the last one continued.
+pub(crate) fn at(points: &[[f64; 2]], x: f64) -> f64 {
+    let place = points.partition_point(|point| point[0] < x).clamp(1, points.len() - 1);
+    let ([x0, y0], [x1, y1]) = (points[place - 1], points[place]);
+    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+}
+
+/// An isotropic incompressible energy in terms of μ and α, as droptower writes Ogden's law, where it is one.
+pub(crate) fn ogden_terms(law: &HyperelasticLaw) -> Option<Vec<OgdenTerm>> {
+    match law {
+        HyperelasticLaw::Ogden(film) => Some(film.energy.terms().to_vec()),
+        // ½μ (I₁ − 3) and c₀₁ (I₂ − 3) are the terms of α = 2 and α = −2.
+        HyperelasticLaw::Polynomial(film) => {
+            let Polynomial { first: [c10, c20, c30], second } = film.energy;
+            let terms = [OgdenTerm { mu: 2.0 * c10, alpha: 2.0 }, OgdenTerm { mu: -2.0 * second, alpha: -2.0 }];
+            (c20 == 0.0 && c30 == 0.0).then(|| terms.into_iter().filter(|term| term.mu != 0.0).collect())
+        }
+        HyperelasticLaw::Gent(_) | HyperelasticLaw::CompressibleNeoHookean(_) => None,
+    }
+}
+
+/// Shear modulus of small strain of incompressible rubber, Pa.
+pub(crate) fn shear_modulus(law: &HyperelasticLaw) -> f64 {
+    match law {
+        HyperelasticLaw::Polynomial(film) => 2.0 * (film.energy.first[0] + film.energy.second),
+        HyperelasticLaw::Gent(film) => film.energy.mu,
+        HyperelasticLaw::Ogden(film) => film.energy.shear_modulus(),
+        HyperelasticLaw::CompressibleNeoHookean(film) => film.energy.young / (2.0 + 2.0 * film.energy.poisson),
+    }
+}
+
+/// Bulk modulus of film with this shear modulus and Poisson's ratio.
+pub(crate) fn bulk_modulus(shear: f64, poisson: f64) -> f64 {
+    2.0 * shear * (1.0 + poisson) / (3.0 - 6.0 * poisson)
+}
+
+/// Flow curves along MD by rate of plastic strain, SI: true stress over plastic strain.
+pub(crate) struct FlowCurves {
+    /// Rate (1/s; none where the curve is of no rate, or of the one that was asked for) and curve.
+    pub(crate) curves: Vec<(Option<f64>, Sampled)>,
+    /// D (1/s) and P of Cowper and Symonds, where the target has them.
+    pub(crate) cowper_symonds: Option<[f64; 2]>,
+}
+
+/// What a target takes of strain rates.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rates {
+    /// Nothing.
+    One,
+    /// A table of curves.
+    Table,
+    /// A table, and the law of Cowper and Symonds.
+    TableAndLaw,
+}
+
+impl FlowCurves {
+    /// The flow curves of the film, all times `factor`.
+    pub(crate) fn of(
+        law: &Plastic,
+        factor: f64,
+        request: &Request,
+        takes: Rates,
+        losses: &mut Vec<Loss>,
+    ) -> Result<FlowCurves, Refusal> {
+        /// Plastic strain up to which Voce's law, which has no end, is written.
+        const LAST: f64 = 3.0;
+        let of_points = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+            let scaled: Vec<[f64; 2]> = points.map(|[p, stress]| [p, factor * stress]).collect();
+            thinned(&scaled, request.points)
+        };
+        let slow = || match law.hardening() {
+            Hardening::Table(curve) => of_points(&mut curve.points()),
+            Hardening::Voce(_) => of_function(|p| factor * law.hardening().stress(p), LAST, request.points),
+        };
+        let mut cowper_symonds = None;
+        let curves = match (law.rate(), request.rate) {
+            (FlowRate::Independent, _) => vec![(None, slow())],
+            (FlowRate::CowperSymonds(found), None) => {
+                match takes {
+                    Rates::TableAndLaw => cowper_symonds = Some([found.reference, found.exponent]),
+                    Rates::One | Rates::Table => losses.push(Loss::RateLaw),
+                }
+                vec![(None, slow())]
+            }
+            (FlowRate::Table(table), None) => {
+                let range = law.rates().unwrap_or_default();
+                if takes == Rates::One {
+                    return Err(Refusal::ManyRates { target: request.target.name(), range });
+                }
+                let above = table.above().map(|(rate, curve)| (Some(rate), of_points(&mut curve.points())));
+                std::iter::once((Some(table.lowest()), slow())).chain(above).collect()
+            }
+            (FlowRate::CowperSymonds(_) | FlowRate::Table(_), Some(rate)) => {
+                if let Some(range) = law.rates().filter(|range| !(range[0]..=range[1]).contains(&rate)) {
+                    return Err(Refusal::OtherRate { rate, range });
+                }
+                losses.push(Loss::Rates { kept: rate });
+                let end = if law.hardening().end().is_finite() { law.hardening().end() } else { LAST };
+                vec![(None, of_function(|p| factor * law.flow_stress(p, rate), end, request.points))]
+            }
+        };
+        losses.extend(sampling(curves.iter().map(|(_, curve)| curve)));
+        Ok(FlowCurves { curves, cowper_symonds })
+    }
+}
+
+impl Film<'_> {
+    /// Whether it carries no compression.
+    pub(crate) fn wrinkling(&self) -> bool {
+        wrinkles(&self.material.law)
+    }
+
+    /// What a card loses that has neither rupture nor relaxation.
+    pub(crate) fn lost_beside_the_law(&self) -> impl Iterator<Item = Loss> {
+        let rupture = self.material.rupture.as_ref().map(|_| Loss::Rupture);
+        let viscosity = self.material.viscosity.as_ref().map(|_| Loss::Viscosity);
+        rupture.into_iter().chain(viscosity)
+    }
+}
+
+/// Whether isotropic film carries no compression.
+pub(crate) fn wrinkles(law: &Law) -> bool {
+    match law {
+        Law::TensionField(_) => true,
+        Law::Hyperelastic(law) => match law {
+            HyperelasticLaw::Polynomial(film) => film.wrinkling,
+            HyperelasticLaw::Gent(film) => film.wrinkling,
+            HyperelasticLaw::Ogden(film) => film.wrinkling,
+            HyperelasticLaw::CompressibleNeoHookean(film) => film.wrinkling,
+        },
+        Law::Fabric(_) | Law::RateFabric(_) | Law::Elastic(_) | Law::Plastic(_) => false,
+    }
+}
+
+/// Yield stress along MD over that of the hardening.
+pub(crate) fn along_md(law: &Plastic) -> f64 {
+    law.hill().stress_ratio(0.0)
+}
+
+/// The finding that a card has von Mises' yield function, where the film has another.
+pub(crate) fn lost_hill(law: &Plastic) -> Option<Loss> {
+    let is_isotropic = [0.0, 0.25 * PI, 0.5 * PI].iter().all(|angle| {
+        (law.hill().stress_ratio(*angle) - along_md(law)).abs() < 1e-9
+            && (law.hill().strain_ratio(*angle) - 1.0).abs() < 1e-9
+    });
+    (!is_isotropic).then_some(Loss::Hill)
+}

@@ -1,0 +1,164 @@
+//! Cards: an identified film in the material formats of other solvers.
+//!
+//! A [`Film`] and a [`Request`] give a [`Card`]: the text, and what it does not say of the film. Each solver has a module that
+//! knows its format and nothing of the others; what they share is the film in their terms (`film`), curves with few points
+//! (`sampled`), numbers in columns (`number`) and systems of units (`system`).
+#![warn(missing_docs)]
+
+mod abaqus;
+mod approximate;
+mod curves;
+mod febio;
+mod film;
+mod kratos;
+mod loss;
+mod ls_dyna;
+mod number;
+mod openradioss;
+pub mod read;
+mod sampled;
+mod system;
+mod target;
+
+pub use film::{Film, Refusal, Request};
+pub use loss::{CODES, Loss};
+pub use system::System;
+pub use target::Target;
+
+use approximate::{Nearest, difference, nearest};
+use base::number::significant;
+use membrane::material::Material;
+
+/// A card.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Card {
+    /// Its text.
+    pub text: String,
+    /// What it does not say of the film, or has otherwise.
+    pub losses: Vec<Loss>,
+}
+
+/// Writes a film.
+///
+/// # Errors
+/// [`Refusal`]: the target cannot hold its law.
+pub fn write(film: &Film<'_>, request: &Request) -> Result<Card, Refusal> {
+    // A name of a stranger's is one line and no keyword.
+    let film = Film { name: &title(film.name), ..film.clone() };
+    let refusal = match written(&film, request, vec![]) {
+        Err(refusal @ Refusal::NoLaw { .. }) => refusal,
+        other => return other,
+    };
+    let law = &film.material.law;
+    let (Some(strain), Some(Nearest { law: near, words })) = (request.approximate, nearest(law, request.target)) else {
+        return Err(refusal);
+    };
+    let loss = Loss::Approximated { by: words, error: difference(law, &near, strain), strain };
+    let material = Material { law: near, ..film.material.clone() };
+    written(&Film { material: &material, ..film.clone() }, request, vec![loss])
+}
+
+fn written(film: &Film<'_>, request: &Request, mut losses: Vec<Loss>) -> Result<Card, Refusal> {
+    let text = match request.target {
+        Target::LsDyna => {
+            ls_dyna::write(film, request, &mut losses).map(|body| commented("$ ", film, request, &losses) + &body)?
+        }
+        Target::OpenRadioss => {
+            let body = openradioss::write(film, request, &mut losses)?;
+            // The first line tells the reader what follows.
+            let (first, rest) = body.split_once('\n').unwrap_or((&body, ""));
+            format!("{first}\n{}{rest}", commented("# ", film, request, &losses))
+        }
+        Target::Abaqus | Target::CalculiX => {
+            let body = abaqus::write(film, request, &mut losses)?;
+            commented("** ", film, request, &losses) + &body
+        }
+        Target::Febio => {
+            let body = febio::write(film, request, &mut losses)?;
+            // Two hyphens would end a comment.
+            let head = commented("  ", film, request, &losses).replace("--", "- -");
+            format!("<!--\n{head}-->\n{body}")
+        }
+        Target::Kratos => kratos::write(film, request, &mut losses)?(head(film, request, &losses)),
+        Target::Curves => {
+            let body = curves::write(film, request, &mut losses)?;
+            commented("# ", film, request, &losses) + &body
+        }
+    };
+    Ok(Card { text, losses })
+}
+
+/// The head as lines of comments.
+fn commented(mark: &str, film: &Film<'_>, request: &Request, losses: &[Loss]) -> String {
+    head(film, request, losses).iter().map(|line| format!("{}\n", format!("{mark}{line}").trim_end())).collect()
+}
+
+/// What a card says of itself: what it was made from, its units and measures, and what it lacks. ASCII, since not every reader
+/// takes more.
+fn head(film: &Film<'_>, request: &Request, losses: &[Loss]) -> Vec<String> {
+    let system = request.system;
+    let [mass, length, time, force, stress] = system.words();
+    let thickness = film.material.thickness / system.length();
+    let mut lines =
+        vec![format!("{} for {}, by droptower {}", film.name, request.target.name(), env!("CARGO_PKG_VERSION"))];
+    lines.extend(film.origin.iter().cloned());
+    lines.push(format!("units: {} ({mass}, {length}, {time}; {force}, {stress})", system.name()));
+    lines.push(format!(
+        "thickness of one layer {} {length}; {} layers: {} {length}",
+        significant(thickness, 6),
+        request.layers,
+        significant(thickness * f64::from(request.layers), 6)
+    ));
+    lines.push(measures(film, request.target).to_owned());
+    lines.extend(losses.iter().map(Loss::to_string));
+    lines.iter().map(|line| ascii(line)).collect()
+}
+
+/// The units that the head of a card of droptower's names.
+pub fn units_of(card: &str) -> Option<System> {
+    let rest = in_head(card, "units: ")?;
+    System::from_name(rest.split_whitespace().next()?)
+}
+
+/// The thickness of one layer (m) that the head of a card of droptower's names.
+pub fn thickness_of(card: &str, system: System) -> Option<f64> {
+    let rest = in_head(card, "thickness of one layer ")?;
+    let value: f64 = rest.split_whitespace().next()?.parse().ok()?;
+    (value > 0.0 && value.is_finite()).then(|| value * system.length())
+}
+
+/// What follows `words` in a line of the head.
+fn in_head<'a>(card: &'a str, words: &str) -> Option<&'a str> {
+    /// Lines of a head.
+    const LINES: usize = 40;
+    card.lines().take(LINES).find_map(|line| Some(line.split_once(words)?.1))
+}
+
+/// Stress and strain of the law that was written.
+fn measures(film: &Film<'_>, target: Target) -> &'static str {
+    use membrane::material::Law;
+    match &film.material.law {
+        Law::Fabric(_) | Law::RateFabric(_) if target == Target::Curves => {
+            "force per width of all layers over engineering strain, in shear over the angle (rad); the text of VPS' card is not \
+             known here"
+        }
+        Law::Fabric(_) | Law::RateFabric(_) => {
+            "nominal stress over engineering strain along the fibres, shear stress over shear angle"
+        }
+        Law::Elastic(_) | Law::TensionField(_) => "linear elastic",
+        Law::Hyperelastic(_) => "an energy of the principal stretches",
+        Law::Plastic(_) => "true stress over equivalent plastic strain",
+    }
+}
+
+/// A name that no reader takes for a keyword or a comment.
+fn title(name: &str) -> String {
+    let name = ascii(name);
+    if name.starts_with(|c: char| c.is_ascii_alphanumeric()) { name } else { format!("film {name}") }
+}
+
+/// One line without characters that a reader might not take.
+fn ascii(text: &str) -> String {
+    let replaced = text.replace('ν', "nu").replace('µ', "u").replace('–', "-").replace('°', " deg");
+    replaced.chars().map(|c| if c.is_ascii() && !c.is_ascii_control() { c } else { '?' }).collect()
+}

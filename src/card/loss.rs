@@ -1,0 +1,112 @@
+//! What a card does not say of the film: findings that stand in its head and on the terminal.
+
+use base::findings;
+use base::number::significant;
+
+findings! {
+    /// Something that the film has and the card does not, or has otherwise.
+    #[derive(Clone, Debug, PartialEq)]
+    pub enum Loss {
+        BiaxialCoupling = "card-biaxial-coupling", Warning;
+            meaning "the biaxial coupling of MD and TD has no place in the card";
+            remedy "identify the film without `biaxial` for that solver, or compare both under biaxial load";
+            message "lost: biaxial coupling of MD and TD";
+        FromMemory {
+            what: &'static str, "of the card" => "what";
+        } = "card-from-memory", Note;
+            meaning "a part of the card follows what is remembered of the solver's manual, not the manual";
+            remedy "compare it with the manual before the card is used";
+            message "from memory: {what}";
+        Wrinkling = "card-wrinkling", Note;
+            meaning "film carries no compression here; in the other solver that is a matter of its element or an option";
+            remedy "use a membrane without compression there, and compare a case with wrinkles";
+            message "lost: the film carries no compression in any direction (tension field)";
+        Rates {
+            kept: f64, "rate of the curves that were written, 1/s" => "rate_per_s";
+        } = "card-rates", Warning;
+            meaning "the card holds the curves of one strain rate, the film those of several";
+            remedy "name the rate of the load with `--rate`, and write a card for each";
+            message "lost: strain rates but {} 1/s", significant(*kept, 6);
+        RateLaw = "card-rate-law", Warning;
+            meaning "the flow stress of the film rises with the rate, that of the card does not";
+            remedy "write the curve of a rate with `--rate`";
+            message "lost: the flow stress grows with the strain rate";
+        LayerBreaks = "card-layer-breaks", Warning;
+            meaning "the layers of the film break one after another, those of the card at once or never";
+            remedy "model the layers one by one there";
+            message "lost: layers break one after another";
+        Absorption {
+            share: f64, "share of the stored energy that is lost" => "absorption";
+        } = "card-absorption", Warning;
+            meaning "the film absorbs energy on unloading, the material of the card does not, or only on one path";
+            remedy "compare the rebound, or use a target with unloading curves";
+            message "lost: {} % of the stored energy are absorbed on unloading", significant(100.0 * share, 4);
+        UnloadingFrom {
+            md: f64, "strain from which unloading along MD is exact" => "strain_md";
+            td: f64, "the same along TD" => "strain_td";
+        } = "card-unloading-from", Note;
+            meaning "the unloading curves of the card are those from one strain; from another one the film follows others";
+            remedy "write the card for the strain that the film reaches, with `--unloading-from`";
+            message "unloading curves are those from the strains {} (MD) and {} (TD)", significant(*md, 4), significant(*td, 4);
+        Hysteresis {
+            share: f64, "share of the stored energy that is lost" => "absorption";
+        } = "card-hysteresis", Note;
+            meaning "the parameter of hysteresis is the share of the stored energy that is lost; that its path is that of \
+                droptower is from memory";
+            remedy "compare one cycle of loading and unloading";
+            message "H is the share {} of the stored energy that is lost; the path between is the solver's own", significant(*share, 4);
+        Hill = "card-hill", Warning;
+            meaning "the yield function of the film is Hill's, that of the card von Mises'";
+            remedy "use a target with Hill's function, or accept the MD direction in all";
+            message "lost: yield and flow differ along MD and TD (Hill); those along MD are written for all directions";
+        BreakStrain {
+            md: f64, "strain at which MD fibres break" => "strain_md";
+            td: f64, "the same along TD" => "strain_td";
+        } = "card-break-strain", Warning;
+            meaning "fibres break at the ends of their curves, the material of the card goes on with the last slope";
+            remedy "add a failure criterion of the solver at these strains";
+            message "lost: fibres break at the strains {} (MD) and {} (TD)", significant(*md, 6), significant(*td, 6);
+        Rupture = "card-rupture", Warning;
+            meaning "the rupture criterion of the film has no place in the card";
+            remedy "add a failure criterion of the solver";
+            message "lost: rupture by a criterion of its own";
+        Viscosity = "card-viscosity", Warning;
+            meaning "the film relaxes by a Prony series, the material of the card does not";
+            remedy "use a target with Prony terms for this law, or write a law identified at the rate of the load";
+            message "lost: relaxation by a Prony series; the stress is that of the law as written";
+        LinearViscosity = "card-linear-viscosity", Note;
+            meaning "Prony moduli are those of small strain: the solver's overstress is linear in the strain, that of \
+                droptower a share of the law's stress";
+            remedy "compare one relaxation at the strain of the load";
+            message "Prony moduli are of small strain, G_i = g_i G";
+        Compressible {
+            poisson: f64, "Poisson's ratio that was written" => "poisson";
+        } = "card-compressible", Note;
+            meaning "the film is incompressible; elements of the other solver need a bulk modulus, which plane stress does not";
+            remedy "another one: `--poisson`";
+            message "the film is incompressible; a bulk modulus for ν = {} is written", significant(*poisson, 6);
+        StrainMeasure {
+            law: &'static str, "of the card" => "law";
+        } = "card-strain-measure", Note;
+            meaning "the law of the card is linear in another measure of strain than St. Venant-Kirchhoff's; both agree for \
+                small strain";
+            remedy "compare at the largest strain";
+            message "the law of the film is linear in Green's strain, that of the card ({law}) in another: equal for small strain";
+        Sampled {
+            points: usize, "of the longest curve" => "points";
+            error: f64, "largest difference over the largest stress" => "error";
+        } = "card-sampled", Note;
+            meaning "a curve has more points than the card may have, or none, and is written by straight pieces";
+            remedy "more points: `--points`";
+            message "curves of at most {points} points: off by at most {} % of the largest stress", significant(100.0 * error, 2);
+        Approximated {
+            by: &'static str, "the law that was written" => "by";
+            error: f64, "largest difference of stress over the largest stress of a path" => "error";
+            strain: f64, "up to which the paths go" => "strain";
+        } = "card-approximated", Warning;
+            meaning "the target has no such law; the nearest one that it has was written, as `--approximate` asks";
+            remedy "compare the load that matters";
+            message "approximated by {by}: on paths up to the strain {} off by up to {} % of their largest stress",
+                significant(*strain, 3), significant(100.0 * error, 2);
+    }
+}

@@ -1,0 +1,322 @@
+//! Cards of LS-DYNA: keywords with cards of eight fields.
+//!
+//! Fields as the keyword classes of pydyna name them (ansys/pydyna, `keyword_classes/auto/mat`). A field has 10 columns, or 20
+//! where a number needs them: the keyword then ends with `+`, which is LS-DYNA's long format of one keyword (from memory).
+
+use super::film::{
+    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, lost_hill, ogden_terms, shear_modulus, unloading,
+};
+use super::loss::Loss;
+use super::number::in_columns;
+use super::sampled::Sampled;
+use super::system::System;
+use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, Viscosity};
+
+const NAME: &str = "LS-DYNA";
+
+/// Terms of Ogden's law.
+const TERMS: usize = 8;
+
+/// A field of a card.
+#[derive(Clone, Copy)]
+enum Field {
+    /// Left to its default.
+    Blank,
+    Whole(i64),
+    Real(f64),
+}
+
+use Field::{Blank, Real, Whole};
+
+/// A keyword and its cards.
+struct Keyword<'a> {
+    name: &'a str,
+    /// In a line of its own.
+    title: Option<&'a str>,
+    /// Names of the fields of each card, for a comment, and the fields.
+    cards: Vec<(&'static str, Vec<Field>)>,
+}
+
+impl Keyword<'_> {
+    fn text(&self) -> String {
+        let fields = || self.cards.iter().flat_map(|(_, fields)| fields);
+        let is_short = |field: &Field| !matches!(field, Real(value) if in_columns(*value, 10).is_none());
+        let (width, plus) = if fields().all(is_short) { (10, "") } else { (20, "+") };
+        let mut text = match self.title {
+            Some(title) => format!("*{}_TITLE{plus}\n{title}\n", self.name),
+            None => format!("*{}{plus}\n", self.name),
+        };
+        for (names, fields) in &self.cards {
+            let names: String = names.split(' ').map(|name| format!("{name:>width$}")).collect();
+            let fields: String = fields.iter().map(|field| format!("{:>width$}", shown(*field, width))).collect();
+            // The `$` of a comment stands in the first column of the first name.
+            text += &format!("${}\n{}\n", &names[1..], fields.trim_end());
+        }
+        text
+    }
+}
+
+fn shown(field: Field, width: usize) -> String {
+    match field {
+        Blank => String::new(),
+        Whole(number) => number.to_string(),
+        Real(value) => in_columns(value, width).unwrap_or_default(),
+    }
+}
+
+/// The card without its head.
+pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
+    let body = match &film.material.law {
+        Law::Fabric(_) | Law::RateFabric(_) => fabric(film, request, losses)?,
+        Law::Elastic(elastic) => {
+            losses.push(Loss::StrainMeasure { law: "*MAT_ELASTIC, hypoelastic" });
+            isotropic(film, elastic, request)
+        }
+        Law::TensionField(film_field) => {
+            losses.extend([Loss::Wrinkling, Loss::StrainMeasure { law: "*MAT_ELASTIC, hypoelastic" }]);
+            isotropic(film, &film_field.0, request)
+        }
+        Law::Hyperelastic(law) => rubber(film, law, request, losses)?,
+        Law::Plastic(law) => plastic(film, law, request, losses)?,
+    };
+    Ok(format!("*KEYWORD\n{body}*END\n"))
+}
+
+fn isotropic(film: &Film<'_>, elastic: &Elastic, request: &Request) -> String {
+    let of = Units(request.system);
+    let cards = vec![(
+        "mid ro e pr da db k",
+        vec![of.id(request), of.density(film), of.stress(elastic.young), Real(elastic.poisson)],
+    )];
+    Keyword { name: "MAT_ELASTIC", title: Some(film.name), cards }.text()
+}
+
+/// Fields of values in a system of units.
+#[derive(Clone, Copy)]
+struct Units(System);
+
+impl Units {
+    fn id(self, request: &Request) -> Field {
+        Whole(request.id.into())
+    }
+
+    fn density(self, film: &Film<'_>) -> Field {
+        Real(film.material.density / self.0.density())
+    }
+
+    fn stress(self, stress: f64) -> Field {
+        Real(stress / self.0.stress())
+    }
+
+    fn rate(self, rate: f64) -> Field {
+        Real(rate * self.0.time())
+    }
+}
+
+fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
+    let of = Units(request.system);
+    let law = &film.material.law;
+    let curves = FabricCurves::of(law, request, true, losses)?.expect("a fabric");
+    let stress = request.system.stress();
+    let mut numbers = Numbers::of(request);
+    let mut text = String::new();
+    let mut below = vec![];
+    for (fibre, name) in curves.fibres.iter().zip(["MD", "TD"]) {
+        below.push(stresses(name, fibre, stress, &mut numbers, &mut text, request));
+    }
+    below.push(Whole(curve(
+        &mut numbers,
+        &mut text,
+        "shear stress over shear angle (rad)",
+        &curves.shear.points,
+        [1.0, stress],
+    )));
+    // Unloading curves are those from one strain; without them and without hysteresis film unloads on its curve.
+    let mut form = 14;
+    let mut hysteresis = 0.0;
+    match request.unloading_from {
+        _ if curves.absorption == 0.0 => {}
+        Some(from) => {
+            let strains = curves.ends.map(|end| end.min(from));
+            losses.push(Loss::UnloadingFrom { md: strains[0], td: strains[1] });
+            for ((fibre, name), from) in curves.fibres.iter().zip(["MD", "TD"]).zip(strains) {
+                let Some((_, slowest)) = fibre.first() else { continue };
+                let points = unloading(&slowest.points, from, curves.absorption);
+                below.push(Whole(curve(
+                    &mut numbers,
+                    &mut text,
+                    &format!("{name}, unloading"),
+                    &points,
+                    [1.0, stress],
+                )));
+            }
+            let last = curves.shear.points.last().map_or(0.0, |point| point[0]);
+            let points = unloading(&curves.shear.points, last, curves.absorption);
+            below.push(Whole(curve(&mut numbers, &mut text, "shear, unloading", &points, [1.0, stress])));
+        }
+        None => {
+            (form, hysteresis) = (-14, curves.absorption);
+            losses.push(Loss::Hysteresis { share: curves.absorption });
+        }
+    }
+    losses.extend(film.lost_beside_the_law());
+    let [md, td, shear] = curves.slopes.map(|slope| of.stress(slope));
+    let mut cards = vec![
+        ("mid ro ea eb - prba prab -", vec![of.id(request), of.density(film), md, td, Blank, Real(0.0), Real(0.0)]),
+        ("gab - - cse el prl lratio damp", vec![shear, Blank, Blank, Real(1.0)]),
+        ("aopt flc fac ela lnrc form fvopt tsrfac", vec![Real(2.0), Blank, Blank, Blank, Blank, Whole(form)]),
+        ("- rgbrth a0ref a1 a2 a3 x0 x1", vec![Blank, Blank, Blank, Real(1.0), Real(0.0), Real(0.0)]),
+        ("v1 v2 v3 - - - beta isrefg", vec![]),
+        ("lca lcb lcab lcua lcub lcuab rl -", below),
+    ];
+    if form == -14 {
+        cards.push(("lcaa lcbb h dt - ecoat scoat tcoat", vec![Blank, Blank, Real(hysteresis)]));
+    }
+    Ok(Keyword { name: "MAT_FABRIC", title: Some(film.name), cards }.text() + &text)
+}
+
+/// Numbers of curves, one after the other from a hundred times that of the material on.
+struct Numbers(i64);
+
+impl Numbers {
+    fn of(request: &Request) -> Numbers {
+        Numbers(100 * i64::from(request.id))
+    }
+
+    fn next(&mut self) -> i64 {
+        self.0 += 1;
+        self.0
+    }
+}
+
+/// Adds a curve, whose abscissas and ordinates are divided by `units`; its number.
+fn curve(numbers: &mut Numbers, text: &mut String, title: &str, points: &[[f64; 2]], units: [f64; 2]) -> i64 {
+    /// Points of the curve that the solver reads off it: its own 100 would cut the corners.
+    const READ: i64 = 2000;
+    let number = numbers.next();
+    let fields = vec![Whole(number), Blank, Real(1.0), Real(1.0), Real(0.0), Real(0.0), Blank, Whole(READ)];
+    let cards = vec![("lcid sidr sfa sfo offa offo dattyp lcint", fields)];
+    *text += &format!("$ {title}\n{}", Keyword { name: "DEFINE_CURVE", title: None, cards }.text());
+    for [x, y] in points {
+        let [x, y] = [x / units[0], y / units[1]].map(|value| shown(Real(value), 20));
+        *text += &format!("{x:>20}{y:>20}\n");
+    }
+    number
+}
+
+/// Adds the curves of a fibre set or of flow, several as a table by rate; the number of the curve or the table.
+fn stresses(
+    title: &str,
+    curves: &[(Option<f64>, Sampled)],
+    stress: f64,
+    numbers: &mut Numbers,
+    text: &mut String,
+    request: &Request,
+) -> Field {
+    if let [(_, only)] = curves {
+        return Whole(curve(numbers, text, title, &only.points, [1.0, stress]));
+    }
+    // The curves of a table follow it, in the order of their rates.
+    let table = numbers.next();
+    let mut rates = String::new();
+    for (rate, _) in curves {
+        let rate = shown(Units(request.system).rate(rate.unwrap_or_default()), 20);
+        rates += &format!("{rate:>20}\n");
+    }
+    let cards = vec![("tbid sfa offa", vec![Whole(table), Real(1.0), Real(0.0)])];
+    *text +=
+        &format!("$ {title}, by strain rate\n{}{rates}", Keyword { name: "DEFINE_TABLE", title: None, cards }.text());
+    for (rate, sampled) in curves {
+        let title = format!("{title} at {} 1/s", rate.unwrap_or_default());
+        curve(numbers, text, &title, &sampled.points, [1.0, stress]);
+    }
+    Whole(table)
+}
+
+fn rubber(
+    film: &Film<'_>,
+    law: &HyperelasticLaw,
+    request: &Request,
+    losses: &mut Vec<Loss>,
+) -> Result<String, Refusal> {
+    let of = Units(request.system);
+    let poisson = match law {
+        HyperelasticLaw::CompressibleNeoHookean(_) | HyperelasticLaw::Gent(_) => {
+            let law =
+                if matches!(law, HyperelasticLaw::Gent(_)) { "Gent's energy" } else { "compressible neo-Hookean film" };
+            return Err(Refusal::NoLaw { target: NAME, law });
+        }
+        HyperelasticLaw::Polynomial(_) | HyperelasticLaw::Ogden(_) => request.poisson,
+    };
+    losses.push(Loss::Compressible { poisson });
+    losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
+    losses.extend(film.material.rupture.as_ref().map(|_| Loss::Rupture));
+    // Prony moduli are added to the law, which is that of film that has relaxed.
+    let relaxed = film.material.viscosity.as_ref().map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
+    let head = |name: &'static str| {
+        (name, vec![of.id(request), of.density(film), Real(poisson), Whole(0), Blank, Blank, Blank, Blank])
+    };
+    let mut keyword = match (law, ogden_terms(law)) {
+        (HyperelasticLaw::Polynomial(rubber), _) => {
+            let Polynomial { first: [c10, c20, c30], second } = rubber.energy;
+            let [c10, c20, c30, c01] = [c10, c20, c30, second].map(|c| of.stress(relaxed * c));
+            let coefficients = vec![c10, c01, Real(0.0), c20, Real(0.0), c30];
+            let cards = vec![head("mid ro pr n nv g sigf ref"), ("c10 c01 c11 c20 c02 c30 therml", coefficients)];
+            Keyword { name: "MAT_HYPERELASTIC_RUBBER", title: Some(film.name), cards }
+        }
+        (_, Some(terms)) => {
+            if terms.len() > TERMS {
+                return Err(Refusal::TooManyTerms { target: NAME, terms: terms.len(), most: TERMS });
+            }
+            let mu = terms.iter().map(|term| of.stress(relaxed * term.mu)).collect();
+            let alpha = terms.iter().map(|term| Real(term.alpha)).collect();
+            let cards = vec![
+                head("mid ro pr n nv g sigf ref"),
+                ("mu1 mu2 mu3 mu4 mu5 mu6 mu7 mu8", mu),
+                ("alpha1 alpha2 alpha3 alpha4 alpha5 alpha6 alpha7 alpha8", alpha),
+            ];
+            Keyword { name: "MAT_OGDEN_RUBBER", title: Some(film.name), cards }
+        }
+        (_, None) => return Err(Refusal::NoLaw { target: NAME, law: "this energy" }),
+    };
+    if let Some(viscosity) = &film.material.viscosity {
+        losses.push(Loss::LinearViscosity);
+        keyword.cards.extend(prony(viscosity, shear_modulus(law), of));
+    }
+    Ok(keyword.text())
+}
+
+/// A card for each term: modulus and decay constant.
+fn prony(viscosity: &Viscosity, shear: f64, of: Units) -> impl Iterator<Item = (&'static str, Vec<Field>)> {
+    let instant = viscosity.instant() * shear;
+    let terms = viscosity.terms().iter();
+    terms.map(move |term| ("gi betai vflag", vec![of.stress(instant * term.share), of.rate(1.0 / term.time)]))
+}
+
+fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
+    let of = Units(request.system);
+    let flow = FlowCurves::of(law, along_md(law), request, Rates::TableAndLaw, losses)?;
+    losses.extend(lost_hill(law));
+    losses.extend(film.lost_beside_the_law());
+    let (mut numbers, mut text) = (Numbers::of(request), String::new());
+    let title = "true stress over plastic strain";
+    let lcss = stresses(title, &flow.curves, request.system.stress(), &mut numbers, &mut text, request);
+    let [c, p, vp] = match flow.cowper_symonds {
+        Some([reference, exponent]) => [of.rate(reference), Real(exponent), Real(1.0)],
+        // Viscoplastic, so that a table is read at the rate of plastic strain.
+        None if flow.curves.len() > 1 => [Blank, Blank, Real(1.0)],
+        None => [Blank; 3],
+    };
+    let Elastic { young, poisson } = law.elastic();
+    let yields = flow.curves[0].1.points[0][1];
+    let cards = vec![
+        (
+            "mid ro e pr sigy etan fail tdel",
+            vec![of.id(request), of.density(film), of.stress(*young), Real(*poisson), of.stress(yields)],
+        ),
+        ("c p lcss lcsr vp", vec![c, p, lcss, Blank, vp]),
+        ("eps1 eps2 eps3 eps4 eps5 eps6 eps7 eps8", vec![]),
+        ("es1 es2 es3 es4 es5 es6 es7 es8", vec![]),
+    ];
+    Ok(Keyword { name: "MAT_PIECEWISE_LINEAR_PLASTICITY", title: Some(film.name), cards }.text() + &text)
+}

@@ -1,0 +1,253 @@
+//! Cards of other solvers, read back as films.
+//!
+//! Three steps, one a module each way: lines and fields of a format with their places, the fields of a material in the terms of
+//! its solver, and the film. What is not understood is named; what changes the film and is not understood is refused.
+
+mod abaqus;
+mod blocks;
+mod curve;
+mod fields;
+mod ls_dyna;
+mod openradioss;
+mod text;
+
+use thiserror::Error;
+
+use super::system::System;
+use base::findings;
+
+pub use text::material;
+
+/// A film that was read, SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Its name or number in the card.
+    pub name: String,
+    /// kg/m³.
+    pub density: f64,
+    /// Its law.
+    pub law: FoundLaw,
+    /// Prony series: shares of the instantaneous stress and relaxation times, s.
+    pub prony: Vec<[f64; 2]>,
+}
+
+/// The law of a film that was read, in the terms of a material file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FoundLaw {
+    /// Two fibre sets and shear.
+    Fabric {
+        /// MD and TD: rate (1/s; none where there is one curve) and points of engineering strain and nominal stress (Pa).
+        fibres: [Vec<(Option<f64>, Points)>; 2],
+        /// Shear stress (Pa) over shear angle (rad).
+        shear: Points,
+        /// Share of the stored energy that is lost on unloading.
+        absorption: f64,
+    },
+    /// Linear.
+    Elastic {
+        /// Pa.
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+    },
+    /// Mooney's, Rivlin's and Yeoh's energies: c₁₀, c₀₁, c₂₀ and c₃₀, Pa.
+    Polynomial([f64; 4]),
+    /// Ogden's energy: μ (Pa) and α of each term, Σ μ/α (…).
+    Ogden(Vec<[f64; 2]>),
+    /// Elastoplastic.
+    Plastic {
+        /// Pa.
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// Rate (1/s; none where there is one curve) and points of plastic strain and true stress (Pa).
+        curves: Vec<(Option<f64>, Points)>,
+        /// D (1/s) and P of Cowper and Symonds.
+        cowper_symonds: Option<[f64; 2]>,
+        /// Hill's yield function; none for von Mises'.
+        hill: Option<FoundHill>,
+    },
+}
+
+/// Hill's yield function, in one of its two forms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FoundHill {
+    /// Lankford values at 0, 45 and 90° from MD.
+    StrainRatios([f64; 3]),
+    /// R₁₁, R₂₂, R₃₃ and R₁₂: yield stresses over that of the curve, in shear over that divided by √3.
+    StressRatios([f64; 4]),
+}
+
+/// Points of a curve.
+pub type Points = Vec<[f64; 2]>;
+
+/// A card that was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Its film.
+    pub film: Found,
+    /// What it says besides.
+    pub warnings: Vec<Warning>,
+}
+
+/// A place in a card.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+}
+
+findings! {
+    /// Something in a card that the film does not have.
+    #[derive(Clone, Debug, PartialEq)]
+    pub enum Warning {
+        Field {
+            line: usize, "line of the card" => "line";
+            name: String, "of the field" => "field";
+            value: String, "as written" => "value";
+        } = "card-field-not-read", Warning;
+            meaning "a field of the card has a value that no key of a material stands for";
+            remedy "check whether it changes the film; if so, that is not in the material";
+            message "line {line}: {name} = {value} is not read";
+        Keyword {
+            line: usize, "line of the card" => "line";
+            name: String, "of the keyword" => "keyword";
+        } = "card-keyword-not-read", Note;
+            meaning "a keyword of the card is none of a material that is known here";
+            remedy "nothing, if it is not about the film";
+            message "line {line}: {name} is not read";
+        Others {
+            read: String, "the material that was read" => "read";
+            others: usize, "materials in the card besides" => "others";
+        } = "card-other-materials", Warning;
+            meaning "the card has several materials, of which one was read";
+            remedy "name another one: `--material`";
+            message "{others} other materials in the card are not read; {read} is";
+    }
+}
+
+/// Why a card cannot be read.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Fault {
+    /// Nothing in it says which solver it is for.
+    #[error("this is no card: no line begins with a keyword of LS-DYNA, OpenRadioss, Abaqus or CalculiX")]
+    UnknownFormat,
+    /// There is no material that is known.
+    #[error("there is no material that is known here")]
+    NoMaterial,
+    /// There is no material of this name.
+    #[error("there is no material {0}")]
+    NoSuchMaterial(String),
+    /// A field is no number.
+    #[error("{name} is not a number: `{text}`")]
+    NotANumber {
+        /// Of the field.
+        name: &'static str,
+        /// As written.
+        text: String,
+    },
+    /// A field that the film needs is empty or zero.
+    #[error("{name} is missing")]
+    Missing {
+        /// Of the field.
+        name: &'static str,
+    },
+    /// A value that a film cannot have.
+    #[error("{name} is {value}, expected {expected}")]
+    Outside {
+        /// Of the field.
+        name: &'static str,
+        /// As written.
+        value: f64,
+        /// In words.
+        expected: &'static str,
+    },
+    /// A line is longer than its fields.
+    #[error("the line has {found} columns, a card at most {most}: are its fields {width} columns wide?")]
+    TooLong {
+        /// Columns.
+        found: usize,
+        /// Columns of all fields.
+        most: usize,
+        /// Columns of one.
+        width: usize,
+    },
+    /// A tab moves fields to other columns in every reader.
+    #[error("a tab: in columns it stands for a number of blanks that readers disagree on")]
+    Tab,
+    /// A keyword has fewer lines than it needs.
+    #[error("{keyword} ends before its card {card}")]
+    TooShort {
+        /// Which.
+        keyword: String,
+        /// From 1.
+        card: usize,
+    },
+    /// Another file is part of the card.
+    #[error("{0} would read another file: put its lines here")]
+    Include(String),
+    /// Values by name.
+    #[error("`{0}` is a parameter: write its value")]
+    Parameter(String),
+    /// A curve or table that is named is not there.
+    #[error("there is no curve or table {0}")]
+    NoCurve(i64),
+    /// A curve that is no law of a film.
+    #[error("curve {curve}: {why}")]
+    BadCurve {
+        /// Its number.
+        curve: i64,
+        /// In words.
+        why: String,
+    },
+    /// A variant of the law that is not known here.
+    #[error("{0}")]
+    Unknown(String),
+}
+
+/// A fault with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mistake {
+    /// Where.
+    pub place: Place,
+    /// What.
+    pub fault: Fault,
+}
+
+/// Reads the film of a card in the units of `system`; of several materials the one whose number or title is `wanted`, else the
+/// first.
+///
+/// # Errors
+/// [`Mistake`], the first.
+pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading, Mistake> {
+    let first = card.lines().map(str::trim_end).find(|line| line.starts_with(['*', '/']) && !line.starts_with("**"));
+    let is_material = |line: &str| line.to_ascii_uppercase().starts_with("*MATERIAL");
+    if card.lines().any(is_material) {
+        return abaqus::read(card, system, wanted);
+    }
+    match first.and_then(|line| line.chars().next()) {
+        Some('*') => return ls_dyna::read(card, system, wanted),
+        Some('/') => return openradioss::read(card, system, wanted),
+        _ => {}
+    }
+    Err(Mistake { place: Place { line: 1, column: 1 }, fault: Fault::UnknownFormat })
+}
+
+/// The law of film strained at once, of which Prony shares are taken here, and its series (s), from that of relaxed film with
+/// this shear modulus and the Prony moduli beside it (Pa, s).
+fn instantaneous(law: FoundLaw, shear: f64, moduli: &[[f64; 2]]) -> (FoundLaw, Vec<[f64; 2]>) {
+    let instant = shear + moduli.iter().map(|[modulus, _]| modulus).sum::<f64>();
+    let prony = moduli.iter().map(|[modulus, time]| [modulus / instant, *time]).collect();
+    (stiffened(law, instant / shear), prony)
+}
+
+/// The law with its stress times `factor`.
+fn stiffened(law: FoundLaw, factor: f64) -> FoundLaw {
+    match law {
+        FoundLaw::Polynomial(c) => FoundLaw::Polynomial(c.map(|c| factor * c)),
+        FoundLaw::Ogden(terms) => FoundLaw::Ogden(terms.into_iter().map(|[mu, alpha]| [factor * mu, alpha]).collect()),
+        other => other,
+    }
+}

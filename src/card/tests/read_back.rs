@@ -1,0 +1,325 @@
+//! Cards that are read: those that were written give the film again, those of others what their fields mean, and those that
+//! cannot be read a mistake at its place.
+
+use droptower_card as card;
+
+use card::read::{Fault, FoundHill, FoundLaw, Mistake, Place, Reading, Warning};
+use card::{Film, Request, System, Target};
+use membrane::material::{
+    CowperSymonds, Curve, Elastic, Fabric, FlowCurve, FlowRate, Hardening, Hill, Hyperelastic, HyperelasticLaw, Law,
+    Material, Ogden, Plastic, Polynomial, PronyTerm, RateCurves, RateTable, Viscosity,
+};
+
+const DIGITS: f64 = 2e-6;
+
+fn film_of(law: Law) -> Material {
+    Material { density: 917.3456789, thickness: 12e-6, law, viscosity: None, rupture: None, measured_rates: None }
+}
+
+fn curve(points: &[[f64; 2]]) -> Curve {
+    Curve::new(points.to_vec()).unwrap()
+}
+
+fn again(material: &Material, target: Target, system: System) -> Reading {
+    let request = Request::new(target, system);
+    let written = card::write(&Film { name: "film", material, origin: &[] }, &request).unwrap();
+    card::read::read(&written.text, system, None).unwrap_or_else(|mistake| panic!("{mistake:?} in\n{}", written.text))
+}
+
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= DIGITS * expected.abs(), "{found} and {expected}");
+}
+
+fn same(found: &[[f64; 2]], expected: &[[f64; 2]]) {
+    assert_eq!(found.len(), expected.len(), "{found:?} and {expected:?}");
+    found.iter().flatten().zip(expected.iter().flatten()).for_each(|(found, expected)| close(*found, *expected));
+}
+
+/// Both solvers whose cards are read, in all systems.
+fn both() -> impl Iterator<Item = (Target, System)> {
+    [Target::LsDyna, Target::OpenRadioss].into_iter().flat_map(|target| System::ALL.map(|system| (target, system)))
+}
+
+#[test]
+fn a_fabric_that_was_written_is_read() {
+    let md = curve(&[[0.0277257, 8.4e6], [0.197814, 20.123456789e6], [0.747814, 29.3e6]]);
+    let td = curve(&[[0.035191, 8e6], [6.460763, 16.2e6]]);
+    let shear = curve(&[[0.1, 1.3e6], [0.6, 5.1e6]]);
+    for (target, system) in both() {
+        let fabric = Fabric::new(md.clone(), td.clone(), shear.clone(), 0.87);
+        let found = again(&film_of(Law::Fabric(fabric)), target, system);
+        close(found.film.density, 917.3456789);
+        let FoundLaw::Fabric { fibres, shear: found_shear, absorption } = found.film.law else { panic!("no fabric") };
+        let with_origin = |curve: &Curve| [&[[0.0, 0.0]], curve.points()].concat();
+        same(&fibres[0][0].1, &with_origin(&md));
+        same(&fibres[1][0].1, &with_origin(&td));
+        same(&found_shear, &with_origin(&shear));
+        // LAW58 has unloading curves instead, which are not read.
+        let (share, unread) = if target == Target::LsDyna { (0.87, 0) } else { (0.0, 3) };
+        close(absorption, share);
+        assert_eq!(found.warnings.len(), unread, "{:?}", found.warnings);
+    }
+}
+
+#[test]
+fn curves_by_rate_that_were_written_are_read() {
+    let slow = curve(&[[0.1, 8e6], [1.0, 20e6]]);
+    let fast = curve(&[[0.1, 12e6], [1.0, 30e6]]);
+    let rates = RateCurves::new(vec![(0.002, slow.clone()), (50.0, fast.clone())], 0.01).unwrap();
+    let film = film_of(Law::RateFabric(Fabric::new(rates.clone(), rates, slow.clone(), 0.0)));
+    let FoundLaw::Fabric { fibres, .. } = again(&film, Target::LsDyna, System::GMmMs).film.law else {
+        panic!("no fabric")
+    };
+    let found: Vec<f64> = fibres[1].iter().map(|(rate, _)| rate.unwrap()).collect();
+    found.iter().zip([0.002, 50.0]).for_each(|(found, expected)| close(*found, expected));
+    same(&fibres[0][1].1, &[&[[0.0, 0.0]], fast.points()].concat());
+}
+
+#[test]
+fn rubber_and_its_relaxation_that_were_written_are_read() {
+    let rubber = |law: HyperelasticLaw| film_of(Law::Hyperelastic(law));
+    let polynomial =
+        |energy: Polynomial| rubber(HyperelasticLaw::Polynomial(Hyperelastic { energy, wrinkling: false }));
+    let terms = [PronyTerm { share: 0.25, time: 0.01 }, PronyTerm { share: 0.15, time: 3.0 }];
+    for (target, system) in both() {
+        let ogden = Hyperelastic { energy: Ogden::new(&Ogden::TRELOAR), wrinkling: false };
+        let mut film = rubber(HyperelasticLaw::Ogden(ogden));
+        film.viscosity = Some(Viscosity::new(terms.to_vec()).unwrap());
+        let found = again(&film, target, system).film;
+        same(&found.prony, &[[0.25, 0.01], [0.15, 3.0]]);
+        let FoundLaw::Ogden(found) = found.law else { panic!("no Ogden") };
+        same(&found, &Ogden::TRELOAR.map(|term| [term.mu, term.alpha]));
+        let mut film = polynomial(Polynomial::yeoh([1.847e5, -1464.6, 40.215]));
+        film.viscosity = Some(Viscosity::new(terms.to_vec()).unwrap());
+        let found = again(&film, Target::LsDyna, system).film;
+        let FoundLaw::Polynomial([c10, c01, c20, c30]) = found.law else { panic!("no polynomial") };
+        [(c10, 1.847e5), (c20, -1464.6), (c30, 40.215)]
+            .into_iter()
+            .for_each(|(found, expected)| close(found, expected));
+        assert_eq!(c01, 0.0);
+        same(&found.prony, &[[0.25, 0.01], [0.15, 3.0]]);
+    }
+}
+
+#[test]
+fn plastic_and_elastic_film_that_were_written_are_read() {
+    let elastic = Elastic { young: 2.034e8, poisson: 0.45 };
+    let points = [[0.0, 8e6], [0.05, 10e6], [0.5, 20e6]];
+    let hardening = || Hardening::Table(FlowCurve::new(&points).unwrap());
+    let rate = FlowRate::CowperSymonds(CowperSymonds { reference: 40.0, exponent: 5.0 });
+    let film =
+        film_of(Law::Plastic(Plastic::new(elastic.clone(), Hill::from_strain_ratios([1.0; 3]), hardening(), rate)));
+    for (target, system) in both() {
+        let law = again(&film, target, system).film.law;
+        let FoundLaw::Plastic { young, poisson, curves, cowper_symonds, hill } = law else { panic!("not plastic") };
+        assert_eq!(hill, None);
+        close(young, 2.034e8);
+        close(poisson, 0.45);
+        same(&curves[0].1, &points);
+        // LAW36 has tables only.
+        match target {
+            Target::LsDyna => same(&[cowper_symonds.unwrap()], &[[40.0, 5.0]]),
+            _ => assert_eq!(cowper_symonds, None),
+        }
+        let found = again(&film_of(Law::Elastic(elastic.clone())), target, system).film.law;
+        let FoundLaw::Elastic { young, .. } = found else { panic!("not elastic") };
+        close(young, 2.034e8);
+    }
+}
+
+/// LAW43, and tables by rate with it.
+#[test]
+fn lankford_values_and_tables_by_rate_that_were_written_are_read() {
+    let curve =
+        |factor: f64| FlowCurve::new(&[[0.0, factor * 8e6], [0.05, factor * 10e6], [0.5, factor * 20e6]]).unwrap();
+    let rates = [0.01, 1.0, 10.0, 100.0, 1000.0, 5000.0];
+    let curves: Vec<_> = rates.iter().enumerate().map(|(i, rate)| (*rate, curve(1.0 + 0.1 * i as f64))).collect();
+    for r in [[1.0; 3], [0.8, 1.4, 2.1]] {
+        let (slow, table) = RateTable::new(curves.clone()).unwrap();
+        let elastic = Elastic { young: 2e8, poisson: 0.45 };
+        let plastic =
+            Plastic::new(elastic, Hill::from_strain_ratios(r), Hardening::Table(slow), FlowRate::Table(table));
+        let found = again(&film_of(Law::Plastic(plastic)), Target::OpenRadioss, System::TMmS).film.law;
+        let FoundLaw::Plastic { curves, hill, .. } = found else { panic!("not plastic") };
+        assert_eq!(hill.is_some(), r[0] != 1.0);
+        if let Some(FoundHill::StrainRatios(found)) = hill {
+            found.into_iter().zip(r).for_each(|(found, r)| close(found, r));
+        }
+        assert_eq!(curves.len(), 6);
+        for (i, (rate, points)) in curves.iter().enumerate() {
+            close(rate.unwrap(), rates[i]);
+            close(points[2][1], (1.0 + 0.1 * i as f64) * 20e6);
+        }
+    }
+}
+
+/// Cards of Abaqus, with all that it has, and of CalculiX.
+#[test]
+fn cards_of_abaqus_that_were_written_are_read() {
+    let fabric = Fabric::new(curve(&[[0.1, 8e6], [1.4, 29e6]]), curve(&[[6.0, 16e6]]), curve(&[[0.6, 4e6]]), 0.0);
+    let ogden = Hyperelastic { energy: Ogden::new(&Ogden::TRELOAR), wrinkling: false };
+    let mut rubber = film_of(Law::Hyperelastic(HyperelasticLaw::Ogden(ogden)));
+    let yeoh = Hyperelastic { energy: Polynomial::yeoh([1.847e5, -1464.6, 40.215]), wrinkling: false };
+    let yeoh = film_of(Law::Hyperelastic(HyperelasticLaw::Polynomial(yeoh)));
+    let points = [[0.0, 8e6], [0.05, 10e6], [0.5, 20e6]];
+    let hill = Hill::from_strain_ratios([0.8, 1.4, 2.1]);
+    let elastic = Elastic { young: 2.034e8, poisson: 0.45 };
+    let hardening = Hardening::Table(FlowCurve::new(&points).unwrap());
+    let plastic = film_of(Law::Plastic(Plastic::new(elastic, hill, hardening, FlowRate::Independent)));
+    for system in System::ALL {
+        for target in [Target::Abaqus, Target::CalculiX] {
+            let FoundLaw::Ogden(found) = again(&rubber, target, system).film.law else { panic!("no Ogden") };
+            same(&found, &Ogden::TRELOAR.map(|term| [term.mu, term.alpha]));
+            let FoundLaw::Polynomial(found) = again(&yeoh, target, system).film.law else { panic!("no polynomial") };
+            found.into_iter().zip([1.847e5, 0.0, -1464.6, 40.215]).for_each(|(found, c)| close(found, c));
+            let FoundLaw::Plastic { curves, hill: found, .. } = again(&plastic, target, system).film.law else {
+                panic!("not plastic")
+            };
+            same(&curves[0].1, &points);
+            match (target, found) {
+                (Target::Abaqus, Some(FoundHill::StressRatios([r11, r22, r33, r12]))) => {
+                    let found = Hill::from_stress_ratios([r11, r22, r33], r12);
+                    for angle in [0.0, 0.7, 1.5] {
+                        close(found.strain_ratio(angle), hill.strain_ratio(angle));
+                    }
+                }
+                (Target::CalculiX, None) => {}
+                other => panic!("{other:?}"),
+            }
+        }
+        let FoundLaw::Fabric { fibres, shear, .. } =
+            again(&film_of(Law::Fabric(fabric.clone())), Target::Abaqus, system).film.law
+        else {
+            panic!("no fabric")
+        };
+        same(&fibres[1][0].1, &[[0.0, 0.0], [6.0, 16e6]]);
+        same(&shear, &[[0.0, 0.0], [0.6, 4e6]]);
+    }
+    let terms = vec![PronyTerm { share: 0.25, time: 0.01 }, PronyTerm { share: 0.15, time: 3.0 }];
+    rubber.viscosity = Some(Viscosity::new(terms).unwrap());
+    let found = again(&rubber, Target::Abaqus, System::KgMmMs).film;
+    same(&found.prony, &[[0.25, 0.01], [0.15, 3.0]]);
+    let FoundLaw::Ogden(terms) = found.law else { panic!("no Ogden") };
+    same(&terms, &Ogden::TRELOAR.map(|term| [term.mu, term.alpha]));
+}
+
+/// Constants of Abaqus are those of relaxed film unless MODULI=INSTANTANEOUS is given.
+#[test]
+fn constants_of_relaxed_film_are_stiffened() {
+    let text = "** by hand\n*Material, name=TPU\n*Density\n 1.15e-9,\n*Hyperelastic, neo hooke\n 0.6, 1e-4\n\
+        *Viscoelastic, time=PRONY\n0.25, 0., 0.01\n0.15, 0., 3.\n";
+    let found = card::read::read(text, System::TMmS, Some("TPU")).unwrap();
+    let FoundLaw::Polynomial([c10, ..]) = found.film.law else { panic!("no polynomial") };
+    close(c10, 1e6);
+    for (text, line, column, expected) in [
+        ("*MATERIAL, NAME=a\n*ELASTIC\n200., .3\n", 1, 1, "DENSITY is missing"),
+        ("*MATERIAL, NAME=a\n*DENSITY\n1e-9\n*ELASTIC, TYPE=ORTHO\n1.\n", 4, 1, "the type ORTHO"),
+        ("*MATERIAL, NAME=a\n*DENSITY\n1e-9\n*ELASTIC\n200., 0.5\n", 5, 7, "Poisson's ratio is 0.5"),
+        ("*MATERIAL, NAME=a\n*DENSITY\n1e-9\n*ELASTIC\n2.,.3\n*PLASTIC\n8.,0.\n7.,.1\n", 6, 1, "its stress falls"),
+        ("*MATERIAL, NAME=a\n*DENSITY\n1e-9\n*ELASTIC\n<young>,.3\n", 5, 1, "`<young>` is a parameter"),
+        ("*INCLUDE, INPUT=b.inp\n*MATERIAL, NAME=a\n", 1, 1, "*INCLUDE would read another file"),
+    ] {
+        let Err(Mistake { place, fault }) = card::read::read(text, System::TMmS, None) else { panic!("read: {text}") };
+        assert!(fault.to_string().contains(expected), "{fault}");
+        assert_eq!(place, Place { line, column }, "{fault} in {text}");
+    }
+}
+
+/// Written by hand, in free format, with Fortran's exponents, a title, other keywords and lines of another system.
+const BY_HAND: &str = "$ a card of somebody's\r
+*KEYWORD\r
+*PART\r
+film\r
+         1         1         7\r
+*MAT_FABRIC_TITLE\r
+PA fabric\r
+7,7.8-10,400.,300.,,0.1\r
+120.\r
+2.0,,,,,14\r
+\r
+\r
+11,12,13\r
+*DEFINE_CURVE\r
+        11         0       2.0      1.+1\r
+                 0.0                 0.0\r
+                0.05                 0.8\r
+                 0.1                 1.0\r
+*DEFINE_CURVE\r
+12\r
+0,0\r
+.3,60.\r
+*DEFINE_CURVE\r
+13\r
+                -0.5                 0.0\r
+                   0                   0\r
+                 0.6                 3.0\r
+*END\r
+this is no longer read\r
+";
+
+#[test]
+fn a_card_by_hand_is_read_with_what_it_has_besides() {
+    let found = card::read::read(BY_HAND, System::TMmS, Some("PA fabric")).unwrap();
+    assert_eq!(found.film.name, "PA fabric");
+    close(found.film.density, 780.0);
+    let FoundLaw::Fabric { fibres, shear, absorption } = &found.film.law else { panic!("no fabric") };
+    // Abscissas times 2, ordinates times 10.
+    same(&fibres[0][0].1, &[[0.0, 0.0], [0.1, 8e6], [0.2, 10e6]]);
+    same(&fibres[1][0].1, &[[0.0, 0.0], [0.3, 60e6]]);
+    same(shear, &[[0.0, 0.0], [0.6, 3e6]]);
+    assert_eq!(*absorption, 0.0);
+    let expected = [
+        Warning::Keyword { line: 3, name: "*PART".into() },
+        Warning::Field { line: 8, name: "PRBA".into(), value: "0.1".into() },
+    ];
+    assert_eq!(found.warnings, expected);
+    assert_eq!(card::read::read(BY_HAND, System::TMmS, Some("7")).unwrap().film, found.film);
+}
+
+#[test]
+fn hardening_by_points_and_by_a_tangent_modulus() {
+    let by_points = "*MAT_PIECEWISE_LINEAR_PLASTICITY\n1,1e-9,200.,.4,8.\n\n0,.1,.5\n8.,10.,20.\n";
+    let by_tangent = "*MAT_024\n1,1e-9,200.,.4,8.,40.\n\n\n\n";
+    for (text, expected) in
+        [(by_points, vec![[0.0, 8e6], [0.1, 10e6], [0.5, 20e6]]), (by_tangent, vec![[0.0, 8e6], [1.0, 58e6]])]
+    {
+        let found = card::read::read(text, System::TMmS, None).unwrap();
+        let FoundLaw::Plastic { curves, .. } = found.film.law else { panic!("not plastic") };
+        same(&curves[0].1, &expected);
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_a_mistake_at_its_place() {
+    let fabric = |form: &str, curve: &str| {
+        format!("*MAT_FABRIC\n1,1e-9\n\n,,,,,{form}\n\n\n2,2,2\n,,1.5\n*DEFINE_CURVE\n2\n{curve}\n")
+    };
+    let good = "0,0\n1,5";
+    for (text, line, column, expected) in [
+        (String::from("solid\n"), 1, 1, "this is no card"),
+        ("*NODE\n1,2\n".into(), 1, 1, "no material"),
+        ("*MAT_ELASTIC\n1,,200.,.3\n".into(), 2, 3, "RO is missing"),
+        ("*MAT_ELASTIC\n1,1e-9,2oo,.3\n".into(), 2, 8, "E is not a number: `2oo`"),
+        ("*MAT_ELASTIC\n1,1e-9,200,.7\n".into(), 2, 12, "PR is 0.7"),
+        ("*MAT_ELASTIC\n1,1e-9,&young,.3\n".into(), 2, 8, "`&young` is a parameter"),
+        ("*MAT_ELASTIC\n".into(), 1, 1, "*MAT_ELASTIC ends before its card 1"),
+        ("*MAT_ELASTIC\n1\t1e-9\n".into(), 2, 2, "a tab"),
+        ("*INCLUDE\nfilm.k\n".into(), 1, 1, "*INCLUDE would read another file"),
+        (fabric("4", good), 4, 6, "FORM 4 is not read"),
+        (fabric("-14", good), 8, 3, "H is 1.5"),
+        (fabric("14", "0,0\n1,5\n2,4"), 7, 1, "its stress falls"),
+        (fabric("14", "0,0\n0,5"), 7, 1, "do not increase"),
+        (fabric("14", "-1,-3\n0,0\n1,5"), 7, 1, "compression"),
+        (fabric("14", "0,0"), 7, 1, "too few points"),
+        (fabric("14", "0,0\n1,five"), 12, 3, "O is not a number"),
+        ("*MAT_FABRIC\n1,1e-9\n\n,,,,,14\n\n\n2,2,2\n".into(), 7, 1, "there is no curve or table 2"),
+        ("*MAT_OGDEN_RUBBER\n1,1e-9,.4999,2\n1.\n2.\n".into(), 2, 14, "N is not 0"),
+        ("*MAT_OGDEN_RUBBER\n1,1e-9,.4999,0\n1.\n-2.\n".into(), 3, 1, "a shear modulus above zero is missing"),
+    ] {
+        let Err(Mistake { place, fault }) = card::read::read(&text, System::TMmS, None) else { panic!("read: {text}") };
+        assert!(fault.to_string().contains(expected), "{fault}");
+        assert_eq!(place, Place { line, column }, "{fault} in {text}");
+    }
+    let other = card::read::read(BY_HAND, System::TMmS, Some("8")).unwrap_err();
+    assert_eq!(other.fault, Fault::NoSuchMaterial("8".into()));
+}
