@@ -126,6 +126,35 @@ def compare(
     return Comparison(Path(out))
 
 
+def card(
+    film: PathLike | Run,
+    target: str,
+    out: PathLike,
+    *,
+    units: str = "t-mm-s",
+    layers: int | None = None,
+    face: int | None = None,
+    rate: str | None = None,
+    approximate: float | None = None,
+    force: bool = False,
+) -> dict[str, Any]:
+    """Writes a film as a card of another solver.
+
+    That is "ls-dyna", "openradioss", "abaqus", "calculix", "febio", "kratos", or "curves". `film` is a material, a
+    scenario or a run. What is given back says what was written; its `findings` what the card loses.
+    """
+    source = str(film.path) if isinstance(film, Run) else _path(film)
+    arguments = ["card", "write", source, "--for", target, "--units", units, "-o", _path(out), "--json"]
+    given = {"--layers": layers, "--face": face, "--rate": rate, "--approximate": approximate}
+    for name, value in given.items():
+        if value is not None:
+            arguments += [name, str(value)]
+    if force:
+        arguments.append("--force")
+    written: dict[str, Any] = json.loads(call(arguments))
+    return written
+
+
 def test(
     *paths: PathLike,
     bless: bool = False,

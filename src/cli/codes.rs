@@ -26,6 +26,7 @@ fn all() -> impl Iterator<Item = &'static Code> {
         script::CODES,
         post::CODES,
         identify::CODES,
+        ::card::CODES,
     ];
     modules.into_iter().chain([checkpoint::CODES]).flatten().copied()
 }

@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 mod argument;
+mod card;
 mod changes;
 mod check;
 mod checkpoint;
@@ -140,6 +141,9 @@ enum Command {
     /// Reduce coupon tests to a material, and fit laws to measured data
     #[command(subcommand)]
     Tensile(tensile::TensileCommand),
+    /// Write films in the material formats of other solvers
+    #[command(subcommand)]
+    Card(card::CardCommand),
 }
 
 impl Command {
@@ -224,6 +228,7 @@ fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
         Command::Digitize(args) => digitize::run(args, shared),
         Command::Signal(command) => signal::run(command, shared),
         Command::Tensile(command) => tensile::run(command, shared),
+        Command::Card(command) => card::run(command, shared),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The one integration binary.
 
 mod architecture;
+mod cards;
 mod commands;
 mod compare;
 mod conversions;

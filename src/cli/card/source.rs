@@ -1,0 +1,70 @@
+//! The film that a card is made from.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use base::diagnostic::{Diagnostic, shown_path};
+use membrane::material::Material;
+use scene::model::{self, Face};
+use scene::scenario::Document;
+use study::store::run_files;
+
+/// A film, and what it was made from.
+pub(super) struct Source {
+    pub(super) name: String,
+    pub(super) material: Material,
+    /// Layers that it stands for: those of its face, one of a material.
+    pub(super) layers: u32,
+    /// Lines for the head of a card.
+    pub(super) origin: Vec<String>,
+}
+
+/// The film of a material, of a scenario or of a run's folder; of several faces that of `face`, counted from 1.
+pub(super) fn read(path: &Path, face: Option<usize>) -> Result<Source, Vec<Diagnostic>> {
+    let file = if path.is_dir() { in_folder(path)? } else { path.to_path_buf() };
+    let document = Document::read(&file)?;
+    if document.is_material() {
+        let document = Document::read_material(&file)?;
+        let material = model::check_material(&document)?;
+        if let Some(face) = face {
+            let mistake = Diagnostic::new(format!("{} is a material, which has no face {face}", shown_path(&file)));
+            return Err(vec![mistake.hint("leave --face out")]);
+        }
+        return Ok(Source { name: document.name(), material, layers: 1, origin: origin(&file)? });
+    }
+    let model = model::check(&document)?;
+    let Face { film, material, layers, .. } = chosen(&model.faces, face, &file)?;
+    let name = film.clone().unwrap_or_else(|| document.name());
+    Ok(Source { name, material: material.clone(), layers: *layers, origin: origin(&file)? })
+}
+
+fn in_folder(folder: &Path) -> Result<PathBuf, Vec<Diagnostic>> {
+    let scenario = folder.join(run_files::SCENARIO);
+    if scenario.is_file() {
+        return Ok(scenario);
+    }
+    let mistake = Diagnostic::new(format!("{} has no {}", shown_path(folder), run_files::SCENARIO));
+    Err(vec![mistake.hint("name the folder of a run, or a material or scenario")])
+}
+
+fn chosen<'a>(faces: &'a [Face], face: Option<usize>, file: &Path) -> Result<&'a Face, Vec<Diagnostic>> {
+    let count = faces.len();
+    let found = match (faces, face) {
+        ([only], None) => Some(only),
+        (_, Some(face)) => face.checked_sub(1).and_then(|place| faces.get(place)),
+        (faces, None) => faces.first().filter(|first| faces.iter().all(|face| face.material == first.material)),
+    };
+    found.ok_or_else(|| {
+        let mistake = Diagnostic::new(format!("{} has {count} faces of film", shown_path(file)));
+        vec![mistake.hint(format!("name one of them: --face 1 to --face {count}"))]
+    })
+}
+
+/// The file and its checksum.
+fn origin(file: &Path) -> Result<Vec<String>, Vec<Diagnostic>> {
+    let content = fs::read(file).map_err(|error| vec![Diagnostic::new(format!("{}: {error}", shown_path(file)))])?;
+    let digest: String = Sha256::digest(&content).iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(vec![format!("from {}, SHA-256 {digest}", shown_path(file))])
+}

@@ -1,0 +1,99 @@
+//! `droptower card`: films that go to other solvers and come back.
+
+use std::fs;
+
+use serde_json::Value as Json;
+
+use crate::workbench::{droptower, error, root};
+
+/// Written for each solver that is read, read again and written once more: the same card.
+#[test]
+fn a_film_goes_and_comes_back() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let run = |arguments: &[&str]| droptower(bench.path(), arguments);
+    let scenario = root().join("scenarios/drop/1008.toml");
+    let aluminium = root().join("scenarios/materials/aluminium.toml");
+    for (film, target, ending) in [
+        (&scenario, "ls-dyna", "k"),
+        (&scenario, "openradioss", "rad"),
+        (&scenario, "abaqus", "inp"),
+        (&aluminium, "calculix", "inp"),
+        (&aluminium, "openradioss", "rad"),
+    ] {
+        let [first, second] = ["a", "b"].map(|name| format!("{target}-{name}.{ending}"));
+        let film = film.to_str().expect("UTF-8");
+        let written = run(&["card", "write", film, "--for", target, "-o", &first, "--force"]);
+        assert_eq!(written.status.code(), Some(0), "{}", error(&written));
+        let read = run(&["card", "read", &first, "-o", "film.toml", "--force"]);
+        assert_eq!(read.status.code(), Some(0), "{}", error(&read));
+        assert_eq!(run(&["check", "film.toml"]).status.code(), Some(0));
+        let again = run(&["card", "write", "film.toml", "--for", target, "-o", &second, "--force"]);
+        assert_eq!(again.status.code(), Some(0), "{}", error(&again));
+        let curves = |path: &str| -> Vec<f64> {
+            let text = fs::read_to_string(bench.path().join(path)).expect("the card");
+            let lines = text.lines().filter(|line| !line.starts_with(['$', '#', '*', '/']));
+            lines.flat_map(str::split_whitespace).filter_map(|word| word.trim_matches(',').parse().ok()).collect()
+        };
+        let (one, other) = (curves(&first), curves(&second));
+        // Unloading curves of LAW58 are not read.
+        if target != "openradioss" || film.ends_with("aluminium.toml") {
+            assert_eq!(one.len(), other.len(), "{target}");
+            for (a, b) in one.iter().zip(&other) {
+                assert!((a - b).abs() <= 2e-6 * a.abs(), "{target}: {a} and {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_card_loses_is_a_finding_and_what_it_cannot_hold_a_mistake() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let film = root().join("scenarios/materials/lldpe-rates.toml");
+    let film = film.to_str().expect("UTF-8");
+    let run = |arguments: &[&str]| droptower(bench.path(), arguments);
+    let one = ["card", "write", film, "--for", "openradioss", "-o", "film.rad", "--json"];
+    let refused = run(&one);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(error(&refused).contains("--rate \"100 1/s\""), "{}", error(&refused));
+    let written = run(&[&one[..], &["--rate", "4 1/s"]].concat());
+    let summary: Json = serde_json::from_slice(&written.stdout).expect("JSON");
+    let codes: Vec<&str> =
+        summary["findings"].as_array().expect("a list").iter().filter_map(|f| f["code"].as_str()).collect();
+    assert!(codes.contains(&"card-rates") && codes.contains(&"card-unloading-from"), "{codes:?}");
+    for (arguments, expected) in [
+        (
+            &["card", "write", film, "--for", "calculix", "-o", "film.inp", "--rate", "4 1/s"][..],
+            "CalculiX has no law for fabric",
+        ),
+        (&["card", "write", film, "--for", "nastran", "-o", "film.dat"], "expected one of ls-dyna, openradioss"),
+        (&["card", "write", film, "--for", "ls-dyna", "-o", "film.txt"], "does not end in .k"),
+        (&["card", "write", film, "--for", "ls-dyna", "-o", "film.k", "--rate", "1e6 1/s"], "not of 1000000 1/s"),
+        (&["card", "read", film, "-o", "back.toml", "--units", "t-mm-s", "--thickness", "12 um"], "this is no card"),
+    ] {
+        let refused = run(arguments);
+        assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
+        assert!(error(&refused).contains(expected), "{}", error(&refused));
+    }
+    let names: Vec<_> =
+        fs::read_dir(bench.path()).expect("the folder").map(|entry| entry.expect("an entry").file_name()).collect();
+    assert_eq!(names, ["film.rad"]);
+}
+
+#[test]
+fn a_mistake_in_a_card_has_its_line_and_caret() {
+    let bench = tempfile::tempdir().expect("a folder");
+    fs::write(bench.path().join("film.k"), "*MAT_ELASTIC\r\n1,1e-9,2oo.,.3\r\n").expect("a card");
+    let card = ["card", "read", "film.k", "-o", "film.toml"];
+    let run = |more: &[&str]| droptower(bench.path(), &[&card[..], more].concat());
+    for (more, expected) in [
+        (&[][..], "--units t-mm-s"),
+        (&["--units", "t-mm-s"], "--thickness \"12 um\""),
+        (&["--units", "t-mm-s", "--thickness", "12 um"], "film.k:2:8"),
+        (&["--units", "t-mm-s", "--thickness", "12 um", "--material", "9"], "there is no material 9"),
+    ] {
+        let refused = run(more);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(error(&refused).contains(expected), "{}", error(&refused));
+    }
+    assert!(!bench.path().join("film.toml").exists());
+}
