@@ -7,6 +7,7 @@
 
 mod abaqus;
 mod approximate;
+pub mod check;
 mod curves;
 mod febio;
 mod film;
@@ -23,7 +24,7 @@ mod target;
 pub use film::{Film, Refusal, Request};
 pub use loss::{CODES, Loss};
 pub use system::System;
-pub use target::Target;
+pub use target::{About, Target};
 
 use approximate::{Nearest, difference, nearest};
 use base::number::significant;

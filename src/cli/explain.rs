@@ -1,10 +1,11 @@
 //! `droptower explain`: unit, range, default and sentence of the keys under a path, script functions, codes of
-//! findings, columns of signals and energies, figures.
+//! findings, columns of signals and energies, figures, solvers.
 
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value as Json;
 
+use super::card::explain as solvers;
 use super::{Failure, Shared, codes, columns, complete, figures, functions, print, print_json};
 use base::diagnostic::{Diagnostic, closest};
 use scene::scenario::grammar::{self, Key, Rule, TableRule};
@@ -12,8 +13,8 @@ use scene::scenario::grammar::{self, Key, Rule, TableRule};
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
     /// Key path, e.g. specimen.mesh, or its end, e.g. mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
-    /// e.g. coarse-contact; a column of signals.csv or energies.csv, e.g. clamp_slip_m; a figure of summary.json, e.g. energy_absorption; `keys`,
-    /// `functions`, `findings`, `columns` or `figures` for all of them
+    /// e.g. coarse-contact; a column of signals.csv or energies.csv, e.g. clamp_slip_m; a figure of summary.json, e.g. energy_absorption; a solver that cards are
+    /// written for, e.g. ls-dyna; `keys`, `functions`, `findings`, `columns`, `figures` or `solvers` for all of them
     #[arg(value_name = "KEY", add = complete::keys())]
     pub path: Option<String>,
 }
@@ -47,7 +48,11 @@ pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
         Some(codes::WORD) => return codes::run(None, shared),
         Some(columns::WORD) => return columns::all(shared),
         Some(figures::WORD) => return figures::all(shared),
+        Some(solvers::WORD) => return solvers::run(None, shared),
         _ => {}
+    }
+    if let Some(target) = args.path.as_deref().and_then(solvers::find) {
+        return solvers::run(Some(target), shared);
     }
     let explanations = match &args.path {
         Some(path) if path == WORD => top_keys().flat_map(|key| under(&key.name, key)).collect(),

@@ -17,6 +17,8 @@ pub(super) struct Source {
     pub(super) material: Material,
     /// Layers that it stands for: those of its face, one of a material.
     pub(super) layers: u32,
+    /// The file that it was read from.
+    pub(super) file: PathBuf,
     /// Lines for the head of a card.
     pub(super) origin: Vec<String>,
 }
@@ -32,21 +34,26 @@ pub(super) fn read(path: &Path, face: Option<usize>) -> Result<Source, Vec<Diagn
             let mistake = Diagnostic::new(format!("{} is a material, which has no face {face}", shown_path(&file)));
             return Err(vec![mistake.hint("leave --face out")]);
         }
-        return Ok(Source { name: document.name(), material, layers: 1, origin: origin(&file)? });
+        let named = document.material().0.and_then(|written| written.name);
+        let name = named.unwrap_or_else(|| document.name());
+        return Ok(Source { name, material, layers: 1, origin: origin(&file)?, file });
     }
     let model = model::check(&document)?;
     let Face { film, material, layers, .. } = chosen(&model.faces, face, &file)?;
     let name = film.clone().unwrap_or_else(|| document.name());
-    Ok(Source { name, material: material.clone(), layers: *layers, origin: origin(&file)? })
+    Ok(Source { name, material: material.clone(), layers: *layers, origin: origin(&file)?, file })
 }
 
+/// The file of a film among the results of a study.
+const FILM: &str = "film.toml";
+
+/// The scenario of a run, or the film of a study.
 fn in_folder(folder: &Path) -> Result<PathBuf, Vec<Diagnostic>> {
-    let scenario = folder.join(run_files::SCENARIO);
-    if scenario.is_file() {
-        return Ok(scenario);
-    }
-    let mistake = Diagnostic::new(format!("{} has no {}", shown_path(folder), run_files::SCENARIO));
-    Err(vec![mistake.hint("name the folder of a run, or a material or scenario")])
+    let files = [run_files::SCENARIO, FILM].map(|name| folder.join(name));
+    files.into_iter().find(|file| file.is_file()).ok_or_else(|| {
+        let mistake = Diagnostic::new(format!("{} has neither {} nor {FILM}", shown_path(folder), run_files::SCENARIO));
+        vec![mistake.hint("name the folder of a run, that of a study which wrote its film, or a material or scenario")]
+    })
 }
 
 fn chosen<'a>(faces: &'a [Face], face: Option<usize>, file: &Path) -> Result<&'a Face, Vec<Diagnostic>> {

@@ -18,7 +18,8 @@ use base::units::Rate;
 pub(crate) struct WriteArgs {
     /// A material, a scenario, or the folder of a run
     pub film: PathBuf,
-    /// The solver
+    /// The solver: ls-dyna, openradioss, abaqus, calculix, febio, kratos, or curves for a table; `droptower explain SOLVER`
+    /// has what it is written
     #[arg(long = "for", value_name = "SOLVER", value_parser = target)]
     pub target: Target,
     /// The units of the card: kg-m-s, t-mm-s, g-mm-ms, kg-mm-ms or lbf-in-s
@@ -65,7 +66,7 @@ pub(super) fn system(text: &str) -> Result<System, String> {
     System::from_name(text).ok_or_else(|| format!("expected one of {}", System::ALL.map(System::name).join(", ")))
 }
 
-fn poisson(text: &str) -> Result<f64, String> {
+pub(super) fn poisson(text: &str) -> Result<f64, String> {
     let found = number(text)?;
     let is_possible = (0.4..0.5).contains(&found);
     is_possible.then_some(found).ok_or_else(|| format!("expected 0.4 to less than 0.5, found {text}"))
@@ -90,7 +91,7 @@ struct Summary {
 
 pub(super) fn run(args: &WriteArgs, shared: &Shared) -> Result<(), Failure> {
     output::check(&args.out, args.target.ending(), Some(&args.film), Some(args.force))?;
-    let Source { name, material, layers, origin } = source::read(&args.film, args.face)?;
+    let Source { name, material, layers, origin, .. } = source::read(&args.film, args.face)?;
     let request = Request {
         layers: args.layers.unwrap_or(layers),
         id: args.id,

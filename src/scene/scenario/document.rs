@@ -183,6 +183,13 @@ impl Document {
         resolved::text(&self.root, self.rule)
     }
 
+    /// The material of the specimen as the text of a material file, paths absolute and curves in place; none where only faces
+    /// have one.
+    pub fn material_text(&self) -> Option<String> {
+        let node = self.find("specimen.material")?;
+        matches!(node.value, Value::Table(_)).then(|| resolved::text(node, grammar::material()))
+    }
+
     /// The text of the scenario with the post script read from a copy called `name` beside it.
     pub fn resolved_beside_script(&self, name: &str) -> String {
         resolved::text_with(&self.root, self.rule, &[("post.script", name)])

@@ -156,6 +156,12 @@ impl Study {
         Ok(self.comparison()?.window.map(Dynamic::from).into())
     }
 
+    /// The material of the specimen as a material file.
+    fn material_text(&self) -> HostResult<String> {
+        let none = || refuse(format!("the specimen of {} has no material: its faces have", self.0.model.name));
+        self.0.document.material_text().ok_or_else(none)
+    }
+
     /// The curve of one fibre set or of shear, with its multipliers, of all faces or of one.
     fn curve(&self, name: &str, face: Option<INT>) -> HostResult<Curve> {
         let faces = &self.0.model.faces;
@@ -373,6 +379,7 @@ pub fn register(engine: &mut Engine, changes: Vec<Assignment>, evaluations: Opti
         .register_get("window", Study::window)
         .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
         .register_fn("curve", |study: &mut Study, name: &str, face: INT| study.curve(name, Some(face)))
+        .register_fn("material_text", |study: &mut Study| study.material_text())
         .register_get("model", |study: &mut Study| from_json(&Value::Object(run::facts(&study.0.model))))
         .register_get("name", |study: &mut Study| study.0.model.name.clone())
         .register_get("title", |study: &mut Study| study.0.model.title.clone());
@@ -408,6 +415,13 @@ pub const ENTRIES: &[Entry] = &[
                 one, and the figures of its reduction as of `reduce_drop`, else ()) and the window of the errors, s",
         example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 \
                   && t.reference.energy_absorption != 1",
+    },
+    Entry {
+        call: "scenario.material_text()",
+        gives: "the material of the specimen, with its changes, as the text of a material file for `write_text`, \
+                `droptower card write` and other scenarios",
+        example: r#"let film = scenario(args.scenario).with(#{ "specimen.material.thickness": "13 um" });
+                    film.material_text().contains("13 um")"#,
     },
     Entry {
         call: "scenario.curve(\"md\" | \"td\" | \"shear\"), scenario.curve(name, face)",

@@ -47,6 +47,11 @@ pub enum Origin {
     Comparison,
     /// Verdicts of tests.
     Tests,
+    /// A film in another solver.
+    Check {
+        /// File of its material or scenario.
+        film: PathBuf,
+    },
 }
 
 impl fmt::Display for Origin {
@@ -60,6 +65,7 @@ impl fmt::Display for Origin {
             }
             Origin::Comparison => write!(f, "a comparison of runs"),
             Origin::Tests => write!(f, "the verdicts of tests"),
+            Origin::Check { film } => write!(f, "the check of {}", shown_path(film)),
         }
     }
 }
@@ -83,6 +89,11 @@ impl Origin {
     /// Of a script at `script` that was given the scenario at `scenario`.
     pub fn of_script(script: &Path, scenario: Option<&Path>) -> Origin {
         Origin::Study { script: full(script), scenario: scenario.map(full) }
+    }
+
+    /// Of a check of the film at `path`.
+    pub fn of_check(path: &Path) -> Origin {
+        Origin::Check { film: full(path) }
     }
 
     /// The line that names the scenario in its stored text, by its path from the run folder `place`; empty of other
@@ -113,6 +124,9 @@ impl Origin {
         }
         if summary.get("cases").is_some() && summary.get("study").is_none() {
             return Some(Origin::Tests);
+        }
+        if let Some(film) = summary["check"]["file"].as_str() {
+            return Some(Origin::Check { film: full(&place.join(film)) });
         }
         let text = |name: &str| summary["study"][name].as_str();
         // Files are named from the working folder of the call.
@@ -187,6 +201,7 @@ mod tests {
                 let study = serde_json::json!({ "script": script, "scenario": scenario, "folder": ".." });
                 serde_json::json!({ "study": study }).to_string()
             }
+            Origin::Check { film } => serde_json::json!({ "check": { "file": film } }).to_string(),
             _ => r#"{"runs": []}"#.into(),
         };
         let origins = [
@@ -197,6 +212,8 @@ mod tests {
             study("a.rhai", Some("a.toml")),
             study("a.rhai", Some("b.toml")),
             Origin::Comparison,
+            Origin::of_check(&path("a.toml")),
+            Origin::of_check(&path("b.toml")),
         ];
         for stored in &origins {
             let _ = fs::remove_dir_all(&place);
