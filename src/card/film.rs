@@ -46,6 +46,8 @@ pub struct Request {
     /// Whether the nearest law of the target stands for one that it has not; the strain up to which their difference is
     /// told.
     pub approximate: Option<f64>,
+    /// Angle from the x axis to MD, rad, where a card names the direction.
+    pub md_angle: f64,
 }
 
 impl Request {
@@ -61,7 +63,14 @@ impl Request {
             poisson: 0.4995,
             unloading_from: None,
             approximate: None,
+            md_angle: 0.0,
         }
+    }
+
+    /// The unit vector of MD; along an axis exactly that.
+    pub(crate) fn md(&self) -> [f64; 2] {
+        let (sin, cos) = self.md_angle.sin_cos();
+        [cos, sin].map(|component| if component.abs() < f64::EPSILON { 0.0 } else { component })
     }
 }
 

@@ -9,6 +9,7 @@ mod abaqus;
 mod approximate;
 pub mod check;
 mod curves;
+pub mod deck;
 mod febio;
 mod film;
 mod kratos;

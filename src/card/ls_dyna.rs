@@ -19,7 +19,7 @@ const TERMS: usize = 8;
 
 /// A field of a card.
 #[derive(Clone, Copy)]
-enum Field {
+pub(crate) enum Field {
     /// Left to its default.
     Blank,
     Whole(i64),
@@ -29,16 +29,16 @@ enum Field {
 use Field::{Blank, Real, Whole};
 
 /// A keyword and its cards.
-struct Keyword<'a> {
-    name: &'a str,
+pub(crate) struct Keyword<'a> {
+    pub(crate) name: &'a str,
     /// In a line of its own.
-    title: Option<&'a str>,
+    pub(crate) title: Option<&'a str>,
     /// Names of the fields of each card, for a comment, and the fields.
-    cards: Vec<(&'static str, Vec<Field>)>,
+    pub(crate) cards: Vec<(&'static str, Vec<Field>)>,
 }
 
 impl Keyword<'_> {
-    fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let fields = || self.cards.iter().flat_map(|(_, fields)| fields);
         let is_short = |field: &Field| !matches!(field, Real(value) if in_columns(*value, 10).is_none());
         let (width, plus) = if fields().all(is_short) { (10, "") } else { (20, "+") };
@@ -160,12 +160,16 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
         }
     }
     losses.extend(film.lost_beside_the_law());
-    let [md, td, shear] = curves.slopes.map(|slope| of.stress(slope));
+    let [along, across, shear] = curves.slopes.map(|slope| of.stress(slope));
+    let md = request.md().map(Real);
     let mut cards = vec![
-        ("mid ro ea eb - prba prab -", vec![of.id(request), of.density(film), md, td, Blank, Real(0.0), Real(0.0)]),
+        (
+            "mid ro ea eb - prba prab -",
+            vec![of.id(request), of.density(film), along, across, Blank, Real(0.0), Real(0.0)],
+        ),
         ("gab - - cse el prl lratio damp", vec![shear, Blank, Blank, Real(1.0)]),
         ("aopt flc fac ela lnrc form fvopt tsrfac", vec![Real(2.0), Blank, Blank, Blank, Blank, Whole(form)]),
-        ("- rgbrth a0ref a1 a2 a3 x0 x1", vec![Blank, Blank, Blank, Real(1.0), Real(0.0), Real(0.0)]),
+        ("- rgbrth a0ref a1 a2 a3 x0 x1", vec![Blank, Blank, Blank, md[0], md[1], Real(0.0)]),
         ("v1 v2 v3 - - - beta isrefg", vec![]),
         ("lca lcb lcab lcua lcub lcuab rl -", below),
     ];
@@ -191,17 +195,23 @@ impl Numbers {
 
 /// Adds a curve, whose abscissas and ordinates are divided by `units`; its number.
 fn curve(numbers: &mut Numbers, text: &mut String, title: &str, points: &[[f64; 2]], units: [f64; 2]) -> i64 {
+    let number = numbers.next();
+    *text += &define_curve(number, title, points, units);
+    number
+}
+
+/// A curve, whose abscissas and ordinates are divided by `units`.
+pub(crate) fn define_curve(number: i64, title: &str, points: &[[f64; 2]], units: [f64; 2]) -> String {
     /// Points of the curve that the solver reads off it: its own 100 would cut the corners.
     const READ: i64 = 2000;
-    let number = numbers.next();
     let fields = vec![Whole(number), Blank, Real(1.0), Real(1.0), Real(0.0), Real(0.0), Blank, Whole(READ)];
     let cards = vec![("lcid sidr sfa sfo offa offo dattyp lcint", fields)];
-    *text += &format!("$ {title}\n{}", Keyword { name: "DEFINE_CURVE", title: None, cards }.text());
+    let mut text = format!("$ {title}\n{}", Keyword { name: "DEFINE_CURVE", title: None, cards }.text());
     for [x, y] in points {
         let [x, y] = [x / units[0], y / units[1]].map(|value| shown(Real(value), 20));
-        *text += &format!("{x:>20}{y:>20}\n");
+        text += &format!("{x:>20}{y:>20}\n");
     }
-    number
+    text
 }
 
 /// Adds the curves of a fibre set or of flow, several as a table by rate; the number of the curve or the table.

@@ -18,24 +18,28 @@ const TERMS: usize = 10;
 
 /// A line of fields.
 #[derive(Default)]
-struct Line(String);
+pub(crate) struct Line(String);
 
 impl Line {
-    fn real(self, value: f64) -> Line {
+    pub(crate) fn real(self, value: f64) -> Line {
         // Twenty columns hold every number within the promised digits.
         let text = in_columns(value, 20).unwrap_or_default();
         Line(format!("{}{text:>20}", self.0))
     }
 
-    fn whole(self, value: i64) -> Line {
+    pub(crate) fn whole(self, value: i64) -> Line {
         Line(format!("{}{value:>10}", self.0))
     }
 
-    fn blank(self, width: usize) -> Line {
+    pub(crate) fn word(self, word: &str, width: usize) -> Line {
+        Line(format!("{}{word:>width$}", self.0))
+    }
+
+    pub(crate) fn blank(self, width: usize) -> Line {
         Line(self.0 + &" ".repeat(width))
     }
 
-    fn end(self) -> String {
+    pub(crate) fn end(self) -> String {
         self.0.trim_end().to_owned() + "\n"
     }
 }
@@ -44,15 +48,15 @@ impl Line {
 type Row = (i64, f64);
 
 /// A block with its comments.
-struct Block(String);
+pub(crate) struct Block(pub(crate) String);
 
 impl Block {
-    fn begin(keyword: &str, title: &str) -> Block {
+    pub(crate) fn begin(keyword: &str, title: &str) -> Block {
         Block(format!("{keyword}\n{title}\n"))
     }
 
     /// Adds a line below the names of its fields.
-    fn line(mut self, names: &str, line: Line) -> Block {
+    pub(crate) fn line(mut self, names: &str, line: Line) -> Block {
         self.0 += &format!("#{names}\n{}", line.end());
         self
     }

@@ -27,6 +27,9 @@ fn all() -> impl Iterator<Item = &'static Code> {
         post::CODES,
         identify::CODES,
         ::card::CODES,
+        ::card::read::CODES,
+        ::card::deck::CODES,
+        ::card::read::mesh::CODES,
     ];
     modules.into_iter().chain([checkpoint::CODES]).flatten().copied()
 }

@@ -10,6 +10,7 @@ mod codes;
 mod columns;
 mod compare;
 mod complete;
+mod deck;
 mod digest;
 mod digitize;
 mod expectations;
@@ -144,6 +145,9 @@ enum Command {
     /// Write films in the material formats of other solvers
     #[command(subcommand)]
     Card(card::CardCommand),
+    /// Write whole drop tests for other solvers, and read their meshes
+    #[command(subcommand)]
+    Deck(deck::DeckCommand),
 }
 
 impl Command {
@@ -229,6 +233,7 @@ fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
         Command::Signal(command) => signal::run(command, shared),
         Command::Tensile(command) => tensile::run(command, shared),
         Command::Card(command) => card::run(command, shared),
+        Command::Deck(command) => deck::run(command, shared),
     }
 }
 

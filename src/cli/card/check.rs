@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::source::{self, Source};
-use super::write::poisson;
+use super::request::poisson;
 use crate::argument::number;
 use crate::faults::storing;
 use crate::{Failure, Shared, digest, findings, print_figures, table as text_table};

@@ -6,12 +6,13 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::write::system;
+use super::misread;
+use super::request::system;
 use crate::argument::quantity;
 use crate::{Failure, Shared, findings, output, print_figures};
 use ::card::System;
-use ::card::read::{self, Mistake, Reading};
-use base::diagnostic::{Diagnostic, Source, Span, shown_path};
+use ::card::read::{self, Reading};
+use base::diagnostic::{Diagnostic, shown_path};
 use base::file;
 use base::finding::Finding;
 use base::units::Length;
@@ -68,7 +69,7 @@ pub(super) fn run(args: &ReadArgs, shared: &Shared) -> Result<(), Failure> {
         mistake.hint("name that of one layer, such as --thickness \"12 um\"")
     })?;
     let Reading { film, warnings } =
-        read::read(&text, system, args.material.as_deref()).map_err(|mistake| misread(&mistake, args, &text))?;
+        read::read(&text, system, args.material.as_deref()).map_err(|mistake| misread(&args.card, &text, &mistake))?;
     let findings: Vec<Finding> = warnings.iter().map(Finding::new).collect();
     let comments = [format!("Read from {shown} ({}) by droptower {}.", system.name(), env!("CARGO_PKG_VERSION"))];
     let comments: Vec<String> =
@@ -88,12 +89,6 @@ pub(super) fn run(args: &ReadArgs, shared: &Shared) -> Result<(), Failure> {
         let Summary { out, card, film, units, findings, .. } = &summary;
         format!("{film} of {card}, {units}\n{}  {out}", findings::lines("  ", findings))
     })
-}
-
-fn misread(mistake: &Mistake, args: &ReadArgs, text: &str) -> Diagnostic {
-    let line = text.lines().nth(mistake.place.line - 1).unwrap_or_default().to_owned();
-    let source = Source::excerpt(&args.card, mistake.place.line, line);
-    Diagnostic::new(mistake.fault.to_string()).at(&Span::position(&source, 1, mistake.place.column))
 }
 
 /// Refuses a material that `droptower check` would refuse.

@@ -48,7 +48,7 @@ pub(super) fn read(path: &Path, face: Option<usize>) -> Result<Source, Vec<Diagn
 const FILM: &str = "film.toml";
 
 /// The scenario of a run, or the film of a study.
-fn in_folder(folder: &Path) -> Result<PathBuf, Vec<Diagnostic>> {
+pub(crate) fn in_folder(folder: &Path) -> Result<PathBuf, Vec<Diagnostic>> {
     let files = [run_files::SCENARIO, FILM].map(|name| folder.join(name));
     files.into_iter().find(|file| file.is_file()).ok_or_else(|| {
         let mistake = Diagnostic::new(format!("{} has neither {} nor {FILM}", shown_path(folder), run_files::SCENARIO));
@@ -70,7 +70,7 @@ fn chosen<'a>(faces: &'a [Face], face: Option<usize>, file: &Path) -> Result<&'a
 }
 
 /// The file and its checksum.
-fn origin(file: &Path) -> Result<Vec<String>, Vec<Diagnostic>> {
+pub(crate) fn origin(file: &Path) -> Result<Vec<String>, Vec<Diagnostic>> {
     let content = fs::read(file).map_err(|error| vec![Diagnostic::new(format!("{}: {error}", shown_path(file)))])?;
     let digest: String = Sha256::digest(&content).iter().map(|byte| format!("{byte:02x}")).collect();
     Ok(vec![format!("from {}, SHA-256 {digest}", shown_path(file))])

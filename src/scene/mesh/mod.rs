@@ -1,5 +1,6 @@
 //! Meshes of films: rectangles, circles and polygons, and meshes from files.
 
+pub mod export;
 pub mod import;
 pub mod quality;
 

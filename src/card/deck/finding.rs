@@ -1,0 +1,108 @@
+//! What a deck has otherwise than the test: findings that stand in its head and on the terminal.
+
+use base::findings;
+use base::number::significant;
+
+findings! {
+    /// Something that the test has and the deck does not, or has otherwise.
+    #[derive(Clone, Debug, PartialEq)]
+    pub enum DeckLoss {
+        Mounting {
+            time: f64, "that it takes, s" => "time_s";
+        } = "deck-mounting", Note;
+            meaning "pre-strain is not written as a stress: a first step moves film from its stress-free shape to the frame";
+            remedy "subtract its time from that of the solver before signals are compared";
+            message "times of the test are those of the solver less {} s of mounting", significant(*time, 6);
+        Part {
+            copies: f64, "of the part in the whole" => "copies";
+        } = "deck-part", Note;
+            meaning "the deck has the part of the film beside mirror planes, and the share of the body's mass that belongs to it";
+            remedy "multiply forces and energies by the number of copies; motion is that of the whole";
+            message "the computed part is 1/{copies} of the whole: forces and energies are multiplied by {copies}";
+        Bars = "deck-bars", Warning;
+            meaning "the bars of the frame, over which film bends, are not in the deck";
+            remedy "compare with a scenario without `frame.bars`, or add them as rigid bodies";
+            message "lost: the bars of the frame";
+        Clamp = "deck-clamp", Warning;
+            meaning "film slips in the clamp of the test and is fixed in the deck";
+            remedy "compare with a scenario without `frame.clamp`";
+            message "lost: film that slips in the clamp";
+        Air = "deck-air", Warning;
+            meaning "the air around the film is not in the deck";
+            remedy "compare with a scenario without `air`";
+            message "lost: the air around the film";
+        FilmContact = "deck-film-contact", Warning;
+            meaning "faces meet each other in the test and pass through each other in the deck, where no body presses them";
+            remedy "compare with a scenario without `contact.film`, or add a contact between the parts";
+            message "lost: contact between faces";
+        BodyContact = "deck-body-contact", Warning;
+            meaning "impactors meet each other in the test and pass through each other in the deck";
+            remedy "add a contact between them";
+            message "lost: contact between impactors";
+        GuideFriction = "deck-guide-friction", Warning;
+            meaning "the guide of the impactor has friction in the test and none in the deck";
+            remedy "compare with a scenario without `guide_friction`";
+            message "lost: friction of the guide";
+        Spin = "deck-spin", Warning;
+            meaning "an impactor spins at the start of the test and not in the deck";
+            remedy "add its angular velocity";
+            message "lost: spin of an impactor";
+        Settling = "deck-settling", Warning;
+            meaning "film of the test is brought to equilibrium with its weight before the impact, that of the deck is not";
+            remedy "compare with a scenario without `settle`";
+            message "lost: equilibrium of the film with its weight before the test";
+        Cuts = "deck-cuts", Warning;
+            meaning "the film of the test has cuts, that of the deck has none";
+            remedy "compare with a scenario without `cuts`";
+            message "lost: cuts through the film";
+        AddedMass = "deck-added-mass", Warning;
+            meaning "small elements of the test have added mass, those of the deck have not";
+            remedy "scale masses there, or leave `smallest_step` out";
+            message "lost: mass added to small elements";
+        Damping = "deck-damping", Warning;
+            meaning "the film of the test is damped by its mass, that of the deck is not";
+            remedy "add mass-proportional damping, or compare with a scenario without `damping`";
+            message "lost: mass-proportional damping of the film";
+        Facets {
+            depth: f64, "largest distance of facets below the surface, m" => "depth_m";
+        } = "deck-facets", Note;
+            meaning "the surface of an impactor is written as triangles, whose corners are on it";
+            remedy "nothing, while the depth is small beside the elements of film";
+            message "facets of impactors are up to {} mm below their surface", significant(1e3 * depth, 3);
+        Penalty {
+            inset: f64, "of the mesh of impactors below their surface, m" => "inset_m";
+        } = "deck-penalty", Note;
+            meaning "contact is a penalty there: the mesh of an impactor is smaller, and the contact thickness makes up for it, so that \
+                thin film cannot pass through it in a step";
+            remedy "nothing: contact begins where it does in the test";
+            message "meshes of impactors are {} mm below their surface, and contacts as much thicker", significant(1e3 * inset, 4);
+        Implicit {
+            stiffness: f64, "of the contact, Pa/m" => "stiffness_Pa_m";
+        } = "deck-implicit", Note;
+            meaning "CalculiX expands membranes to solids, whose thickness bounds the explicit step; the deck is implicit, \
+                which damps waves in the film by its numbers";
+            remedy "compare the motion of the impactor, not waves in the film";
+            message "implicit, HHT with alpha -0.3; contact by springs of {} Pa/m and dampers, both chosen by droptower",
+                significant(*stiffness, 4);
+        NoFriction = "deck-no-friction", Warning;
+            meaning "friction between impactor and film is not in the deck";
+            remedy "compare with a scenario whose `friction` is zero";
+            message "lost: friction between impactors and film";
+        Thickness = "deck-thickness", Note;
+            meaning "shells of that solver keep their thickness unless they are told to change it";
+            remedy "leave the option, which rubber and plastic film need";
+            message "shells change their thickness with the strain (ISTUPD = 1)";
+        FromMemory {
+            what: &'static str, "of the deck" => "what";
+        } = "deck-from-memory", Note;
+            meaning "a part of the deck follows what is remembered of the solver's manual, not the manual";
+            remedy "compare it with the manual before the deck is used";
+            message "from memory: {what}";
+        NotRun {
+            solver: &'static str, "whose deck it is" => "solver";
+        } = "deck-not-run", Note;
+            meaning "no run of that solver has been compared with droptower: what was checked are the fields of the deck";
+            remedy "run it, and compare the motion of the impactor";
+            message "no run of {solver} has read this deck yet; its fields were checked one by one";
+    }
+}

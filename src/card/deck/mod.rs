@@ -1,0 +1,347 @@
+//! Decks: a whole drop test in the formats of other solvers.
+//!
+//! A [`Deck`] is the test in their terms, in SI units: film as it is without stress and where the frame holds it, rigid bodies,
+//! gravity, time. Each solver has a module that writes it; the material cards are those of [`crate::write`]. Pre-strain is
+//! written as a step of mounting, of which every solver here is capable for every law: film is moved from its stress-free shape to
+//! the frame, while the bodies approach, and let go of when they reach it.
+
+mod body;
+mod calculix;
+mod finding;
+mod ls_dyna;
+mod mounting;
+mod openradioss;
+
+use thiserror::Error;
+
+use super::film::{Film, Refusal, Request};
+use super::system::System;
+use super::target::Target;
+use super::{Loss, ascii};
+use base::number::significant;
+
+pub use finding::{CODES, DeckLoss};
+pub use mounting::stress_free;
+
+use mounting::{Mounting, mounting};
+
+/// A drop test, SI.
+#[derive(Clone, Debug)]
+pub struct Deck<'a> {
+    /// One line.
+    pub title: &'a str,
+    /// What it was made from, a line each.
+    pub origin: &'a [String],
+    /// The faces of film, from the first that a body meets to the last.
+    pub faces: Vec<Face<'a>>,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// How many copies of the computed part the whole is made of.
+    pub copies: f64,
+    /// m/s², downwards.
+    pub gravity: f64,
+    /// Simulated time from the start of the test on, s.
+    pub duration: f64,
+    /// Time between two outputs of the motion of bodies, s.
+    pub interval: f64,
+    /// What the scenario has and the deck does not.
+    pub losses: Vec<DeckLoss>,
+}
+
+/// A face of film.
+#[derive(Clone, Debug)]
+pub struct Face<'a> {
+    /// Name and material of one layer.
+    pub film: Film<'a>,
+    /// Layers that one element stands for.
+    pub layers: u32,
+    /// Nodes where the frame holds them, m.
+    pub mounted: Vec<[f64; 3]>,
+    /// The same nodes without stress, m.
+    pub stress_free: Vec<[f64; 3]>,
+    /// Corners of the elements of four nodes.
+    pub quads: Vec<[u32; 4]>,
+    /// Corners of the elements of three nodes.
+    pub tris: Vec<[u32; 3]>,
+    /// Axes along which frame or mirror planes hold each node.
+    pub held: Vec<[bool; 3]>,
+    /// Angle from the x axis to MD, rad.
+    pub md_angle: f64,
+}
+
+impl Face<'_> {
+    /// Thickness of all layers without stress, m.
+    pub fn thickness(&self) -> f64 {
+        self.film.material.thickness * f64::from(self.layers)
+    }
+
+    /// Mean length of the edges of elements without stress, m.
+    fn edge(&self) -> f64 {
+        let length = |[a, b]: [u32; 2]| {
+            let [a, b] = [a, b].map(|node| self.stress_free[node as usize]);
+            (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+        };
+        let of_quads = self.quads.iter().flat_map(|&[a, b, c, d]| [[a, b], [b, c], [c, d], [d, a]]);
+        let of_tris = self.tris.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let (sum, count) = of_quads.chain(of_tris).map(length).fold((0.0, 0.0), |(s, n), edge| (s + edge, n + 1.0));
+        sum / f64::max(count, 1.0)
+    }
+}
+
+/// A rigid body.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// One word or more.
+    pub name: String,
+    /// Its surface.
+    pub shape: Shape,
+    /// Of the computed part, kg.
+    pub mass: f64,
+    /// Moments of inertia about x, y and z of the computed part, kg m².
+    pub inertia: [f64; 3],
+    /// Its centre at the start of the test, m.
+    pub position: [f64; 3],
+    /// At the start of the test, m/s.
+    pub velocity: [f64; 3],
+    /// Whether it moves along z alone; else in all directions.
+    pub is_guided: bool,
+    /// Coulomb coefficient on each face.
+    pub friction: Vec<f64>,
+}
+
+/// The surface of a body about its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A ball.
+    Sphere {
+        /// m.
+        radius: f64,
+    },
+    /// A shaft along z with hemispheres at its ends.
+    Capsule {
+        /// Of shaft and ends, m.
+        radius: f64,
+        /// Of the shaft, m.
+        length: f64,
+    },
+}
+
+/// Why a test cannot be written as a deck.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DeckRefusal {
+    /// The material of a face.
+    #[error("face {face}: {refusal}")]
+    Film {
+        /// From 1.
+        face: usize,
+        /// Why.
+        refusal: Refusal,
+    },
+    /// No deck is written for this solver.
+    #[error("no decks are written for {0}: for LS-DYNA, OpenRadioss and CalculiX they are")]
+    Target(&'static str),
+    /// The solver names its units.
+    #[error("OpenRadioss has no name for the units of {0}")]
+    Units(&'static str),
+}
+
+/// A file of a deck.
+#[derive(Clone, Debug, PartialEq)]
+pub struct File {
+    /// Its name.
+    pub name: &'static str,
+    /// Its text.
+    pub text: String,
+}
+
+/// Names of all files that a deck can have.
+pub const FILES: [&str; 4] = ["film.k", "film_0000.rad", "film_0001.rad", "film.inp"];
+
+/// A deck as it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// Its files; the first is given to the solver.
+    pub files: Vec<File>,
+    /// What it has otherwise than the test.
+    pub losses: Vec<DeckLoss>,
+    /// What its material cards lose, each once.
+    pub card_losses: Vec<Loss>,
+}
+
+/// Writes a test for the target of `request`, which says also how materials are written; its layers and number are not used.
+///
+/// # Errors
+/// [`DeckRefusal`].
+pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal> {
+    let materials = Materials::of(deck, request)?;
+    let mounting = mounting(deck);
+    let mut losses = deck.losses.clone();
+    losses.extend((mounting.time > 0.0).then_some(DeckLoss::Mounting { time: mounting.time }));
+    losses.extend((deck.copies > 1.0).then_some(DeckLoss::Part { copies: deck.copies }));
+    let scene = Scene { deck, mounting, materials: &materials, system: request.system };
+    let files = match request.target {
+        Target::LsDyna => {
+            let text = ls_dyna::write(&scene, &mut losses);
+            vec![File { name: FILES[0], text: commented("$ ", &scene, &losses, request.target) + &text }]
+        }
+        Target::OpenRadioss => {
+            let [starter, engine] = openradioss::write(&scene, &mut losses)?;
+            let head = commented("# ", &scene, &losses, request.target);
+            vec![
+                File { name: FILES[1], text: format!("#RADIOSS STARTER\n{head}{starter}") },
+                File { name: FILES[2], text: engine },
+            ]
+        }
+        Target::CalculiX => {
+            let text = calculix::write(&scene, &mut losses);
+            vec![File { name: FILES[3], text: commented("** ", &scene, &losses, request.target) + &text }]
+        }
+        other => return Err(DeckRefusal::Target(other.name())),
+    };
+    Ok(Written { files, losses, card_losses: materials.losses })
+}
+
+/// What the modules of solvers write from.
+struct Scene<'s, 'a> {
+    deck: &'s Deck<'a>,
+    mounting: Mounting,
+    materials: &'s Materials,
+    system: System,
+}
+
+impl Scene<'_, '_> {
+    /// Time of the deck at which the test ends, s: it begins after the mounting.
+    fn end(&self) -> f64 {
+        self.mounting.time + self.deck.duration
+    }
+
+    /// Centre of a body when the mounting begins, m: it approaches with its velocity.
+    fn start(&self, body: &Body) -> [f64; 3] {
+        [0, 1, 2].map(|axis| body.position[axis] - body.velocity[axis] * self.mounting.time)
+    }
+
+    /// Distance of the middle of a face from a body in contact with it, m: films without a gap lie on each other.
+    fn offset(&self, face: usize) -> f64 {
+        let before: f64 = self.deck.faces[..face].iter().map(Face::thickness).sum();
+        before + 0.5 * self.deck.faces[face].thickness()
+    }
+
+    /// Number of the first node of each face, and that of the first node behind all of them, from 1.
+    fn first_nodes(&self) -> Vec<usize> {
+        let ends = self.deck.faces.iter().scan(1, |end, face| {
+            *end += face.mounted.len();
+            Some(*end)
+        });
+        std::iter::once(1).chain(ends).collect()
+    }
+
+    /// Number of the first element of each face, and that of the first one behind all of them, from 1.
+    fn first_elements(&self) -> Vec<usize> {
+        let ends = self.deck.faces.iter().scan(1, |end, face| {
+            *end += face.quads.len() + face.tris.len();
+            Some(*end)
+        });
+        std::iter::once(1).chain(ends).collect()
+    }
+
+    /// A length in the units of the deck.
+    fn length(&self, length: f64) -> f64 {
+        length / self.system.length()
+    }
+
+    fn time(&self, time: f64) -> f64 {
+        time / self.system.time()
+    }
+
+    fn velocity(&self, velocity: f64) -> f64 {
+        velocity * self.system.time() / self.system.length()
+    }
+
+    fn acceleration(&self, acceleration: f64) -> f64 {
+        acceleration * self.system.time().powi(2) / self.system.length()
+    }
+
+    fn mass(&self, mass: f64) -> f64 {
+        mass / (self.system.density() * self.system.length().powi(3))
+    }
+
+    fn inertia(&self, inertia: f64) -> f64 {
+        self.mass(inertia) / self.system.length().powi(2)
+    }
+
+    /// Points of gravity over time, in the units of the deck: it begins with the test.
+    fn gravity(&self) -> Vec<[f64; 2]> {
+        /// Share of the mounting within which it begins.
+        const RISE: f64 = 1e-3;
+        let [g, begin, end] = [
+            self.acceleration(self.deck.gravity),
+            self.time(self.mounting.time),
+            // Beyond the end, so that no solver reads past it.
+            2.0 * self.time(self.end()),
+        ];
+        match begin > 0.0 {
+            true => vec![[0.0, 0.0], [begin * (1.0 - RISE), 0.0], [begin, g], [end, g]],
+            false => vec![[0.0, g], [end, g]],
+        }
+    }
+}
+
+/// The material cards of a deck, each material once.
+struct Materials {
+    /// Text of each card, without what begins and ends a file.
+    cards: Vec<String>,
+    /// Number of the material of each face, from 1.
+    of_face: Vec<u32>,
+    losses: Vec<Loss>,
+}
+
+impl Materials {
+    fn of(deck: &Deck<'_>, request: &Request) -> Result<Materials, DeckRefusal> {
+        let mut found = Materials { cards: vec![], of_face: vec![], losses: vec![] };
+        for (place, face) in deck.faces.iter().enumerate() {
+            let before = deck.faces[..place].iter().zip(&found.of_face);
+            let alike = |other: &Face<'_>| other.film.material == face.film.material && other.md_angle == face.md_angle;
+            if let Some(known) = before.filter(|(other, _)| alike(other)).map(|(_, number)| *number).next() {
+                found.of_face.push(known);
+                continue;
+            }
+            let id = found.cards.len() as u32 + 1;
+            let request = Request { id, layers: face.layers, md_angle: face.md_angle, ..request.clone() };
+            let film = Film { name: &format!("{} {id}", face.film.name), origin: &[], ..face.film.clone() };
+            let card =
+                crate::write(&film, &request).map_err(|refusal| DeckRefusal::Film { face: place + 1, refusal })?;
+            found
+                .losses
+                .extend(card.losses.iter().filter(|loss| !found.losses.contains(loss)).cloned().collect::<Vec<_>>());
+            found.cards.push(within_file(&card.text));
+            found.of_face.push(id);
+        }
+        Ok(found)
+    }
+}
+
+/// A card without the lines that begin and end a file.
+fn within_file(card: &str) -> String {
+    let framing = ["*KEYWORD", "*END", "/END", "#RADIOSS STARTER"];
+    card.lines().filter(|line| !framing.contains(line)).map(|line| format!("{line}\n")).collect()
+}
+
+/// The head of a deck: what it was made from, its units, what it does and what it lacks.
+fn commented(mark: &str, scene: &Scene<'_, '_>, losses: &[DeckLoss], target: Target) -> String {
+    let [mass, length, time, force, stress] = scene.system.words();
+    let mut lines =
+        vec![format!("{} for {}, by droptower {}", scene.deck.title, target.name(), env!("CARGO_PKG_VERSION"))];
+    lines.extend(scene.deck.origin.iter().cloned());
+    lines.push(format!("units: {} ({mass}, {length}, {time}; {force}, {stress})", scene.system.name()));
+    lines.push(match scene.mounting.time > 0.0 {
+        true => format!(
+            "pre-strain by a step of mounting: film is written without stress and moved to the frame until {} {time}; the test \
+             begins then",
+            significant(scene.time(scene.mounting.time), 6)
+        ),
+        false => "no pre-strain: film is written where the frame holds it".to_owned(),
+    });
+    lines.extend(losses.iter().map(DeckLoss::to_string));
+    lines.extend(scene.materials.losses.iter().map(|loss| format!("material: {loss}")));
+    lines.iter().map(|line| format!("{}\n", format!("{mark}{}", ascii(line)).trim_end())).collect()
+}

@@ -1,0 +1,385 @@
+//! Decks of OpenRadioss: a starter and an engine file.
+//!
+//! Blocks in the format of 2023, as its configuration files have them (OpenRadioss, `hm_cfg_files/config/CFG`). A fabric (LAW58)
+//! takes the property of type 16, LAW19 and LAW43 that of type 9, the others that of type 1; all with one point through the
+//! thickness.
+
+use membrane::material::Law;
+
+use super::finding::DeckLoss;
+use super::mounting::shares;
+use super::{Body, DeckRefusal, Face, Scene};
+use crate::openradioss::{Block, Line};
+use crate::system::System;
+
+/// Numbers of functions; those of materials begin above 100.
+const MOTION: i64 = 1;
+const REST: i64 = 2;
+const GRAVITY: i64 = 3;
+
+/// Share of the mass of a body that its shells have; the rest is that of its main node.
+const OF_SHELLS: f64 = 1e-3;
+
+/// Young's modulus (Pa) and Poisson's ratio of the shells of a body: steel, for the stiffness of the contact.
+const STEEL: [f64; 2] = [210e9, 0.3];
+
+/// Starter without its head, and engine.
+pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> Result<[String; 2], DeckRefusal> {
+    let units = match scene.system {
+        System::KgMS => ["kg", "m", "s"],
+        System::TMmS => ["Mg", "mm", "s"],
+        System::GMmMs => ["g", "mm", "ms"],
+        System::KgMmMs => ["kg", "mm", "ms"],
+        System::LbfInS => return Err(DeckRefusal::Units(scene.system.name())),
+    };
+    let deck = scene.deck;
+    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth()).fold(0.0, f64::max);
+    let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
+    losses.extend([
+        DeckLoss::Facets { depth },
+        DeckLoss::Penalty { inset },
+        DeckLoss::NotRun { solver: "OpenRadioss" },
+    ]);
+    let of_memory = |face: &Face<'_>| property(face) == 9 && matches!(face.film.material.law, Law::Plastic(_));
+    if deck.faces.iter().any(of_memory) {
+        losses.push(DeckLoss::FromMemory { what: "the property of type 9 is one for LAW43" });
+    }
+    let units: String = units.iter().map(|unit| format!("{unit:>20}")).collect();
+    let mut text = format!("/BEGIN\nfilm\n{:>10}{:>10}\n{units}\n{units}\n", 2023, 0);
+    text += &format!("/TITLE\n{}\n", crate::title(deck.title));
+    scene.materials.cards.iter().for_each(|card| text += card);
+    let (first_nodes, first_elements) = (scene.first_nodes(), scene.first_elements());
+    let mut groups = Groups::default();
+    for (place, face) in deck.faces.iter().enumerate() {
+        let first = first_nodes[place];
+        text += &film(scene, face, place, [first, first_elements[place]]);
+        text += &groups.add(&format!("face {}", place + 1), first..first + face.mounted.len());
+    }
+    let mut next = [first_nodes[deck.faces.len()], first_elements[deck.faces.len()]];
+    for (place, body) in deck.bodies.iter().enumerate() {
+        text += &rigid(scene, body, place, &mut next, &mut groups);
+    }
+    text += &mounting(scene, &mut groups);
+    text += &function(GRAVITY, "gravity", scene.gravity().into_iter());
+    text += &groups.add("all", 1..next[0]);
+    let names = "#funct_IDT       DIR   skew_ID sensor_ID  grnod_ID                      Ascale_x            Fscale_Y";
+    let line = loaded(GRAVITY, "Z", groups.last).blank(10).real(1.0).real(-1.0);
+    text += &Block::begin("/GRAV/1", "gravity").line(&names[1..], line).0;
+    for (place, body) in deck.bodies.iter().enumerate() {
+        for face in 0..deck.faces.len() {
+            text += &contact(scene, body, place, face);
+        }
+    }
+    Ok([text + "/END\n", engine(scene)])
+}
+
+/// Type of the property that a law takes.
+fn property(face: &Face<'_>) -> u32 {
+    match &face.film.material.law {
+        Law::Fabric(_) | Law::RateFabric(_) => 16,
+        Law::Elastic(_) | Law::TensionField(_) => 9,
+        Law::Plastic(law) => {
+            if crate::film::lost_hill(law).is_some() {
+                9
+            } else {
+                1
+            }
+        }
+        Law::Hyperelastic(_) => 1,
+    }
+}
+
+/// Groups of nodes, numbered one after the other.
+#[derive(Default)]
+struct Groups {
+    last: i64,
+}
+
+impl Groups {
+    /// Nodes that are counted from 1.
+    fn add(&mut self, title: &str, nodes: impl IntoIterator<Item = usize>) -> String {
+        self.last += 1;
+        let nodes: Vec<usize> = nodes.into_iter().collect();
+        let line = |line: &[usize]| line.iter().map(|node| format!("{node:>10}")).collect::<String>() + "\n";
+        format!("/GRNOD/NODE/{}\n{title}\n{}", self.last, nodes.chunks(10).map(line).collect::<String>())
+    }
+}
+
+/// Function, direction, no skew, no sensor, group.
+fn loaded(function: i64, direction: &str, group: i64) -> Line {
+    Line::default().whole(function).word(direction, 10).whole(0).whole(0).whole(group)
+}
+
+fn function(number: i64, title: &str, points: impl Iterator<Item = [f64; 2]>) -> String {
+    let block = Block::begin(&format!("/FUNCT/{number}"), title);
+    points
+        .enumerate()
+        .fold(block, |Block(text), (place, [x, y])| {
+            let names = if place == 0 { "#                  X                   Y\n" } else { "" };
+            Block(text + names + &Line::default().real(x).real(y).end())
+        })
+        .0
+}
+
+/// Part, property, nodes and elements of a face.
+fn film(scene: &Scene<'_, '_>, face: &Face<'_>, place: usize, first: [usize; 2]) -> String {
+    let number = place + 1;
+    let material = i64::from(scene.materials.of_face[place]);
+    let title = crate::title(&format!("face {number} {}", face.film.name));
+    let mut text = part(number, &title, material) + &film_property(scene, face, number, material, &title);
+    text += &nodes(scene, face.stress_free.iter().copied(), first[0]);
+    let corner = |node: &u32| first[0] + *node as usize;
+    let quads: Vec<Vec<usize>> = face.quads.iter().map(|quad| quad.iter().map(corner).collect()).collect();
+    let tris: Vec<Vec<usize>> = face.tris.iter().map(|tri| tri.iter().map(corner).collect()).collect();
+    text += &elements("SHELL", number, first[1], &quads);
+    text + &elements("SH3N", number, first[1] + quads.len(), &tris)
+}
+
+fn part(number: usize, title: &str, material: i64) -> String {
+    let line = Line::default().whole(number as i64).whole(material).whole(0);
+    Block::begin(&format!("/PART/{number}"), title).line("  prop_ID    mat_ID subset_ID", line).0
+}
+
+/// The property of a face: QEPH shells (24), large strain (4), and thickness that changes where the law is one of true stress.
+fn film_property(scene: &Scene<'_, '_>, face: &Face<'_>, number: usize, material: i64, title: &str) -> String {
+    let kind = property(face);
+    let thickness = scene.length(face.thickness());
+    let (sin, cos) = face.md_angle.sin_cos();
+    let block = Block::begin(&format!("/PROP/TYPE{kind}/{number}"), title);
+    let flags = Line::default().whole(24).whole(4).whole(2);
+    let block = match kind {
+        16 => block.line(
+            "  Ishell    Ismstr     Ish3n                                      P_Thick_Fail",
+            flags.blank(30).real(0.0),
+        ),
+        _ => block.line(
+            "  Ishell    Ismstr     Ish3n    Idrill                            P_Thick_Fail",
+            flags.whole(0).blank(20).real(0.0),
+        ),
+    };
+    let zeros = (0..5).fold(Line::default(), |line, _| line.real(0.0));
+    let block = block.line(
+        "                 Hm                  Hf                  Hr                  Dm                  Dn",
+        zeros,
+    );
+    // One point: no bending. Strain is computed, as all that is read of it needs.
+    let head = Line::default().whole(1).whole(1).real(thickness).real(0.0);
+    match kind {
+        16 => block
+            .line(
+                "       N   Istrain               Thick              Ashear              Ithick",
+                head.blank(10).whole(0),
+            )
+            .line(
+                "                 Vx                  Vy                  Vz   Skew_ID      Ipos                  Ip",
+                Line::default().real(cos).real(sin).real(0.0).whole(0).whole(0).blank(10).whole(0),
+            )
+            .line(
+                "              Phi_i             Alpha_i                 T_i                 Z_i   mat_IDi",
+                Line::default().real(0.0).real(90.0).real(thickness).real(0.0).whole(material),
+            ),
+        9 => block
+            .line(
+                "       N   ISTRAIN               Thick              Ashear     Iskew    ITHICK     IPLAS",
+                head.whole(0).whole(1).whole(0),
+            )
+            .line(
+                "                 Vx                  Vy                  Vz                 Phi                  Ip",
+                Line::default().real(cos).real(sin).real(0.0).real(0.0).blank(10).whole(0),
+            ),
+        _ => block.line(
+            "       N   Istrain               Thick              Ashear              Ithick     Iplas",
+            head.blank(10).whole(1).whole(0),
+        ),
+    }
+    .0
+}
+
+/// Nodes at places in m, numbered from `first`.
+fn nodes(scene: &Scene<'_, '_>, places: impl Iterator<Item = [f64; 3]>, first: usize) -> String {
+    let mut text = String::from("/NODE\n#  node_ID                  Xc                  Yc                  Zc\n");
+    for (node, place) in places.enumerate() {
+        let line = Line::default().whole((first + node) as i64);
+        text += &place.iter().fold(line, |line, value| line.real(scene.length(*value))).end();
+    }
+    text
+}
+
+/// Elements numbered from `first`; nothing where there are none.
+fn elements(kind: &str, part: usize, first: usize, elements: &[Vec<usize>]) -> String {
+    if elements.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("/{kind}/{part}\n");
+    for (element, corners) in elements.iter().enumerate() {
+        let line = Line::default().whole((first + element) as i64);
+        text += &corners.iter().fold(line, |line, corner| line.whole(*corner as i64)).end();
+    }
+    text
+}
+
+/// A body as shells on a main node at its centre, which has its mass, velocity and output; moves the numbers of the `next` node
+/// and element on.
+fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2], groups: &mut Groups) -> String {
+    let deck = scene.deck;
+    let number = deck.faces.len() + place + 1;
+    let material = (scene.materials.cards.len() + place + 1) as i64;
+    let (start, inset) = (scene.start(body), body.shape.inset());
+    let surface = body.shape.triangles(-inset);
+    let main = next[0];
+    let title = crate::title(&body.name);
+    let mut text = part(number, &title, material);
+    // Thin shells of any mass but none: what they have is not added to the main node.
+    let thickness = scene.length(inset);
+    let zeros = (0..5).fold(Line::default(), |line, _| line.real(0.0));
+    text += &Block::begin(&format!("/PROP/TYPE1/{number}"), &title)
+        .line(
+            "  Ishell    Ismstr     Ish3n    Idrill                            P_Thick_Fail",
+            Line::default().whole(0).whole(0).whole(0).whole(0).blank(20).real(0.0),
+        )
+        .line(
+            "                 Hm                  Hf                  Hr                  Dm                  Dn",
+            zeros,
+        )
+        .line(
+            "       N   Istrain               Thick              Ashear              Ithick     Iplas",
+            Line::default().whole(0).whole(0).real(thickness).real(0.0).blank(10).whole(0).whole(0),
+        )
+        .0;
+    let density = OF_SHELLS * body.mass / (surface.area() * inset);
+    let [young, poisson] = STEEL;
+    text += &Block::begin(&format!("/MAT/LAW1/{material}"), &title)
+        .line("              RHO_I", Line::default().real(density / scene.system.density()))
+        .line(
+            "                  E                  nu",
+            Line::default().real(young / scene.system.stress()).real(poisson),
+        )
+        .0;
+    let places = surface.points.iter().map(|point| [0, 1, 2].map(|axis| start[axis] + point[axis]));
+    text += &nodes(scene, std::iter::once(start).chain(places), main);
+    let corners: Vec<Vec<usize>> =
+        surface.corners.iter().map(|corners| corners.iter().map(|corner| main + 1 + corner).collect()).collect();
+    text += &elements("SH3N", number, next[1], &corners);
+    *next = [main + 1 + surface.points.len(), next[1] + surface.corners.len()];
+    text += &groups.add(&format!("{title}, surface"), main + 1..next[0]);
+    let [jxx, jyy, jzz] = body.inertia.map(|value| scene.inertia(value));
+    let head = Line::default().whole(main as i64).whole(0).whole(0).whole(0);
+    let head = head.real(scene.mass((1.0 - OF_SHELLS) * body.mass)).whole(groups.last).whole(0).whole(3).whole(0);
+    text += &Block::begin(&format!("/RBODY/{}", place + 1), &title)
+        .line(
+            " node_ID   sens_ID   Skew_ID    Ispher                Mass   grnd_ID     Ikrem      ICoG   surf_ID",
+            head,
+        )
+        .line(
+            "                Jxx                 Jyy                 Jzz",
+            Line::default().real(jxx).real(jyy).real(jzz),
+        )
+        .line(
+            "                Jxy                 Jyz                 Jxz",
+            Line::default().real(0.0).real(0.0).real(0.0),
+        )
+        .line(" Ioptoff   Iexpams", Line::default().whole(0).whole(0))
+        .0;
+    text += &format!("/SURF/PART/{number}\n{title}\n{number:>10}\n");
+    text += &groups.add(&format!("{title}, main node"), [main]);
+    if body.is_guided {
+        text += &constraint(place + 1, "110 111", groups.last, &format!("{title}, guide"));
+    }
+    text += &groups.add(&format!("{title}, all"), main..next[0]);
+    let [vx, vy, vz] = body.velocity.map(|value| scene.velocity(value));
+    let line = Line::default().real(vx).real(vy).real(vz).whole(groups.last).whole(0);
+    text += &Block::begin(&format!("/INIVEL/TRA/{}", place + 1), &title)
+        .line("                 Vx                  Vy                  Vz   Gnod_id   Skew_id", line)
+        .0;
+    text += &format!("/TH/NODE/{}\n{title}\nDZ        VZ        AZ\n{main:>10}{:>10}\n", 2 * place + 1, 0);
+    text + &format!("/TH/RBODY/{}\n{title}\nDEF       FX        FY        FZ\n{:>10}\n", 2 * place + 2, place + 1)
+}
+
+/// Degrees of freedom of a group that are fixed.
+fn constraint(number: usize, fixed: &str, group: i64, title: &str) -> String {
+    let line = Line::default().word(fixed, 10).whole(0).whole(group);
+    Block::begin(&format!("/BCS/{number}"), title).line(" Tra rot   skew_ID  grnod_ID", line).0
+}
+
+/// Groups of nodes, where they are fixed, and how they are moved to the frame.
+fn mounting(scene: &Scene<'_, '_>, groups: &mut Groups) -> String {
+    let mounting = &scene.mounting;
+    let mut text = String::new();
+    let counted = |nodes: &[usize]| nodes.iter().map(|node| node + 1).collect::<Vec<usize>>();
+    for (axis, fixed) in mounting.fixed.iter().enumerate().filter(|(_, nodes)| !nodes.is_empty()) {
+        let name = ["x", "y", "z"][axis];
+        text += &groups.add(&format!("fixed along {name}"), counted(fixed));
+        let number = scene.deck.bodies.len() + axis + 1;
+        text +=
+            &constraint(number, ["100 000", "010 000", "001 000"][axis], groups.last, &format!("fixed along {name}"));
+    }
+    if mounting.moves.is_empty() {
+        return text;
+    }
+    let (time, end) = (scene.time(mounting.time), 2.0 * scene.time(scene.end()));
+    let motion = shares().map(|[share, moved]| [share * time, moved]).chain([[end, 1.0]]);
+    text += &function(MOTION, "share of the motion to the frame", motion);
+    text += &function(REST, "no motion", [[0.0, 0.0], [end, 0.0]].into_iter());
+    for (place, one) in mounting.moves.iter().enumerate() {
+        let direction = ["X", "Y"][one.axis];
+        text += &groups.add(&format!("moved along {direction}"), counted(&one.nodes));
+        // A scale of zero would be taken for its default.
+        let (curve, scale) = if one.by == 0.0 { (REST, 1.0) } else { (MOTION, scene.length(one.by)) };
+        let stop = if one.is_held { end } else { time };
+        text += &Block::begin(&format!("/IMPDISP/{}", place + 1), "mounting")
+            .line(
+                "funct_IDT       Dir   skew_ID sensor_ID  grnod_ID  frame_ID     Icoor",
+                loaded(curve, direction, groups.last).whole(0).whole(0),
+            )
+            .line(
+                "           Ascale_x            Fscale_Y              Tstart               Tstop",
+                Line::default().real(1.0).real(scale).real(0.0).real(stop),
+            )
+            .0;
+    }
+    text
+}
+
+/// Contact of the nodes of a face with a body, at a constant gap.
+fn contact(scene: &Scene<'_, '_>, body: &Body, place: usize, face: usize) -> String {
+    let number = place * scene.deck.faces.len() + face + 1;
+    let surface = (scene.deck.faces.len() + place + 1) as i64;
+    let gap = scene.length(body.shape.inset() + scene.offset(face));
+    // The group of a face has its number. The least of both stiffnesses, a constant gap.
+    let head = Line::default().whole(face as i64 + 1).whole(surface).whole(4).whole(0).whole(1000).blank(10);
+    Block::begin(&format!("/INTER/TYPE7/{number}"), &crate::title(&format!("{} on face {}", body.name, face + 1)))
+        .line(
+            " grnod_id   surf_id      Istf      Ithe      Igap                Ibag      Idel     Icurv      Iadm",
+            head.whole(0).whole(0).whole(0).whole(0),
+        )
+        .line(
+            "          Fscalegap             Gap_max             Fpenmax                         Itied",
+            Line::default().real(0.0).real(0.0).real(0.0).blank(20).whole(0),
+        )
+        .line(
+            "              Stmin               Stmax   Percent_mesh_size               dtmin  Irem_gap   Irem_i2",
+            Line::default().real(0.0).real(0.0).real(0.0).real(0.0).whole(0).whole(0),
+        )
+        .line(
+            "              Stfac                Fric              GAPmin              Tstart               Tstop",
+            Line::default().real(0.0).real(body.friction[face]).real(gap).real(0.0).real(0.0),
+        )
+        .line(
+            "      IBC                        Inacti               VIS_S               VIS_F              Bumult",
+            Line::default().word("000", 10).blank(20).whole(0).real(0.0).real(0.0).real(0.0),
+        )
+        .line(
+            "    Ifric    Ifiltr               Xfreq     Iform   sens_ID   fct_IDF             AscaleF   fric_ID",
+            Line::default().whole(0).whole(0).real(0.0).whole(0).whole(0).whole(0).real(0.0).whole(0),
+        )
+        .0
+}
+
+/// The engine file: how long, and what is written how often.
+fn engine(scene: &Scene<'_, '_>) -> String {
+    let [end, interval] = [scene.end(), scene.deck.interval].map(|time| crate::number::whole(scene.time(time)));
+    let states = crate::number::whole(scene.time(scene.deck.duration / 100.0));
+    format!(
+        "#RADIOSS ENGINE\n/VERS/2023\n/RUN/film/1\n{end}\n/TFILE\n{interval}\n/ANIM/DT\n0.0 {states}\n/PRINT/-1000\n"
+    )
+}
