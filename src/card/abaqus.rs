@@ -6,7 +6,7 @@ use super::film::{
     FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, bulk_modulus, lost_hill, shear_modulus,
 };
 use super::loss::Loss;
-use super::number::in_columns;
+use super::number::in_twenty;
 use super::target::Target;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, Viscosity};
 
@@ -25,22 +25,17 @@ pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) 
         Law::Hyperelastic(law) => rubber(film, law, request, losses)?,
         Law::Plastic(law) => plastic(film, law, request, losses)?,
     };
-    let density = field(film.material.density / request.system.density());
+    let density = in_twenty(film.material.density / request.system.density());
     let name: String = film.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     // A name begins with a letter.
     Ok(format!("*MATERIAL, NAME=FILM_{}\n*DENSITY\n{density},\n{law}", name.to_ascii_uppercase()))
-}
-
-/// A number in the 20 characters that both read of it: of a longer one they would lose the end of its exponent.
-pub(crate) fn field(value: f64) -> String {
-    in_columns(value, 20).expect("12 digits")
 }
 
 /// A keyword with its data, eight values a line.
 fn keyword(name: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
     let mut text = format!("*{name}\n");
     for row in rows {
-        let values: Vec<String> = row.iter().map(|value| field(*value)).collect();
+        let values: Vec<String> = row.iter().map(|value| in_twenty(*value)).collect();
         for line in values.chunks(MOST) {
             text += &format!("{}\n", line.join(", "));
         }

@@ -28,6 +28,12 @@ pub fn whole(value: f64) -> String {
     in_columns(value, 30).unwrap_or_else(|| scientific(value, DIGITS))
 }
 
+/// The number in at most 20 characters, of which CalculiX and Abaqus read no more.
+pub fn in_twenty(value: f64) -> String {
+    // Every number fits within the promised digits.
+    in_columns(value, 20).unwrap_or_default()
+}
+
 /// Without an exponent, with so many digits; `None` where that needs many zeros.
 fn plain(value: f64, digits: usize) -> Option<String> {
     let exponent = value.abs().log10().floor() as i32;

@@ -1,7 +1,7 @@
 //! Decks of CalculiX: a cube of one solid element with a side of one, which a static step stretches.
 
 use super::{Input, Mode, Pull};
-use crate::abaqus::field;
+use crate::number::in_twenty;
 
 /// The card, which the decks include.
 const CARD: &str = "film.inp";
@@ -47,7 +47,7 @@ pub(super) fn input(card: &str, pulls: &[Pull]) -> Input {
 fn deck(material: &str, pull: &Pull) -> String {
     let steps = pull.stretches.len();
     let along = pull.stretches.last().copied().unwrap_or(1.0);
-    let held = |nodes: &str, axis: u8, stretch: f64| format!("{nodes}, {axis}, {axis}, {}\n", field(stretch - 1.0));
+    let held = |nodes: &str, axis: u8, stretch: f64| format!("{nodes}, {axis}, {axis}, {}\n", in_twenty(stretch - 1.0));
     let across = pull.mode.across(along).map_or_else(String::new, |across| held("ACROSS", 2, across));
     // Loads of a step grow in proportion to its time, so that increments of one size give stretches of one distance.
     format!(
@@ -56,7 +56,7 @@ fn deck(material: &str, pull: &Pull) -> String {
          NSET=ALONG, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=ACROSS, TOTALS=ONLY\nRF\n*END STEP\n",
         pull.mode.key(),
         10 * steps,
-        field(1.0 / steps as f64),
+        in_twenty(1.0 / steps as f64),
         held("ALONG", 1, along),
     )
 }

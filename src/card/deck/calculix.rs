@@ -7,10 +7,11 @@
 
 use membrane::material::{HyperelasticLaw, Law};
 
+use super::body::COARSE;
 use super::finding::DeckLoss;
 use super::mounting::shares;
 use super::{Body, Face, Scene};
-use crate::number::whole;
+use crate::number::in_twenty;
 
 /// Stiffness of a contact over that of film in its plane: E t/h² times this.
 const STIFFER: f64 = 100.0;
@@ -24,13 +25,13 @@ const MOUNTING: f64 = 20.0;
 /// First, least and largest increment of the test over its duration.
 const INCREMENTS: [f64; 3] = [3e-4, 1e-9, 1e-2];
 
-/// Increments between two states that are written for a picture.
-const BETWEEN_STATES: u32 = 50;
+/// Increments between two outputs: CalculiX has one such number for all that a step writes.
+const BETWEEN_OUTPUTS: u32 = 5;
 
 /// The deck without its head.
 pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> String {
     let deck = scene.deck;
-    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth()).fold(0.0, f64::max);
+    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth(COARSE)).fold(0.0, f64::max);
     let stiffness = deck.faces.iter().map(stiffness).fold(0.0, f64::max);
     losses.extend([DeckLoss::Facets { depth }, DeckLoss::Implicit { stiffness }]);
     losses
@@ -53,14 +54,14 @@ pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> String
     }
     for (place, face) in deck.faces.iter().enumerate() {
         let name = &names[scene.materials.of_face[place] as usize - 1];
-        let thickness = whole(scene.length(face.thickness()));
+        let thickness = in_twenty(scene.length(face.thickness()));
         text += &format!("*MEMBRANE SECTION, ELSET=FACE{}, MATERIAL={name}\n{thickness}\n", place + 1);
         text += &contact(scene, face, place);
     }
     for (body, (reference, _)) in deck.bodies.iter().zip(&references) {
         text += "*INITIAL CONDITIONS, TYPE=VELOCITY\n";
         for (axis, velocity) in body.velocity.iter().enumerate() {
-            text += &format!("{reference}, {}, {}\n", axis + 1, whole(scene.velocity(*velocity)));
+            text += &format!("{reference}, {}, {}\n", axis + 1, in_twenty(scene.velocity(*velocity)));
         }
     }
     text + &steps(scene, &references)
@@ -88,7 +89,7 @@ fn film(scene: &Scene<'_, '_>, face: &Face<'_>, place: usize, first: [usize; 2])
 fn nodes(scene: &Scene<'_, '_>, set: &str, places: impl Iterator<Item = [f64; 3]>, first: usize) -> String {
     let mut text = format!("*NODE, NSET={set}\n");
     for (node, place) in places.enumerate() {
-        let [x, y, z] = place.map(|value| whole(scene.length(value)));
+        let [x, y, z] = place.map(|value| in_twenty(scene.length(value)));
         text += &format!("{}, {x}, {y}, {z}\n", first + node);
     }
     text
@@ -118,7 +119,9 @@ fn rigid(
 ) -> String {
     let number = place + 1;
     let start = scene.start(body);
-    let surfaces: Vec<_> = (0..scene.deck.faces.len()).map(|face| body.shape.triangles(scene.offset(face))).collect();
+    let surfaces: Vec<_> = (0..scene.deck.faces.len())
+        .map(|face| body.shape.triangles(scene.offset(face), COARSE).lower(scene.deck.mirrored))
+        .collect();
     let mut text = String::new();
     let volume: f64 = surfaces.iter().map(super::body::Triangles::volume).sum();
     for (face, surface) in surfaces.iter().enumerate() {
@@ -148,14 +151,14 @@ fn rigid(
     let density = OF_SOLIDS * body.mass / volume / scene.system.density();
     let mass = scene.mass((1.0 - OF_SOLIDS) * body.mass);
     text += &format!("*ELEMENT, TYPE=MASS, ELSET=MASS{number}\n{}, {reference}\n", next[1]);
-    text += &format!("*MASS, ELSET=MASS{number}\n{}\n", whole(mass));
+    text += &format!("*MASS, ELSET=MASS{number}\n{}\n", in_twenty(mass));
     next[1] += 1;
     let [young, poisson] = STEEL;
     text += &format!(
         "*MATERIAL, NAME=RIGID{number}\n*DENSITY\n{},\n*ELASTIC\n{}, {}\n",
-        whole(density),
-        whole(young / scene.system.stress()),
-        whole(poisson)
+        in_twenty(density),
+        in_twenty(young / scene.system.stress()),
+        in_twenty(poisson)
     );
     text
 }
@@ -186,9 +189,9 @@ fn contact(scene: &Scene<'_, '_>, face: &Face<'_>, place: usize) -> String {
     let stiffness = stiffness(face) * scene.system.length() / scene.system.stress();
     let mut text = format!("*SURFACE INTERACTION, NAME=CONTACT{number}\n");
     // Pressure over overclosure, and the tension at infinite distance, which is a trifle.
-    let tension = whole(1e-3 * stiffness * scene.length(face.thickness()));
-    text += &format!("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{}, {tension}\n", whole(stiffness));
-    text += &format!("*CONTACT DAMPING, TANGENT FRACTION=0\n{}\n", whole(stiffness * scene.time(DAMPING)));
+    let tension = in_twenty(1e-3 * stiffness * scene.length(face.thickness()));
+    text += &format!("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{}, {tension}\n", in_twenty(stiffness));
+    text += &format!("*CONTACT DAMPING, TANGENT FRACTION=0\n{}\n", in_twenty(stiffness * scene.time(DAMPING)));
     for body in 1..=scene.deck.bodies.len() {
         text += &format!(
             "*CONTACT PAIR, INTERACTION=CONTACT{number}, TYPE=NODE TO SURFACE\nSURFACE{number}, SBODY{body}OF{number}\n"
@@ -206,37 +209,41 @@ fn steps(scene: &Scene<'_, '_>, references: &[(usize, usize)]) -> String {
         let time = scene.time(mounting.time);
         text += "*AMPLITUDE, NAME=MOUNTING\n";
         for [share, moved] in shares() {
-            text += &format!("{}, {}\n", whole(share * time), whole(moved));
+            text += &format!("{}, {}\n", in_twenty(share * time), in_twenty(moved));
         }
         text += "*STEP, NLGEOM, INC=1000\n*DYNAMIC, ALPHA=-0.3, DIRECT\n";
-        text += &format!("{}, {}\n*BOUNDARY, AMPLITUDE=MOUNTING\n", whole(time / MOUNTING), whole(time));
+        text += &format!("{}, {}\n*BOUNDARY, AMPLITUDE=MOUNTING\n", in_twenty(time / MOUNTING), in_twenty(time));
         for one in &mounting.moves {
             text += &boundary(&one.nodes, one.axis, scene.length(one.by));
         }
         text += &format!("*BOUNDARY\n{fixed}{}", output(scene));
     }
-    let duration = scene.time(scene.deck.duration);
-    let [first, least, largest] = INCREMENTS.map(|share| whole(share * duration));
+    let duration = scene.time(scene.end() - mounting.time);
+    // Times of an amplitude are those of its step.
+    text += "*AMPLITUDE, NAME=GRAVITY\n";
+    for [at, g] in scene.gravity() {
+        text += &format!("{}, {}\n", in_twenty((at - scene.time(mounting.time)).max(0.0)), in_twenty(g));
+    }
+    let [first, least, largest] = INCREMENTS.map(|share| in_twenty(share * duration));
     text += &format!(
         "*STEP, NLGEOM, INC=1000000\n*DYNAMIC, ALPHA=-0.3\n{first}, {}, {least}, {largest}\n",
-        whole(duration)
+        in_twenty(duration)
     );
     text += "*BOUNDARY, OP=NEW\n";
     for one in mounting.moves.iter().filter(|one| one.is_held) {
         text += &boundary(&one.nodes, one.axis, scene.length(one.by));
     }
-    text += &format!("{fixed}*DLOAD\n");
-    let gravity = whole(scene.acceleration(scene.deck.gravity));
+    text += &format!("{fixed}*DLOAD, AMPLITUDE=GRAVITY\n");
     let faces = (1..=scene.deck.faces.len()).map(|number| format!("FACE{number}"));
     for set in faces.chain((1..=references.len()).map(|number| format!("MASS{number}"))) {
-        text += &format!("{set}, GRAV, {gravity}, 0.0, 0.0, -1.0\n");
+        text += &format!("{set}, GRAV, 1.0, 0.0, 0.0, -1.0\n");
     }
     text + &output(scene)
 }
 
 /// Lines of nodes, counted from 0, that are moved along an axis.
 fn boundary(nodes: &[usize], axis: usize, by: f64) -> String {
-    let (axis, by) = (axis + 1, whole(by));
+    let (axis, by) = (axis + 1, in_twenty(by));
     nodes.iter().map(|node| format!("{}, {axis}, {axis}, {by}\n", node + 1)).collect()
 }
 
@@ -248,13 +255,14 @@ fn fixed(scene: &Scene<'_, '_>, references: &[(usize, usize)]) -> String {
     of_film.chain(of_bodies).collect()
 }
 
-/// The motion of bodies in every increment, and states of the film for a picture; the end of a step.
+/// The motion of bodies, and states of the film for a picture; the end of a step.
 fn output(scene: &Scene<'_, '_>) -> String {
     let bodies = 1..=scene.deck.bodies.len();
-    let motion: String =
-        bodies.map(|number| format!("*NODE PRINT, NSET=REFERENCE{number}, FREQUENCY=1\nU, V\n")).collect();
+    let motion: String = bodies
+        .map(|number| format!("*NODE PRINT, NSET=REFERENCE{number}, FREQUENCY={BETWEEN_OUTPUTS}\nU, V\n"))
+        .collect();
     // Energies have to be asked for before a dynamic step.
     format!(
-        "{motion}*NODE FILE, FREQUENCY={BETWEEN_STATES}\nU\n*EL FILE, FREQUENCY={BETWEEN_STATES}\nS, ENER\n*END STEP\n"
+        "{motion}*NODE FILE, FREQUENCY={BETWEEN_OUTPUTS}\nU\n*EL FILE, FREQUENCY={BETWEEN_OUTPUTS}\nS, ENER\n*END STEP\n"
     )
 }

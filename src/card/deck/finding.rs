@@ -82,7 +82,8 @@ findings! {
             meaning "CalculiX expands membranes to solids, whose thickness bounds the explicit step; the deck is implicit, \
                 which damps waves in the film by its numbers";
             remedy "compare the motion of the impactor, not waves in the film";
-            message "implicit, HHT with alpha -0.3; contact by springs of {} Pa/m and dampers, both chosen by droptower",
+            message "implicit, HHT with alpha -0.3; contact with the lower half of impactors by springs of {} Pa/m and dampers, both \
+                chosen by droptower",
                 significant(*stiffness, 4);
         NoFriction = "deck-no-friction", Warning;
             meaning "friction between impactor and film is not in the deck";

@@ -36,8 +36,8 @@ pub struct Deck<'a> {
     pub faces: Vec<Face<'a>>,
     /// The bodies.
     pub bodies: Vec<Body>,
-    /// How many copies of the computed part the whole is made of.
-    pub copies: f64,
+    /// Whether x = 0 and y = 0 are mirror planes, beside which the part at x, y > 0 is computed.
+    pub mirrored: [bool; 2],
     /// m/s², downwards.
     pub gravity: f64,
     /// Simulated time from the start of the test on, s.
@@ -46,6 +46,13 @@ pub struct Deck<'a> {
     pub interval: f64,
     /// What the scenario has and the deck does not.
     pub losses: Vec<DeckLoss>,
+}
+
+impl Deck<'_> {
+    /// How many copies of the computed part the whole is made of.
+    fn copies(&self) -> f64 {
+        self.mirrored.iter().map(|is_mirrored| if *is_mirrored { 2.0 } else { 1.0 }).product()
+    }
 }
 
 /// A face of film.
@@ -176,8 +183,9 @@ pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal>
     let materials = Materials::of(deck, request)?;
     let mounting = mounting(deck);
     let mut losses = deck.losses.clone();
-    losses.extend((mounting.time > 0.0).then_some(DeckLoss::Mounting { time: mounting.time }));
-    losses.extend((deck.copies > 1.0).then_some(DeckLoss::Part { copies: deck.copies }));
+    losses.extend((mounting.time > 0.0).then_some(DeckLoss::Mounting { time: mounting.begin }));
+    let copies = deck.copies();
+    losses.extend((copies > 1.0).then_some(DeckLoss::Part { copies }));
     let scene = Scene { deck, mounting, materials: &materials, system: request.system };
     let files = match request.target {
         Target::LsDyna => {
@@ -212,12 +220,12 @@ struct Scene<'s, 'a> {
 impl Scene<'_, '_> {
     /// Time of the deck at which the test ends, s: it begins after the mounting.
     fn end(&self) -> f64 {
-        self.mounting.time + self.deck.duration
+        self.mounting.begin + self.deck.duration
     }
 
     /// Centre of a body when the mounting begins, m: it approaches with its velocity.
     fn start(&self, body: &Body) -> [f64; 3] {
-        [0, 1, 2].map(|axis| body.position[axis] - body.velocity[axis] * self.mounting.time)
+        [0, 1, 2].map(|axis| body.position[axis] - body.velocity[axis] * self.mounting.begin)
     }
 
     /// Distance of the middle of a face from a body in contact with it, m: films without a gap lie on each other.
@@ -271,11 +279,11 @@ impl Scene<'_, '_> {
 
     /// Points of gravity over time, in the units of the deck: it begins with the test.
     fn gravity(&self) -> Vec<[f64; 2]> {
-        /// Share of the mounting within which it begins.
-        const RISE: f64 = 1e-3;
+        /// Share of the time before it within which it rises.
+        const RISE: f64 = 1e-4;
         let [g, begin, end] = [
             self.acceleration(self.deck.gravity),
-            self.time(self.mounting.time),
+            self.time(self.mounting.begin),
             // Beyond the end, so that no solver reads past it.
             2.0 * self.time(self.end()),
         ];
@@ -336,8 +344,9 @@ fn commented(mark: &str, scene: &Scene<'_, '_>, losses: &[DeckLoss], target: Tar
     lines.push(match scene.mounting.time > 0.0 {
         true => format!(
             "pre-strain by a step of mounting: film is written without stress and moved to the frame until {} {time}; the test \
-             begins then",
-            significant(scene.time(scene.mounting.time), 6)
+             begins at {} {time}",
+            significant(scene.time(scene.mounting.time), 6),
+            significant(scene.time(scene.mounting.begin), 6)
         ),
         false => "no pre-strain: film is written where the frame holds it".to_owned(),
     });

@@ -7,13 +7,16 @@ use super::{Deck, Face};
 /// Duration of the step where there is pre-strain, s.
 const TIME: f64 = 0.01;
 
+/// Time of the step and of the rest before the test, over that of the step: film is free before a body meets it.
+const REST: f64 = 1.05;
+
 /// A motion that is round-off, m.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Nodes that are moved alike.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Move {
-    /// 0 or 1: x or y.
+    /// 0, 1 or 2: x, y or z.
     pub(super) axis: usize,
     /// m.
     pub(super) by: f64,
@@ -28,7 +31,10 @@ pub(super) struct Move {
 pub(super) struct Mounting {
     /// s; zero without pre-strain.
     pub(super) time: f64,
-    /// Of all nodes along x and y, but for those that never move; none without pre-strain.
+    /// When the test begins, s.
+    pub(super) begin: f64,
+    /// Of all nodes along all axes, but for those that never move; none without pre-strain. Across its plane film without stress
+    /// has no stiffness, so that it is held there too.
     pub(super) moves: Vec<Move>,
     /// Nodes that never move along x, y and z, counted through all faces.
     pub(super) fixed: [Vec<usize>; 3],
@@ -58,7 +64,7 @@ pub(super) fn mounting(deck: &Deck<'_>) -> Mounting {
     let mut first = 0;
     for face in &deck.faces {
         for (node, held) in face.held.iter().enumerate() {
-            for axis in 0..2 {
+            for axis in 0..3 {
                 let by = ((face.mounted[node][axis] - face.stress_free[node][axis]) / ROUND_OFF).round() as i64;
                 if held[axis] && by == 0 {
                     fixed[axis].push(first + node);
@@ -66,14 +72,12 @@ pub(super) fn mounting(deck: &Deck<'_>) -> Mounting {
                     groups.entry((axis, by, held[axis])).or_default().push(first + node);
                 }
             }
-            if held[2] {
-                fixed[2].push(first + node);
-            }
         }
         first += face.mounted.len();
     }
     let of_group = |((axis, by, is_held), nodes)| Move { axis, by: by as f64 * ROUND_OFF, is_held, nodes };
-    Mounting { time: if is_strained { TIME } else { 0.0 }, moves: groups.into_iter().map(of_group).collect(), fixed }
+    let time = if is_strained { TIME } else { 0.0 };
+    Mounting { time, begin: REST * time, moves: groups.into_iter().map(of_group).collect(), fixed }
 }
 
 /// Share of the motion over share of the time: it begins and ends at rest.

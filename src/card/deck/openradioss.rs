@@ -6,6 +6,7 @@
 
 use membrane::material::Law;
 
+use super::body::FINE;
 use super::finding::DeckLoss;
 use super::mounting::shares;
 use super::{Body, DeckRefusal, Face, Scene};
@@ -33,7 +34,7 @@ pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> Result
         System::LbfInS => return Err(DeckRefusal::Units(scene.system.name())),
     };
     let deck = scene.deck;
-    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth()).fold(0.0, f64::max);
+    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth(FINE)).fold(0.0, f64::max);
     let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
     losses.extend([
         DeckLoss::Facets { depth },
@@ -225,7 +226,7 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     let number = deck.faces.len() + place + 1;
     let material = (scene.materials.cards.len() + place + 1) as i64;
     let (start, inset) = (scene.start(body), body.shape.inset());
-    let surface = body.shape.triangles(-inset);
+    let surface = body.shape.triangles(-inset, FINE);
     let main = next[0];
     let title = crate::title(&body.name);
     let mut text = part(number, &title, material);
@@ -321,7 +322,7 @@ fn mounting(scene: &Scene<'_, '_>, groups: &mut Groups) -> String {
     text += &function(MOTION, "share of the motion to the frame", motion);
     text += &function(REST, "no motion", [[0.0, 0.0], [end, 0.0]].into_iter());
     for (place, one) in mounting.moves.iter().enumerate() {
-        let direction = ["X", "Y"][one.axis];
+        let direction = ["X", "Y", "Z"][one.axis];
         text += &groups.add(&format!("moved along {direction}"), counted(&one.nodes));
         // A scale of zero would be taken for its default.
         let (curve, scale) = if one.by == 0.0 { (REST, 1.0) } else { (MOTION, scene.length(one.by)) };

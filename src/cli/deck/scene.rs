@@ -63,7 +63,7 @@ impl Test {
             origin,
             faces,
             bodies,
-            copies: model.specimen.symmetry.copies(),
+            mirrored: model.specimen.symmetry.mirrors(),
             gravity: self.gravity,
             duration: model.run_time(),
             interval: 1.0 / model.output.sample_rate,

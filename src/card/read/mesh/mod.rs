@@ -273,7 +273,7 @@ fn format_of(text: &str) -> Option<Format> {
             return Some(Format::LsDyna);
         }
         if let Some(keyword) = upper.strip_prefix('*') {
-            let name = keyword.split(',').next().unwrap_or_default().trim();
+            let name = keyword.split([',', ' ']).next().unwrap_or_default();
             match name {
                 "NODE" if !keyword.contains(',') => after_node = true,
                 _ if name.contains('_') || name == "KEYWORD" || name == "TITLE" => return Some(Format::LsDyna),
