@@ -10,6 +10,7 @@ mod coupons;
 mod diagnostics;
 mod language;
 mod law_fits;
+mod decks;
 mod digitized;
 mod documents;
 mod examples;

@@ -180,6 +180,9 @@ pub struct Written {
 /// # Errors
 /// [`DeckRefusal`].
 pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal> {
+    if !matches!(request.target, Target::LsDyna | Target::OpenRadioss | Target::CalculiX) {
+        return Err(DeckRefusal::Target(request.target.name()));
+    }
     let materials = Materials::of(deck, request)?;
     let mounting = mounting(deck);
     let mut losses = deck.losses.clone();

@@ -1,0 +1,149 @@
+//! `droptower deck`: whole tests that go to other solvers, and meshes that come from them.
+
+use std::fs;
+
+use serde_json::Value as Json;
+
+use crate::workbench::{droptower, error, root};
+
+/// Test 1008 on a coarse mesh, for each solver that has its film; CalculiX has none, and gets rubber.
+#[test]
+fn a_test_goes_and_its_mesh_comes_back() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let run = |arguments: &[&str]| droptower(bench.path(), arguments);
+    let tower = root().join("scenarios/drop/1008.toml");
+    let film = "[specimen.material]\nname = \"rubber\"\ndensity = \"915 kg/m3\"\nthickness = \"12 um\"\n\
+                [specimen.material.hyperelastic]\nlaw = \"neo-hookean\"\nmu = \"3 MPa\"\n";
+    let coarse = format!("extends = {tower:?}\n[specimen]\nmesh = {{ element = \"quad4\", size = \"50 mm\" }}\n");
+    fs::write(bench.path().join("coarse.toml"), &coarse).expect("a scenario");
+    let rubber = "title = \"rubber\"\n[specimen]\nshape = { rectangle = [\"400 mm\", \"400 mm\"] }\n\
+                  mesh = { element = \"tri3\", size = \"50 mm\" }\nsymmetry = \"quarter\"\n";
+    let rest = "[layers]\ncount = 8\nfaces = [\"0 mm\"]\nprestrain = { md = 0.1, td = 0.0 }\n[frame]\nhold = \"all\"\n\
+                [impactor]\nshape = { sphere = { radius = \"120 mm\" } }\nmass = \"10.72 kg\"\nguide = \"z\"\nfriction = 0.0\n\
+                [loading.impact]\nvelocity = \"4.16 m/s\"\ngravity = \"9.81 m/s2\"\nduration = \"30 ms\"\n";
+    fs::write(bench.path().join("rubber.toml"), format!("{rubber}{film}{rest}")).expect("a scenario");
+    for (scenario, target, file, part, elements) in [
+        ("coarse.toml", "ls-dyna", "film.k", "1", 16),
+        ("coarse.toml", "openradioss", "film_0000.rad", "2", 16),
+        ("rubber.toml", "calculix", "film.inp", "face1", 32),
+    ] {
+        let deck = format!("{target}-deck");
+        let written = run(&["deck", "write", scenario, "--for", target, "-o", &deck, "--json"]);
+        assert_eq!(written.status.code(), Some(0), "{}", error(&written));
+        let summary: Json = serde_json::from_slice(&written.stdout).expect("JSON");
+        assert_eq!(summary["files"][0], file);
+        let codes: Vec<&str> =
+            summary["findings"].as_array().expect("findings").iter().filter_map(|one| one["code"].as_str()).collect();
+        assert!(codes.contains(&"deck-mounting") && codes.contains(&"deck-part"), "{codes:?}");
+        // The head says the same as the terminal.
+        let text = fs::read_to_string(bench.path().join(&deck).join(file)).expect("the deck");
+        for finding in summary["findings"].as_array().expect("findings") {
+            let message = finding["message"].as_str().expect("a message").replace('ν', "nu");
+            assert!(text.contains(&message), "{message}");
+        }
+        // The mass of the computed quarter is in the deck.
+        assert!(text.contains("0.00268") || text.contains("0.00267"), "{target}");
+        let place = format!("{deck}/{file}");
+        let read = run(&["deck", "read", &place, "--part", part, "-o", "film.vtu", "--force", "--json"]);
+        assert_eq!(read.status.code(), Some(0), "{}", error(&read));
+        let summary: Json = serde_json::from_slice(&read.stdout).expect("JSON");
+        assert_eq!(summary["elements"], elements);
+        // Without stress, film is shorter along MD by the pre-strain.
+        let size: Vec<f64> = summary["size_m"].as_array().expect("sizes").iter().filter_map(Json::as_f64).collect();
+        for (found, expected) in size.iter().zip([0.2 / 1.1, 0.2, 0.0]) {
+            assert!((found - expected).abs() < 1e-6, "{size:?}");
+        }
+        // It is a specimen: the quarter as it is.
+        let as_mesh = format!(
+            "{film}{}[specimen]\nshape = {{ mesh = {{ file = \"film.vtu\", unit = \"m\" }} }}\nmesh = {{ element = \"quad4\" }}\n\
+             symmetry = \"quarter\"\n",
+            rest
+        );
+        fs::write(bench.path().join("again.toml"), as_mesh).expect("a scenario");
+        let checked = run(&["check", "again.toml"]);
+        assert_eq!(checked.status.code(), Some(0), "{}", error(&checked));
+    }
+}
+
+#[test]
+fn a_folder_is_replaced_only_where_it_is_a_deck() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let tower = root().join("scenarios/drop/1008.toml");
+    let tower = tower.to_str().expect("UTF-8");
+    let write = |more: &[&str]| {
+        droptower(bench.path(), &[&["deck", "write", tower, "--for", "ls-dyna", "-o", "deck"], more].concat())
+    };
+    assert_eq!(write(&[]).status.code(), Some(0));
+    let again = write(&[]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(error(&again).contains("holds a deck and is not replaced"), "{}", error(&again));
+    assert_eq!(write(&["--force"]).status.code(), Some(0));
+    fs::write(bench.path().join("deck/d3plot"), "results").expect("a file");
+    let foreign = write(&["--force"]);
+    assert_eq!(foreign.status.code(), Some(2));
+    assert!(error(&foreign).contains("`d3plot`, which is no file of a deck"), "{}", error(&foreign));
+    assert_eq!(fs::read_dir(bench.path()).expect("a folder").count(), 1, "nothing else is left");
+}
+
+#[test]
+fn what_has_no_counterpart_is_refused_and_nothing_is_written() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let tower = root().join("scenarios/drop/1008.toml");
+    let write = |more: &str, target: &str| {
+        let text = format!("extends = {tower:?}\n{more}");
+        fs::write(bench.path().join("test.toml"), text).expect("a scenario");
+        droptower(bench.path(), &["deck", "write", "test.toml", "--for", target, "-o", "deck"])
+    };
+    for (more, target, words) in [
+        ("", "calculix", "face 1: CalculiX has no law for fabric"),
+        ("", "febio", "no decks are written for FEBio"),
+        ("[impactor]\nguide = \"fixed\"\n", "ls-dyna", ""),
+        (
+            "[impactor]\nshape = { cone = { radius = \"50 mm\", length = \"50 mm\", edge = \"5 mm\" } }\n",
+            "ls-dyna",
+            "shape",
+        ),
+    ] {
+        let refused = write(more, target);
+        assert_eq!(refused.status.code(), Some(2), "{more}");
+        assert!(error(&refused).contains(words), "{}", error(&refused));
+        assert!(!bench.path().join("deck").exists());
+    }
+}
+
+/// A deck may include files beside it and below, no others.
+#[test]
+fn a_deck_includes_what_is_in_its_folder() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let put = |name: &str, text: &str| {
+        let path = bench.path().join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(path, text).expect("a file");
+    };
+    let read =
+        |deck: &str| droptower(bench.path(), &["deck", "read", deck, "--units", "t-mm-s", "-o", "film.vtu", "--force"]);
+    let nodes = "*NODE\n1,0,0,0\n2,100,0,0\n3,100,100,0\n4,0,100,0\n";
+    put("deck/mesh/nodes.k", nodes);
+    put("deck/mesh/again.k", "*INCLUDE\nagain.k\n");
+    put("nodes.k", nodes);
+    let element = "*ELEMENT_SHELL\n1,1,1,2,3,4\n";
+    put("deck/film.k", &format!("*KEYWORD\n*INCLUDE\nmesh/nodes.k\n{element}"));
+    let found = read("deck/film.k");
+    assert_eq!(found.status.code(), Some(0), "{}", error(&found));
+    fs::remove_file(bench.path().join("film.vtu")).expect("the mesh");
+    for (text, words) in [
+        (format!("*KEYWORD\n*INCLUDE\n../nodes.k\n{element}"), "`../nodes.k` is outside of the folder"),
+        (format!("*KEYWORD\n*INCLUDE\nother.k\n{element}"), "cannot read `other.k`"),
+        (format!("*KEYWORD\n*INCLUDE\nmesh/again.k\n{element}"), "is included again"),
+        (format!("*KEYWORD\n{element}"), "there is no node 1"),
+        ("*KEYWORD\n*NODE\n       1\t0.0\n".to_owned(), "a tab"),
+    ] {
+        put("deck/film.k", &text);
+        let refused = read("deck/film.k");
+        assert_eq!(refused.status.code(), Some(2), "{text}");
+        assert!(error(&refused).contains(words) && error(&refused).contains(".k:"), "{}", error(&refused));
+        assert!(!bench.path().join("film.vtu").exists());
+    }
+    let without_units = droptower(bench.path(), &["deck", "read", "deck/film.k", "-o", "film.vtu"]);
+    assert!(error(&without_units).contains("--units t-mm-s"), "{}", error(&without_units));
+}
