@@ -13,13 +13,8 @@ pub fn vtu(mesh: &Mesh) -> String {
          <UnstructuredGrid>\n",
     );
     // What is written to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n{}",
-        mesh.nodes.len(),
-        cells.len(),
-        "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">"
-    );
+    let _ = writeln!(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", mesh.nodes.len(), cells.len());
+    text += "<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n";
     for node in &mesh.nodes {
         let _ = writeln!(text, "{} {} {}", node.x, node.y, node.z);
     }
