@@ -3,7 +3,7 @@
 //! Film is of membranes, which CalculiX expands to solids: their thickness would bound an explicit step to fractions of a
 //! microsecond, so that the deck is implicit (`*DYNAMIC`). A body is a fan of tetrahedra around its centre, which `*RIGID BODY`
 //! makes rigid. CalculiX has no contact thickness: for each face a body has a surface of its own, as much larger as film in
-//! contact is away.
+//! contact is away. Friction is not written: with it CalculiX 2.20 shortened its increments without end.
 
 use membrane::material::{HyperelasticLaw, Law};
 
@@ -36,6 +36,7 @@ pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> String
     losses.extend([DeckLoss::Facets { depth }, DeckLoss::Implicit { stiffness }]);
     losses
         .extend(deck.bodies.iter().any(|body| body.friction.iter().any(|f| *f > 0.0)).then_some(DeckLoss::NoFriction));
+    losses.extend(deck.bodies.iter().any(|body| !body.is_guided).then_some(DeckLoss::Rotation));
     let mut text = format!("*HEADING\n{}\n", crate::title(deck.title));
     let (first_nodes, first_elements) = (scene.first_nodes(), scene.first_elements());
     for (place, face) in deck.faces.iter().enumerate() {
@@ -247,12 +248,14 @@ fn boundary(nodes: &[usize], axis: usize, by: f64) -> String {
     nodes.iter().map(|node| format!("{}, {axis}, {axis}, {by}\n", node + 1)).collect()
 }
 
-/// What never moves: of film, and of guided bodies.
+/// What never moves: of film and of guided bodies; and no body turns, of which only a point has mass.
 fn fixed(scene: &Scene<'_, '_>, references: &[(usize, usize)]) -> String {
     let of_film = scene.mounting.fixed.iter().enumerate().map(|(axis, nodes)| boundary(nodes, axis, 0.0));
-    let guided = scene.deck.bodies.iter().zip(references).filter(|(body, _)| body.is_guided);
-    let of_bodies = guided.map(|(_, (reference, rotation))| format!("{reference}, 1, 2\n{rotation}, 1, 3\n"));
-    of_film.chain(of_bodies).collect()
+    let of_body = |(body, (reference, rotation)): (&Body, &(usize, usize))| {
+        let guide = if body.is_guided { format!("{reference}, 1, 2\n") } else { String::new() };
+        format!("{guide}{rotation}, 1, 3\n")
+    };
+    of_film.chain(scene.deck.bodies.iter().zip(references).map(of_body)).collect()
 }
 
 /// The motion of bodies, and states of the film for a picture; the end of a step.

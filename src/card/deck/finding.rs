@@ -85,6 +85,10 @@ findings! {
             message "implicit, HHT with alpha -0.3; contact with the lower half of impactors by springs of {} Pa/m and dampers, both \
                 chosen by droptower",
                 significant(*stiffness, 4);
+        Rotation = "deck-rotation", Warning;
+            meaning "a free impactor turns in the test and not in the deck";
+            remedy "nothing for a ball that meets film without friction, which has no moment on it";
+            message "lost: rotation of free impactors";
         NoFriction = "deck-no-friction", Warning;
             meaning "friction between impactor and film is not in the deck";
             remedy "compare with a scenario whose `friction` is zero";

@@ -90,6 +90,8 @@ pub struct Reader {
     nodes: HashMap<(u32, i64), [f64; 3]>,
     elements: Vec<Element>,
     parts: Vec<Part>,
+    /// Places among the parts, by their keys.
+    places: HashMap<String, u32>,
     unread: BTreeMap<String, usize>,
 }
 
@@ -124,7 +126,15 @@ impl Part {
 impl Reader {
     /// A reader of a deck in the units of `system`.
     pub fn new(system: System) -> Reader {
-        Reader { system, format: None, nodes: HashMap::new(), elements: vec![], parts: vec![], unread: BTreeMap::new() }
+        Reader {
+            system,
+            format: None,
+            nodes: HashMap::new(),
+            elements: vec![],
+            parts: vec![],
+            places: HashMap::new(),
+            unread: BTreeMap::new(),
+        }
     }
 
     /// Reads the text of the `file`, counted by the caller; what it includes.
@@ -229,20 +239,19 @@ impl Reader {
 
     /// The part of this number.
     fn part(&mut self, number: i64) -> u32 {
-        let known = self.parts.iter().position(|part| part.number == Some(number));
-        known.unwrap_or_else(|| {
-            self.parts.push(Part { number: Some(number), name: String::new() });
-            self.parts.len() - 1
-        }) as u32
+        self.place(Part { number: Some(number), name: String::new() })
     }
 
-    /// The part of this name.
+    /// The part of this name, however it is capitalised.
     fn part_named(&mut self, name: &str) -> u32 {
-        let known = self.parts.iter().position(|part| part.number.is_none() && part.name.eq_ignore_ascii_case(name));
-        known.unwrap_or_else(|| {
-            self.parts.push(Part { number: None, name: name.to_owned() });
-            self.parts.len() - 1
-        }) as u32
+        self.place(Part { number: None, name: name.to_owned() })
+    }
+
+    fn place(&mut self, part: Part) -> u32 {
+        *self.places.entry(part.key().to_ascii_uppercase()).or_insert_with(|| {
+            self.parts.push(part);
+            self.parts.len() as u32 - 1
+        })
     }
 
     fn not_read(&mut self, kind: String, line: usize) {
