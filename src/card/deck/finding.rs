@@ -13,6 +13,13 @@ findings! {
             meaning "pre-strain is not written as a stress: a first step moves film from its stress-free shape to the frame";
             remedy "subtract its time from that of the solver before signals are compared";
             message "times of the test are those of the solver less {} s of mounting", significant(*time, 6);
+        MountingRate {
+            time: f64, "of the motion, s" => "time_s";
+        } = "deck-mounting-rate", Note;
+            meaning "the law of the film depends on the strain rate or relaxes, so that its stress at the frame depends on how fast it \
+                is mounted";
+            remedy "compare the stress of the film at the beginning of the test, or write the curves of one rate with `--rate`";
+            message "the stress of mounted film is that of a law that depends on time, after a motion of {} s", significant(*time, 6);
         Part {
             copies: f64, "of the part in the whole" => "copies";
         } = "deck-part", Note;

@@ -22,6 +22,9 @@ const GRAVITY: i64 = 3;
 /// of the contact alone.
 const STEEL: [f64; 3] = [7850.0, 210e9, 0.3];
 
+/// States that are written for pictures.
+const STATES: f64 = 100.0;
+
 /// The deck without its head.
 pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> String {
     let deck = scene.deck;
@@ -85,7 +88,8 @@ fn control(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> String {
     for name in ["DATABASE_GLSTAT", "DATABASE_RBDOUT", "DATABASE_RCFORC"] {
         text += &one(name, "dt binary lcur ioopt", vec![interval]);
     }
-    text
+    let between = Real(scene.time(scene.deck.duration / STATES));
+    text + &one("DATABASE_BINARY_D3PLOT", "dt lcdt beam npltc psetid", vec![between])
 }
 
 fn is_fabric(face: &Face<'_>) -> bool {

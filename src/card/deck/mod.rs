@@ -187,6 +187,12 @@ pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal>
     let mounting = mounting(deck);
     let mut losses = deck.losses.clone();
     losses.extend((mounting.time > 0.0).then_some(DeckLoss::Mounting { time: mounting.begin }));
+    let depends_on_time = |face: &Face<'_>| {
+        let material = face.film.material;
+        material.viscosity.is_some() || request.rate.is_none() && material.law.rates().is_some()
+    };
+    let is_rated = mounting.time > 0.0 && deck.faces.iter().any(depends_on_time);
+    losses.extend(is_rated.then_some(DeckLoss::MountingRate { time: mounting.time }));
     let copies = deck.copies();
     losses.extend((copies > 1.0).then_some(DeckLoss::Part { copies }));
     let scene = Scene { deck, mounting, materials: &materials, system: request.system };

@@ -11,6 +11,7 @@ use card::read::mesh::{MeshWarning, Reader};
 use card::read::{Fault, Place};
 use card::{Film, Request, System, Target};
 use membrane::material::{Curve, Elastic, Fabric, Law, Material};
+use proptest::prelude::*;
 
 const DIGITS: f64 = 2e-6;
 
@@ -535,4 +536,56 @@ fn decks_that_cannot_be_read_are_refused_at_their_place() {
     assert_eq!(of(two, Some("3")).fault, Fault::NoSuchPart { wanted: "3".into(), parts: "1, 2".into() });
     let missing = of(two, Some("2"));
     assert_eq!((missing.fault, missing.place.line), (Fault::NoNode(1), 4));
+}
+
+/// Pieces of decks in any order.
+const PIECES: [&str; 32] = [
+    "*KEYWORD\n",
+    "*NODE\n",
+    "*ELEMENT_SHELL\n",
+    "*ELEMENT_SHELL_THICKNESS\n",
+    "*PART\n",
+    "*INCLUDE\n",
+    "*END\n",
+    "*NODE+\n",
+    "*NODE %\n",
+    "/NODE\n",
+    "/SHELL/1\n",
+    "/SH3N/",
+    "/PART/1\n",
+    "#include ",
+    "**\n",
+    "*ELEMENT, TYPE=S4, ELSET=a\n",
+    "*ELEMENT, TYPE=",
+    "*NODE, NSET=",
+    "       1       1       1       2       3       4\n",
+    "1, 0., 0., 0.\n",
+    "2, 1.-1, 0., 0.\n",
+    "3, 0., 1., 0.\n",
+    "1, 1, 2, 3\n",
+    ",",
+    "\t",
+    "é",
+    "-",
+    "1e9999",
+    "&a",
+    "\r\n",
+    "9999999999999999999",
+    "\n",
+];
+
+proptest! {
+    #[test]
+    fn no_deck_panics(pieces in prop::collection::vec(prop::sample::select(&PIECES[..]), 0..40)) {
+        let text: String = pieces.concat();
+        let mut reader = Reader::new(System::TMmS);
+        if let Err(mistake) = reader.read(&text, 0) {
+            let line = text.lines().nth(mistake.place.line - 1).unwrap_or_default();
+            prop_assert!(mistake.place.column <= line.chars().count() + 50, "{mistake:?} in {text:?}");
+        }
+        if let Ok(mesh) = reader.mesh(None) {
+            let corners = mesh.quads.iter().flatten().chain(mesh.tris.iter().flatten());
+            prop_assert!(corners.copied().all(|corner| (corner as usize) < mesh.nodes.len()));
+        }
+    }
 }
