@@ -9,8 +9,8 @@ use std::process::{Command, Stdio};
 use clap::Args;
 use serde::Serialize;
 
-use super::source::{self, Source};
 use super::request::poisson;
+use super::source::{self, Source};
 use crate::argument::number;
 use crate::faults::storing;
 use crate::{Failure, Shared, digest, findings, print_figures, table as text_table};
