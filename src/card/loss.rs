@@ -75,7 +75,7 @@ findings! {
             remedy "use a target with Prony terms for this law, or write a law identified at the rate of the load";
             message "lost: relaxation by a Prony series; the stress is that of the law as written";
         LinearViscosity = "card-linear-viscosity", Note;
-            meaning "Prony moduli are those of small strain: the solver's overstress is linear in the strain, that of \
+            meaning "moduli of a Prony series are those of small strain: the solver's overstress is linear in the strain, that of \
                 droptower a share of the law's stress";
             remedy "compare one relaxation at the strain of the load";
             message "Prony moduli are of small strain, G_i = g_i G";

@@ -86,7 +86,7 @@ findings! {
         Implicit {
             stiffness: f64, "of the contact, Pa/m" => "stiffness_Pa_m";
         } = "deck-implicit", Note;
-            meaning "CalculiX expands membranes to solids, whose thickness bounds the explicit step; the deck is implicit, \
+            meaning "membranes become solids in CalculiX, whose thickness bounds the explicit step; the deck is implicit, \
                 which damps waves in the film by its numbers";
             remedy "compare the motion of the impactor, not waves in the film";
             message "implicit, HHT with alpha -0.3; contact with the lower half of impactors by springs of {} Pa/m and dampers, both \
