@@ -17,7 +17,16 @@ pub struct ColumnName {
     pub unknown_unit: Option<String>,
 }
 
+/// Names of the column that holds the time, in lower case; `t` is time only so, since `T` is a temperature.
+const TIMES: [&str; 10] =
+    ["time", "zeit", "temps", "tiempo", "tempo", "tid", "prüfzeit", "testzeit", "test time", "elapsed time"];
+
 impl ColumnName {
+    /// Whether it is named like a time.
+    pub fn is_time(&self) -> bool {
+        self.name == "t" || TIMES.contains(&self.name.to_lowercase().as_str())
+    }
+
     /// Reads `accel [g]`, `accel (g)`, `accel in g`, `accel / g`, `accel_g` or a name without unit.
     pub fn read(label: &str) -> ColumnName {
         let label = label.trim();

@@ -1,9 +1,12 @@
 //! Recordings from files of any known kind.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::stored::{self, Catalogue};
+use super::tdms::{self, Tdms};
 pub use super::{ChannelSelection, ReadOptions};
 use super::{Measurement, csv, isomme};
 
@@ -16,6 +19,9 @@ pub enum ReadError {
     /// It is not ISO-MME.
     #[error(transparent)]
     Isomme(#[from] isomme::ReadError),
+    /// It is not a file of the format that its first bytes name.
+    #[error(transparent)]
+    Stored(#[from] stored::ReadError),
 }
 
 impl ReadError {
@@ -24,12 +30,17 @@ impl ReadError {
         match self {
             ReadError::Csv(error) => error.place(),
             ReadError::Isomme(error) => error.place(),
+            ReadError::Stored(_) => None,
         }
     }
 
     /// Whether all that is wrong is that a table has no column of time, which [`columns`] does without.
     pub fn lacks_time(&self) -> bool {
-        matches!(self, ReadError::Csv(error) if matches!(error.fault, csv::Fault::NoTime { .. }))
+        match self {
+            ReadError::Csv(error) => matches!(error.fault, csv::Fault::NoTime { .. }),
+            ReadError::Isomme(_) => false,
+            ReadError::Stored(error) => matches!(error.fault, stored::Fault::NoTime { .. }),
+        }
     }
 
     /// Whether all that is wrong is that a table has no rows of numbers.
@@ -43,6 +54,7 @@ impl ReadError {
         match self {
             ReadError::Csv(error) => error.fault.to_string(),
             ReadError::Isomme(error) => error.fault.to_string(),
+            ReadError::Stored(error) => error.fault.to_string(),
         }
     }
 
@@ -51,12 +63,13 @@ impl ReadError {
         match self {
             ReadError::Csv(error) => error.fault.hint(),
             ReadError::Isomme(error) => error.fault.hint(),
+            ReadError::Stored(error) => error.fault.hint(),
         }
     }
 }
 
-/// Reads what is `wanted` of the recording at `path`: a folder, `.zip`, `.mme`, `.chn` or `.001`, … as ISO-MME, others as
-/// tables.
+/// Reads what is `wanted` of the recording at `path`: a folder, `.zip`, `.mme`, `.chn` or `.001`, … as ISO-MME, a file of
+/// another format by its first bytes, others as tables.
 ///
 /// Holds the wanted channels and nothing else of the file: 8 bytes a value, and as much again for one channel while it
 /// is finished.
@@ -64,10 +77,38 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError
     if isomme::is_part(path) {
         return Ok(isomme::measure(path, options)?);
     }
-    Ok(csv::measure(path, options)?)
+    match catalogue(path)? {
+        Some(mut file) => Ok(stored::measure(&mut *file, path, options)?),
+        None => Ok(csv::measure(path, options)?),
+    }
 }
 
-/// Reads the columns of the table at `path` for which no time is needed, e.g. stress over strain; see [`csv::columns`].
+/// Reads the columns of the file at `path` for which no time is needed, e.g. stress over strain; see [`csv::columns`].
 pub fn columns(path: &Path, options: &ReadOptions) -> Result<csv::Table, ReadError> {
-    Ok(csv::columns(path, options)?)
+    match catalogue(path)? {
+        Some(mut file) => Ok(stored::columns(&mut *file, path, options)?),
+        None => Ok(csv::columns(path, options)?),
+    }
+}
+
+/// The channels of the file at `path`, where its first bytes are those of a format that lists them.
+fn catalogue(path: &Path) -> Result<Option<Box<dyn Catalogue>>, ReadError> {
+    let Some(first) = first_bytes(path) else { return Ok(None) };
+    let found: Result<Box<dyn Catalogue>, stored::Fault> = match first {
+        _ if first.starts_with(tdms::TAG) || first.starts_with(tdms::INDEX_TAG) => {
+            Tdms::open(path).map(|file| Box::new(file) as Box<dyn Catalogue>)
+        }
+        _ => return Ok(None),
+    };
+    Ok(Some(found.map_err(|fault| stored::ReadError { path: path.into(), fault })?))
+}
+
+/// Bytes by which a format is known.
+const FIRST: u64 = 1024;
+
+/// The first bytes of the file at `path`; none where it cannot be opened, which its reader reports.
+fn first_bytes(path: &Path) -> Option<Vec<u8>> {
+    let mut bytes = Vec::new();
+    base::file::open(path).ok()?.take(FIRST).read_to_end(&mut bytes).ok()?;
+    Some(bytes)
 }

@@ -21,6 +21,8 @@ pub mod rating;
 mod recording;
 pub mod resample;
 mod series;
+pub mod stored;
+pub mod tdms;
 pub mod text;
 mod warning;
 

@@ -96,6 +96,29 @@ findings! {
             meaning "another channel of the same ISO-MME test cannot be read";
             remedy "correct its file; the channel that was asked for is not affected";
             message "a channel beside it cannot be read: {error}";
+        ChannelNotRead {
+            channel: String, "the channel" => "channel";
+            why: String, "why";
+        } = "channel-not-read", Note;
+            meaning "a channel of a file is left out: it holds no numbers, no samples or no time, or scales that are not known";
+            remedy "name the channels that are needed with --column, or see why this one is left out";
+            message "{channel} is left out: {why}";
+        TruncatedFile { missing: u64, "bytes that its last part lacks; 0 where it does not state them" => "missing_bytes" }
+            = "truncated-file", Warning;
+            meaning "a file ends within its last part, as when the recorder was stopped; the samples before the end are read";
+            remedy "check whether the file was copied as a whole";
+            message "the file ends within its last segment{}", match missing {
+                0 => String::new(),
+                missing => format!("; {missing} bytes are missing"),
+            };
+        StartTimesDiffer {
+            first: String, "a channel" => "first";
+            other: String, "a channel that starts at another time" => "other";
+            apart: f64, "from one start to the other, s" => "apart_s";
+        } = "start-times-differ", Warning;
+            meaning "channels of one file started at different times of the day; each is counted from its own start";
+            remedy "compare only channels that started together";
+            message "{first} and {other} start {} s apart; each is counted from its own start", significant(*apart, 6);
         NoTestFile = "no-test-file", Note;
             meaning "an ISO-MME container has no test file (.mme), so nothing is known of the test";
             remedy "add the file where it exists";

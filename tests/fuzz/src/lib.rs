@@ -16,6 +16,8 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use base::diagnostic::{self, Diagnostic};
+use lab::signal::ReadOptions;
+use lab::signal::file::{self, ChannelSelection};
 use scene::mesh::{Element, import};
 
 /// Most bytes that are held at once.
@@ -137,6 +139,20 @@ pub fn read_outline(name: &str, input: &[u8]) {
                 Ok(polygon) => drop(polygon.check([false, true]).map_err(|fault| fault.to_string())),
                 Err(fault) => drop(fault.to_string()),
             }
+        }
+    });
+}
+
+/// Reads a recording of this name: all its channels, the only one, and its columns without time.
+pub fn read_recording(name: &str, input: &[u8]) {
+    with_file(name, input, |path| {
+        let only = ReadOptions { channels: ChannelSelection::Only, ..ReadOptions::default() };
+        for options in [ReadOptions::default(), only] {
+            match file::read(path, &options) {
+                Ok(measurement) => drop(measurement.recording()),
+                Err(error) => drop((error.to_string(), error.place(), error.hint())),
+            }
+            drop(file::columns(path, &options).map(|table| table.over_samples()));
         }
     });
 }

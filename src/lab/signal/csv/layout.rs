@@ -15,9 +15,6 @@ use base::units::{Time, Unit};
 /// Most lines before the first number.
 const LONGEST_HEAD: usize = 200;
 
-/// Names of the column that holds the time, in lower case; `t` is time only so, since `T` is a temperature.
-const TIMES: [&str; 6] = ["time", "zeit", "temps", "tiempo", "tempo", "tid"];
-
 /// A table whose rows are still to be read.
 pub struct Layout {
     pub separator: Separator,
@@ -69,8 +66,7 @@ impl Layout {
         if self.header.is_none() && options.names.is_empty() {
             return Ok(0);
         }
-        let is_time = |column: &ColumnName| column.name == "t" || TIMES.contains(&column.name.to_lowercase().as_str());
-        let places: Vec<usize> = (0..self.columns.len()).filter(|place| is_time(&self.columns[*place])).collect();
+        let places: Vec<usize> = (0..self.columns.len()).filter(|place| self.columns[*place].is_time()).collect();
         match places[..] {
             [place] => Ok(place),
             [] => Err(self.at_header(Fault::NoTime { found: names() })),

@@ -1,0 +1,226 @@
+//! A TDMS file: its channels, and the values of one.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use super::data;
+use super::index::{Index, Scaler};
+use super::kind::{Kind, Timestamp};
+use super::objects::{Object, Objects};
+use super::property::{Value, number, text};
+use super::scale::Scales;
+use super::segment::{Segment, Segments};
+use super::{Fault, INDEX_TAG};
+use crate::signal::stored::{self, Axis, Catalogue, Entry};
+use crate::signal::{Annotations, Warning};
+use base::file;
+use base::units::Unit;
+
+/// A TDMS file whose channels are listed.
+pub struct Tdms {
+    source: BufReader<File>,
+    objects: Objects,
+    segments: Vec<Segment>,
+    entries: Vec<Entry>,
+    /// Object and scales of each entry.
+    channels: Vec<(usize, Option<Scales>)>,
+    annotations: Annotations,
+}
+
+/// Properties of a channel that have their own use.
+const UNITS: [&str; 2] = ["unit_string", "NI_UnitDescription"];
+const START: &str = "wf_start_offset";
+const INCREMENT: &str = "wf_increment";
+const START_TIME: &str = "wf_start_time";
+
+/// Longest text of a property that becomes a comment, characters.
+const LONGEST_COMMENT: usize = 200;
+
+impl Tdms {
+    /// Reads everything but the values.
+    pub fn open(path: &Path) -> Result<Tdms, stored::Fault> {
+        let file = file::open(path)?;
+        let length = file.metadata().map_err(Fault::Read)?.len();
+        let mut source = BufReader::with_capacity(1 << 16, file);
+        let Segments { objects, segments, missing } = Segments::read(&mut source, length).map_err(index_file)?;
+        let mut annotations = Annotations::new(comments(&objects));
+        annotations.warnings.extend(missing.map(|missing| Warning::TruncatedFile { missing }));
+        let mut tdms = Tdms { source, objects, segments, entries: Vec::new(), channels: Vec::new(), annotations };
+        tdms.list()?;
+        Ok(tdms)
+    }
+
+    /// Lists the channels.
+    fn list(&mut self) -> Result<(), stored::Fault> {
+        let mut found: Vec<Found> = vec![Found::default(); self.objects.all.len()];
+        for segment in &self.segments {
+            for (place, (object, index)) in segment.list.members.iter().enumerate() {
+                let Some(index) = index else { continue };
+                let runs = segment.list.chunks.runs(segment, &segment.list.members, place, None)?;
+                let found = &mut found[*object];
+                found.samples = found.samples.saturating_add(runs.count());
+                let not_real = index.kind.not_real().or_else(|| not_one(index));
+                found.not_real = found.not_real.or(not_real);
+                found.is_time |= index.kind == Kind::Timestamp;
+            }
+        }
+        let mut first_start: Option<(String, Timestamp)> = None;
+        for (place, object) in self.objects.all.iter().enumerate() {
+            let [group, name] = &object.names[..] else { continue };
+            let unit = UNITS.iter().find_map(|name| text(&object.properties, name).filter(|unit| !unit.is_empty()));
+            let mut entry = Entry::new(group, name, unit)?;
+            entry.samples = found[place].samples;
+            if found[place].is_time && entry.column.unit.is_none() {
+                entry.column.unit = Unit::parse("s").ok();
+            }
+            if let Some(step) = number(&object.properties, INCREMENT) {
+                let start = number(&object.properties, START).unwrap_or(0.0);
+                entry.axis = Axis::Steps { start, step };
+            }
+            if let (Some(Value::Time(start)), Axis::Steps { .. }) = (object.properties.get(START_TIME), &entry.axis) {
+                let (first, earliest) = first_start.get_or_insert_with(|| (entry.label().to_owned(), *start));
+                let apart = start.since(*earliest);
+                let is_told = self.annotations.warnings.iter().any(|w| matches!(w, Warning::StartTimesDiffer { .. }));
+                if apart != 0.0 && !is_told {
+                    let (first, other) = (first.clone(), entry.label().to_owned());
+                    self.annotations.warnings.push(Warning::StartTimesDiffer { first, other, apart });
+                }
+            }
+            let scales = self.scales(object);
+            entry.unread = match (found[place].not_real, &scales) {
+                (Some(what), _) => Some(format!("it holds {what}")),
+                (None, Err(why)) => Some(why.clone()),
+                (None, Ok(scales)) => self.unscaled(place, scales.as_ref()),
+            };
+            self.entries.push(entry);
+            self.channels.push((place, scales.ok().flatten()));
+        }
+        Ok(())
+    }
+
+    /// The scales of a channel: its own, those of its group or those of the file.
+    fn scales(&self, object: &Object) -> Result<Option<Scales>, String> {
+        for depth in (0..=object.names.len()).rev() {
+            let names: Vec<&str> = object.names[..depth].iter().map(String::as_str).collect();
+            let Some(owner) = self.objects.find(&names) else { continue };
+            if let Some(scales) = Scales::read(&owner.properties)? {
+                return Ok(Some(scales));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Why the data of a channel are not those that its scales need.
+    fn unscaled(&self, object: usize, scales: Option<&Scales>) -> Option<String> {
+        let mut indices = self.segments.iter().filter_map(|segment| {
+            segment.list.places.get(&object).and_then(|place| segment.list.members[*place].1.as_deref())
+        });
+        let index = indices.next()?;
+        let ids: Vec<u32> = index.daqmx.iter().flat_map(|daqmx| &daqmx.scalers).map(|scaler| scaler.id).collect();
+        let missing = scales.into_iter().flat_map(Scales::scalers).find(|id| !ids.contains(id));
+        if let Some(scale) = missing {
+            return Some(format!("scale {scale} has no kind, and its data no scaler of this number"));
+        }
+        let needs_stored = scales.is_none_or(Scales::need_stored);
+        (needs_stored && ids.len() > 1).then(|| format!("its data have {} scalers and no scale for them", ids.len()))
+    }
+
+    /// What one scaler of a channel gives, or what is stored where it has none.
+    fn stored(&mut self, object: usize, id: Option<u32>) -> Result<Vec<f64>, Fault> {
+        let mut values = Vec::new();
+        let mut start = None;
+        for segment in &self.segments {
+            let list = &segment.list;
+            let Some(place) = list.places.get(&object) else { continue };
+            let Some(index) = list.members[*place].1.as_deref() else { continue };
+            let scaler = scaler(index, id);
+            let kind = scaler.map_or(index.kind, |scaler| scaler.kind);
+            let (Some(width), is_big) = (kind.width(), segment.is_big) else { continue };
+            let runs = list.chunks.runs(segment, &list.members, *place, scaler)?;
+            values.reserve(usize::try_from(runs.count()).unwrap_or(0));
+            let bit = scaler.and_then(|scaler| scaler.bit);
+            for run in runs.iter() {
+                data::read(&mut self.source, run, width, |bytes| {
+                    let value = kind.number(bytes, is_big).or_else(|| {
+                        let time = Timestamp::from_bytes(bytes, is_big)?;
+                        Some(time.since(*start.get_or_insert(time)))
+                    });
+                    let value = value.unwrap_or(f64::NAN);
+                    values.push(bit.map_or(value, |bit| f64::from((value as i64 >> bit) as u8 & 1)));
+                })?;
+            }
+        }
+        Ok(values)
+    }
+}
+
+impl Catalogue for Tdms {
+    fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    fn annotations(&self) -> Annotations {
+        self.annotations.clone()
+    }
+
+    fn values(&mut self, place: usize) -> Result<Vec<f64>, stored::Fault> {
+        let (object, scales) = self.channels[place].clone();
+        let Some(scales) = scales else {
+            return Ok(self.stored(object, None)?);
+        };
+        let ids: Vec<u32> = scales.scalers().collect();
+        let by_scaler = ids.iter().map(|id| self.stored(object, Some(*id))).collect::<Result<Vec<_>, _>>()?;
+        let stored = if scales.need_stored() || ids.is_empty() { self.stored(object, None)? } else { Vec::new() };
+        let count = by_scaler.iter().map(Vec::len).chain((!stored.is_empty()).then_some(stored.len())).min();
+        let mut results = Vec::new();
+        let value = |sample: usize| {
+            let scaler =
+                |id: u32| ids.iter().position(|known| *known == id).map_or(f64::NAN, |at| by_scaler[at][sample]);
+            scales.apply(stored.get(sample).copied().unwrap_or(f64::NAN), scaler, &mut results)
+        };
+        Ok((0..count.unwrap_or(0)).map(value).collect())
+    }
+}
+
+/// What the segments say about an object.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    samples: u64,
+    not_real: Option<&'static str>,
+    is_time: bool,
+}
+
+/// What a description of DAQmx without scalers holds.
+fn not_one(index: &Index) -> Option<&'static str> {
+    index.daqmx.as_ref().filter(|daqmx| daqmx.scalers.is_empty()).map(|_| "data of DAQmx without a scaler")
+}
+
+/// The scaler with this number, or the first.
+fn scaler(index: &Index, id: Option<u32>) -> Option<&Scaler> {
+    let scalers = &index.daqmx.as_ref()?.scalers;
+    id.and_then(|id| scalers.iter().find(|scaler| scaler.id == id)).or(scalers.first())
+}
+
+/// The texts and times among the properties of the file itself.
+fn comments(objects: &Objects) -> Vec<String> {
+    let properties = objects.find(&[]).into_iter().flat_map(|file| &file.properties);
+    let comment = |(name, value): (&String, &Value)| {
+        let value = match value {
+            Value::Text(text) if !text.trim().is_empty() => text.trim().replace(['\r', '\n'], " "),
+            Value::Time(time) => time.date(),
+            _ => return None,
+        };
+        let is_own = name.starts_with("NI_");
+        (!is_own).then(|| format!("{name}: {value}").chars().take(LONGEST_COMMENT).collect())
+    };
+    properties.filter_map(comment).collect()
+}
+
+/// The fault of a file that begins as an index does.
+fn index_file(fault: Fault) -> Fault {
+    match fault {
+        Fault::NoSegment { at: 0, found } if found.as_bytes() == INDEX_TAG => Fault::IndexFile,
+        other => other,
+    }
+}

@@ -1,0 +1,29 @@
+//! Recordings of National Instruments as TDMS: groups of channels, in segments that follow each other as they were
+//! recorded.
+//!
+//! Source: National Instruments, *TDMS File Format Internal Structure*; what that leaves open (raw data of DAQmx, scales)
+//! is read as `npTDMS` does. Little- and big-endian files, interleaved and DAQmx data, chained scales and truncated ends
+//! are read; the file of an index (`.tdms_index`) is not needed.
+
+mod bytes;
+mod chunks;
+mod data;
+mod fault;
+mod file;
+mod index;
+mod kind;
+mod objects;
+mod property;
+mod scale;
+mod segment;
+#[cfg(test)]
+mod tests;
+
+pub use fault::Fault;
+pub use file::Tdms;
+
+/// The first bytes of a file.
+pub const TAG: &[u8] = b"TDSm";
+
+/// The first bytes of the file of an index.
+pub const INDEX_TAG: &[u8] = b"TDSh";
