@@ -11,18 +11,18 @@ use lab::experiment::coupon::{BREAK_SHARE, Coupon, CouponTest, Direction, Reduct
 
 #[derive(Debug, Args)]
 pub(crate) struct ReduceArgs {
-    /// Recordings of coupons, files or globs: channels `force` and `displacement`
+    /// Recordings of coupons, files or globs: channels `force` and `displacement`, or exports of tensile machines
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<String>,
-    /// Length between the jaws: "5 mm"
+    /// Length between the jaws, "5 mm" [default: as the head of a machine's export states it]
     #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
-    pub gauge: f64,
-    /// Width of the coupons: "10 mm"
+    pub gauge: Option<f64>,
+    /// Width of the coupons, "10 mm" [default: likewise]
     #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
-    pub width: f64,
-    /// Thickness of the coupons: "12 um"
+    pub width: Option<f64>,
+    /// Thickness of the coupons, "12 um" [default: likewise]
     #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
-    pub thickness: f64,
+    pub thickness: Option<f64>,
     /// The material file to write, FILE.toml; its shear curve goes beside it, as FILE-shear.csv
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -55,10 +55,10 @@ pub(crate) struct ReduceArgs {
     /// Count strain from where the elastic line meets zero stress (ASTM D882), not from the recording's zero
     #[arg(long)]
     pub toe: bool,
-    /// Name of the channel of force
+    /// Name of the channel of force; of an export also what machines call it
     #[arg(long, value_name = "NAME", default_value = "force")]
     pub force: String,
-    /// Name of the channel of displacement
+    /// Name of the channel of displacement; of an export also what machines call it
     #[arg(long, value_name = "NAME", default_value = "displacement")]
     pub displacement: String,
     #[command(flatten)]
@@ -67,6 +67,7 @@ pub(crate) struct ReduceArgs {
 
 /// The reduced recordings.
 pub(super) struct Reduced {
+    /// Of the mean dimensions.
     pub coupon: Coupon,
     /// In the order of the arguments.
     pub tests: Vec<CouponTest>,

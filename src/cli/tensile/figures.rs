@@ -8,9 +8,10 @@ use super::args::Reduced;
 use crate::findings;
 use base::diagnostic::shown_path;
 use base::finding::Finding;
+use base::number::significant;
 use lab::experiment::Warning;
 use lab::experiment::coupon::average::SampleStatistics;
-use lab::experiment::coupon::{CurveEnd, DirectionMeans, SpeedMeans};
+use lab::experiment::coupon::{Coupon, CouponTest, CurveEnd, DirectionMeans, SpeedMeans};
 
 /// All figures; SI.
 #[derive(Serialize)]
@@ -21,10 +22,34 @@ pub(super) struct Figures {
     #[serde(rename = "young_modulus_Pa")]
     young_modulus_pa: Option<f64>,
     directions: Vec<DirectionFigures>,
+    /// Specimens of machines' exports.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    specimens: Vec<SpecimenFigures>,
     notes: Vec<String>,
     findings: Vec<Finding>,
     /// Files that were written.
     written: Vec<String>,
+}
+
+/// One specimen of a machine's export.
+#[derive(Serialize)]
+struct SpecimenFigures {
+    file: String,
+    specimen: String,
+    direction: &'static str,
+    velocity_m_s: f64,
+    gauge_m: f64,
+    width_m: f64,
+    thickness_m: f64,
+    #[serde(rename = "young_modulus_Pa")]
+    young_modulus_pa: f64,
+    #[serde(rename = "strength_Pa")]
+    strength_pa: f64,
+    break_elongation: f64,
+    /// The columns of force and displacement, as the file names them.
+    columns: [String; 2],
+    /// What the head states of it, as it is written there.
+    stated: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -78,6 +103,7 @@ impl Figures {
             virtual_recordings: reduced.reduction.virtual_recordings(),
             young_modulus_pa: reduced.reduction.modulus,
             directions: reduced.reduction.directions.iter().map(along).collect(),
+            specimens: reduced.tests.iter().filter_map(specimen).collect(),
             notes: warnings.iter().map(Warning::to_string).collect(),
             findings: warnings.iter().map(Finding::new).collect(),
             written: written.iter().map(|path| shown_path(path)).collect(),
@@ -91,6 +117,7 @@ impl Figures {
             count => format!(", {count} of them VIRTUAL"),
         };
         let mut text = format!("{} recordings{virtual_ones}\n", self.recordings);
+        text.extend(self.specimens.iter().map(SpecimenFigures::text));
         text.extend(self.directions.iter().map(DirectionFigures::text));
         if let Some(modulus) = self.young_modulus_pa {
             text += &format!("MD and TD  E {:.1} MPa\n", modulus * 1e-6);
@@ -99,6 +126,50 @@ impl Figures {
         text.extend(self.written.iter().map(|file| format!("wrote {file}\n")));
         text
     }
+}
+
+impl SpecimenFigures {
+    fn text(&self) -> String {
+        let mm = |length: f64| significant(1e3 * length, 4);
+        let [force, displacement] = &self.columns;
+        let stated = match &self.stated[..] {
+            [] => String::new(),
+            stated => format!("    the file states {}\n", stated.join("; ")),
+        };
+        format!(
+            "{}, {}: {} at {} m/s, {} x {} x {} mm, E {:.1} MPa, strength {:.1} MPa, break {:.1} %\n    `{force}` over `{displacement}`\n{stated}",
+            self.file,
+            self.specimen,
+            self.direction,
+            significant(self.velocity_m_s, 4),
+            mm(self.gauge_m),
+            mm(self.width_m),
+            mm(self.thickness_m),
+            self.young_modulus_pa * 1e-6,
+            self.strength_pa * 1e-6,
+            100.0 * self.break_elongation,
+        )
+    }
+}
+
+/// The figures of a specimen of an export.
+fn specimen(test: &CouponTest) -> Option<SpecimenFigures> {
+    let note = test.specimen.as_ref()?;
+    let (sample, coupon) = (&test.sample, &test.coupon);
+    Some(SpecimenFigures {
+        file: shown_path(&test.path),
+        specimen: note.name.clone(),
+        direction: sample.direction.name(),
+        velocity_m_s: sample.velocity,
+        gauge_m: coupon.gauge(),
+        width_m: coupon.width(),
+        thickness_m: coupon.thickness(),
+        young_modulus_pa: sample.modulus.slope,
+        strength_pa: sample.rupture.strength,
+        break_elongation: sample.rupture.strain,
+        columns: note.columns.clone(),
+        stated: note.stated.clone(),
+    })
 }
 
 impl DirectionFigures {
@@ -159,14 +230,26 @@ fn speed(speed: &SpeedMeans) -> SpeedFigures {
 fn warnings(reduced: &Reduced) -> Vec<Warning> {
     let tests = &reduced.tests;
     let under_load = tests.iter().filter(|test| test.sample.rupture.ending == CurveEnd::RecordEnded);
-    let under_load = under_load.map(|test| Warning::RecordEndsUnderLoad { path: test.path.clone() });
+    let under_load = under_load.map(|test| Warning::RecordEndsUnderLoad { path: test.place() });
     let merged = tests.iter().filter(|test| test.merged > 0);
-    let merged = merged.map(|test| Warning::MergedSamples { path: test.path.clone(), samples: test.merged });
+    let merged = merged.map(|test| Warning::MergedSamples { path: test.place(), samples: test.merged });
     let no_yield = reduced.reduction.directions.iter().filter_map(|along| {
         let reason = along.yields.as_ref().err()?.clone();
         Some(Warning::NoYieldPoints { direction: along.direction, reason })
     });
-    under_load.chain(merged).chain(no_yield).chain(speeds_not_measured(reduced)).collect()
+    let replaced = tests.iter().flat_map(|test| {
+        let replaced = test.specimen.iter().flat_map(|specimen| &specimen.replaced);
+        replaced.map(|what| Warning::HeadReplaced { path: test.place(), what: what.clone() })
+    });
+    let differ =
+        [("gauge", Coupon::gauge as fn(&Coupon) -> f64), ("width", Coupon::width), ("thickness", Coupon::thickness)];
+    let differ = differ.into_iter().filter_map(|(dimension, of)| {
+        let all = || tests.iter().map(|test| of(&test.coupon));
+        let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        (least < most).then_some(Warning::SpecimensDiffer { dimension, least, most })
+    });
+    let doubts = under_load.chain(merged).chain(replaced).chain(differ).chain(no_yield);
+    doubts.chain(speeds_not_measured(reduced)).collect()
 }
 
 /// Speeds at which some directions were measured and others not.

@@ -9,7 +9,9 @@ use crate::faults;
 use crate::scenarios::expanded;
 use crate::{Failure, Shared, print_figures};
 use base::diagnostic::Diagnostic;
-use lab::experiment::coupon::{Coupon, CouponReader, Label, RecordingError, Reduction, Rules};
+use lab::experiment::coupon::{
+    Coupon, CouponError, CouponReader, CouponTest, Dimensions, Label, RecordingError, Reduction, Rules,
+};
 use lab::signal::file::ChannelSelection;
 
 pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
@@ -23,15 +25,35 @@ pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
 
 fn reduced(args: &ReduceArgs) -> Result<Reduced, Vec<Diagnostic>> {
     let one = |error: String| vec![Diagnostic::new(error)];
-    let coupon = Coupon::new(args.gauge, args.width, args.thickness).map_err(|error| one(error.to_string()))?;
-    let reader = reader(args, coupon).map_err(|mistake| vec![mistake])?;
-    let tests = all(paths(&args.recordings)?.iter().map(|path| reader.read(path).map_err(|error| fault(&error))))?;
+    check(args).map_err(one)?;
+    let reader = reader(args).map_err(|mistake| vec![mistake])?;
+    let paths = paths(&args.recordings)?;
+    let tests = all(paths.iter().map(|path| reader.read_all(path).map_err(|error| fault(&error))))?.concat();
+    let coupon = mean(&tests).map_err(|error| one(error.to_string()))?;
     let samples: Vec<_> = tests.iter().map(|test| test.sample.clone()).collect();
     let reduction = Reduction::from_samples(&samples, &reader.rules).map_err(|error| one(error.to_string()))?;
     Ok(Reduced { coupon, tests, reduction })
 }
 
-fn reader(args: &ReduceArgs, coupon: Coupon) -> Result<CouponReader, Diagnostic> {
+/// Refuses dimensions that no coupon has, before any file is read.
+fn check(args: &ReduceArgs) -> Result<(), String> {
+    // In place of those that a file states, any will do.
+    let [gauge, width, thickness] = [args.gauge, args.width, args.thickness].map(|given| given.unwrap_or(1.0));
+    Coupon::new(gauge, width, thickness).map(drop).map_err(|error| error.to_string())
+}
+
+/// The coupon of the mean dimensions.
+fn mean(tests: &[CouponTest]) -> Result<Coupon, CouponError> {
+    let mean = |dimension: fn(&Coupon) -> f64| {
+        let first = tests.first().map_or(f64::NAN, |test| dimension(&test.coupon));
+        // Equal dimensions are their own mean, to the last digit.
+        let apart: f64 = tests.iter().map(|test| dimension(&test.coupon) - first).sum();
+        first + apart / tests.len().max(1) as f64
+    };
+    Coupon::new(mean(Coupon::gauge), mean(Coupon::width), mean(Coupon::thickness))
+}
+
+fn reader(args: &ReduceArgs) -> Result<CouponReader, Diagnostic> {
     let window = [args.window[0], args.window[1]];
     let rules = Rules { window, break_share: args.break_share, toe_compensation: args.toe };
     Ok(CouponReader {
@@ -39,7 +61,7 @@ fn reader(args: &ReduceArgs, coupon: Coupon) -> Result<CouponReader, Diagnostic>
         force: args.force.clone(),
         displacement: args.displacement.clone(),
         table: args.file.options(ChannelSelection::All)?,
-        ..CouponReader::new(coupon, rules)
+        ..CouponReader::new(Dimensions { gauge: args.gauge, width: args.width, thickness: args.thickness }, rules)
     })
 }
 

@@ -169,6 +169,22 @@ findings! {
             meaning "a coupon was still under load at the end of its recording, which counts as its break";
             remedy "record until the coupon breaks; strength and elongation may be too small";
             message "{}: the record ends under load; its end counts as the break", shown_path(path);
+        HeadReplaced {
+            path: PathBuf, "the recording" => "file" = shown_path(path);
+            what: String, "what replaces what";
+        } = "head-replaced", Note;
+            meaning "an option was given in place of what the head of a machine's export states";
+            remedy "leave the option out to use what the file states";
+            message "{}: {what}", shown_path(path);
+        SpecimensDiffer {
+            dimension: &'static str, "the dimension" => "dimension";
+            least: f64, "of the specimens, m" => "least_m";
+            most: f64, "of the specimens, m" => "most_m";
+        } = "specimens-differ", Note;
+            meaning "coupons have different dimensions, each reduced by its own; the material file states their mean";
+            remedy "nothing, if they differ as much as they were measured to";
+            message "the {dimension} of the specimens is {} to {} mm; the material states the mean",
+                significant(1e3 * least, 4), significant(1e3 * most, 4);
         MergedSamples {
             path: PathBuf, "the recording" => "file" = shown_path(path);
             samples: usize, "number of samples" => "samples";

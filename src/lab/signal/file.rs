@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::export::Export;
 use super::stored::{self, Catalogue};
 use super::tdms::{self, Tdms};
 pub use super::{ChannelSelection, ReadOptions};
-use super::{Measurement, csv, isomme};
+use super::{Measurement, csv, export, isomme};
 
 /// Why a file cannot be read as a recording.
 #[derive(Debug, Error)]
@@ -19,6 +20,9 @@ pub enum ReadError {
     /// It is not ISO-MME.
     #[error(transparent)]
     Isomme(#[from] isomme::ReadError),
+    /// It is no export of a machine.
+    #[error(transparent)]
+    Export(#[from] export::ReadError),
     /// It is not a file of the format that its first bytes name.
     #[error(transparent)]
     Stored(#[from] stored::ReadError),
@@ -30,6 +34,7 @@ impl ReadError {
         match self {
             ReadError::Csv(error) => error.place(),
             ReadError::Isomme(error) => error.place(),
+            ReadError::Export(error) => error.place(),
             ReadError::Stored(_) => None,
         }
     }
@@ -38,9 +43,20 @@ impl ReadError {
     pub fn lacks_time(&self) -> bool {
         match self {
             ReadError::Csv(error) => matches!(error.fault, csv::Fault::NoTime { .. }),
-            ReadError::Isomme(_) => false,
+            ReadError::Isomme(_) | ReadError::Export(_) => false,
             ReadError::Stored(error) => matches!(error.fault, stored::Fault::NoTime { .. }),
         }
+    }
+
+    /// Whether two columns of a table have one name, as those of several specimens have.
+    pub fn has_equal_names(&self) -> bool {
+        matches!(self, ReadError::Csv(error) if matches!(error.fault, csv::Fault::Duplicate { .. }))
+    }
+
+    /// Whether the head of a machine's export contradicts itself.
+    pub fn is_of_head(&self) -> bool {
+        use export::Fault::{StatedTwice, Values};
+        matches!(self, ReadError::Export(error) if matches!(error.mistake.fault, StatedTwice { .. } | Values { .. }))
     }
 
     /// Whether all that is wrong is that a table has no rows of numbers.
@@ -54,6 +70,7 @@ impl ReadError {
         match self {
             ReadError::Csv(error) => error.fault.to_string(),
             ReadError::Isomme(error) => error.fault.to_string(),
+            ReadError::Export(error) => error.mistake.fault.to_string(),
             ReadError::Stored(error) => error.fault.to_string(),
         }
     }
@@ -63,6 +80,7 @@ impl ReadError {
         match self {
             ReadError::Csv(error) => error.fault.hint(),
             ReadError::Isomme(error) => error.fault.hint(),
+            ReadError::Export(error) => error.hint().map(str::to_owned),
             ReadError::Stored(error) => error.fault.hint(),
         }
     }
@@ -89,6 +107,12 @@ pub fn columns(path: &Path, options: &ReadOptions) -> Result<csv::Table, ReadErr
         Some(mut file) => Ok(stored::columns(&mut *file, path, options)?),
         None => Ok(csv::columns(path, options)?),
     }
+}
+
+/// The specimens of the file at `path`, of a tensile machine; none where it holds no force over displacement.
+pub fn specimens(path: &Path) -> Result<Option<Export>, ReadError> {
+    let is_other = isomme::is_part(path) || catalogue(path).is_ok_and(|file| file.is_some());
+    if is_other { Ok(None) } else { Ok(export::read_text(path)?) }
 }
 
 /// The channels of the file at `path`, where its first bytes are those of a format that lists them.

@@ -67,11 +67,12 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Ho
     }
     let reading = CouponReader::new(coupon, rules(&Options { of: "read_coupons", map: given })?);
     let read = |path: &PathBuf| {
-        let recorded = reading.read(path)?;
-        session.add_recording(path, recorded.sample.is_virtual);
-        Ok::<_, RecordingError>(recorded_map(&recorded).into())
+        let recorded = reading.read_all(path)?;
+        session.add_recording(path, recorded.iter().any(|test| test.sample.is_virtual));
+        Ok::<Array, RecordingError>(recorded.iter().map(|test| recorded_map(test).into()).collect())
     };
-    paths.iter().map(read).collect::<Result<Array, RecordingError>>().map_err(|error| match error.hint() {
+    let read = paths.iter().map(read).collect::<Result<Vec<Array>, RecordingError>>().map(|arrays| arrays.concat());
+    read.map_err(|error| match error.hint() {
         Some(hint) => refuse(format!("{error} ({hint})")),
         None => refuse(error),
     })
@@ -178,6 +179,7 @@ fn recorded_map(recorded: &CouponTest) -> Map {
     let sample = &recorded.sample;
     map([
         ("file", recorded.path.display().to_string().into()),
+        ("specimen", recorded.specimen.as_ref().map_or(Dynamic::UNIT, |specimen| specimen.name.clone().into())),
         ("direction", sample.direction.name().into()),
         ("velocity", sample.velocity.into()),
         ("curve", Dynamic::from(sample.curve.clone())),

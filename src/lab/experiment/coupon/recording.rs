@@ -3,16 +3,34 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::label::{self, Label, LabelError};
-use super::{Coupon, CouponError, Rules, Sample, SampleError};
+use super::{Coupon, CouponError, Rules, Sample, SampleError, SpecimenNote};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::{ChannelError, Measurement, QuantityError};
 use base::units::{Force, Length};
 
+/// Dimensions of coupons, as far as they are given; others are those that the head of a file states.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dimensions {
+    /// Length between the jaws, m.
+    pub gauge: Option<f64>,
+    /// m.
+    pub width: Option<f64>,
+    /// m.
+    pub thickness: Option<f64>,
+}
+
+impl From<Coupon> for Dimensions {
+    fn from(coupon: Coupon) -> Dimensions {
+        let [gauge, width, thickness] = [coupon.gauge(), coupon.width(), coupon.thickness()].map(Some);
+        Dimensions { gauge, width, thickness }
+    }
+}
+
 /// How recordings of coupons are read.
 #[derive(Clone, Debug)]
 pub struct CouponReader {
-    /// Dimensions of the coupon.
-    pub coupon: Coupon,
+    /// Dimensions of the coupons.
+    pub dimensions: Dimensions,
     /// Window of the modulus, criterion of the break, origin of strain.
     pub rules: Rules,
     /// Direction and speed that replace those of the files.
@@ -34,6 +52,22 @@ pub struct CouponTest {
     pub sample: Sample,
     /// Samples that were merged because the displacement did not increase.
     pub merged: usize,
+    /// Its dimensions.
+    pub coupon: Coupon,
+    /// Of a machine's export: its name, and what the head states of it.
+    pub specimen: Option<SpecimenNote>,
+}
+
+impl CouponTest {
+    /// Its file, with the name of the specimen where that has one.
+    pub fn place(&self) -> PathBuf {
+        self.specimen.as_ref().map_or_else(|| self.path.clone(), |specimen| place(&self.path, &specimen.name))
+    }
+}
+
+/// A specimen of a file, as a message names it.
+fn place(path: &Path, specimen: &str) -> PathBuf {
+    PathBuf::from(format!("{}, {specimen}", path.display()))
 }
 
 /// Why a file is no recording of a coupon.
@@ -61,6 +95,14 @@ pub enum RecordingFault {
     /// Force or displacement has another dimension, or no unit.
     #[error(transparent)]
     Quantity(#[from] QuantityError),
+    /// Some dimension is neither given nor stated.
+    #[error("the dimensions of the coupon are not known: {missing}{unused}")]
+    NoDimensions {
+        /// Those that are missing.
+        missing: String,
+        /// What the head states and is not used, as part of the message.
+        unused: String,
+    },
     /// Direction or speed is not known.
     #[error(transparent)]
     Label(#[from] LabelError),
@@ -89,6 +131,9 @@ impl RecordingFault {
             RecordingFault::Quantity(QuantityError::NoUnit { name, expected }) => {
                 Some(format!("write its unit into the header, e.g. `{name} [{}]`", expected.unit))
             }
+            RecordingFault::NoDimensions { .. } => Some(
+                "give --gauge, --width and --thickness, or state them in the head of the file: `Width;10;mm`".into(),
+            ),
             RecordingFault::Label(error) => Some(error.hint().into()),
             _ => None,
         }
@@ -96,10 +141,36 @@ impl RecordingFault {
 }
 
 impl CouponReader {
-    /// With the channels `force` and `displacement`, and defaults for the rest.
-    pub fn new(coupon: Coupon, rules: Rules) -> CouponReader {
+    /// Of coupons with these dimensions, with the channels `force` and `displacement`, and defaults for the rest.
+    pub fn new(dimensions: impl Into<Dimensions>, rules: Rules) -> CouponReader {
         let (force, displacement) = ("force".into(), "displacement".into());
-        CouponReader { coupon, rules, given: Label::default(), force, displacement, table: ReadOptions::default() }
+        let (dimensions, given, table) = (dimensions.into(), Label::default(), ReadOptions::default());
+        CouponReader { dimensions, rules, given, force, displacement, table }
+    }
+
+    /// Reads the recording at `path` and reduces its specimens: those of a machine's export, or the one of any other
+    /// recording.
+    pub fn read_all(&self, path: &Path) -> Result<Vec<CouponTest>, RecordingError> {
+        let export = if self.table.names.is_empty() { file::specimens(path) } else { Ok(None) };
+        let export = match export {
+            Ok(Some(export)) if export.is_of_machine() || !export.specimens.iter().all(|one| self.is_plain(one)) => {
+                export
+            }
+            Ok(_) => return Ok(vec![self.read(path)?]),
+            // Of two readers that refuse a file, the one that read more of it knows why.
+            Err(error) => {
+                return match self.read(path) {
+                    Ok(test) => Ok(vec![test]),
+                    Err(RecordingError::Read(plain)) if is_behind(&error, &plain) => Err(error.into()),
+                    Err(other) => Err(other),
+                };
+            }
+        };
+        let reduced = export.specimens.iter().map(|specimen| {
+            self.reduce_specimen(path, specimen, &export.comments)
+                .map_err(|fault| RecordingError::Content { path: place(path, &specimen.name), fault: Box::new(fault) })
+        });
+        reduced.collect()
     }
 
     /// Reads the recording at `path` and reduces it; see [`label::label`] for how its direction and speed are found.
@@ -120,11 +191,18 @@ impl CouponReader {
         let (direction, velocity) = label::label(&name, measurement.annotations.comments(), self.given)?;
         let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION)?;
         let displacement = measurement.channel(&self.displacement)?.quantity(Length::DIMENSION)?;
-        let curve = self.coupon.curve(force, displacement)?;
+        let coupon = self.dimensions.coupon(&[])?;
+        let curve = coupon.curve(force, displacement)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
         let sample = Sample { is_virtual: measurement.annotations.is_virtual(), ..sample };
-        Ok(CouponTest { path: path.into(), sample, merged: curve.merged() })
+        Ok(CouponTest { path: path.into(), sample, merged: curve.merged(), coupon, specimen: None })
     }
+}
+
+/// Whether the fault of an export says more than that of a table: it is one of the head, or is further on in the file.
+fn is_behind(export: &file::ReadError, table: &file::ReadError) -> bool {
+    let line = |error: &file::ReadError| error.place().map_or(0, |(_, line, _)| line);
+    export.is_of_head() || table.has_equal_names() || line(export) > line(table)
 }
 
 #[cfg(test)]

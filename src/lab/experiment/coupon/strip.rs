@@ -63,6 +63,11 @@ impl Coupon {
         self.gauge
     }
 
+    /// Width w, m.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
     /// Thickness h, m.
     pub fn thickness(&self) -> f64 {
         self.thickness

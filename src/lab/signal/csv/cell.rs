@@ -86,8 +86,9 @@ fn unquoted(text: &str) -> &str {
 }
 
 /// How the numbers of a file are written; decided by the first number that is unambiguous.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mark {
+    #[default]
     Unknown,
     Point,
     Comma,

@@ -126,6 +126,9 @@ impl Fault {
             Fault::Channel(ChannelFault::NotFinite { .. }) => "leave the cell empty where nothing was measured",
             Fault::NamesAndColumns { .. } => "give the names of the columns: --columns time,a,b",
             Fault::NoTime { .. } | Fault::SeveralTimes { .. } => "name the column of time: --time NAME",
+            Fault::Duplicate { .. } => {
+                "rename one; several specimens side by side are read by `droptower tensile reduce`"
+            }
             Fault::UnitInCell { .. } => "units belong into the header: `accel [g]`",
             Fault::Text(TextError::NotText) => "save it as UTF-8",
             Fault::TooLarge => "name the channels that are needed",

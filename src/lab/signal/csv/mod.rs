@@ -14,6 +14,7 @@ mod tests;
 mod write;
 
 pub use super::column_name::TIME;
+pub(in crate::signal) use cell::{Mark, Separator};
 pub use fault::{Fault, ReadError};
 pub use table::{Column, Table, columns, measure, read};
 pub use write::write;

@@ -21,7 +21,7 @@ pub enum TextError {
     #[error("the line is longer than a mebibyte")]
     LineTooLong,
     /// The bytes are not text.
-    #[error("text neither in UTF-8, nor in UTF-16 with its byte order mark, nor in Windows-1252")]
+    #[error("text neither in UTF-8, nor in UTF-16 with its byte order mark, nor in GBK or Windows-1252")]
     NotText,
 }
 

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
+use encoding_rs::{Encoding, GBK, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
 use super::error::{Mistake, TextError};
 use base::file;
@@ -38,22 +38,30 @@ pub struct Lines<R> {
     number: usize,
     /// The encoding that a byte order mark of UTF-16 states.
     utf_16: Option<&'static Encoding>,
+    /// The encoding of lines that are not UTF-8.
+    other: &'static Encoding,
 }
 
 impl<R: BufRead + 'static> Lines<R> {
     /// The lines of a source whose type is erased.
     pub fn boxed(self) -> Lines<Box<dyn BufRead>> {
-        Lines { source: Box::new(self.source), bytes: self.bytes, number: self.number, utf_16: self.utf_16 }
+        Lines {
+            source: Box::new(self.source),
+            bytes: self.bytes,
+            number: self.number,
+            utf_16: self.utf_16,
+            other: self.other,
+        }
     }
 }
 
 impl<R: BufRead> Lines<R> {
     /// The lines of `source` from its first.
     pub fn new(source: R) -> Lines<R> {
-        Lines { source, bytes: Vec::new(), number: 0, utf_16: None }
+        Lines { source, bytes: Vec::new(), number: 0, utf_16: None, other: WINDOWS_1252 }
     }
 
-    /// The next line, none at the end: UTF-8 with or without byte order mark, UTF-16 with it, or else
+    /// The next line, none at the end: UTF-8 with or without byte order mark, UTF-16 with it, or else GBK or
     /// Windows-1252.
     pub fn line<F: From<TextError>>(&mut self) -> Result<Option<Line<'_>>, Mistake<F>> {
         self.bytes.clear();
@@ -66,7 +74,7 @@ impl<R: BufRead> Lines<R> {
         }
         let text = match self.utf_16 {
             Some(encoding) => Cow::Owned(encoding.decode_without_bom_handling(&self.bytes).0.into_owned()),
-            None => decoded(without_mark(&self.bytes, number)),
+            None => decoded(without_mark(&self.bytes, number), self.other),
         };
         let ended = text.ends_with('\n');
         if !ended && read as u64 >= LONGEST {
@@ -121,7 +129,12 @@ impl<R: BufRead> Lines<R> {
 /// The lines of the file at `path`.
 pub fn open<F: From<TextError>>(path: &Path) -> Result<Lines<BufReader<File>>, Mistake<F>> {
     let file = file::open(path).map_err(|error| Mistake::whole(F::from(TextError::Open(error))))?;
-    Ok(Lines::new(BufReader::with_capacity(1 << 16, file)))
+    let mut lines = Lines::new(BufReader::with_capacity(1 << 16, file));
+    let start = lines.source.fill_buf().map_err(|error| Mistake::whole(F::from(TextError::Read(error))))?;
+    if is_gbk(start) {
+        lines.other = GBK;
+    }
+    Ok(lines)
 }
 
 /// The byte order marks of UTF-16.
@@ -145,10 +158,22 @@ fn without_end(mut text: Cow<'_, str>) -> Cow<'_, str> {
     }
 }
 
-fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+/// Words by one of which a text in GBK is known: names of columns of machines.
+const CHINESE: [&str; 10] = ["时间", "力", "位移", "行程", "载荷", "负荷", "变形", "试样", "宽度", "厚度"];
+
+/// Whether a text that starts so is in GBK: it can be read so, and has a word that recordings in Chinese have. Any text could
+/// be in Windows-1252.
+fn is_gbk(start: &[u8]) -> bool {
+    // The last character may be cut.
+    let whole = &start[..start.len().saturating_sub(usize::from(start.len() >= 1 << 16))];
+    let (text, _, has_errors) = GBK.decode(whole);
+    std::str::from_utf8(whole).is_err() && !has_errors && CHINESE.iter().any(|word| text.contains(word))
+}
+
+fn decoded<'a>(bytes: &'a [u8], other: &'static Encoding) -> Cow<'a, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),
-        Err(_) => WINDOWS_1252.decode_without_bom_handling(bytes).0,
+        Err(_) => other.decode_without_bom_handling(bytes).0,
     }
 }
 

@@ -1,0 +1,158 @@
+//! Specimens of a machine's export: which columns are force and displacement, and what its head states.
+
+use std::path::Path;
+
+use super::label::{is_same_speed, label};
+use super::recording::{CouponReader, CouponTest, Dimensions, RecordingFault};
+use super::{Coupon, Direction, LabelError, Sample};
+use crate::signal::column_name::ColumnName;
+use crate::signal::export::{Specimen, Stated, Statement, is_displacement, is_force};
+use crate::signal::{Annotations, ChannelError, QuantityError, Series};
+use base::number::significant;
+use base::units::{Dimension, Force, Length};
+
+/// A specimen as its export names it, and what of its head was used.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpecimenNote {
+    /// Its name.
+    pub name: String,
+    /// What the head states of it, as it is written there.
+    pub stated: Vec<String>,
+    /// What was given in place of what the head states: `width: 10 mm for 10,05 mm`.
+    pub replaced: Vec<String>,
+    /// The columns of force and displacement.
+    pub columns: [String; 2],
+}
+
+impl CouponReader {
+    /// Whether the only specimen of an export has the channels as they are asked for, so that it is read as any table.
+    pub(super) fn is_plain(&self, specimen: &Specimen) -> bool {
+        let has = |name: &String| specimen.columns.iter().any(|column| column.name == *name || column.label == *name);
+        has(&self.force) && has(&self.displacement)
+    }
+
+    /// Reduces a specimen of the export at `path`.
+    pub(super) fn reduce_specimen(
+        &self,
+        path: &Path,
+        specimen: &Specimen,
+        comments: &[String],
+    ) -> Result<CouponTest, RecordingFault> {
+        let stated = &specimen.stated;
+        let mut replaced = Vec::new();
+        let coupon = self.dimensions.or(stated, &mut replaced).coupon(&stated.unused)?;
+        let (direction, velocity) = self.label(path, specimen, comments, &mut replaced)?;
+        let force = self.column(specimen, &self.force, "force", is_force, Force::DIMENSION)?;
+        let displacement =
+            self.column(specimen, &self.displacement, "displacement", is_displacement, Length::DIMENSION)?;
+        let columns = [&force, &displacement].map(|(label, _)| label.clone());
+        let curve = coupon.curve(&force.1, &displacement.1)?;
+        let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
+        let sample = Sample { is_virtual: Annotations::new(comments.to_vec()).is_virtual(), ..sample };
+        let note = SpecimenNote { name: specimen.name.clone(), stated: stated.written(), replaced, columns };
+        Ok(CouponTest { path: path.into(), sample, merged: curve.merged(), coupon, specimen: Some(note) })
+    }
+
+    /// Direction and speed: given, stated by the head, or those of the name of the specimen or of the file.
+    fn label(
+        &self,
+        path: &Path,
+        specimen: &Specimen,
+        comments: &[String],
+        replaced: &mut Vec<String>,
+    ) -> Result<(Direction, f64), RecordingFault> {
+        let Stated { speed, direction, .. } = &specimen.stated;
+        let mut header = comments.to_vec();
+        header.extend(direction.iter().map(|word| format!("direction: {word}")));
+        header.extend(speed.iter().map(|speed| format!("velocity: {} m/s", speed.value)));
+        if let (Some(given), Some(speed)) = (self.given.velocity, speed)
+            && !is_same_speed(given, speed.value)
+        {
+            replaced.push(format!("velocity: {} m/s for {}", significant(given, 6), speed.written));
+        }
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        match label(&specimen.name, &header, self.given) {
+            Err(LabelError::NoDirection | LabelError::NoVelocity) => Ok(label(&stem, &header, self.given)?),
+            found => Ok(found?),
+        }
+    }
+
+    /// Label and values of the column `wanted`, or, where the `usual` name is wanted and there is none, of the one that is
+    /// named as machines name it.
+    fn column(
+        &self,
+        specimen: &Specimen,
+        wanted: &str,
+        usual: &str,
+        is: fn(&str) -> bool,
+        dimension: Dimension,
+    ) -> Result<(String, Series), RecordingFault> {
+        let named = |column: &&(usize, &ColumnName)| column.1.name == wanted || column.1.label == wanted;
+        let columns: Vec<(usize, &ColumnName)> = specimen.columns.iter().enumerate().collect();
+        let mut found: Vec<&(usize, &ColumnName)> = columns.iter().filter(named).collect();
+        if found.is_empty() && wanted == usual {
+            found = columns.iter().filter(|(_, column)| is(&column.name)).collect();
+        }
+        let [(place, column)] = found[..] else {
+            let name = wanted.to_owned();
+            let labels =
+                |columns: &[&(usize, &ColumnName)]| columns.iter().map(|(_, column)| column.label.clone()).collect();
+            return Err(match found.is_empty() {
+                true => ChannelError::Missing { name, known: labels(&columns.iter().collect::<Vec<_>>()) },
+                false => ChannelError::Ambiguous { name, labels: labels(&found) },
+            }
+            .into());
+        };
+        let given = self.table.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
+        let unit = column.unit.as_ref().or(given.map(|(_, unit)| unit));
+        let name = column.name.clone();
+        let unit = match unit {
+            Some(unit) if unit.measures(dimension) => unit,
+            Some(unit) => {
+                let found = unit.symbol().to_owned();
+                return Err(QuantityError::OtherDimension { name, found, expected: dimension }.into());
+            }
+            None => return Err(QuantityError::NoUnit { name, expected: dimension }.into()),
+        };
+        let values: Vec<f64> = specimen.values[*place].iter().map(|value| unit.to_si(*value)).collect();
+        let rows: Vec<f64> = (0..values.len()).map(|row| row as f64).collect();
+        Ok((column.label.clone(), Series::new(rows, values)))
+    }
+}
+
+impl Dimensions {
+    /// These, and what the head states where one is not given.
+    fn or(&self, stated: &Stated, replaced: &mut Vec<String>) -> Dimensions {
+        let mut one = |what: &str, given: Option<f64>, head: Option<&Statement>| {
+            if let (Some(given), Some(head)) = (given, head)
+                && (given - head.value).abs() > 1e-9 * head.value.abs()
+            {
+                replaced.push(format!("{what}: {} mm for {}", significant(1e3 * given, 6), head.written));
+            }
+            given.or(head.map(|head| head.value))
+        };
+        Dimensions {
+            gauge: one("gauge", self.gauge, stated.grips.as_ref().or(stated.gauge.as_ref())),
+            width: one("width", self.width, stated.width.as_ref()),
+            thickness: one("thickness", self.thickness, stated.thickness.as_ref()),
+        }
+    }
+
+    /// The coupon of these dimensions; `unused` is what a head states that is none.
+    ///
+    /// # Errors
+    /// One of them is not known, or not positive.
+    pub(super) fn coupon(&self, unused: &[String]) -> Result<Coupon, RecordingFault> {
+        let all = [("gauge", self.gauge), ("width", self.width), ("thickness", self.thickness)];
+        let missing: Vec<&'static str> =
+            all.iter().filter(|(_, value)| value.is_none()).map(|(name, _)| *name).collect();
+        match (self.gauge, self.width, self.thickness) {
+            (Some(gauge), Some(width), Some(thickness)) => Ok(Coupon::new(gauge, width, thickness)?),
+            _ => {
+                let unused: String =
+                    unused.iter().map(|statement| format!("; the head states `{statement}`")).collect();
+                Err(RecordingFault::NoDimensions { missing: missing.join(", "), unused })
+            }
+        }
+    }
+}
