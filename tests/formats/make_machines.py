@@ -145,6 +145,9 @@ def make(folder):
         name, encoding, lines, specimens = maker()
         (folder / name).write_bytes("".join(f"{line}\r\n" for line in lines).encode(encoding))
         expected[name] = [one.expected() for one in specimens]
+    import make_sheets
+
+    expected |= make_sheets.of_machines(folder)
     (folder / "expected.json").write_text(json.dumps(expected, indent=1, ensure_ascii=False) + "\n")
 
 

@@ -10,13 +10,15 @@ import sys
 import tempfile
 from pathlib import Path
 
+import make_machines
+import make_sheets
 import make_tdms
 import numpy
 import pandas
 import read
 
 # Makers of files, and their readers, by format.
-FORMATS = {"tdms": (make_tdms.make, read.of_tdms)}
+FORMATS = {"tdms": (make_tdms.make, read.of_tdms), "xlsx": (make_sheets.make, read.of_sheets)}
 # Of numbers that scales compute in another order, or by iteration.
 TOLERANCE = 1e-9
 
@@ -26,8 +28,10 @@ def timed(found):
 
 
 def differs(found, expected):
-    close = numpy.allclose(found, expected, rtol=TOLERANCE, atol=TOLERANCE * numpy.max(numpy.abs(expected), initial=0))
-    return len(found) != len(expected) or not close
+    if len(found) != len(expected):
+        return True
+    largest = numpy.nanmax(numpy.abs(expected), initial=0)
+    return not numpy.allclose(found, expected, rtol=TOLERANCE, atol=TOLERANCE * largest, equal_nan=True)
 
 
 def compare(droptower, path, expected):
@@ -52,10 +56,28 @@ def keep(folder):
         for path in make(folder / kind):
             channels = timed(reader(path))
             expected[path.name] = {
-                name: {"time": list(time), "values": [float(value) for value in values]}
+                name: {"time": list(time), "values": [None if numpy.isnan(value) else float(value) for value in values]}
                 for name, (time, values) in channels.items()
             }
+        make_machines.make(folder / "machines")
         (folder / kind / "expected.json").write_text(json.dumps(expected, indent=0) + "\n")
+
+
+def compare_specimens(droptower, folder):
+    """Every specimen of machines' exports has the dimensions, speed and strength that it was made with."""
+    make_machines.make(folder)
+    expected = json.loads((folder / "expected.json").read_text())
+    for name, specimens in expected.items():
+        reduced = subprocess.run(
+            [droptower, "tensile", "reduce", "--json", folder / name], capture_output=True, text=True, check=True
+        )
+        found = json.loads(reduced.stdout)["specimens"]
+        assert [one["specimen"] for one in found] == [one["name"] for one in specimens], name
+        for one, own in zip(found, specimens, strict=True):
+            keys = ["width_m", "thickness_m", "gauge_m", "velocity_m_s", "strength_Pa"]
+            made = [own["width"] / 1e3, own["thickness"] / 1e3, own["gauge"] / 1e3, own["speed"] / 6e4, own["strength"] * 1e6]
+            assert numpy.allclose([one[key] for key in keys], made, rtol=1e-6, atol=0), (name, one, made)
+    return len(expected), sum(len(specimens) for specimens in expected.values())
 
 
 def main():
@@ -67,6 +89,8 @@ def main():
             paths = make(folder)
             channels = sum(compare(sys.argv[1], path, reader(path)) for path in paths)
             print(f"  {kind}: {len(paths)} files, {channels} channels")
+    with tempfile.TemporaryDirectory() as folder:
+        print("  machines: {} files, {} specimens".format(*compare_specimens(sys.argv[1], Path(folder))))
 
 
 if __name__ == "__main__":

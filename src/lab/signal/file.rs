@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::export::Export;
 use super::stored::{self, Catalogue};
 use super::tdms::{self, Tdms};
+use super::workbook::{self, Workbook};
 pub use super::{ChannelSelection, ReadOptions};
 use super::{Measurement, csv, export, isomme};
 
@@ -111,8 +112,14 @@ pub fn columns(path: &Path, options: &ReadOptions) -> Result<csv::Table, ReadErr
 
 /// The specimens of the file at `path`, of a tensile machine; none where it holds no force over displacement.
 pub fn specimens(path: &Path) -> Result<Option<Export>, ReadError> {
-    let is_other = isomme::is_part(path) || catalogue(path).is_ok_and(|file| file.is_some());
-    if is_other { Ok(None) } else { Ok(export::read_text(path)?) }
+    if isomme::is_part(path) {
+        return Ok(None);
+    }
+    match first_bytes(path) {
+        Some(first) if first.starts_with(workbook::TAG) => Ok(workbook::specimens(path)?),
+        Some(first) if first.starts_with(tdms::TAG) => Ok(None),
+        _ => Ok(export::read_text(path)?),
+    }
 }
 
 /// The channels of the file at `path`, where its first bytes are those of a format that lists them.
@@ -122,6 +129,7 @@ fn catalogue(path: &Path) -> Result<Option<Box<dyn Catalogue>>, ReadError> {
         _ if first.starts_with(tdms::TAG) || first.starts_with(tdms::INDEX_TAG) => {
             Tdms::open(path).map(|file| Box::new(file) as Box<dyn Catalogue>)
         }
+        _ if first.starts_with(workbook::TAG) => Workbook::open(path).map(|file| Box::new(file) as Box<dyn Catalogue>),
         _ => return Ok(None),
     };
     Ok(Some(found.map_err(|fault| stored::ReadError { path: path.into(), fault })?))

@@ -26,6 +26,7 @@ pub mod stored;
 pub mod tdms;
 pub mod text;
 mod warning;
+pub mod workbook;
 
 pub use annotations::Annotations;
 pub use channel_fault::{ChannelFault, MOST_VALUES};

@@ -16,5 +16,6 @@ mod write;
 pub use super::column_name::TIME;
 pub(in crate::signal) use cell::{Mark, Separator};
 pub use fault::{Fault, ReadError};
+pub(in crate::signal) use table::Lined;
 pub use table::{Column, Table, columns, measure, read};
 pub use write::write;

@@ -8,6 +8,7 @@ use super::cell::{Mark, at_cell};
 use super::fault::{Fault, Mistake, ReadError};
 use super::layout::{Layout, trimmed_to};
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
+use crate::signal::column_name::ColumnName;
 use crate::signal::text::{self, Line, Lines};
 use crate::signal::{
     Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Recording, Series, Warning,
@@ -99,6 +100,35 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
 /// unit, and by their name with the SI unit where they were not.
 pub fn read(path: &Path) -> Result<Recording, ReadError> {
     measure(path, &ReadOptions::default()).map(|measurement| measurement.recording().unwrap_or_default())
+}
+
+/// A table in lines that are no file, with its columns as they are written.
+pub(in crate::signal) struct Lined {
+    pub columns: Vec<ColumnName>,
+    pub has_header: bool,
+    pub rows: usize,
+    pub annotations: Annotations,
+}
+
+impl Lined {
+    /// Reads all but the values.
+    pub fn read(lines: &mut Lines<impl BufRead>) -> Result<Lined, Mistake> {
+        let layout = Layout::read(lines, &ReadOptions::default())?;
+        let mut rows = layout.rows.len();
+        while let Some(line) = lines.line::<Fault>()? {
+            let text = line.text.trim_start();
+            rows += usize::from(!text.is_empty() && !text.starts_with('#'));
+        }
+        let Layout { columns, header, annotations, .. } = layout;
+        Ok(Lined { columns, has_header: header.is_some(), rows, annotations })
+    }
+
+    /// Reads the values of the column at a place, as they are written.
+    pub fn values(lines: &mut Lines<impl BufRead>, place: usize) -> Result<Vec<f64>, Mistake> {
+        let mut layout = Layout::read(lines, &ReadOptions::default())?;
+        let values = Rows::new(&layout, &[place], None).read(&mut layout, lines)?;
+        Ok(values.into_iter().next().unwrap_or_default())
+    }
 }
 
 /// Opens the file and adds its path to every mistake.

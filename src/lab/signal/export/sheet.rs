@@ -98,7 +98,7 @@ impl Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ReadError { path, sheet, mistake: Mistake { row, column, fault } } = self;
         match sheet {
-            Some(sheet) => write!(f, "{}, sheet `{sheet}`, row {row}: {fault}", path.display()),
+            Some(_) => write!(f, "{}: {}", path.display(), self.in_file()),
             None if *row == 0 => write!(f, "{}: {fault}", path.display()),
             None => write!(f, "{}:{row}:{}: {fault}", path.display(), column.unwrap_or(1)),
         }
@@ -106,6 +106,13 @@ impl Display for ReadError {
 }
 
 impl ReadError {
+    /// The fault and its place within the file.
+    pub fn in_file(&self) -> String {
+        let Mistake { row, fault, .. } = &self.mistake;
+        let sheet = self.sheet.as_ref().map(|sheet| format!("sheet `{sheet}`, ")).unwrap_or_default();
+        format!("{sheet}row {row}: {fault}")
+    }
+
     /// File, line and column, of a text.
     pub fn place(&self) -> Option<(PathBuf, usize, usize)> {
         let is_line = self.sheet.is_none() && self.mistake.row > 0;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::read_text;
 use crate::experiment::coupon::{CouponReader, CouponTest, Dimensions, RecordingError, Rules};
+use crate::signal::file;
 
 /// A specimen as it was made; mm, N, mm/min.
 #[derive(Deserialize)]
@@ -39,7 +39,8 @@ fn every_specimen_is_reduced_with_what_the_head_states() {
     let expected: BTreeMap<String, Vec<Expected>> = serde_json::from_str(&text).unwrap();
     for (name, specimens) in &expected {
         let path = folder().join(name);
-        let export = read_text(&path).unwrap_or_else(|error| panic!("{error}")).unwrap_or_else(|| panic!("{name}"));
+        let export =
+            file::specimens(&path).unwrap_or_else(|error| panic!("{error}")).unwrap_or_else(|| panic!("{name}"));
         assert_eq!(export.specimens.len(), specimens.len(), "{name}");
         let tests = reduce(&path).unwrap_or_else(|error| panic!("{error}"));
         for ((expected, specimen), test) in specimens.iter().zip(&export.specimens).zip(&tests) {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
-use crate::signal::tdms;
+use crate::signal::{export, tdms, workbook};
 use base::diagnostic::listed;
 use base::file::FileError;
 use base::number::significant;
@@ -38,6 +38,12 @@ pub enum Fault {
     /// The file is not as NI describes TDMS.
     #[error(transparent)]
     Tdms(#[from] tdms::Fault),
+    /// The file is no workbook, or a sheet of it no table.
+    #[error(transparent)]
+    Workbook(#[from] workbook::Fault),
+    /// A sheet of a workbook is no export of a machine.
+    #[error("{}", .0.in_file())]
+    Export(Box<export::ReadError>),
     /// The file lists no channel, or none that has numbers.
     #[error("no channel with numbers")]
     NoChannel,
@@ -131,6 +137,8 @@ impl Fault {
         let hint = match self {
             Fault::Channel(ChannelFault::Name(error)) => return error.hint(),
             Fault::Channel(ChannelFault::NotOne { .. }) => "name the channel: --column GROUP/CHANNEL",
+            Fault::Workbook(fault) => return fault.hint(),
+            Fault::Export(error) => return error.hint().map(str::to_owned),
             Fault::Tdms(fault) => return fault.hint().map(str::to_owned),
             Fault::NoTime { .. } | Fault::SeveralTimes { .. } => "name the channel of time: --time GROUP/CHANNEL",
             Fault::TimeLength { .. } | Fault::Lengths { .. } => {
