@@ -1,12 +1,12 @@
 //! `droptower explain`: unit, range, default and sentence of the keys under a path, script functions, codes of
-//! findings, columns of signals and energies, figures, solvers.
+//! findings, columns of signals and energies, figures, solvers, formats of recordings.
 
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value as Json;
 
 use super::card::explain as solvers;
-use super::{Failure, Shared, codes, columns, complete, figures, functions, print, print_json};
+use super::{Failure, Shared, codes, columns, complete, figures, functions, print, print_json, readable};
 use base::diagnostic::{Diagnostic, closest};
 use scene::scenario::grammar::{self, Key, Rule, TableRule};
 
@@ -14,7 +14,8 @@ use scene::scenario::grammar::{self, Key, Rule, TableRule};
 pub(super) struct ExplainArgs {
     /// Key path, e.g. specimen.mesh, or its end, e.g. mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
     /// e.g. coarse-contact; a column of signals.csv or energies.csv, e.g. clamp_slip_m; a figure of summary.json, e.g. energy_absorption; a solver that cards are
-    /// written for, e.g. ls-dyna; `keys`, `functions`, `findings`, `columns`, `figures` or `solvers` for all of them
+    /// written for, e.g. ls-dyna; `keys`, `functions`, `findings`, `columns`, `figures` or `solvers` for all of them; `formats` for the
+    /// formats of recordings
     #[arg(value_name = "KEY", add = complete::keys())]
     pub path: Option<String>,
 }
@@ -49,6 +50,7 @@ pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
         Some(columns::WORD) => return columns::all(shared),
         Some(figures::WORD) => return figures::all(shared),
         Some(solvers::WORD) => return solvers::run(None, shared),
+        Some(readable::WORD) => return readable::run(shared),
         _ => {}
     }
     if let Some(target) = args.path.as_deref().and_then(solvers::find) {

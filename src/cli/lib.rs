@@ -33,6 +33,7 @@ mod new;
 mod output;
 mod picture;
 mod progress;
+mod readable;
 mod repl;
 mod run;
 mod scenarios;

@@ -1,7 +1,9 @@
 """What other programs' readers find in recordings: channels with their times and values, in SI where their unit is known."""
 
+import h5py
 import numpy
 import pandas
+import scipy.io
 from nptdms import TdmsFile
 
 SI = {"g": 9.80665, "kN": 1e3, "N": 1.0, "kPa": 1e3, "MPa": 1e6, "mm": 1e-3, "ms": 1e-3, "s": 1.0, "mm/s2": 1e-3}
@@ -44,3 +46,72 @@ def of_sheets(path):
         for name, values in list(zip(names, columns))[1:]:
             found[name if len(sheets) == 1 else f"{sheet}/{name}"] = (columns[0], values)
     return found
+
+
+def with_times(arrays):
+    """Channels of arrays by path: those of one group with its time, a column of a matrix each."""
+    found = {}
+    for path, values in arrays.items():
+        group, _, name = path.rpartition("/")
+        inside = {other.rpartition("/")[2]: other for other in arrays if other.rpartition("/")[0] == group}
+        time = next((arrays[inside[word]] for word in ("time", "t") if word in inside), None)
+        if name in ("time", "t") or time is None:
+            continue
+        suffix = name.rpartition("_")[2]
+        time = time * 1e-3 if group == "drop/fast" else time
+        unit = 9.80665 if name == "acceleration" or suffix == "g" else SI.get(suffix, 1.0)
+        if values.ndim == 1:
+            found[path] = (time, unit * values)
+        else:
+            found |= {f"{path}(:,{column + 1})": (time, values[:, column]) for column in range(values.shape[1])}
+    return found
+
+
+def is_real(values):
+    return values.dtype.kind in "biuf" and values.size > 1
+
+
+def shaped(values):
+    values = numpy.asarray(values)
+    return values.ravel().astype(float) if 1 in values.shape or values.ndim == 1 else values.astype(float)
+
+
+def of_mat(path):
+    """Variables and fields of structs as SciPy reads them, or h5py where they are HDF5."""
+    arrays = {}
+
+    def walk(value, name):
+        if isinstance(value, numpy.ndarray) and value.dtype.names:
+            for place, one in enumerate(value.ravel()):
+                own = name if value.size == 1 else f"{name}({place + 1})"
+                for field in value.dtype.names:
+                    walk(one[field], f"{own}/{field}" if own else field)
+        elif isinstance(value, numpy.ndarray) and is_real(value):
+            arrays[name] = shaped(value)
+
+    try:
+        for name, value in scipy.io.loadmat(path).items():
+            walk(value, name)
+    except NotImplementedError:
+        return of_hdf5(path)
+    return with_times(arrays)
+
+
+def of_hdf5(path):
+    """Data sets and fields of records as h5py reads them."""
+    arrays = {}
+
+    def visit(name, item):
+        if not isinstance(item, h5py.Dataset):
+            return
+        kind = item.attrs.get("MATLAB_class", b"")
+        if item.dtype.names and kind == b"":
+            for field in item.dtype.names:
+                if is_real(item[field]):
+                    arrays[f"{name}/{field}"] = shaped(item[field])
+        elif item.dtype.kind in "biuf" and item.size > 1 and kind != b"char":
+            arrays[name] = shaped(item[()].T if kind else item[()])
+
+    with h5py.File(path) as file:
+        file.visititems(visit)
+    return with_times(arrays)

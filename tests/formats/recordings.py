@@ -10,6 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import make_arrays
 import make_machines
 import make_sheets
 import make_tdms
@@ -18,7 +19,12 @@ import pandas
 import read
 
 # Makers of files, and their readers, by format.
-FORMATS = {"tdms": (make_tdms.make, read.of_tdms), "xlsx": (make_sheets.make, read.of_sheets)}
+FORMATS = {
+    "tdms": (make_tdms.make, read.of_tdms),
+    "xlsx": (make_sheets.make, read.of_sheets),
+    "mat": (make_arrays.make_mat, read.of_mat),
+    "hdf5": (make_arrays.make_hdf5, read.of_hdf5),
+}
 # Of numbers that scales compute in another order, or by iteration.
 TOLERANCE = 1e-9
 
@@ -51,6 +57,7 @@ def compare(droptower, path, expected):
 
 
 def keep(folder):
+    make_machines.make(folder / "machines")
     for kind, (make, reader) in FORMATS.items():
         expected = {}
         for path in make(folder / kind):
@@ -59,7 +66,6 @@ def keep(folder):
                 name: {"time": list(time), "values": [None if numpy.isnan(value) else float(value) for value in values]}
                 for name, (time, values) in channels.items()
             }
-        make_machines.make(folder / "machines")
         (folder / kind / "expected.json").write_text(json.dumps(expected, indent=0) + "\n")
 
 

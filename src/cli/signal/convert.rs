@@ -19,7 +19,7 @@ use lab::signal::{Annotations, MeasuredChannel, Measurement, Recording};
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// The recording: CSV or ISO-MME
+    /// The recording; `droptower explain formats` lists what is read
     pub path: PathBuf,
     /// Channels to write [default: all]
     #[arg(long, value_name = "NAME")]

@@ -27,7 +27,7 @@ use membrane::engine::GuideFriction;
 
 #[derive(Debug, Args)]
 pub(crate) struct DropArgs {
-    /// The recording: CSV or ISO-MME, from the rest before the release on
+    /// The recording; `droptower explain formats` lists what is read, from the rest before the release on
     pub path: PathBuf,
     /// Mass of the impactor, e.g. "10.72 kg"
     #[arg(long, value_parser = |text: &str| quantity(Mass::DIMENSION, text))]

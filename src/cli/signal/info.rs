@@ -16,7 +16,7 @@ use lab::signal::{MeasuredChannel, Warning, csv, resample};
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// The recordings: CSV or ISO-MME; nothing is printed unless all can be read
+    /// The recordings, of any format of `droptower explain formats`; nothing is printed unless all can be read
     #[arg(required = true)]
     pub paths: Vec<PathBuf>,
     #[command(flatten)]

@@ -13,7 +13,7 @@ use lab::signal::{Annotations, MeasuredChannel, Measurement, Warning};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Input {
-    /// The recording: CSV or ISO-MME
+    /// The recording; `droptower explain formats` lists what is read
     pub path: PathBuf,
     /// The channel, where there are several
     #[arg(long, value_name = "NAME")]

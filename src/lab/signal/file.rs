@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::export::Export;
+use super::format::Format;
+use super::hdf5::{self, Hdf5};
+use super::matlab::{self, Matlab};
 use super::stored::{self, Catalogue};
 use super::tdms::{self, Tdms};
 use super::workbook::{self, Workbook};
@@ -116,8 +119,8 @@ pub fn specimens(path: &Path) -> Result<Option<Export>, ReadError> {
         return Ok(None);
     }
     match first_bytes(path) {
-        Some(first) if first.starts_with(workbook::TAG) => Ok(workbook::specimens(path)?),
-        Some(first) if first.starts_with(tdms::TAG) => Ok(None),
+        Some(first) if workbook::is_own(&first) => Ok(workbook::specimens(path)?),
+        Some(first) if Format::of(&first).is_some() || matlab::is_of_level_4(path, &first) => Ok(None),
         _ => Ok(export::read_text(path)?),
     }
 }
@@ -125,14 +128,20 @@ pub fn specimens(path: &Path) -> Result<Option<Export>, ReadError> {
 /// The channels of the file at `path`, where its first bytes are those of a format that lists them.
 fn catalogue(path: &Path) -> Result<Option<Box<dyn Catalogue>>, ReadError> {
     let Some(first) = first_bytes(path) else { return Ok(None) };
-    let found: Result<Box<dyn Catalogue>, stored::Fault> = match first {
-        _ if first.starts_with(tdms::TAG) || first.starts_with(tdms::INDEX_TAG) => {
-            Tdms::open(path).map(|file| Box::new(file) as Box<dyn Catalogue>)
-        }
-        _ if first.starts_with(workbook::TAG) => Workbook::open(path).map(|file| Box::new(file) as Box<dyn Catalogue>),
-        _ => return Ok(None),
+    let found = match Format::of(&first) {
+        _ if matlab::is_own(&first) => Matlab::open(path).map(boxed),
+        _ if hdf5::is_own(&first) => Hdf5::open(path).map(boxed),
+        _ if workbook::is_own(&first) => Workbook::open(path).map(boxed),
+        _ if tdms::is_own(&first) => Tdms::open(path).map(boxed),
+        _ if matlab::is_of_level_4(path, &first) => Err(matlab::Fault::Level4.into()),
+        Some(format) => Err(stored::Fault::Refused(format)),
+        None => return Ok(None),
     };
     Ok(Some(found.map_err(|fault| stored::ReadError { path: path.into(), fault })?))
+}
+
+fn boxed<'a>(file: impl Catalogue + 'a) -> Box<dyn Catalogue + 'a> {
+    Box::new(file)
 }
 
 /// Bytes by which a format is known.

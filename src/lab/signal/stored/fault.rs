@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
-use crate::signal::{export, tdms, workbook};
+use crate::signal::format::{Format, Support};
+use crate::signal::{export, hdf5, matlab, tdms, workbook};
 use base::diagnostic::listed;
 use base::file::FileError;
 use base::number::significant;
@@ -35,9 +36,18 @@ pub enum Fault {
     /// A fault of a channel that files of every format can have.
     #[error(transparent)]
     Channel(#[from] ChannelFault),
+    /// The file is of a format that is not read.
+    #[error("the format {} is not read", .0.name)]
+    Refused(&'static Format),
     /// The file is not as NI describes TDMS.
     #[error(transparent)]
     Tdms(#[from] tdms::Fault),
+    /// The file is not as MathWorks describes MAT-files.
+    #[error(transparent)]
+    Matlab(#[from] matlab::Fault),
+    /// The file is not HDF5.
+    #[error(transparent)]
+    Hdf5(#[from] hdf5::Fault),
     /// The file is no workbook, or a sheet of it no table.
     #[error(transparent)]
     Workbook(#[from] workbook::Fault),
@@ -135,8 +145,10 @@ impl Fault {
     /// The remedy, where there is one.
     pub fn hint(&self) -> Option<String> {
         let hint = match self {
+            Fault::Refused(Format { support: Support::Refused(conversion), .. }) => conversion,
             Fault::Channel(ChannelFault::Name(error)) => return error.hint(),
             Fault::Channel(ChannelFault::NotOne { .. }) => "name the channel: --column GROUP/CHANNEL",
+            Fault::Matlab(fault) => return fault.hint().map(str::to_owned),
             Fault::Workbook(fault) => return fault.hint(),
             Fault::Export(error) => return error.hint().map(str::to_owned),
             Fault::Tdms(fault) => return fault.hint().map(str::to_owned),

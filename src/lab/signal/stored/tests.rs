@@ -97,3 +97,19 @@ fn damaged_workbooks_are_read_or_refused() {
 fn damaged_tdms_is_read_or_refused() {
     damage("tdms");
 }
+
+#[test]
+fn mat_files_are_read_as_scipy_reads_them() {
+    check("mat");
+}
+
+#[test]
+fn hdf5_is_read_as_h5py_reads_it() {
+    check("hdf5");
+}
+
+#[test]
+fn damaged_arrays_are_read_or_refused() {
+    damage("mat");
+    damage("hdf5");
+}

@@ -23,7 +23,12 @@ pub use fault::Fault;
 pub use file::Tdms;
 
 /// The first bytes of a file.
-pub const TAG: &[u8] = b"TDSm";
+const TAG: &[u8] = b"TDSm";
 
 /// The first bytes of the file of an index.
-pub const INDEX_TAG: &[u8] = b"TDSh";
+const INDEX_TAG: &[u8] = b"TDSh";
+
+/// Whether the first bytes are those of a file, or of its index.
+pub fn is_own(first: &[u8]) -> bool {
+    first.starts_with(TAG) || first.starts_with(INDEX_TAG)
+}

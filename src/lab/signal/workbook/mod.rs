@@ -13,8 +13,10 @@ pub use table::Workbook;
 use super::export::{self, Count, Export, Mistake, ReadError, Rows};
 use super::stored;
 
-/// The first bytes of every archive in zip.
-pub const TAG: &[u8] = b"PK\x03\x04";
+/// Whether the first bytes are those of an archive in zip, which a workbook is.
+pub fn is_own(first: &[u8]) -> bool {
+    first.starts_with(b"PK\x03\x04")
+}
 
 /// The specimens of a machine's export in the workbook at `path`; none where no sheet holds force over displacement.
 pub fn specimens(path: &Path) -> Result<Option<Export>, stored::ReadError> {

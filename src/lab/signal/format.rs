@@ -1,0 +1,180 @@
+//! The formats of recordings: those that are read, and those that are known by their first bytes and refused with the
+//! conversion that helps.
+
+use super::{hdf5, matlab, tdms, workbook};
+
+/// A format of recordings.
+#[derive(Clone, Copy, Debug)]
+pub struct Format {
+    /// Its name.
+    pub name: &'static str,
+    /// Usual endings of its files.
+    pub endings: &'static str,
+    /// Whether it is read, or else how to convert it.
+    pub support: Support,
+    /// Whether the first bytes of a file are those of the format; none where others than these know it.
+    is_own: fn(&[u8]) -> bool,
+}
+
+/// Whether a format is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Support {
+    /// It is; what becomes of its parts.
+    Read(&'static str),
+    /// It is not; the conversion that helps.
+    Refused(&'static str),
+}
+
+/// All formats, those that are read first.
+pub const FORMATS: [Format; 16] = [
+    Format {
+        name: "Table in text",
+        endings: ".csv, .txt, .tsv, .dat",
+        support: Support::Read(
+            "any separator, decimal mark and column names; UTF-8, UTF-16, GBK or Windows-1252; units in the header, in a line \
+             below it, or given",
+        ),
+        is_own: |_| false,
+    },
+    Format {
+        name: "ISO-MME",
+        endings: ".mme with its folder, .chn, .001, …, .zip",
+        support: Support::Read("channels by code or long name, each over its own time"),
+        is_own: |_| false,
+    },
+    Format {
+        name: "NI TDMS",
+        endings: ".tdms",
+        support: Support::Read(
+            "GROUP/CHANNEL with unit_string; time by wf_start_offset and wf_increment, or by the channel Time of the group; \
+             scales are applied, DAQmx, interleaved, big-endian and truncated files are read",
+        ),
+        is_own: tdms::is_own,
+    },
+    Format {
+        name: "Workbook of Excel",
+        endings: ".xlsx",
+        support: Support::Read("a sheet as a table: SHEET/COLUMN, or the column alone where one sheet holds a table"),
+        is_own: workbook::is_own,
+    },
+    Format {
+        name: "MATLAB",
+        endings: ".mat",
+        support: Support::Read(
+            "vectors, columns of matrices and fields of structs, STRUCT/FIELD, over the field time or t beside them; versions \
+             5 to 7.3",
+        ),
+        is_own: matlab::is_own,
+    },
+    Format {
+        name: "HDF5",
+        endings: ".h5, .hdf5",
+        support: Support::Read(
+            "data sets, columns of matrices and fields of records, GROUP/NAME, over the data set time or t beside them; units \
+             from the attribute unit or units",
+        ),
+        is_own: hdf5::is_own,
+    },
+    Format {
+        name: "Exports of tensile machines",
+        endings: ".csv, .txt, .tra, .xlsx",
+        support: Support::Read(
+            "by `droptower tensile reduce`: specimens side by side, below each other or one a sheet, of Zwick, Instron, MTS and \
+             Shimadzu; width, thickness, gauge, speed and direction from the head",
+        ),
+        is_own: |_| false,
+    },
+    Format {
+        name: "ASAM MDF",
+        endings: ".mf4, .mdf, .dat",
+        support: Support::Refused("in Python: asammdf.MDF(\"FILE\").export(\"csv\", \"OUT\", single_time_base=True)"),
+        is_own: |first| first.starts_with(b"MDF     ") || first.starts_with(b"UnFinMF "),
+    },
+    Format {
+        name: "Universal file (UFF 58)",
+        endings: ".uff, .unv",
+        support: Support::Refused(
+            "in Python: pyuff.UFF(\"FILE\").read_sets() has time as x and values as data; write them as CSV",
+        ),
+        is_own: is_universal,
+    },
+    Format {
+        name: "Excel before 2007",
+        endings: ".xls",
+        support: Support::Refused("save it as .xlsx, or each sheet as CSV"),
+        is_own: |first| first.starts_with(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"),
+    },
+    Format {
+        name: "Apache Parquet",
+        endings: ".parquet",
+        support: Support::Refused("in Python: pandas.read_parquet(\"FILE\").to_csv(\"OUT.csv\", index=False)"),
+        is_own: |first| first.starts_with(b"PAR1"),
+    },
+    Format {
+        name: "Apache Arrow or Feather",
+        endings: ".feather, .arrow",
+        support: Support::Refused("in Python: pandas.read_feather(\"FILE\").to_csv(\"OUT.csv\", index=False)"),
+        is_own: |first| first.starts_with(b"ARROW1") || first.starts_with(b"FEA1"),
+    },
+    Format {
+        name: "imc FAMOS",
+        endings: ".dat, .raw",
+        support: Support::Refused("export it from FAMOS as ASCII, with a column of time"),
+        is_own: |first| first.starts_with(b"|CF,"),
+    },
+    Format {
+        name: "NumPy",
+        endings: ".npy",
+        support: Support::Refused("in Python: numpy.savetxt(\"OUT.csv\", numpy.load(\"FILE\"), delimiter=\",\")"),
+        is_own: |first| first.starts_with(b"\x93NUMPY"),
+    },
+    Format {
+        name: "SQLite",
+        endings: ".db, .sqlite",
+        support: Support::Refused("export the table: sqlite3 -header -csv FILE \"select * from TABLE\" > OUT.csv"),
+        is_own: |first| first.starts_with(b"SQLite format 3\0"),
+    },
+    Format {
+        name: "gzip",
+        endings: ".gz",
+        support: Support::Refused("unpack it: gunzip FILE"),
+        is_own: |first| first.starts_with(b"\x1f\x8b"),
+    },
+];
+
+impl Format {
+    /// The one whose first bytes these are.
+    pub fn of(first: &[u8]) -> Option<&'static Format> {
+        FORMATS.iter().find(|format| (format.is_own)(first))
+    }
+}
+
+/// Whether a text begins with the separator of data sets, -1, and the number 58 of functions.
+fn is_universal(first: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(first);
+    let mut lines = text.lines();
+    let separator = lines.next().is_some_and(|line| line.starts_with("    -1") && line.trim() == "-1");
+    separator && lines.next().is_some_and(|line| line.trim_start().starts_with("58"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_known_by_their_first_bytes() {
+        for (first, expected) in [
+            (&b"MDF     4.10    asammdf"[..], Some("ASAM MDF")),
+            (b"    -1\n    58\n", Some("Universal file (UFF 58)")),
+            (b"    -1\n   151\n", None),
+            (b"PAR1\x15\x04", Some("Apache Parquet")),
+            (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", Some("Excel before 2007")),
+            (b"TDSm", Some("NI TDMS")),
+            (b"PK\x03\x04", Some("Workbook of Excel")),
+            (b"time_s,a\n", None),
+            (b"", None),
+        ] {
+            assert_eq!(Format::of(first).map(|format| format.name), expected, "{first:?}");
+        }
+    }
+}

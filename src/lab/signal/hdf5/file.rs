@@ -1,0 +1,206 @@
+//! An HDF5 file: its data sets as channels.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use hdf5_pure::{AttrValue, Dataset, Datatype, File, Group};
+
+use super::Fault;
+use super::number::{is_complex, not_real, number};
+use crate::signal::Annotations;
+use crate::signal::stored::{self, Catalogue, Columns, Entry};
+use base::file;
+
+/// An HDF5 file whose data sets are listed.
+pub struct Hdf5 {
+    file: File,
+    columns: Columns,
+    sources: Vec<Source>,
+    comments: Vec<String>,
+    /// Bytes of the file.
+    length: u64,
+    /// Groups and data sets that were listed.
+    listed: usize,
+}
+
+/// Where the values of a vector or a matrix are.
+struct Source {
+    /// Path of the data set.
+    path: String,
+    datatype: Datatype,
+    rows: usize,
+    /// Byte of the first value, and bytes to the value in the next row and column.
+    start: usize,
+    row: usize,
+    column: usize,
+}
+
+/// Most groups and data sets, and groups within groups.
+const MOST_OBJECTS: usize = 20_000;
+const DEEPEST: usize = 16;
+/// Most bytes of values for each byte of the file: deflation packs no more than 1032 in one.
+const MOST_PACKED: u64 = 1100;
+/// Longest text that becomes a comment, characters.
+const LONGEST_COMMENT: usize = 200;
+/// Attributes that state a unit.
+const UNITS: [&str; 4] = ["unit", "units", "Unit", "Units"];
+
+impl Hdf5 {
+    /// Lists the data sets of the file at `path`. A text or a number among the attributes of the file becomes a comment, and
+    /// so does a data set of one value.
+    pub fn open(path: &Path) -> Result<Hdf5, stored::Fault> {
+        let length = file::open(path).and_then(|file| Ok(file.metadata()?.len())).map_err(Fault::Open)?;
+        let file = File::open_streaming(path).map_err(Fault::of("/"))?;
+        let root = file.root();
+        let (columns, sources, comments) = (Columns::default(), Vec::new(), Vec::new());
+        let mut hdf5 = Hdf5 { file, columns, sources, comments, length, listed: 0 };
+        let attributes = root.attrs().map_err(Fault::of("/"))?;
+        let mut comments: Vec<String> = attributes.iter().filter_map(comment).collect();
+        comments.sort();
+        hdf5.comments = comments;
+        hdf5.list(&root, "", 0)?;
+        Ok(hdf5)
+    }
+
+    fn list(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), stored::Fault> {
+        let shown = if path.is_empty() { "/" } else { path };
+        let within = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}/{name}") };
+        for name in group.datasets().map_err(Fault::of(shown))? {
+            self.count()?;
+            let own = within(&name);
+            let dataset = group.dataset(&name).map_err(Fault::of(&own))?;
+            self.add(&dataset, [path, &name], &own)?;
+        }
+        for name in group.groups().map_err(Fault::of(shown))? {
+            self.count()?;
+            // What MATLAB keeps for itself: cells and objects.
+            if depth < DEEPEST && !name.starts_with('#') {
+                let own = within(&name);
+                let inner = group.group(&name).map_err(Fault::of(&own))?;
+                self.list(&inner, &own, depth + 1)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn count(&mut self) -> Result<(), Fault> {
+        self.listed += 1;
+        if self.listed > MOST_OBJECTS { Err(Fault::TooMany { most: MOST_OBJECTS }) } else { Ok(()) }
+    }
+
+    fn add(&mut self, dataset: &Dataset, [group, name]: [&str; 2], path: &str) -> Result<(), stored::Fault> {
+        let attributes = dataset.attrs().map_err(Fault::of(path))?;
+        let class = text(&attributes, "MATLAB_class");
+        let unit = UNITS.iter().find_map(|name| text(&attributes, name));
+        let shape = dataset.shape().map_err(Fault::of(path))?;
+        let datatype = dataset.datatype().map_err(Fault::of(path))?;
+        let width = datatype.type_size() as usize;
+        let refused = match class {
+            Some("char") => Some("it holds texts".to_owned()),
+            Some("table" | "timetable" | "timeseries" | "string") => {
+                let why = "it is an object; save the struct of it instead: table2struct(T, \"ToScalar\", true)";
+                Some(why.to_owned())
+            }
+            _ if attributes.contains_key("MATLAB_empty") => return Ok(()),
+            _ => None,
+        };
+        let count = shape.iter().try_fold(width as u64, |bytes, length| bytes.checked_mul(*length));
+        let fits = count.is_some_and(|bytes| bytes <= self.length.saturating_mul(MOST_PACKED));
+        let refused = refused.or_else(|| (!fits).then(|| "its shape is larger than the file can hold".to_owned()));
+        let source = |rows: u64, datatype: Datatype, [start, row, column]: [usize; 3]| Source {
+            path: path.to_owned(),
+            datatype,
+            rows: rows as usize,
+            start,
+            row,
+            column,
+        };
+        if let (Datatype::Compound { members, .. }, None) = (&datatype, &refused)
+            && !is_complex(members.iter().map(|member| member.name.as_str()))
+        {
+            let rows = shape.first().copied().filter(|_| shape.len() == 1);
+            for member in members {
+                let (base, columns) = match &member.datatype {
+                    Datatype::Array { base_type, dimensions } if dimensions.len() == 1 => {
+                        (base_type.as_ref().clone(), u64::from(dimensions[0]))
+                    }
+                    other => (other.clone(), 1),
+                };
+                let found = match (not_real(&base), rows) {
+                    (Some(why), _) => Err(why),
+                    (None, None) => Err("its records are no list".to_owned()),
+                    (None, Some(rows)) => Ok([rows, columns]),
+                };
+                self.columns.push([path, &member.name], unit, self.sources.len(), found)?;
+                let steps = [member.byte_offset as usize, width, base.type_size() as usize];
+                self.sources.push(source(rows.unwrap_or(0), base, steps));
+            }
+            return Ok(());
+        }
+        let found = match (refused.or_else(|| not_real(&datatype)), &shape[..]) {
+            (Some(why), _) => Err(why),
+            (None, []) => Ok([1, 1]),
+            (None, [rows]) => Ok([*rows, 1]),
+            (None, [a, b]) if *a == 1 || *b == 1 => Ok([a * b, 1]),
+            // MATLAB stores columns as rows.
+            (None, [columns, rows]) if class.is_some() => Ok([*rows, *columns]),
+            (None, [rows, columns]) => Ok([*rows, *columns]),
+            (None, _) => Err("it has more than two dimensions".to_owned()),
+        };
+        let steps = match found {
+            Ok([rows, columns]) if columns > 1 && class.is_some() => [0, width, width * rows as usize],
+            Ok([_, columns]) => [0, width * columns as usize, width],
+            Err(_) => [0; 3],
+        };
+        if let Ok([1, 1]) = found {
+            let value = dataset.read_raw().map_err(Fault::of(path))?;
+            self.comments.extend(number(&datatype, &value).map(|value| format!("{path}: {value}")));
+            return Ok(());
+        }
+        let rows = found.as_ref().map_or(0, |[rows, _]| *rows);
+        self.columns.push([group, name], unit, self.sources.len(), found)?;
+        self.sources.push(source(rows, datatype, steps));
+        Ok(())
+    }
+}
+
+/// The text of an attribute.
+fn text<'a>(attributes: &'a HashMap<String, AttrValue>, name: &str) -> Option<&'a str> {
+    attributes.get(name)?.as_str()
+}
+
+/// An attribute as a comment; those of pandas and PyTables, in capitals or about their own layout, are none.
+fn comment((name, value): (&String, &AttrValue)) -> Option<String> {
+    let value = match (value.as_str(), value.to_f64s().as_deref()) {
+        (Some(text), _) => text.to_owned(),
+        (None, Some([number])) => number.to_string(),
+        _ => return None,
+    };
+    let is_own = name.chars().any(char::is_lowercase) && !name.starts_with("pandas_") && !name.starts_with("PYTABLES");
+    let text: String = format!("{name}: {value}").chars().take(LONGEST_COMMENT).collect();
+    is_own.then(|| text.replace(char::is_control, " "))
+}
+
+impl Catalogue for Hdf5 {
+    fn entries(&self) -> &[Entry] {
+        &self.columns.entries
+    }
+
+    fn annotations(&self) -> Annotations {
+        Annotations::new(self.comments.clone())
+    }
+
+    fn values(&mut self, place: usize) -> Result<Vec<f64>, stored::Fault> {
+        let (array, column) = self.columns.places[place];
+        let source = &self.sources[array];
+        let dataset = self.file.dataset(&source.path).map_err(Fault::of(&source.path))?;
+        let bytes = dataset.read_raw().map_err(Fault::of(&source.path))?;
+        let value = |row: usize| {
+            let at = source.start + row * source.row + column * source.column;
+            number(&source.datatype, bytes.get(at..)?)
+        };
+        let values: Option<Vec<f64>> = (0..source.rows).map(value).collect();
+        let ends = || Fault::Ends { object: source.path.clone(), found: bytes.len() };
+        Ok(values.ok_or_else(ends)?)
+    }
+}
