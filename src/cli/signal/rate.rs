@@ -15,7 +15,7 @@ use lab::signal::{Annotations, MeasuredChannel, Warning};
 
 #[derive(Debug, Args)]
 pub(crate) struct RateArgs {
-    /// The reference: CSV or ISO-MME
+    /// The reference; `droptower explain formats` lists what is read
     pub reference: PathBuf,
     /// The rated recording
     pub comparison: PathBuf,

@@ -10,7 +10,7 @@ use base::units::{Length, Time};
 /// The recording that a run is compared with.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Reference {
-    /// Recording (CSV or ISO-MME): signals from first contact on where it has the columns `acceleration_m_s2` and/or
+    /// Recording (table, ISO-MME, TDMS, …): signals from first contact on where it has the columns `acceleration_m_s2` and/or
     /// `displacement_m` (with `time_s`) and neither `acceleration` nor `displacement` is given; anything else is the
     /// raw recording of a drop, from the rest before the release on, by an accelerometer and possibly a laser, and is
     /// reduced first.

@@ -111,7 +111,7 @@ fn hinted(error: &impl std::fmt::Display, hint: Option<String>) -> Box<EvalAltRe
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "read_recording(path)",
-        gives: "the recording in a file (CSV or ISO-MME), values in SI; the path is relative to the working directory",
+        gives: "the recording in a file (any format of `droptower explain formats`), values in SI; the path is relative to the working directory",
         example: "read_recording(args.recording).names().len() > 0",
     },
     Entry {

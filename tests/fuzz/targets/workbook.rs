@@ -1,0 +1,8 @@
+//! Recordings in workbooks of Excel.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+use droptower_fuzz::read_recording;
+
+fuzz_target!(|input: &[u8]| read_recording("drop.xlsx", input));
