@@ -16,16 +16,25 @@ def mat_5(folder):
     drop = {"time": TIMES[:, None], "force_kN": FORCES[:, None], "operator": "made by SciPy", "fs": 1000.0}
     both = {"t": TIMES, "acceleration_g": FORCES, "count": numpy.arange(12, dtype=numpy.int16), "direction": "MD"}
     matrix = {"time": TIMES, "a": numpy.column_stack([FORCES, -FORCES, TIMES]).astype(numpy.float32)}
-    nested = {"test": {"first": drop, "second": {"time": TIMES[:5], "x_mm": TIMES[:5] * 3}}, "empty": numpy.zeros((0, 0))}
+    nested = {
+        "test": {"first": drop, "second": {"time": TIMES[:5], "x_mm": TIMES[:5] * 3}},
+        "empty": numpy.zeros((0, 0)),
+    }
     odd = {"time": TIMES, "z": FORCES + 1j, "cell": numpy.array([1, "a"], dtype=object), "ok": FORCES > 5, "b": FORCES}
-    for name, content in {"struct": {"drop": drop}, "vectors": both, "matrix": matrix, "nested": nested, "odd": odd}.items():
+    for name, content in {
+        "struct": {"drop": drop},
+        "vectors": both,
+        "matrix": matrix,
+        "nested": nested,
+        "odd": odd,
+    }.items():
         scipy.io.savemat(folder / f"{name}.mat", content, do_compression=name in ("struct", "matrix"), oned_as="column")
     number = {"runs": numpy.array([(TIMES, FORCES), (TIMES, 2 * FORCES)], dtype=[("time", object), ("f", object)])}
     scipy.io.savemat(folder / "structs.mat", number)
 
 
 def mat_73(folder):
-    """As MATLAB saves with -v7.3, made after a description: a block of 512 bytes, columns as rows, classes as attributes."""
+    """As MATLAB saves with -v7.3, made after a description: 512 bytes before, columns as rows, classes beside them."""
     path = folder / "hdf5.mat"
     with h5py.File(path, "w", userblock_size=512) as file:
 
@@ -55,7 +64,9 @@ def hdf5(folder):
         for name, values, unit in [("time", 1e3 * TIMES, "ms"), ("acceleration", FORCES, "g")]:
             group.create_dataset(name, data=values, compression="gzip", chunks=(5,)).attrs["units"] = unit
         group.create_dataset("count", data=numpy.arange(12, dtype=">i2"))
-        group.create_dataset("sides", data=numpy.column_stack([FORCES, -FORCES]).astype("f4"), shuffle=True, compression=9)
+        group.create_dataset(
+            "sides", data=numpy.column_stack([FORCES, -FORCES]).astype("f4"), shuffle=True, compression=9
+        )
         group.create_dataset("is_on", data=FORCES > 5)
         group.create_dataset("remarks", data=["a", "b"])
         file.create_dataset("rate", data=1000.0)

@@ -15,13 +15,16 @@ class Specimen:
         travel = [0.25 * place for place in range(rows)]
         stress = [20.0 * (1 - 0.5 ** (8 * length / gauge)) + 10 * length / gauge for length in travel]
         force = [round(value * width * thickness, 4) for value in stress]
-        self.rows = [(round(length / speed * 60, 4), length, value) for length, value in zip(travel, force, strict=True)]
+        self.rows = [
+            (round(length / speed * 60, 4), length, value) for length, value in zip(travel, force, strict=True)
+        ]
         self.rows.append((self.rows[-1][0] + 0.01, travel[-1] + 0.05, 0.01))
 
     def expected(self):
         return {
-            "name": self.name, "width": self.width, "thickness": self.thickness, "gauge": self.gauge, "speed": self.speed,
-            "rows": len(self.rows), "strength": max(row[2] for row in self.rows) / (self.width * self.thickness),
+            "name": self.name, "width": self.width, "thickness": self.thickness, "gauge": self.gauge,
+            "speed": self.speed, "rows": len(self.rows),
+            "strength": max(row[2] for row in self.rows) / (self.width * self.thickness),
         }  # fmt: skip
 
 
@@ -45,7 +48,11 @@ def side_by_side(specimens, cell, separator, order=(0, 1, 2), quote='"'):
 
 def zwick_side_by_side():
     own = three(["Probe 1", "Probe 2", "Probe 3"])
-    lines = ['"Prüfprotokoll";"Folie längs"', '"Prüfer";"made after a description of testXpert"', '"Prüfdatum";"01.05.2024"']
+    lines = [
+        '"Prüfprotokoll";"Folie längs"',
+        '"Prüfer";"made after a description of testXpert"',
+        '"Prüfdatum";"01.05.2024"',
+    ]
     lines += ['"Prüfgeschwindigkeit";100,00;"mm/min"', '"Einspannlänge";50,00;"mm"', '"Richtung";"MD"', ""]
     lines += ['"Legende";"Breite b0";"Dicke a0"', '"";"mm";"µm"']
     lines += [f'"{one.name}";{comma(one.width)};{comma(1e3 * one.thickness)}' for one in own]
@@ -85,21 +92,38 @@ def bluehill():
     lines = []
     for one in own:
         lines += [f'Specimen label,"{one.name}"', f'Width,"{one.width}",mm', f'Thickness,"{one.thickness}",mm']
-        lines += ['Length,"50.00000",mm', 'Rate 1,"100.00000",mm/min', "Direction,MD", "", "Time,Extension,Load", "(s),(mm),(N)"]
+        lines += [
+            'Length,"50.00000",mm',
+            'Rate 1,"100.00000",mm/min',
+            "Direction,MD",
+            "",
+            "Time,Extension,Load",
+            "(s),(mm),(N)",
+        ]
         lines += [",".join(f'"{value}"' for value in row) for row in one.rows] + [""]
     return "bluehill.csv", "utf-8", lines, own
 
 
 def bluehill_colons():
     own = [Specimen("Specimen 4", 15.0, 0.05, 30)]
-    lines = ["Sample : film, made after a description", "Width : 15.00 mm", "Thickness : 0.05 mm", "Gauge length : 50 mm"]
+    lines = [
+        "Sample : film, made after a description",
+        "Width : 15.00 mm",
+        "Thickness : 0.05 mm",
+        "Gauge length : 50 mm",
+    ]
     lines += ["Crosshead speed : 100 mm/min", "Direction : MD", "Specimen 4", "", "Extension (mm)\tLoad (N)"]
     return "bluehill-colons.txt", "utf-8", lines + [f"{row[1]}\t{row[2]}" for row in own[0].rows], own
 
 
 def mts():
     own = three(["Specimen 1", "Specimen 2", "Specimen 3"])
-    lines = ["MTS TestSuite\tmade after a description", "Grip Separation:\t50\tmm", "Test Speed:\t100\tmm/min", "Direction:\tTD"]
+    lines = [
+        "MTS TestSuite\tmade after a description",
+        "Grip Separation:\t50\tmm",
+        "Test Speed:\t100\tmm/min",
+        "Direction:\tTD",
+    ]
     lines += ["Specimen\tWidth\tThickness", "\tmm\tmm"] + [f"{one.name}\t{one.width}\t{one.thickness}" for one in own]
     for one in own:
         lines += ["", one.name, "Crosshead \tLoad \tTime ", "mm\tN\tSec"]
@@ -109,8 +133,15 @@ def mts():
 
 def trapezium():
     own = three(["1 - 1", "1 - 2", "1 - 3"])
-    lines = ['"Test Name","made after a description"', '"Speed","100","mm/min"', '"Direction","TD"', '"Gauge Length","50","mm"']
-    lines += ['"Name","Width","Thickness"', '"","mm","mm"'] + [f'"{one.name}","{one.width}","{one.thickness}"' for one in own]
+    lines = [
+        '"Test Name","made after a description"',
+        '"Speed","100","mm/min"',
+        '"Direction","TD"',
+        '"Gauge Length","50","mm"',
+    ]
+    lines += ['"Name","Width","Thickness"', '"","mm","mm"'] + [
+        f'"{one.name}","{one.width}","{one.thickness}"' for one in own
+    ]
     lines += ['"1 - 1","","","1 - 2","","","1 - 3","",""', ",".join(['"Time","Force","Stroke"'] * 3)]
     lines += [",".join(['"sec","N","mm"'] * 3)]
     return "trapezium.csv", "utf-8", [*lines, *side_by_side(own, str, ",", (0, 2, 1), "")], own
@@ -125,7 +156,13 @@ def chinese():
 
 def blank_lines():
     own = three(["specimen 1", "specimen 2", "specimen 3"])
-    lines = ["Breite;15,0;15,1;14,9;mm", "Dicke;50;52;49;µm", "Messlänge;50;mm", "Geschwindigkeit;100;mm/min", "Richtung;längs"]
+    lines = [
+        "Breite;15,0;15,1;14,9;mm",
+        "Dicke;50;52;49;µm",
+        "Messlänge;50;mm",
+        "Geschwindigkeit;100;mm/min",
+        "Richtung;längs",
+    ]
     lines += ["Weg in mm;Kraft in N"]
     for one in own:
         lines += [f"{comma(row[1])};{comma(row[2])}" for row in one.rows] + [""]

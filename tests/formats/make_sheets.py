@@ -40,5 +40,3 @@ def of_machines(folder):
         sheets[one.name] = head + [["Prüfzeit", "Standardweg", "Standardkraft"], ["s", "mm", "N"], *one.rows]
     save(Path(folder), "zwick.xlsx", sheets)
     return {"zwick.xlsx": [one.expected() for one in own]}
-
-

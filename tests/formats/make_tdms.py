@@ -156,8 +156,9 @@ def shapes():
     a, b, c = "/'G'/'a'", "/'G'/'b'", "/'G'/'it''s/c'"
     first = LIST | NEW_LIST | DATA
     i4 = [index("i4", 2)] * 2
-    yield "chunks", segment(
-        first, [("/'G'", NOTHING, {}), (a, i4[0], waveform()), (b, i4[1], waveform())], pack("i4", range(12))
+    yield (
+        "chunks",
+        segment(first, [("/'G'", NOTHING, {}), (a, i4[0], waveform()), (b, i4[1], waveform())], pack("i4", range(12))),
     )
     repeated = segment(first, [(a, i4[0], waveform()), (b, i4[1], waveform())], pack("i4", range(4)))
     yield "no-list", repeated + segment(DATA, [], pack("i4", range(4, 8))) + segment(DATA, [], pack("i4", range(8)))
@@ -216,7 +217,7 @@ def scaled():
     ]
     bridges = [10183, 10184, 10185, 10188, 10189, 10271, 10272]
     channels += [channel(f"bridge {number}", strain(0, number), voltages) for number in bridges]
-    objects, data = zip(*channels)
+    objects, data = zip(*channels, strict=True)
     yield "scales", segment(first, objects, b"".join(data))
     group = ("/'G'", NOTHING, linear(0, 3.0, 0.0))
     yield "scale-of-group", segment(first, [group, (path.format("a"), index("i2", 2), waveform())], pack("i2", [1, 2]))
@@ -231,7 +232,8 @@ def of_daqmx():
         return waveform() | {"NI_Number_Of_Scales": count} | {key: value for one in own for key, value in one.items()}
 
     one = [(a, daqmx(4, [("i2", 0, 0, 0)], [4]), scales(2, linear(1, 0.5, 1.0, 0))),
-           (b, daqmx(4, [("i2", 0, 2, 0)], [4]), scales(3, polynomial(1, [1.0, 2.0], 0), linear(2, 10.0, 0.0, 1)))]  # fmt: skip
+           (b, daqmx(4, [("i2", 0, 2, 0)], [4]),
+            scales(3, polynomial(1, [1.0, 2.0], 0), linear(2, 10.0, 0.0, 1)))]  # fmt: skip
     yield "daqmx", segment(first, one, pack("i2", range(16)))
     yield "daqmx-again", segment(first, one, pack("i2", range(8))) + segment(DATA | DAQMX, [], pack("i2", range(8, 16)))
     yield "daqmx-cut", segment(first, one, pack("i2", range(13)), length=2**64 - 1)
@@ -243,7 +245,9 @@ def of_daqmx():
              (b, daqmx(3, [("u4", 1, 0, 0)], [2, 4]), scales(2, linear(1, 3.0, 0.0, 0)))]  # fmt: skip
     data = b"".join(pack("i2", [1 + n, 2 + n, 3 + n]) + pack("u4", [7 + n, 8 + n, 9 + n]) for n in (0, 10))
     yield "daqmx-cards", segment(first, cards, data)
-    lines = [(path, daqmx(4, [("u1", 0, bit, 0)], [1], lines=True), scales(1)) for path, bit in [(a, 0), (b, 1), (c, 5)]]
+    lines = [
+        (path, daqmx(4, [("u1", 0, bit, 0)], [1], lines=True), scales(1)) for path, bit in [(a, 0), (b, 1), (c, 5)]
+    ]
     yield "daqmx-lines", segment(first, lines, bytes([0, 1, 34, 35, 255, 2, 32, 3]))
     typed = [(a, daqmx(2, [("i2", 0, 0, 0)], [2], code=2), waveform())]
     yield "daqmx-typed", segment(first, typed, pack("i2", [5, -6]))

@@ -1,9 +1,10 @@
-"""What other programs' readers find in recordings: channels with their times and values, in SI where their unit is known."""
+"""What other programs' readers find in recordings: channels with times and values, in SI where their unit is known."""
 
 import h5py
 import numpy
 import pandas
 import scipy.io
+from asammdf import MDF
 from nptdms import TdmsFile
 
 SI = {"g": 9.80665, "kN": 1e3, "N": 1.0, "kPa": 1e3, "MPa": 1e6, "mm": 1e-3, "ms": 1e-3, "s": 1.0, "mm/s2": 1e-3}
@@ -35,15 +36,19 @@ def of_tdms(path):
 
 def of_sheets(path):
     """Columns of the sheets that hold a table, as pandas reads them: below the row of names, and that of units."""
-    sheets = {name: sheet for name, sheet in pandas.read_excel(path, sheet_name=None, header=None).items() if len(sheet) > 2}
+    sheets = {
+        name: sheet for name, sheet in pandas.read_excel(path, sheet_name=None, header=None).items() if len(sheet) > 2
+    }
     found = {}
     for sheet, table in sheets.items():
         first = next(row for row in range(len(table)) if isinstance(table.iloc[row, 1], str))
         names, below = list(table.iloc[first]), list(table.iloc[first + 1])
         units = below if isinstance(below[0], str) else [None] * len(names)
         rows = table.iloc[first + 1 + isinstance(below[0], str) :]
-        columns = [factor(name, unit) * rows[place].to_numpy(float) for place, (name, unit) in enumerate(zip(names, units))]
-        for name, values in list(zip(names, columns))[1:]:
+        columns = [
+            factor(name, units[place]) * rows[place].to_numpy(float) for place, name in enumerate(names)
+        ]
+        for name, values in list(zip(names, columns, strict=True))[1:]:
             found[name if len(sheets) == 1 else f"{sheet}/{name}"] = (columns[0], values)
     return found
 
@@ -115,3 +120,21 @@ def of_hdf5(path):
     with h5py.File(path) as file:
         file.visititems(visit)
     return with_times(arrays)
+
+
+def of_mdf(path):
+    """Channels of numbers as asammdf reads them; without values where they are invalid."""
+    with MDF(path) as file:
+        groups = len(file.groups)
+        found = {}
+        for place, group in enumerate(file.groups):
+            for index, channel in enumerate(group.channels):
+                signal = file.get(group=place, index=index, ignore_invalidation_bits=True)
+                if channel.channel_type != 0 or signal.samples.dtype.kind not in "biuf":
+                    continue
+                values = factor(channel.name, signal.unit) * signal.samples.astype(float)
+                if signal.invalidation_bits is not None:
+                    values[numpy.asarray(signal.invalidation_bits, dtype=bool)] = numpy.nan
+                name = f"group {place + 1}/{channel.name}" if groups > 1 else channel.name
+                found[name] = (signal.timestamps, values)
+    return found

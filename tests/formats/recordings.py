@@ -1,7 +1,7 @@
 """Compares recordings as droptower reads them with what other programs' readers find in the same files.
 
-    python tests/formats/recordings.py DROPTOWER       # compares files that it makes
-    python tests/formats/recordings.py --keep FOLDER   # makes the files of tests/it/formats.rs, and what is expected of them
+python tests/formats/recordings.py DROPTOWER       # compares files that it makes
+python tests/formats/recordings.py --keep FOLDER   # makes the files of tests/it/formats, and what is expected
 """
 
 import json
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import make_arrays
 import make_machines
+import make_mdf
 import make_sheets
 import make_tdms
 import numpy
@@ -24,6 +25,7 @@ FORMATS = {
     "xlsx": (make_sheets.make, read.of_sheets),
     "mat": (make_arrays.make_mat, read.of_mat),
     "hdf5": (make_arrays.make_hdf5, read.of_hdf5),
+    "mdf": (make_mdf.make, read.of_mdf),
 }
 # Of numbers that scales compute in another order, or by iteration.
 TOLERANCE = 1e-9
@@ -81,7 +83,13 @@ def compare_specimens(droptower, folder):
         assert [one["specimen"] for one in found] == [one["name"] for one in specimens], name
         for one, own in zip(found, specimens, strict=True):
             keys = ["width_m", "thickness_m", "gauge_m", "velocity_m_s", "strength_Pa"]
-            made = [own["width"] / 1e3, own["thickness"] / 1e3, own["gauge"] / 1e3, own["speed"] / 6e4, own["strength"] * 1e6]
+            made = [
+                own["width"] / 1e3,
+                own["thickness"] / 1e3,
+                own["gauge"] / 1e3,
+                own["speed"] / 6e4,
+                own["strength"] * 1e6,
+            ]
             assert numpy.allclose([one[key] for key in keys], made, rtol=1e-6, atol=0), (name, one, made)
     return len(expected), sum(len(specimens) for specimens in expected.values())
 
