@@ -49,7 +49,7 @@ impl ReadError {
         match self {
             ReadError::Csv(error) => matches!(error.fault, csv::Fault::NoTime { .. }),
             ReadError::Isomme(_) | ReadError::Export(_) => false,
-            ReadError::Stored(error) => matches!(error.fault, stored::Fault::NoTime { .. }),
+            ReadError::Stored(error) => matches!(*error.fault, stored::Fault::NoTime { .. }),
         }
     }
 
@@ -139,7 +139,7 @@ fn catalogue(path: &Path) -> Result<Option<Box<dyn Catalogue>>, ReadError> {
         Some(format) => Err(stored::Fault::Refused(format)),
         None => return Ok(None),
     };
-    Ok(Some(found.map_err(|fault| stored::ReadError { path: path.into(), fault })?))
+    Ok(Some(found.map_err(|fault| stored::ReadError::new(path, fault))?))
 }
 
 fn boxed<'a>(file: impl Catalogue + 'a) -> Box<dyn Catalogue + 'a> {

@@ -91,12 +91,13 @@ pub struct ReadError {
     /// The sheet, of a file that has sheets.
     pub sheet: Option<String>,
     /// Fault and place.
-    pub mistake: Mistake,
+    pub mistake: Box<Mistake>,
 }
 
 impl Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ReadError { path, sheet, mistake: Mistake { row, column, fault } } = self;
+        let ReadError { path, sheet, mistake } = self;
+        let Mistake { row, column, fault } = &**mistake;
         match sheet {
             Some(_) => write!(f, "{}: {}", path.display(), self.in_file()),
             None if *row == 0 => write!(f, "{}: {fault}", path.display()),
@@ -108,7 +109,7 @@ impl Display for ReadError {
 impl ReadError {
     /// The fault and its place within the file.
     pub fn in_file(&self) -> String {
-        let Mistake { row, fault, .. } = &self.mistake;
+        let Mistake { row, fault, .. } = &*self.mistake;
         let sheet = self.sheet.as_ref().map(|sheet| format!("sheet `{sheet}`, ")).unwrap_or_default();
         format!("{sheet}row {row}: {fault}")
     }
@@ -144,5 +145,5 @@ pub fn read_text(path: &Path) -> Result<Option<Export>, ReadError> {
         let specimens = read_sheet(&rows, None)?;
         Ok((!specimens.is_empty()).then_some(Export { specimens, comments: rows.comments }))
     };
-    read().map_err(|mistake| ReadError { path: path.into(), sheet: None, mistake })
+    read().map_err(|mistake| ReadError { path: path.into(), sheet: None, mistake: Box::new(mistake) })
 }

@@ -26,12 +26,12 @@ pub trait Catalogue {
 ///
 /// Holds them and nothing else of the file: 8 bytes a value, and as much again for one channel while it is finished.
 pub fn measure(file: &mut dyn Catalogue, path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError> {
-    measured(file, options).map_err(|fault| ReadError { path: path.into(), fault })
+    measured(file, options).map_err(|fault| ReadError::new(path, fault))
 }
 
 /// Reads the wanted channels without their times, as columns of one length.
 pub fn columns(file: &mut dyn Catalogue, path: &Path, options: &ReadOptions) -> Result<csv::Table, ReadError> {
-    tabled(file, options).map_err(|fault| ReadError { path: path.into(), fault })
+    tabled(file, options).map_err(|fault| ReadError::new(path, fault))
 }
 
 fn measured(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measurement, Fault> {
@@ -104,11 +104,13 @@ fn find_entry(entries: &[Entry], name: &str) -> Result<usize, Fault> {
 /// channel of its group that is named like a time.
 fn axis(entries: &[Entry], place: usize, given: Option<usize>) -> Result<Axis, Fault> {
     let entry = &entries[place];
-    if let Some(time) = given {
-        return Ok(Axis::Channel(time));
-    }
-    if entry.axis != Axis::Unknown {
-        return Ok(entry.axis.clone());
+    match given.map_or_else(|| entry.axis.clone(), Axis::Channel) {
+        Axis::Unknown => {}
+        Axis::Channel(time) => {
+            let (channel, why) = (entries[time].label().to_owned(), entries[time].unread.clone());
+            return why.map_or(Ok(Axis::Channel(time)), |why| Err(Fault::NotRead { channel, why }));
+        }
+        steps => return Ok(steps),
     }
     let is_time = |other: &usize| {
         let other = &entries[*other];

@@ -1,7 +1,7 @@
 //! Faults in a file that lists its channels.
 
 use std::fmt::{self, Display};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -18,7 +18,14 @@ pub struct ReadError {
     /// The file.
     pub path: PathBuf,
     /// The fault.
-    pub fault: Fault,
+    pub fault: Box<Fault>,
+}
+
+impl ReadError {
+    /// A fault of the file at `path`.
+    pub fn new(path: &Path, fault: Fault) -> ReadError {
+        ReadError { path: path.into(), fault: Box::new(fault) }
+    }
 }
 
 impl Display for ReadError {

@@ -149,7 +149,7 @@ impl Timestamp {
         const DAY: i64 = 86_400;
         let (days, second) = (self.seconds.div_euclid(DAY), self.seconds.rem_euclid(DAY));
         let (year, month, day) = calendar(days);
-        let milliseconds = (self.fraction >> 32) * 1000 >> 32;
+        let milliseconds = ((self.fraction >> 32) * 1000) >> 32;
         format!(
             "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}.{milliseconds:03}Z",
             second / 3600,

@@ -115,7 +115,8 @@ impl LeadIn {
         let mut bytes = Vec::new();
         file.by_ref().take(LEAD_IN).read_to_end(&mut bytes)?;
         let is_tag = bytes.starts_with(TAG) || TAG.starts_with(&bytes);
-        if !is_tag && !(at > 0 && bytes.iter().all(|byte| *byte == 0)) {
+        let is_filler = at > 0 && bytes.iter().all(|byte| *byte == 0);
+        if !is_tag && !is_filler {
             let found = String::from_utf8_lossy(&bytes[..bytes.len().min(TAG.len())]).into_owned();
             return Err(Fault::NoSegment { at, found });
         }

@@ -20,7 +20,7 @@ pub fn is_own(first: &[u8]) -> bool {
 
 /// The specimens of a machine's export in the workbook at `path`; none where no sheet holds force over displacement.
 pub fn specimens(path: &Path) -> Result<Option<Export>, stored::ReadError> {
-    let at = |fault: stored::Fault| stored::ReadError { path: path.into(), fault };
+    let at = |fault: stored::Fault| stored::ReadError::new(path, fault);
     let mut export = Export::default();
     for sheet in sheet::read(path).map_err(|fault| at(fault.into()))? {
         let read = || -> Result<_, Mistake> {
@@ -31,7 +31,7 @@ pub fn specimens(path: &Path) -> Result<Option<Export>, stored::ReadError> {
             export::read_sheet(&rows, Some(&sheet.name))
         };
         let found = read().map_err(|mistake| {
-            let fault = ReadError { path: path.into(), sheet: Some(sheet.name.clone()), mistake };
+            let fault = ReadError { path: path.into(), sheet: Some(sheet.name.clone()), mistake: Box::new(mistake) };
             at(stored::Fault::Export(Box::new(fault)))
         });
         export.specimens.extend(found?);
