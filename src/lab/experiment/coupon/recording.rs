@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::label::{self, Label, LabelError};
-use super::{Coupon, CouponError, Rules, Sample, SampleError, SpecimenNote};
+use super::{Coupon, CouponError, Rules, Sample, SampleError};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::{ChannelError, Measurement, QuantityError};
 use base::units::{Force, Length};
@@ -56,6 +56,19 @@ pub struct CouponTest {
     pub coupon: Coupon,
     /// Of a machine's export: its name, and what the head states of it.
     pub specimen: Option<SpecimenNote>,
+}
+
+/// A specimen as its export names it, and what of its head was used.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpecimenNote {
+    /// Its name.
+    pub name: String,
+    /// What the head states of it, as it is written there.
+    pub stated: Vec<String>,
+    /// What was given in place of what the head states: `width: 10 mm for 10,05 mm`.
+    pub replaced: Vec<String>,
+    /// The columns of force and displacement.
+    pub columns: [String; 2],
 }
 
 impl CouponTest {

@@ -3,26 +3,13 @@
 use std::path::Path;
 
 use super::label::{is_same_speed, label};
-use super::recording::{CouponReader, CouponTest, Dimensions, RecordingFault};
+use super::recording::{CouponReader, CouponTest, Dimensions, RecordingFault, SpecimenNote};
 use super::{Coupon, Direction, LabelError, Sample};
 use crate::signal::column_name::ColumnName;
 use crate::signal::export::{Specimen, Stated, Statement, is_displacement, is_force};
 use crate::signal::{Annotations, ChannelError, QuantityError, Series};
 use base::number::significant;
 use base::units::{Dimension, Force, Length};
-
-/// A specimen as its export names it, and what of its head was used.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SpecimenNote {
-    /// Its name.
-    pub name: String,
-    /// What the head states of it, as it is written there.
-    pub stated: Vec<String>,
-    /// What was given in place of what the head states: `width: 10 mm for 10,05 mm`.
-    pub replaced: Vec<String>,
-    /// The columns of force and displacement.
-    pub columns: [String; 2],
-}
 
 impl CouponReader {
     /// Whether the only specimen of an export has the channels as they are asked for, so that it is read as any table.

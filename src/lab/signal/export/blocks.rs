@@ -1,14 +1,12 @@
 //! Blocks of numbers below each other, each with the header above it or with that of the block before.
 
 use super::columns::{Group, Header, is_header};
+use super::fault::{Fault, Mistake};
 use super::head::{self, Head};
-use super::rows::{Content, Row, Rows};
-use super::sheet::{Fault, Mistake};
+use super::rows::{Content, Row, Rows, TextRow};
 use super::specimen::Specimen;
+use super::stated::Stated;
 use super::words::{Key, is_displacement, is_specimen, key};
-
-/// A row of texts in a head.
-pub type TextRow = (usize, Vec<String>);
 
 /// Rows of numbers under one header.
 struct Block {
@@ -153,6 +151,6 @@ fn specimen(block: &Block, group: &Group, name: String, sheet: Option<&str>) -> 
         place: (sheet.map(str::to_owned), block.row),
         columns: block.header.columns[start..end].to_vec(),
         values: (start..end).map(|place| block.rows.iter().map(|row| value(row, place)).collect()).collect(),
-        stated: head::Stated::default(),
+        stated: Stated::default(),
     }
 }

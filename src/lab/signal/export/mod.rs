@@ -6,16 +6,19 @@
 
 mod blocks;
 mod columns;
+mod fault;
 mod head;
+mod reader;
 mod rows;
-mod sheet;
 mod specimen;
+mod stated;
 #[cfg(test)]
 mod tests;
 mod words;
 
-pub use head::{Stated, Statement};
+pub use fault::{Fault, Mistake, ReadError};
+pub use reader::{read_sheet, read_text};
 pub use rows::{Content, Count, Row, Rows, of_text};
-pub use sheet::{Fault, Mistake, ReadError, read_sheet, read_text};
 pub use specimen::{Export, Specimen};
+pub use stated::{Stated, Statement};
 pub use words::{is_displacement, is_force};

@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 
-use super::sheet::{Fault, Mistake};
+use super::fault::{Fault, Mistake};
 use crate::signal::channel_fault::MOST_VALUES;
 use crate::signal::csv::{Mark, Separator};
 use crate::signal::text::{Lines, TextError};
@@ -26,6 +26,9 @@ pub enum Content {
     /// Anything else.
     Texts(Vec<String>),
 }
+
+/// A row of texts in a head, with its number.
+pub type TextRow = (usize, Vec<String>);
 
 /// Rows and how their numbers are written.
 #[derive(Clone, Debug, Default, PartialEq)]

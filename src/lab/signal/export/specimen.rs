@@ -1,6 +1,6 @@
 //! Specimens of an export.
 
-use super::head::Stated;
+use super::stated::Stated;
 use crate::signal::column_name::ColumnName;
 
 /// The specimens of a file.

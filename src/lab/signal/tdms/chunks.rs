@@ -2,9 +2,7 @@
 //! value a channel, or in the buffers of DAQmx.
 
 use super::Fault;
-use super::index::{Index, Scaler};
-use super::objects::Member;
-use super::segment::Segment;
+use super::index::{Index, Member, Scaler};
 
 /// The lengths of a chunk.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +22,23 @@ pub struct Chunks {
     is_uneven: bool,
     /// Why no data can be divided so.
     fault: Option<&'static str>,
+}
+
+/// A segment with data: where it is, and how its values follow each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Span {
+    /// Place in the file.
+    pub at: u64,
+    /// Where its data begin.
+    pub data: u64,
+    /// Where its data end, at the latest at the end of the file.
+    pub end: u64,
+    /// Whether more significant bytes come first.
+    pub is_big: bool,
+    /// Whether the values of the channels alternate.
+    pub is_interleaved: bool,
+    /// Whether the file ends before its end.
+    pub is_truncated: bool,
 }
 
 /// Values of one channel at equal distances.
@@ -116,7 +131,7 @@ impl Chunks {
     /// Where the values of a member, or of one scaler of it, are in a `segment` of this list.
     pub fn runs(
         &self,
-        segment: &Segment,
+        segment: &Span,
         members: &[Member],
         place: usize,
         scaler: Option<&Scaler>,
@@ -158,7 +173,7 @@ impl Chunks {
 
     /// The values of a member in a last chunk of `rest` bytes: where the file ends, as far as they were written; where the
     /// segment does, the same share of each channel.
-    fn cut(&self, segment: &Segment, members: &[Member], place: usize, width: u64, rest: u64) -> Run {
+    fn cut(&self, segment: &Span, members: &[Member], place: usize, width: u64, rest: u64) -> Run {
         let count = |index: &Index| index.count;
         if self.has_texts {
             return Run { at: 0, count: 0, stride: width };

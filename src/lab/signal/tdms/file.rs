@@ -57,7 +57,7 @@ impl Tdms {
         for segment in &self.segments {
             for (place, (object, index)) in segment.list.members.iter().enumerate() {
                 let Some(index) = index else { continue };
-                let runs = segment.list.chunks.runs(segment, &segment.list.members, place, None)?;
+                let runs = segment.list.chunks.runs(&segment.span, &segment.list.members, place, None)?;
                 let found = &mut found[*object];
                 found.samples = found.samples.saturating_add(runs.count());
                 let not_real = index.kind.not_real().or_else(|| not_one(index));
@@ -136,8 +136,8 @@ impl Tdms {
             let Some(index) = list.members[*place].1.as_deref() else { continue };
             let scaler = scaler(index, id);
             let kind = scaler.map_or(index.kind, |scaler| scaler.kind);
-            let (Some(width), is_big) = (kind.width(), segment.is_big) else { continue };
-            let runs = list.chunks.runs(segment, &list.members, *place, scaler)?;
+            let (Some(width), is_big) = (kind.width(), segment.span.is_big) else { continue };
+            let runs = list.chunks.runs(&segment.span, &list.members, *place, scaler)?;
             values.reserve(usize::try_from(runs.count()).unwrap_or(0));
             let bit = scaler.and_then(|scaler| scaler.bit);
             for run in runs.iter() {

@@ -1,5 +1,7 @@
 //! Descriptions of the raw data of an object.
 
+use std::rc::Rc;
+
 use super::Fault;
 use super::bytes::Bytes;
 use super::kind::Kind;
@@ -16,6 +18,9 @@ pub struct Index {
     /// Of DAQmx: where its values are in the buffers.
     pub daqmx: Option<Daqmx>,
 }
+
+/// An object in a segment; without data there where it has no description.
+pub type Member = (usize, Option<Rc<Index>>);
 
 /// Raw data of DAQmx: one buffer a card, each with rows of so many bytes.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use super::Fault;
 use super::bytes::Bytes;
 use super::chunks::Chunks;
-use super::index::{Described, Index};
+use super::index::{Described, Index, Member};
 use super::property::{self, Properties};
 
 /// A group, a channel, or the file itself.
@@ -25,9 +25,6 @@ pub struct Objects {
     pub all: Vec<Object>,
     places: HashMap<String, usize>,
 }
-
-/// An object in a segment; without data there where it has no description.
-pub type Member = (usize, Option<Rc<Index>>);
 
 /// The objects of a segment.
 #[derive(Clone, Debug, Default)]

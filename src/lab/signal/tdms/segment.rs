@@ -5,24 +5,14 @@ use std::io::{BufReader, Read};
 use std::rc::Rc;
 
 use super::bytes::Bytes;
+use super::chunks::Span;
 use super::objects::{List, Objects};
 use super::{Fault, TAG};
 
 /// A segment with data.
 #[derive(Clone, Debug)]
 pub struct Segment {
-    /// Place in the file.
-    pub at: u64,
-    /// Where its data begin.
-    pub data: u64,
-    /// Where its data end, at the latest at the end of the file.
-    pub end: u64,
-    /// Whether more significant bytes come first.
-    pub is_big: bool,
-    /// Whether the values of the channels alternate.
-    pub is_interleaved: bool,
-    /// Whether the file ends before its end.
-    pub is_truncated: bool,
+    pub span: Span,
     pub list: Rc<List>,
 }
 
@@ -75,15 +65,15 @@ impl Segments {
             }
             if lead.contents & HAS_DATA != 0 && lead.end > lead.data {
                 let list = list.clone().ok_or(Fault::NoObjects { at })?;
-                found.segments.push(Segment {
+                let span = Span {
                     at,
                     data: lead.data,
                     end: lead.end,
                     is_big: lead.contents & IS_BIG != 0,
                     is_interleaved: lead.contents & IS_INTERLEAVED != 0,
                     is_truncated: lead.missing.is_some(),
-                    list,
-                });
+                };
+                found.segments.push(Segment { span, list });
                 if found.segments.len() > MOST_SEGMENTS {
                     return Err(Fault::TooMany { at, most: MOST_SEGMENTS, what: "segments" });
                 }
