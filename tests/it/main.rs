@@ -14,6 +14,7 @@ mod decks;
 mod digitized;
 mod documents;
 mod examples;
+mod files;
 mod gltf;
 mod golden;
 mod graded_mesh;

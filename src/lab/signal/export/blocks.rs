@@ -1,5 +1,7 @@
 //! Blocks of numbers below each other, each with the header above it or with that of the block before.
 
+use crate::signal::channel_fault::MOST_VALUES;
+
 use super::columns::{Group, Header, is_header};
 use super::fault::{Fault, Mistake};
 use super::head::{self, Head};
@@ -55,6 +57,8 @@ struct Reader {
     pending: Vec<TextRow>,
     /// Whether a blank row came since.
     gap: bool,
+    /// Cells of all blocks, empty ones at the ends of rows too.
+    held: usize,
 }
 
 impl Reader {
@@ -69,7 +73,7 @@ impl Reader {
 
     fn push_numbers(&mut self, number: usize, numbers: &[f64]) -> Result<(), Mistake> {
         let texts: Vec<&[String]> = self.pending.iter().map(|(_, cells)| cells.as_slice()).collect();
-        if let Some((header, taken)) = Header::read(&texts, numbers.len()) {
+        if let Some((header, taken)) = Header::read(&texts) {
             let above = self.pending.len() - taken;
             let row = self.pending[above].0;
             let above = self.pending.drain(..).take(above).collect();
@@ -97,6 +101,10 @@ impl Reader {
         if found > expected {
             let fault = Fault::RowLength { expected, found };
             return Err(Mistake { row: number, column: Some(expected + 1), fault });
+        }
+        self.held += expected;
+        if self.held > MOST_VALUES {
+            return Err(Mistake { row: number, column: None, fault: Fault::TooLarge });
         }
         block.rows.push((number, numbers.to_vec()));
         Ok(())

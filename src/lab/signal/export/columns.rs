@@ -3,6 +3,9 @@
 use super::words::{is_displacement, is_force, is_specimen};
 use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
 
+/// Most columns among which specimens are looked for.
+const MOST_COLUMNS: usize = 10_000;
+
 /// The header of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
@@ -23,12 +26,11 @@ pub struct Group {
 impl Header {
     /// Of the rows of texts above one of numbers, and how many of the last of them it takes; none where none of them holds
     /// names of force and displacement.
-    pub fn read(texts: &[&[String]], width: usize) -> Option<(Header, usize)> {
+    pub fn read(texts: &[&[String]]) -> Option<(Header, usize)> {
         let units = texts.last().and_then(|cells| units(cells));
         let below = usize::from(units.is_some());
         let names = *texts.iter().rev().nth(below)?;
-        // A line of units may be none: names such as `s` are both.
-        if !is_header(names) || names.len() > width.max(names.len()) {
+        if !is_header(names) {
             return None;
         }
         let mut columns: Vec<ColumnName> = names.iter().map(|name| ColumnName::read(name)).collect();
@@ -88,7 +90,9 @@ fn repeated(columns: &[ColumnName]) -> Vec<Group> {
         count.is_multiple_of(*period)
             && (*period..count).all(|place| columns[place].name == columns[place - *period].name)
     };
-    let period = (2..=count / 2).find(repeats).unwrap_or(count);
+    // Of more columns than machines write, finding a period takes long.
+    let longest = if count <= MOST_COLUMNS { count / 2 } else { 0 };
+    let period = (2..=longest).find(repeats).unwrap_or(count);
     (0..count / period.max(1))
         .map(|group| Group { name: None, range: [group * period, (group + 1) * period] })
         .collect()

@@ -104,6 +104,9 @@ fn is_number(text: &str) -> bool {
     text.replacen(',', ".", 1).parse::<f64>().is_ok()
 }
 
+/// Most cells of a row in which keys are looked for.
+const MOST_CELLS: usize = 200;
+
 /// What the rows of a head state.
 fn items(head: &Head, specimens: &[Specimen]) -> Vec<Item> {
     let mut items = Vec::new();
@@ -113,7 +116,7 @@ fn items(head: &Head, specimens: &[Specimen]) -> Vec<Item> {
             continue;
         }
         let keys: Vec<(usize, Key)> =
-            cells.iter().enumerate().filter_map(|(at, cell)| Some((at, key(word(cell))?))).collect();
+            cells.iter().enumerate().take(MOST_CELLS).filter_map(|(at, cell)| Some((at, key(word(cell))?))).collect();
         let quantities = keys.iter().filter(|(_, key)| *key != Key::Name).count();
         if quantities > 0
             && !cells.iter().any(|cell| is_number(cell) || split(cell).is_some())

@@ -41,22 +41,28 @@ pub struct Rows {
     pub comments: Vec<String>,
 }
 
-/// Most rows of anything but numbers.
+/// Most rows of anything but numbers, and most bytes of them.
 const MOST_TEXTS: usize = 10_000;
+const MOST_BYTES: usize = 1 << 26;
 /// Lines in which the separator is looked for.
 const SEPARATOR_WITHIN: usize = 1000;
 
 /// The rows of a text; none where no line is one of numbers.
 pub fn of_text(lines: &mut Lines<impl BufRead>) -> Result<Option<Rows>, Mistake> {
-    let (mut first, mut separator) = (Vec::new(), None);
+    let (mut first, mut separator, mut held) = (Vec::new(), None, 0);
     while let Some(line) = lines.line::<TextError>().map_err(Mistake::from_text)? {
         if line.text.trim_start().starts_with('#') {
+            held += line.text.len();
+            if held > MOST_BYTES {
+                break;
+            }
             first.push((line.number, line.text.into_owned()));
             continue;
         }
         separator = Separator::ALL.into_iter().find(|separator| is_numbers(&cells(*separator, &line.text)));
+        held += line.text.len();
         first.push((line.number, line.text.into_owned()));
-        if separator.is_some() || first.len() > SEPARATOR_WITHIN {
+        if separator.is_some() || first.len() > SEPARATOR_WITHIN || held > MOST_BYTES {
             break;
         }
     }
@@ -77,6 +83,7 @@ pub fn of_text(lines: &mut Lines<impl BufRead>) -> Result<Option<Rows>, Mistake>
 #[derive(Default)]
 pub struct Count {
     texts: usize,
+    bytes: usize,
     numbers: usize,
 }
 
@@ -105,6 +112,7 @@ impl Rows {
             }
             None => {
                 count.texts += 1;
+                count.bytes += cells.iter().map(|cell| size_of::<String>() + cell.len()).sum::<usize>();
                 Content::Texts(cells.to_vec())
             }
         };
@@ -112,7 +120,7 @@ impl Rows {
         if count.numbers > MOST_VALUES {
             return Err(at(Fault::TooLarge));
         }
-        if count.texts > MOST_TEXTS {
+        if count.texts > MOST_TEXTS || count.bytes > MOST_BYTES {
             return Err(at(Fault::ManyTexts { most: MOST_TEXTS }));
         }
         self.rows.push(Row { number, content });

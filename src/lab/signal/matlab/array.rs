@@ -1,7 +1,8 @@
 //! Arrays: numbers, texts, structs, and what is not read.
 
 use super::Fault;
-use super::element::{Element, Elements, INT8, INT32, MATRIX, UINT32, number, numbers, text};
+use super::element::{Element, Elements, INT8, INT32, MATRIX, UINT32, number, number_width, numbers, text};
+use crate::signal::channel_fault::MOST_VALUES;
 
 /// An array with its name.
 #[derive(Debug)]
@@ -10,6 +11,14 @@ pub struct Array {
     pub group: String,
     pub name: String,
     pub content: Content,
+}
+
+/// The arrays of a file.
+#[derive(Debug, Default)]
+pub struct Found {
+    pub arrays: Vec<Array>,
+    /// Numbers of all of them.
+    values: usize,
 }
 
 /// What an array holds.
@@ -55,8 +64,8 @@ pub struct Place<'a> {
 }
 
 /// Reads the array in `element`, and those within it.
-pub fn read(elements: &Elements, element: &Element, place: Place, found: &mut Vec<Array>) -> Result<(), Fault> {
-    if found.len() >= MOST_ARRAYS {
+pub fn read(elements: &Elements, element: &Element, place: Place, found: &mut Found) -> Result<(), Fault> {
+    if found.arrays.len() >= MOST_ARRAYS {
         return Err(Fault::TooMany { most: MOST_ARRAYS, what: "arrays" });
     }
     let Place { group, name, depth } = place;
@@ -95,6 +104,10 @@ pub fn read(elements: &Elements, element: &Element, place: Place, found: &mut Ve
         FIRST_NUMERIC..=LAST_NUMERIC if flags & COMPLEX != 0 => unread("it holds complex numbers"),
         FIRST_NUMERIC..=LAST_NUMERIC => {
             let part = inner.next("the numbers of an array")?;
+            found.values += part.bytes.len() / number_width(part.kind);
+            if found.values > MOST_VALUES {
+                return Err(Fault::TooMany { most: MOST_VALUES, what: "numbers" });
+            }
             let values = numbers(&part, is_big).ok_or_else(|| inner.wrong(&part, "the numbers of an array"))?;
             match shape[..] {
                 _ if values.len() != count => {
@@ -114,17 +127,12 @@ pub fn read(elements: &Elements, element: &Element, place: Place, found: &mut Ve
     Ok(())
 }
 
-fn push(found: &mut Vec<Array>, group: &str, name: &str, content: Content) {
-    found.push(Array { group: group.to_owned(), name: name.to_owned(), content });
+fn push(found: &mut Found, group: &str, name: &str, content: Content) {
+    found.arrays.push(Array { group: group.to_owned(), name: name.to_owned(), content });
 }
 
 /// The fields of `count` structs, each of which is a group.
-fn structs(
-    inner: &mut Elements,
-    (count, name): (usize, &str),
-    place: Place,
-    found: &mut Vec<Array>,
-) -> Result<(), Fault> {
+fn structs(inner: &mut Elements, (count, name): (usize, &str), place: Place, found: &mut Found) -> Result<(), Fault> {
     let is_big = inner.is_big;
     let length = inner.expect(INT32, "the length of names of fields")?;
     let length = length.bytes.get(..4).map_or(0, |bytes| number(bytes, is_big) as usize);

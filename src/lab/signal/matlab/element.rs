@@ -84,6 +84,16 @@ pub fn number(bytes: &[u8], is_big: bool) -> u32 {
     if is_big { u32::from_be_bytes(word) } else { u32::from_le_bytes(word) }
 }
 
+/// Bytes of a number of a kind; 1 of one that is no number.
+pub fn number_width(kind: u32) -> usize {
+    match kind {
+        3 | 4 => 2,
+        5..=7 => 4,
+        9 | 12 | 13 => 8,
+        _ => 1,
+    }
+}
+
 /// The numbers of an element of a numeric kind.
 pub fn numbers(element: &Element, is_big: bool) -> Option<Vec<f64>> {
     macro_rules! of {

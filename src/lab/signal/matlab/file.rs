@@ -6,7 +6,7 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 
 use super::Fault;
-use super::array::{self, Array, Content, Place};
+use super::array::{self, Array, Content, Found, Place};
 use super::element::{COMPRESSED, Elements, MATRIX};
 use crate::signal::Annotations;
 use crate::signal::stored::{self, Catalogue, Columns, Entry};
@@ -60,7 +60,7 @@ fn arrays(bytes: &[u8]) -> Result<Vec<Array>, Fault> {
     let header = bytes.get(..HEADER).ok_or(Fault::Ends { at: 0, is_unpacked: false, what: "the header" })?;
     let is_big = &header[126..] == b"MI";
     let mut elements = Elements::new(bytes, HEADER, is_big, false);
-    let (mut found, mut left) = (Vec::new(), MOST_BYTES);
+    let (mut found, mut left) = (Found::default(), MOST_BYTES);
     let top = Place { group: "", name: None, depth: 0 };
     while !elements.is_at_end() {
         let element = elements.next("a variable")?;
@@ -80,7 +80,7 @@ fn arrays(bytes: &[u8]) -> Result<Vec<Array>, Fault> {
             _ => {}
         }
     }
-    Ok(found)
+    Ok(found.arrays)
 }
 
 impl Catalogue for Matlab {

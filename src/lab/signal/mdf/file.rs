@@ -1,5 +1,6 @@
 //! An MDF file: its channels, and the values of one.
 
+use std::collections::HashSet;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -23,6 +24,9 @@ pub struct Mdf {
     /// The data of a set, since channels are read one after the other.
     held: Option<(usize, Vec<u8>)>,
     comments: Vec<String>,
+    /// Groups that were listed, and the names of those that have one.
+    groups: usize,
+    names: HashSet<String>,
 }
 
 /// Groups that share their data.
@@ -55,7 +59,7 @@ impl Mdf {
         let length = file.metadata().map_err(Fault::Read)?.len();
         let blocks = Blocks::new(BufReader::new(file), length);
         let (sets, entries, channels, comments) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut mdf = Mdf { blocks, sets, entries, channels, held: None, comments };
+        let mut mdf = Mdf { blocks, sets, entries, channels, held: None, comments, groups: 0, names: HashSet::new() };
         let header = mdf.blocks.read(HEADER, "##HD")?;
         let comment = mdf.blocks.text(header.link(5))?;
         mdf.comments.extend(comment.map(|text| text.replace(char::is_control, " ").chars().take(200).collect()));
@@ -105,10 +109,9 @@ impl Mdf {
     ) -> Result<(), stored::Fault> {
         let named = self.blocks.text(group.link(2))?;
         // Names need not differ; a number does.
-        let taken = |name: &String| self.entries.iter().any(|entry| entry.group == *name);
-        let name = named.filter(|name| !taken(name)).unwrap_or_else(|| {
-            (1..).map(|number| format!("group {number}")).find(|name| !taken(name)).unwrap_or_default()
-        });
+        self.groups += 1;
+        let named = named.filter(|name| self.names.insert(name.clone()));
+        let name = named.unwrap_or_else(|| format!("group {}", self.groups));
         let first = self.entries.len();
         let (mut next, mut master) = (group.link(1), None);
         while next != 0 {

@@ -89,10 +89,10 @@ impl Scales {
     pub fn read(properties: &Properties) -> Result<Option<Scales>, String> {
         let stated = number(properties, "NI_Number_Of_Scales");
         let numbered = properties.keys().filter_map(|key| {
-            key.strip_prefix("NI_Scale[")?.strip_suffix("]_Scale_Type")?.parse::<u32>().ok().map(|scale| scale + 1)
+            key.strip_prefix("NI_Scale[")?.strip_suffix("]_Scale_Type")?.parse::<u32>().ok()?.checked_add(1)
         });
         let count = stated.or_else(|| numbered.max().map(f64::from)).unwrap_or(0.0);
-        if count < 1.0 || text(properties, "NI_Scaling_Status") == Some("scaled") {
+        if count.is_nan() || count < 1.0 || text(properties, "NI_Scaling_Status") == Some("scaled") {
             return Ok(None);
         }
         if count > MOST_SCALES {
