@@ -16,6 +16,7 @@ mod objects;
 mod property;
 mod scale;
 mod segment;
+mod sensor;
 #[cfg(test)]
 mod tests;
 

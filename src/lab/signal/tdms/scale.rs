@@ -4,6 +4,7 @@
 //! bridges) is as `npTDMS` found it in files.
 
 use super::property::{Properties, number, text};
+use super::sensor::{Resistance, Strain, Thermistor};
 
 /// What a scale is applied to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,40 +31,6 @@ enum Scale {
     Add(Input, Input),
     /// The second less the first.
     Subtract(Input, Input),
-}
-
-/// A strain gauge bridge.
-#[derive(Clone, Debug, PartialEq)]
-struct Strain {
-    configuration: u32,
-    poisson: f64,
-    /// 1 over 1 plus the resistance of the leads over that of the gauge.
-    lead: f64,
-    initial: f64,
-    gauge_factor: f64,
-    gain: f64,
-    excitation: f64,
-}
-
-/// A resistance thermometer: the Callendar–Van Dusen equation, IEC 60751.
-#[derive(Clone, Debug, PartialEq)]
-struct Resistance {
-    current: f64,
-    nominal: f64,
-    coefficients: [f64; 3],
-    /// Resistance of the leads in the measured one.
-    leads: f64,
-}
-
-/// A thermistor: the equation of Steinhart and Hart.
-#[derive(Clone, Debug, PartialEq)]
-struct Thermistor {
-    is_current: bool,
-    excitation: f64,
-    reference: f64,
-    leads: f64,
-    coefficients: [f64; 3],
-    offset: f64,
 }
 
 /// The scales of a channel, in an order in which each follows those that it needs.
@@ -202,57 +169,6 @@ fn interpolated(pairs: &[[f64; 2]], x: f64) -> f64 {
         (Some(before), Some(after)) => before[1] + (x - before[0]) * ((after[1] - before[1]) / (after[0] - before[0])),
         (Some(end), None) | (None, Some(&end)) => end[1],
         (None, None) => f64::NAN,
-    }
-}
-
-impl Strain {
-    /// The strain at which a bridge gives the voltage.
-    fn strain(&self, voltage: f64) -> f64 {
-        let (g, v, nu) = (self.gauge_factor, self.excitation, self.poisson);
-        let out = voltage - self.initial;
-        match self.configuration {
-            10_183 => -out * self.gain / (v * g),
-            10_184 => -2.0 * out * self.gain / (v * g * (1.0 + nu)),
-            10_185 => -2.0 * out * self.gain / (g * (v * (1.0 + nu) + out * (1.0 - nu))),
-            10_188 => -4.0 * out * self.gain / (g * v * self.lead * (1.0 + nu + 2.0 * out / v * (1.0 - nu))),
-            10_189 => -2.0 * out * self.gain / (g * v * self.lead),
-            _ => 2.0 * self.gain / (g * self.lead) * (1.0 / (1.0 + 2.0 * out / v) - 1.0),
-        }
-    }
-
-    /// Numbers of full bridges, half bridges and quarter bridges.
-    const CONFIGURATIONS: [f64; 7] = [10_183.0, 10_184.0, 10_185.0, 10_188.0, 10_189.0, 10_271.0, 10_272.0];
-}
-
-impl Resistance {
-    /// The temperature, °C, at which the thermometer has the voltage.
-    fn temperature(&self, voltage: f64) -> f64 {
-        let [a, b, c] = self.coefficients;
-        let ratio = (voltage / self.current - self.leads) / self.nominal;
-        let above = (-a + (a * a - 4.0 * b * (1.0 - ratio)).sqrt()) / (2.0 * b);
-        if ratio >= 1.0 {
-            return above;
-        }
-        // Below 0 °C the equation is of fourth order; Newton's method from the solution of the second converges in a few
-        // steps.
-        (0..20).fold(above, |t, _| {
-            let value = 1.0 + t * (a + t * (b + (t - 100.0) * c * t)) - ratio;
-            let slope = a + t * (2.0 * b + c * t * (4.0 * t - 300.0));
-            t - value / slope
-        })
-    }
-}
-
-impl Thermistor {
-    /// The temperature, K less the offset, at which the thermistor has the voltage.
-    fn temperature(&self, voltage: f64) -> f64 {
-        let measured = match self.is_current {
-            true => voltage / self.excitation,
-            false => self.reference / (self.excitation / voltage - 1.0),
-        };
-        let logarithm = (measured - self.leads).ln();
-        let [a, b, c] = self.coefficients;
-        1.0 / (a + logarithm * (b + logarithm * logarithm * c)) - self.offset
     }
 }
 
