@@ -268,7 +268,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "read_coupons(pattern, coupon), read_coupons(pattern, coupon, rules)",
-        gives: "a list of maps for reduce_coupons: file, direction, velocity (from header or name), curve up to the break, modulus, strength, elongation, is_virtual",
+        gives: "a list of maps for reduce_coupons: file, specimen (its name in an export of a machine), direction, velocity (from header or name), curve up to the break, modulus, strength, elongation, is_virtual",
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let tests = read_coupons("data/virtual/coupons/md-0.2-*.csv", c); tests.len() == 6 && tests[0].is_virtual && reduce_coupons(tests).virtual_recordings == 6"#,
     },
     Entry {
