@@ -3,6 +3,7 @@
 
 pub mod number;
 pub mod units;
+pub mod written;
 pub mod diagnostic;
 pub mod scratch;
 pub mod file;
