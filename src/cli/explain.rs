@@ -212,7 +212,7 @@ fn explanation(name: &str, key: &Key) -> Explanation {
         key: name.to_owned(),
         sentence: key.sentence.clone(),
         expected: key.rule.to_string(),
-        unit: dimension.map(|d| d.unit),
+        unit: dimension.filter(|_| !key.rule.takes_bare_number()).map(|d| d.unit),
         range: key.rule.range().and_then(|range| range.describe(show)),
         likely: key
             .rule

@@ -268,18 +268,19 @@ fn shape(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<I
 /// A shape whose table has the key path `path`.
 fn one(written: &BodyShape, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<ImpactorShape> {
     Some(match written {
-        BodyShape::Sphere { radius } => ImpactorShape::Sphere { radius: radius.0 },
-        BodyShape::Hemisphere { radius, length } => {
-            ImpactorShape::Hemisphere { radius: radius.0, length: length.map_or(SHAFT * radius.0, |length| length.0) }
+        BodyShape::Sphere(round) => ImpactorShape::Sphere { radius: round.radius() },
+        BodyShape::Hemisphere { round, length } => {
+            let radius = round.radius();
+            ImpactorShape::Hemisphere { radius, length: length.map_or(SHAFT * radius, |length| length.0) }
         }
-        BodyShape::Capsule { radius, length } => ImpactorShape::Capsule { radius: radius.0, length: length.0 },
-        BodyShape::Cylinder { radius, length, edge } => {
-            let (radius, length, edge) = (radius.0, length.0, edge.0);
+        BodyShape::Capsule { round, length } => ImpactorShape::Capsule { radius: round.radius(), length: length.0 },
+        BodyShape::Cylinder { round, length, edge } => {
+            let (radius, length, edge) = (round.radius(), length.0, edge.0);
             rounded(edge, radius.min(0.5 * length), &format!("{path}.cylinder.edge"), mistakes)?;
             ImpactorShape::Cylinder { radius, length, edge }
         }
-        BodyShape::Cone { radius, length, edge } => {
-            let (radius, length, edge) = (radius.0, length.0, edge.0);
+        BodyShape::Cone { round, length, edge } => {
+            let (radius, length, edge) = (round.radius(), length.0, edge.0);
             // The radius of the ball that touches flank and flat end all around.
             let largest = radius * length / (radius + radius.hypot(length));
             rounded(edge, largest, &format!("{path}.cone.edge"), mistakes)?;

@@ -13,7 +13,7 @@ use base::units::Length;
 pub fn check(specimen: &scenario::Specimen, mistakes: &mut ModelDiagnostics<'_>) -> Option<Specimen> {
     let shape = match &specimen.shape {
         scenario::Shape::Rectangle([x, y]) => Outline::Rectangle { x: x.0, y: y.0 },
-        scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius.0 },
+        scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius() },
         scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, symmetry(specimen), mistakes)?),
         scenario::Shape::Mesh(file) => {
             let (path, scale) = mistakes.mesh("specimen.shape.mesh", file)?;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::round::Round;
 use base::units::{Force, Length};
 
 /// The mounting frame.
@@ -22,9 +23,9 @@ pub struct Frame {
 /// Bars along the held edges of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Bars {
-    /// Radius over which film bends.
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 0.5]))]
-    pub radius: Length,
+    /// Of the bars, over which film bends.
+    #[serde(flatten)]
+    pub round: Round<50>,
     /// Coulomb coefficient between bars and film; between bars and an impactor the smaller of theirs.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub friction: f64,

@@ -81,6 +81,8 @@ pub struct ReservedKey {
 pub struct Key {
     /// Its name.
     pub name: String,
+    /// Its title, where its schema has one.
+    pub title: Option<String>,
     /// Its description.
     pub sentence: Option<String>,
     /// Its value where it is left out.
@@ -109,6 +111,57 @@ pub struct Bound {
     pub value: f64,
     /// Whether the bound itself is in the range.
     pub included: bool,
+}
+
+/// Most keys of a table that a hint shows.
+const MOST_OUTLINED: usize = 5;
+
+impl Key {
+    /// What the key is, in a few words: its title, the beginning of its description where that is short, or its name.
+    pub fn title(&self) -> String {
+        let words = || self.name.replace('_', " ");
+        let beginning = self.sentence.as_ref().and_then(|sentence| sentence.split(['.', ';', ',', ':', '(']).next());
+        let short = beginning.map(str::trim).filter(|text| text.chars().count() <= LONGEST_TITLE);
+        self.title.clone().unwrap_or_else(|| short.map_or_else(words, str::to_owned))
+    }
+
+    /// The key and the kind of its value, as a hint shows it.
+    fn outline(&self) -> String {
+        let value = match self.rule {
+            Rule::List { .. } | Rule::Tuple(_) => "[…]",
+            _ => "…",
+        };
+        format!("{} = {value}", self.name)
+    }
+}
+
+/// Most letters of a title that is the beginning of a description.
+const LONGEST_TITLE: usize = 40;
+
+/// The title of the key at a path of a scenario, in which numbers are places in lists; none of a path that is no key.
+pub fn title(path: &str) -> Option<String> {
+    Some(key_at(path)?.title())
+}
+
+/// The dimension of the quantity at a path of a scenario; none of a number, or where the path is no key.
+pub fn dimension(path: &str) -> Option<Dimension> {
+    key_at(path)?.rule.number()?.dimension()
+}
+
+/// The key at a path of a scenario.
+fn key_at(path: &str) -> Option<&'static Key> {
+    let (mut rule, mut found) = (scenario(), None);
+    for step in path.split('.') {
+        match rule.table().and_then(|table| table.key(step)) {
+            Some(key) => {
+                found = Some(key);
+                rule = &key.rule;
+            }
+            // Of several forms, as of one impactor or a list of them, the table has no place of this number.
+            None => rule = rule.item(step.parse().ok()?)?,
+        }
+    }
+    found
 }
 
 /// The rule of a whole scenario.
@@ -227,6 +280,16 @@ impl Rule {
         }
     }
 
+    /// Whether a number without unit is allowed beside a quantity, as for a limit of strain or of stress.
+    pub fn takes_bare_number(&self) -> bool {
+        match self {
+            Rule::Either(rules) => rules.iter().any(|rule| matches!(rule, Rule::Number { .. })),
+            Rule::List { item, .. } => item.takes_bare_number(),
+            Rule::Tuple(items) => items.iter().any(Rule::takes_bare_number),
+            _ => false,
+        }
+    }
+
     /// The words among the allowed values.
     pub fn words(&self) -> Vec<(&str, Option<&str>)> {
         match self {
@@ -294,6 +357,26 @@ impl TableRule {
     /// The hint in place of the reserved key `name`; none where the key is not reserved.
     pub fn reserved(&self, name: &str) -> Option<&str> {
         self.reserved.iter().find(|key| key.name == name).map(|key| key.hint.as_str())
+    }
+
+    /// How the table is written, as a hint shows it: ``{ size = […], edge = … }``; none of a table without keys of its own.
+    pub fn outline(&self) -> Option<String> {
+        let braces = |keys: &[&Key]| {
+            let entries: Vec<String> = keys.iter().take(MOST_OUTLINED).map(|key| key.outline()).collect();
+            let rest = if keys.len() > MOST_OUTLINED { ", …" } else { "" };
+            format!("`{{ {}{rest} }}`", entries.join(", "))
+        };
+        let (grouped, own): (Vec<&Key>, Vec<&Key>) =
+            self.keys.iter().partition(|key| self.group_of(&key.name).is_some());
+        if own.is_empty() && !grouped.is_empty() && self.groups.iter().all(|group| group.len() == 1) {
+            let kinds: Vec<String> = grouped.iter().take(MOST_OUTLINED).map(|key| braces(&[key])).collect();
+            let rest = if grouped.len() > MOST_OUTLINED { ", …" } else { "" };
+            return Some(format!("{}{rest}", kinds.join(" or ")));
+        }
+        let first = grouped.into_iter().filter(|key| self.group_of(&key.name) == Some(0));
+        let (needed, others): (Vec<&Key>, Vec<&Key>) = own.into_iter().partition(|key| key.required);
+        let keys: Vec<&Key> = first.chain(needed).chain(others).collect();
+        (!keys.is_empty()).then(|| braces(&keys))
     }
 
     /// Which of the groups the key belongs to.
@@ -469,6 +552,7 @@ fn keys(schema: &Json) -> Vec<Key> {
     properties
         .map(|(name, property)| Key {
             name: name.clone(),
+            title: text_of(property, "title"),
             sentence: text_of(property, "description"),
             default: property.get("default").cloned(),
             required: required.contains(name),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::round::Round;
 use super::schema;
 use base::units::{Angle, AngularVelocity, Force, ForcePerSpeed, Inertia, Length, Mass, Time, Velocity};
 
@@ -22,6 +23,7 @@ pub struct Impactor {
     pub shape: ImpactorShape,
     /// Mass of the body and all that moves with it; required where it falls.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 2e3]))]
+    #[schemars(title = "Mass of the impactor")]
     pub mass: Option<Mass>,
     /// Moments of inertia about the body's own x, y and z through its centre of mass; those of a homogeneous body, without
     /// the rounding of edges, where they are left out.
@@ -37,6 +39,7 @@ pub struct Impactor {
     /// Coulomb coefficient between impactor and film; between two impactors, or an impactor and the frame's bars, the smaller
     /// of theirs.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
+    #[schemars(title = "Friction of impactor and film")]
     pub friction: f64,
     /// Coefficient of restitution where impactors meet, of which a pair has the smaller, and where this one meets the
     /// frame's bars: 0 where they stay together, 1 where no energy is lost.
@@ -152,34 +155,30 @@ fn shape_schema(generator: &mut SchemaGenerator) -> Schema {
 #[serde(rename_all = "lowercase")]
 pub enum BodyShape {
     /// A ball.
-    Sphere {
-        /// Radius of the ball.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        radius: Length,
-    },
+    Sphere(Round<300>),
     /// A dart: a shaft with a hemispherical tip (ASTM D1709).
     Hemisphere {
-        /// Radius of tip and shaft.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        radius: Length,
+        /// Of tip and shaft.
+        #[serde(flatten)]
+        round: Round<300>,
         /// Length of the shaft behind the tip; four radii where it is left out.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Option<Length>,
     },
     /// A cylinder with a hemisphere at each end, axis along z.
     Capsule {
-        /// Radius of cylinder and hemispheres.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        radius: Length,
+        /// Of cylinder and hemispheres.
+        #[serde(flatten)]
+        round: Round<300>,
         /// Length of the cylinder between the hemispheres.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Length,
     },
     /// A flat-ended cylinder, axis along z.
     Cylinder {
-        /// Radius of the flat end.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        radius: Length,
+        /// Of the flat end.
+        #[serde(flatten)]
+        round: Round<300>,
         /// Length along z.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Length,
@@ -190,9 +189,9 @@ pub enum BodyShape {
     },
     /// A cone with its tip down, axis along z.
     Cone {
-        /// Radius of the flat end.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        radius: Length,
+        /// Of the flat end.
+        #[serde(flatten)]
+        round: Round<300>,
         /// Length along z, with a sharp tip.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Length,

@@ -67,10 +67,12 @@ pub struct Prestrain {
     /// Along the machine direction.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 100, "x-likely" = [-1.0, 5.0]))]
+    #[schemars(title = "Pre-strain along MD")]
     pub md: f64,
     /// Along the transverse direction.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 100, "x-likely" = [-1.0, 5.0]))]
+    #[schemars(title = "Pre-strain along TD")]
     pub td: f64,
 }
 

@@ -31,6 +31,7 @@ pub struct Material {
     pub unset: Vec<String>,
     /// Mass per volume of the stress-free film.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e5, "x-likely" = [20.0, 25e3]))]
+    #[schemars(title = "Density of the film")]
     pub density: Density,
     /// Thickness of one layer.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 0.1, "x-likely" = [1e-6, 2e-3]))]
@@ -87,6 +88,7 @@ pub struct Fabric {
     /// Share of the stored energy that is lost on unloading.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-likely" = [0.0, 1.0]))]
+    #[schemars(title = "Energy absorption of the film")]
     pub absorption: f64,
     /// Stress that both directions carry besides their own curves where their strains are equal, over the mean of both
     /// curves with their multipliers: biaxial coupling of MD and TD. Isotropic film with Poisson's ratio ν has ν/(1 − ν),
@@ -190,14 +192,17 @@ pub struct Scale {
     /// Stiffness of the first part, up to the first yield point.
     #[serde(default = "unchanged")]
     #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "Stiffness k1 to the first yield point")]
     pub k1: f64,
     /// Stiffness up to the second yield point.
     #[serde(default = "unchanged")]
     #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "Stiffness ke to the second yield point")]
     pub ke: f64,
     /// Stress up to the second yield point.
     #[serde(default = "unchanged")]
     #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "Stress ky to the second yield point")]
     pub ky: f64,
 }
 

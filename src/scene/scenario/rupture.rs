@@ -1,6 +1,6 @@
 //! `[specimen.material.rupture]`: when film starts to tear, and what a tear takes.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use base::units::{EnergyPerArea, Pressure, Rate};
@@ -77,9 +77,11 @@ impl JsonSchema for Level {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let mut schema = Pressure::json_schema(generator);
-        schema.insert("exclusiveMinimum".into(), 0.into());
-        schema.insert("examples".into(), serde_json::json!([1.2, "30 MPa", "15 MJ/m3"]));
-        schema
+        let mut quantity = Pressure::json_schema(generator);
+        quantity.insert("exclusiveMinimum".into(), 0.into());
+        json_schema!({
+            "anyOf": [quantity, { "type": "number", "exclusiveMinimum": 0 }],
+            "examples": [1.2, "30 MPa", "15 MJ/m3"],
+        })
     }
 }

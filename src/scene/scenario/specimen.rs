@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::impactor::{MeshFile, MeshUnit};
 use super::material::Material;
+use super::round::Round;
 use super::schema;
 use base::units::{Angle, Length, Rate, Time};
 
@@ -57,20 +58,12 @@ fn along_x() -> Angle {
 pub enum Shape {
     /// Full side lengths along x and y.
     Rectangle(#[schemars(transform = schema::positive_items, extend("x-likely" = [1e-4, 20.0]))] [Length; 2]),
-    /// A disc.
-    Circle(Circle),
+    /// A disc: its free span.
+    Circle(Round<1000>),
     /// A polygon with holes, whose edges are free. With symmetry it is the computed part.
     Polygon(Polygon),
     /// Nodes and elements from an STL, OBJ, VTU or Gmsh (.msh) file.
     Mesh(MeshFile),
-}
-
-/// A disc.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Circle {
-    /// Radius of the free span.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-4, 10.0]))]
-    pub radius: Length,
 }
 
 /// A polygon with holes: corners, or a drawing.

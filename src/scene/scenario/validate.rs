@@ -248,10 +248,15 @@ impl Walk {
             attempt.node(node, rule, place);
             attempt.mistakes.is_empty()
         };
-        if !meant.iter().any(fits) {
-            let rule = Rule::Either(rules.to_vec());
-            self.report(wrong_kind(node, &rule));
+        if meant.iter().any(fits) {
+            return;
         }
+        // A number out of its range, where a quantity may be given too, is a mistake of the number.
+        if let Some(number) = meant.iter().find(|rule| matches!(rule, Rule::Number { .. })) {
+            return self.node(node, number, place);
+        }
+        let rule = Rule::Either(rules.to_vec());
+        self.report(wrong_kind(node, &rule));
     }
 }
 
@@ -307,6 +312,10 @@ fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
                 None => mistake,
             }
         }
+        (value, _) if !matches!(value, Value::Table(_)) => match rule.table().and_then(TableRule::outline) {
+            Some(outline) => mistake.hint(format!("write it like {outline}")),
+            None => mistake,
+        },
         _ => mistake,
     }
 }

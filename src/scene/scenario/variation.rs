@@ -183,7 +183,7 @@ fn choice(number: &Rule) -> TableRule {
 }
 
 fn key(name: &str, rule: Rule, required: bool) -> Key {
-    Key { name: name.into(), sentence: None, default: None, required, rule }
+    Key { name: name.into(), title: None, sentence: None, default: None, required, rule }
 }
 
 fn table(keys: &[(&str, &Rule)]) -> Rule {

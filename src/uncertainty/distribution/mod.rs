@@ -95,18 +95,30 @@ impl From<Distribution> for Written {
 /// In words: `normal, mean 12, deviation 0.5, at least 10`.
 impl fmt::Display for Distribution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.family {
-            Family::Uniform { low, high } => write!(f, "uniform from {low} to {high}")?,
-            Family::Normal { mean, deviation } => write!(f, "normal, mean {mean}, deviation {deviation}")?,
-            Family::LogNormal { mean, deviation } => write!(f, "log-normal, mean {mean}, deviation {deviation}")?,
-            Family::Weibull { scale, shape } => write!(f, "Weibull, scale {scale}, shape {shape}")?,
-        }
-        match (self.low, self.high) {
-            (None, None) => Ok(()),
-            (Some(low), None) => write!(f, ", at least {low}"),
-            (None, Some(high)) => write!(f, ", at most {high}"),
-            (Some(low), Some(high)) => write!(f, ", from {low} to {high}"),
-        }
+        f.write_str(&self.describe(|value| value.to_string()))
+    }
+}
+
+impl Distribution {
+    /// The distribution in words, its values as `shown` writes them.
+    pub fn describe(&self, shown: impl Fn(f64) -> String) -> String {
+        let family = match self.family {
+            Family::Uniform { low, high } => format!("uniform from {} to {}", shown(low), shown(high)),
+            Family::Normal { mean, deviation } => {
+                format!("normal, mean {}, deviation {}", shown(mean), shown(deviation))
+            }
+            Family::LogNormal { mean, deviation } => {
+                format!("log-normal, mean {}, deviation {}", shown(mean), shown(deviation))
+            }
+            Family::Weibull { scale, shape } => format!("Weibull, scale {}, shape {shape}", shown(scale)),
+        };
+        let cut = match (self.low, self.high) {
+            (None, None) => String::new(),
+            (Some(low), None) => format!(", at least {}", shown(low)),
+            (None, Some(high)) => format!(", at most {}", shown(high)),
+            (Some(low), Some(high)) => format!(", from {} to {}", shown(low), shown(high)),
+        };
+        family + &cut
     }
 }
 

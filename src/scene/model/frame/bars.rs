@@ -23,7 +23,7 @@ pub(super) fn check(
     faces: Option<&[Face]>,
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Bars> {
-    let radius = written.radius.0;
+    let radius = written.round.radius();
     if let Some(refusal) = loading.refuses_bars() {
         refusal.report(PATH, mistakes);
         return None;

@@ -10,6 +10,7 @@ use crate::scenario::{Assignment, Node, Rule, Value, VariedKey};
 use base::diagnostic::{Diagnostic, Span};
 use base::number;
 use base::units::{Dimension, percentage};
+use base::written;
 
 /// A key that varies.
 #[derive(Clone, Debug)]
@@ -115,6 +116,19 @@ impl Factor {
         listed.unwrap_or_else(|| self.number(f64::NAN))
     }
 
+    /// Its values in the unit in which a person reads them.
+    pub fn shown_values(&self) -> String {
+        let shown = |value: f64| written::quantity(value, self.dimension.map_or("1", |dimension| dimension.unit));
+        let input = |level: &Level| match &level.input {
+            Input::Number(number) => shown(*number),
+            Input::Text(text) => text.clone(),
+        };
+        match &self.values {
+            Values::Levels(levels) => named(levels, input),
+            Values::Distribution(distribution) => distribution.describe(shown),
+        }
+    }
+
     /// The number `value`, SI, as a value of the key.
     pub fn number(&self, value: f64) -> Level {
         Level { input: Input::Number(value), node: Node::new(Value::Number(value), self.span.clone()) }
@@ -215,19 +229,20 @@ impl fmt::Display for Input {
 /// Most listed values that are named one by one.
 const MOST_NAMED: usize = 6;
 
+/// Listed values as `shown` writes them; of many the ends.
+fn named(levels: &[Level], shown: impl Fn(&Level) -> String) -> String {
+    match levels {
+        [first, .., last] if levels.len() > MOST_NAMED => {
+            format!("{} values from {} to {}", levels.len(), shown(first), shown(last))
+        }
+        _ => levels.iter().map(shown).collect::<Vec<_>>().join(", "),
+    }
+}
+
 impl fmt::Display for Values {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Values::Levels(levels) if levels.len() > MOST_NAMED => match (levels.first(), levels.last()) {
-                (Some(first), Some(last)) => {
-                    write!(f, "{} values from {} to {}", levels.len(), first.input, last.input)
-                }
-                _ => Ok(()),
-            },
-            Values::Levels(levels) => {
-                let names: Vec<String> = levels.iter().map(|level| level.input.to_string()).collect();
-                f.write_str(&names.join(", "))
-            }
+            Values::Levels(levels) => f.write_str(&named(levels, |level| level.input.to_string())),
             Values::Distribution(distribution) => write!(f, "{distribution}"),
         }
     }

@@ -14,9 +14,11 @@ pub struct Impact {
     /// Speed at the start, at first contact where the impactor starts there, downward positive; on a guide along a line,
     /// down the line. `impactor.velocity` is one in any direction.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 500.0]))]
+    #[schemars(title = "Impact speed")]
     pub velocity: Option<Velocity>,
     /// Drop height of an ideal free fall to first contact, in place of `velocity`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 100.0]))]
+    #[schemars(title = "Drop height")]
     pub drop_height: Option<Length>,
     /// Acceleration of free fall.
     #[serde(default = "standard_gravity")]
