@@ -3,35 +3,14 @@
 use super::{Failure, Shared, checkpoint, print, print_json};
 use base::diagnostic::closest;
 use base::finding::Code;
-use lab::{confidence, experiment, signal};
-use scene::{digitize, model, simulate};
-use study::{identify, post, script, sweep};
 
 /// The word in place of a key that lists all codes.
 pub(super) const WORD: &str = "findings";
 
 /// All codes, module by module.
 fn all() -> impl Iterator<Item = &'static Code> {
-    let modules = [
-        signal::CODES,
-        confidence::CODES,
-        experiment::CODES,
-        experiment::law_fit::CODES,
-        experiment::relaxation::CODES,
-        experiment::law_fit::plastic::CODES,
-        digitize::CODES,
-        model::CODES,
-        simulate::CODES,
-        sweep::CODES,
-        script::CODES,
-        post::CODES,
-        identify::CODES,
-        ::card::CODES,
-        ::card::read::CODES,
-        ::card::deck::CODES,
-        ::card::read::mesh::CODES,
-    ];
-    modules.into_iter().chain([checkpoint::CODES]).flatten().copied()
+    let of_cards = [::card::CODES, ::card::read::CODES, ::card::deck::CODES, ::card::read::mesh::CODES];
+    study::codes::all().chain(of_cards.into_iter().flatten().chain(checkpoint::CODES).copied())
 }
 
 /// The code `name`, which may be written as the terminal prints it: `warning[coarse-contact]`.

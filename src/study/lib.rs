@@ -9,5 +9,6 @@ pub mod evaluate;
 pub mod scenario_functions;
 pub mod identify;
 pub mod sweep;
+pub mod codes;
 pub mod reference;
 pub mod cluster;

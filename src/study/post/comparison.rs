@@ -91,6 +91,12 @@ const KEY: [&str; 13] = [
     "ruptured",
 ];
 
+/// Whether a figure is one by which runs are judged, also of one of several impactors, with its name before.
+pub fn is_key_figure(name: &str) -> bool {
+    let is_of = |key: &&str| name.strip_suffix(*key).is_some_and(|name| name.ends_with('_'));
+    KEY.contains(&name) || !SUMMARY.contains(&name) && KEY.iter().any(is_of)
+}
+
 impl RunComparison {
     /// Compares `runs`; of the signals only those that `wanted` names, or all where it is empty.
     pub fn from_runs(runs: &[StoredRun], wanted: &[String]) -> RunComparison {
@@ -188,12 +194,8 @@ impl ComparedFigure {
     }
 
     fn is_key(&self) -> bool {
-        let is_one_of = |names: &[&str]| names.contains(&self.name.as_str());
         let differs = self.values.iter().any(|value| *value != self.values[0]);
-        // Of one of several impactors, with its name before.
-        let is_of = |key: &&str| self.name.strip_suffix(*key).is_some_and(|name| name.ends_with('_'));
-        let is_named = !is_one_of(&SUMMARY) && KEY.iter().any(is_of);
-        is_one_of(&KEY) || is_named || differs && !is_one_of(&COST)
+        is_key_figure(&self.name) || differs && !COST.contains(&self.name.as_str())
     }
 }
 

@@ -32,6 +32,12 @@ static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
     all
 });
 
+/// Whether the figure of a run is one that its post script measured.
+pub fn is_of_script(name: &str) -> bool {
+    let is_of = |known: &&str| name == *known || name.strip_suffix(*known).is_some_and(|name| name.ends_with('_'));
+    !SUMMARY.iter().any(is_of)
+}
+
 /// A figure of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FigureName {

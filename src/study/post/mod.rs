@@ -19,8 +19,8 @@ mod warning;
 use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
-pub use comparison::RunComparison;
-pub use figures::{FigureName, figures};
+pub use comparison::{RunComparison, is_key_figure};
+pub use figures::{FigureName, figures, is_of_script};
 pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;
 pub use inflation::Inflation;

@@ -5,6 +5,7 @@ mod remaining;
 mod results;
 mod statistics;
 mod table;
+mod trend;
 mod warning;
 mod work;
 
@@ -23,6 +24,7 @@ use scene::scenario::Document;
 use scene::simulate;
 pub use statistics::{Effect, Effects, Quantiles};
 pub use table::Table;
+pub use trend::Trend;
 pub use warning::{Beyond, CODES, Limit, Warning, warnings};
 pub use work::{Done, Event, Stop, Work};
 

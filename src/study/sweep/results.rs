@@ -6,6 +6,7 @@ use super::statistics::{self, Effects, Quantiles};
 use super::table::Table;
 use super::{Done, Sweep, warnings};
 use crate::evaluate::{EvaluationError, Evaluations, is_cost};
+use crate::post::{is_key_figure, is_of_script};
 use base::finding::Finding;
 use base::table::Column;
 
@@ -89,6 +90,19 @@ impl SweepResults {
             ("findings", json!(self.findings)),
         ];
         entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
+    /// The figures that are shown first, at most so many: the one by which runs are ranked, those by which they are
+    /// judged, and those that a script measures, as far as they vary.
+    pub fn shown_figures<'a>(&'a self, ranked: &'a str, most: usize) -> Vec<&'a str> {
+        let varies = |of: &Quantiles| of.deviation.is_some_and(|deviation| deviation > 1e-9 * of.mean.abs());
+        let varying = || self.statistics.iter().filter(|(_, of)| varies(of)).map(|(name, _)| name.as_str());
+        let is_first = |name: &&str| *name == ranked;
+        let is_own = |name: &&str| is_of_script(name) && !is_first(name);
+        // The balance tells of the computation, not of the film.
+        let is_key = |name: &&str| is_key_figure(name) && !is_first(name) && *name != "energy_balance_error";
+        let ordered = varying().filter(is_first).chain(varying().filter(is_key)).chain(varying().filter(is_own));
+        ordered.take(most).collect()
     }
 
     /// The runs with the largest values of a figure, from zero, the largest first; failed runs come before all, those without
