@@ -18,9 +18,34 @@ pub(super) fn figure(plot: &Plot) -> String {
     block(plot, false)
 }
 
+/// The plot as a figure whose curves are filled down to zero, such as a histogram.
+pub(super) fn filled(plot: &Plot) -> String {
+    block(plot, true)
+}
+
 /// Plots side by side, where the page is wide enough.
 pub fn figures<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
     side_by_side(plots.into_iter().map(figure))
+}
+
+/// Plots side by side, so small that four fit beside each other on a desktop.
+pub(super) fn small<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
+    small_figures(plots.into_iter().map(figure))
+}
+
+/// Plots side by side, three on a desktop.
+pub(super) fn medium<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
+    of_size("medium", &figures(plots))
+}
+
+/// Figures (HTML) side by side, as small as those of [`small`]; empty without figures.
+pub(super) fn small_figures(figures: impl IntoIterator<Item = String>) -> String {
+    of_size("small", &side_by_side(figures))
+}
+
+/// Figures side by side in the size of a class of the style.
+fn of_size(class: &str, plots: &str) -> String {
+    plots.replacen("<div class=\"plots\">", &format!("<div class=\"plots {class}\">"), 1)
 }
 
 /// Figures (HTML) side by side; empty without figures.
@@ -45,7 +70,7 @@ pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
         window: histogram.measured_1_s.map(|range| plot::Window { label, range }),
         ..Plot::new(title, ["", "share (%)"], vec![Curve::line("share of the strain increments", points)])
     };
-    block(&plot, true)
+    filled(&plot)
 }
 
 /// Least share of a bin at the ends of the axis.

@@ -6,15 +6,13 @@ use super::html::escape;
 use base::diagnostic::steers;
 use base::number;
 use base::units::{STANDARD_GRAVITY, Unit};
+use base::written::LINE_FORCES;
 
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
 pub const G: f64 = STANDARD_GRAVITY;
 
 /// Significant digits of a figure or of a cell of a table.
 pub(super) const DIGITS: usize = 4;
-
-/// Suffixes that mean a force per length in a summary; in a recording they may mean a moment.
-const LINE_FORCES: [(&str, &str); 2] = [("_N_mm", "N/mm"), ("_N_m", "N/m")];
 
 /// One line of a table of figures.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,12 +62,6 @@ pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) 
     } else {
         format!("<div class=\"scroll\"><table class=\"figures\">\n{rows}</table></div>\n")
     }
-}
-
-/// A name as the head of a column: its words, and its unit in parentheses.
-pub(super) fn heading(name: &str) -> String {
-    let (words, unit) = named(name);
-    if unit.is_empty() { words } else { format!("{words} ({unit})") }
 }
 
 /// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².

@@ -1,5 +1,6 @@
 //! The HTML of a page, and the escaping of text in it.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::sync::LazyLock;
 
@@ -11,16 +12,21 @@ use sha2::{Digest, Sha256};
 use base::diagnostic::steers;
 use base::finding::Finding;
 use plot::viridis::VIRIDIS;
+use study::codes;
+
+/// The figure of a finding that names its test.
+const TEST: &str = "test";
 
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 
 /// The scripts of every page, in this order: the plotting library, the page's own parts after the colours of values,
-/// the plots, the raster, the film.
-static SCRIPTS: LazyLock<[String; 5]> = LazyLock::new(|| {
+/// the tables, the plots, the raster, the film.
+static SCRIPTS: LazyLock<[String; 6]> = LazyLock::new(|| {
     let colours = json!(VIRIDIS);
     [
         include_str!("page/uplot/uPlot.iife.min.js").to_owned(),
         format!("const VIRIDIS = {colours};\n{}", include_str!("page/page.js")),
+        include_str!("page/tables.js").to_owned(),
         include_str!("page/plots.js").to_owned(),
         include_str!("page/raster.js").to_owned(),
         include_str!("page/film.js").to_owned(),
@@ -82,11 +88,46 @@ pub(super) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item 
     let (warned, noted): (Vec<&Finding>, Vec<&Finding>) =
         findings.into_iter().partition(|finding| finding.is_warning());
     let facts = facts.iter().map(|fact| escape(fact));
-    let warnings = match items(facts.chain(warned.into_iter().map(with_code))) {
+    let warnings = match items(facts.chain(grouped(&warned))) {
         empty if empty.is_empty() => empty,
         list => format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{list}</div>\n"),
     };
-    [warnings, section("Notes", &items(noted.into_iter().map(with_code)))].concat()
+    [warnings, section("Notes", &items(grouped(&noted).into_iter()))].concat()
+}
+
+/// A line (HTML) for each code: of several findings its meaning and their number, with the findings folded below.
+fn grouped(findings: &[&Finding]) -> Vec<String> {
+    let mut groups: Vec<(&str, Vec<&Finding>)> = Vec::new();
+    for finding in findings {
+        match groups.iter_mut().find(|(code, _)| *code == finding.code) {
+            Some((_, group)) => group.push(finding),
+            None => groups.push((&finding.code, vec![finding])),
+        }
+    }
+    groups.into_iter().map(|(code, group)| line_of_group(code, &group)).collect()
+}
+
+fn line_of_group(code: &str, group: &[&Finding]) -> String {
+    let [first, _, ..] = group else { return group.iter().copied().map(with_code).collect() };
+    let meaning = codes::find(code).map_or(first.message.as_str(), |code| code.meaning);
+    let own = items(group.iter().map(|finding| escape(&finding.message)));
+    format!(
+        "<details><summary>{}: {} <code>{}</code></summary>\n{own}</details>",
+        concerned(group),
+        escape(meaning),
+        escape(code)
+    )
+}
+
+/// How many tests a group of findings concerns, or how often it occurs where they do not say which.
+fn concerned(group: &[&Finding]) -> String {
+    let tests: Option<BTreeSet<String>> =
+        group.iter().map(|finding| finding.figures.get(TEST).map(Value::to_string)).collect();
+    match tests.map(|tests| tests.len()) {
+        Some(1) => "1 test".into(),
+        Some(count) => format!("{count} tests"),
+        None => format!("{} times", group.len()),
+    }
 }
 
 /// The HTML of a finding with its code, which `droptower explain` takes.
@@ -205,6 +246,22 @@ mod tests {
         let lines = "<li>the run &lt;failed&gt;</li>\n<li>the peak is &gt; 500 m/s² <code>hard-impact</code></li>";
         assert_eq!(html, format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n<ul>\n{lines}\n</ul>\n</div>\n"));
         assert_eq!(findings(vec![], []), "");
+    }
+
+    #[test]
+    fn findings_of_one_code_share_a_line_with_the_number_of_their_tests() {
+        let finding = |test: &str| {
+            let mut finding = Finding::of_script("correlated", &format!("{test}: <k1> and ke"));
+            finding.figures.insert(TEST.into(), test.into());
+            finding
+        };
+        let all = [finding("1008"), finding("1009"), finding("1009")];
+        let html = findings(vec![], &all);
+        let meaning = codes::find("correlated").unwrap().meaning;
+        let line = format!("<summary>2 tests: {} <code>correlated</code></summary>", escape(meaning));
+        assert!(html.contains(&line) && html.contains("<li>1008: &lt;k1&gt; and ke</li>"), "{html}");
+        let own = [(); 2].map(|()| Finding::of_script("own-code", "the <same>"));
+        assert!(findings(vec![], &own).contains("<summary>2 times: the &lt;same&gt; <code>own-code</code></summary>"));
     }
 
     #[test]

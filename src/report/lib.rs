@@ -19,6 +19,8 @@ mod run_page;
 mod run_plots;
 mod run_scene;
 mod stored;
+mod table;
+mod ranges;
 mod study_page;
 mod sweep_page;
 mod test_page;

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
+use super::script_output::Fold;
 use super::{drawn, figure, film, key_figures, run_plots, script_output};
 use base::diagnostic::shown_path;
 use base::number::{duration, significant};
@@ -44,7 +45,7 @@ pub fn run_page(run: &RunPage) -> String {
         key_figures::cards(results, &summary, run.failure.is_some()),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
         html::section("Signals", &drawn::figures(&thinned(run_plots::signals(results), MOST_POINTS[0]))),
-        script_output::sections(&results.script_output, MOST_POINTS[2]),
+        script_output::sections(&results.script_output, MOST_POINTS[2], Fold::Long),
         html::section("Figures", &figures(&summary)),
         html::section("Assumed", &html::list(&assumed(run.scenario))),
         html::section("Audit", &audit(run)),

@@ -2,11 +2,14 @@
 
 use serde_json::Value;
 
-use super::figure::{DIGITS, heading};
+use super::figure::DIGITS;
 use super::html::{self, escape};
+use super::table::{self, Cell, folded};
 use super::{convergence, drawn};
 use base::number;
+use base::written::Reading;
 use plot::{Plot, thinned};
+use scene::scenario::grammar;
 use study::script::{File, Row, ScriptOutput};
 
 /// Most rows of a table on a page; its file has all of them.
@@ -15,26 +18,58 @@ const MOST_ROWS: usize = 200;
 /// Most rows of a table that is not folded.
 const SHOWN_ROWS: usize = 16;
 
-/// Tables, plots, searches, correlations and files; empty of a script without output. All plots together have at most
+/// Which tables are folded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Fold {
+    /// All, with the searches and what follows from them.
+    All,
+    /// Those of many rows.
+    Long,
+}
+
+/// Plots, tables, searches, correlations and files; empty of a script without output. All plots together have at most
 /// `most` points.
-pub(super) fn sections(output: &ScriptOutput, most: usize) -> String {
+pub(super) fn sections(output: &ScriptOutput, most: usize, fold: Fold) -> String {
     let plots = thinned(output.plots.clone(), most);
     let left = most.saturating_sub(points(&plots));
     let (short, long): (Vec<_>, Vec<_>) = output.tables.iter().partition(|(_, rows)| rows.len() <= SHOWN_ROWS);
     let tables = short.into_iter().chain(long);
-    let tables = tables.map(|(name, rows)| html::section(&name.replace('_', " "), &table(name, rows)));
+    let tables = tables.map(|(name, rows)| (name.replace('_', " "), rows.len(), table(name, rows)));
     let correlations: String =
         output.correlations.iter().map(|found| html::matrix(&found.title, &found.names, &found.rows)).collect();
+    let correlations = match fold {
+        Fold::All => folded("of the estimates", &correlations),
+        Fold::Long => correlations,
+    };
+    let plots = match fold {
+        Fold::All => drawn::medium(&plots),
+        Fold::Long => drawn::figures(&plots),
+    };
+    let plots = html::section("Plots", &plots);
     let sections = [
-        html::section("Plots", &drawn::figures(&plots)),
-        searches(output, left),
+        searches(output, left, fold),
         html::section("Correlations", &correlations),
         html::section(
             "Files of the script",
             &html::table("rows", &["file", "rows", "bytes"].map(String::from), &files(output)),
         ),
     ];
-    tables.chain(sections).collect()
+    let tables: String = match fold {
+        Fold::All => html::section(
+            "Tables",
+            &tables
+                .map(|(name, count, table)| folded(&format!("{name}: {}", counted(count, "row")), &table))
+                .collect::<String>(),
+        ),
+        Fold::Long => tables
+            .map(|(name, count, table)| {
+                html::section(&name, &if count > SHOWN_ROWS { folded(&counted(count, "row"), &table) } else { table })
+            })
+            .collect(),
+    };
+    // A study answers by its plots, a run by the figures of its tables.
+    let first = if fold == Fold::All { [plots, tables] } else { [tables, plots] };
+    [first.concat(), sections.concat()].concat()
 }
 
 /// The columns of a table: every name that a row has, in the order of first appearance.
@@ -61,17 +96,42 @@ pub fn cell(value: &Value) -> String {
 
 fn table(name: &str, rows: &[Row]) -> String {
     let columns = beside(columns(rows));
-    let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect();
-    let shown: Vec<Vec<String>> = rows.iter().take(MOST_ROWS).map(cells).collect();
-    let header: Vec<String> = columns.iter().map(|name| heading(name)).collect();
+    let readings: Vec<(String, Reading)> = columns.iter().map(|name| reading(name, rows)).collect();
+    let cells = |row: &Row| {
+        let cell = |(name, (_, reading)): (&String, &(String, Reading))| shown(row.get(name), reading);
+        columns.iter().zip(&readings).map(cell).collect()
+    };
+    let shown: Vec<Vec<Cell>> = rows.iter().take(MOST_ROWS).map(cells).collect();
+    let header = columns.iter().zip(&readings);
+    let header: Vec<Cell> = header.map(|(name, (words, of))| Cell::text(of.heading(words)).titled(name)).collect();
     let rest = match rows.len().saturating_sub(MOST_ROWS) {
         0 => String::new(),
         rest => format!("<p class=\"note\">and {rest} more rows in tables/{}.csv</p>\n", escape(name)),
     };
-    let table = html::table("rows", &header, &shown) + rest.as_str();
-    match rows.len() {
-        0..=SHOWN_ROWS => table,
-        count => format!("<details><summary>{count} rows</summary>\n{table}</details>\n"),
+    table::table(&header, &shown) + rest.as_str()
+}
+
+/// `3 rows`.
+pub(super) fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Words and reading of a column, by its name and the largest of its numbers.
+fn reading(name: &str, rows: &[Row]) -> (String, Reading) {
+    let sizes = rows.iter().filter_map(|row| row.get(name)?.as_f64()).map(f64::abs);
+    Reading::of_name(name, sizes.fold(0.0, f64::max))
+}
+
+/// A value of a table: a number in the unit of its column, a key by its title.
+fn shown(value: Option<&Value>, reading: &Reading) -> Cell {
+    match value {
+        Some(Value::Number(number)) => Cell::reading(number.as_f64(), reading),
+        Some(Value::String(text)) if text.contains('.') => match grammar::title(text) {
+            Some(title) => Cell::text(title).titled(text),
+            None => Cell::text(text),
+        },
+        Some(value) => Cell::text(cell(value)),
+        None => Cell::default(),
     }
 }
 
@@ -87,22 +147,27 @@ fn points(plots: &[Plot]) -> usize {
     plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).sum()
 }
 
-/// A section for each search, as long as its points are within `left`.
-fn searches(output: &ScriptOutput, mut left: usize) -> String {
-    let mut sections = String::new();
+/// The plots of each search, as long as its points are within `left`: folded under one heading, or a section each.
+fn searches(output: &ScriptOutput, mut left: usize, fold: Fold) -> String {
+    let mut shown: Vec<(String, String)> = Vec::new();
     let mut without: Vec<&str> = Vec::new();
     for convergence in &output.searches {
         let plots = convergence::plots(convergence);
         match left.checked_sub(points(&plots)) {
             Some(rest) => {
                 left = rest;
-                sections.push_str(&html::section(&format!("Search: {}", convergence.title), &drawn::figures(&plots)));
+                shown.push((format!("Search: {}", convergence.title), drawn::figures(&plots)));
             }
             None => without.push(&convergence.title),
         }
     }
-    sections.push_str(&html::section("Further searches", &unshown(&without)));
-    sections
+    let sections = match fold {
+        Fold::All => {
+            html::section("Searches", &shown.iter().map(|(title, plots)| folded(title, plots)).collect::<String>())
+        }
+        Fold::Long => shown.iter().map(|(title, plots)| html::section(title, plots)).collect(),
+    };
+    [sections, html::section("Further searches", &unshown(&without))].concat()
 }
 
 fn unshown(without: &[&str]) -> String {
@@ -146,7 +211,9 @@ mod tests {
         let rows: Vec<Row> = (0..250).map(|i| row(json!({ "rupture_time_s": i }))).collect();
         let html = table("times", &rows);
         assert!(html.contains("rupture time (s)") && html.contains("and 50 more rows in tables/times.csv"), "{html}");
-        assert!(html.starts_with("<details><summary>250 rows"));
+        let output = ScriptOutput { tables: vec![("times".into(), rows)], ..ScriptOutput::default() };
+        assert!(sections(&output, 0, Fold::All).contains("<h2>Tables</h2>\n<details><summary>times: 250 rows"));
+        assert!(sections(&output, 0, Fold::Long).contains("<h2>times</h2>\n<details><summary>250 rows"));
         assert!(html.contains(">199</td>") && !html.contains(">200</td>"));
     }
 
@@ -163,7 +230,7 @@ mod tests {
         };
         let output =
             ScriptOutput { searches: ["first", "<second>", "third"].map(search).into(), ..ScriptOutput::default() };
-        let html = sections(&output, 120_000);
+        let html = sections(&output, 120_000, Fold::All);
         assert!(html.contains("Search: first") && html.contains("&lt;second&gt;: objective"));
         assert!(html.contains("shown in the recording only: third"));
     }

@@ -56,7 +56,10 @@ fn runs_are_compared_with_the_first() {
     assert_eq!(summary["keys"], serde_json::json!({ "layers.count": ["8", "9"] }));
     assert!(summary["errors"]["displacement_m"][1].as_f64().is_some_and(|error| error > 0.0 && error < 0.1));
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
-    assert!(page.contains("<h3>Acceleration filtered</h3>") && page.contains("<td>layers.count</td>"));
+    assert!(
+        page.contains("<h3>Acceleration filtered</h3>")
+            && page.contains("<td title=\"layers.count\">Layers per face</td>")
+    );
     assert_eq!(folder.join("recording.rrd").is_file(), cfg!(feature = "rerun"));
 
     // One signal alone.

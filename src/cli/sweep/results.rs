@@ -7,15 +7,13 @@ use super::{SweepArgs, Task};
 use crate::faults::storing;
 use crate::{Failure, Shared, digest, findings, folder, print_figures, run, scenarios};
 use base::diagnostic::Diagnostic;
-use base::number::{figure, time_taken};
+use base::number::time_taken;
 use base::shell::quoted;
+use base::written::{Reading, digits};
 use report::SweepPage;
 use study::post::ranking_figure;
 use study::store::{Draft, Origin, StoreError};
-use study::sweep::{Sweep, SweepResults};
-
-/// Significant digits of figures on the terminal.
-const DIGITS: usize = 4;
+use study::sweep::{Effects, Sweep, SweepResults};
 
 /// Which runs have folders of their own.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,22 +129,32 @@ fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> Stri
         found.failed,
         time_taken(seconds)
     )];
-    let width = found.statistics.iter().map(|(name, _)| name.len()).max().unwrap_or_default();
-    let varying = found.effects.iter().map(|effects| effects.figure.as_str());
-    for name in varying {
-        let Some((_, of)) = found.statistics.iter().find(|(own, _)| own == name) else { continue };
-        let [p05, p50, p95] = [of.p05, of.p50, of.p95].map(|value| figure(value, DIGITS));
-        lines.push(format!("  {name:width$}  median {p50}  5 % {p05}  95 % {p95}"));
-    }
+    lines.extend(medians(found));
     if found.effects.is_empty() && found.table.rows() > 0 {
         lines.push("  no effects: too few runs, or figures that do not vary; the page has their quantiles".into());
     }
     if let Some((probability, [low, high])) = found.rupture {
-        let [probability, low, high] = [probability, low, high].map(|share| figure(100.0 * share, 3));
+        let [probability, low, high] = [probability, low, high].map(|share| digits(100.0 * share));
         lines.push(format!("  the film ruptures in {probability} % of the runs (interval of 95 %: {low} to {high} %)"));
     }
     lines.push(findings::lines("  ", &found.findings) + folder);
     lines.join("\n")
+}
+
+/// Median and range of each figure that varies, in the unit in which a person reads it.
+fn medians(found: &SweepResults) -> Vec<String> {
+    let of_figure = |effects: &Effects| {
+        let (name, of) = found.statistics.iter().find(|(own, _)| *own == effects.figure)?;
+        let reading = Reading::of_name(name, of.p50.abs().max(of.p05.abs()).max(of.p95.abs())).1;
+        let range = [of.p05, of.p95].map(|value| reading.digits(value)).join(" to ");
+        Some([name.clone(), reading.text(of.p50), reading.with_unit(&range)])
+    };
+    let rows: Vec<[String; 3]> = found.effects.iter().filter_map(of_figure).collect();
+    let widths = [0, 1].map(|at| rows.iter().map(|row| row[at].chars().count()).max().unwrap_or_default());
+    let line = |[name, median, range]: &[String; 3]| {
+        format!("  {name:0$}  median {median:1$}  9 of 10 runs {range}", widths[0], widths[1])
+    };
+    rows.iter().map(line).collect()
 }
 
 /// Failed runs are in the table; the exit status tells that there are some.

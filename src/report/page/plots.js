@@ -134,7 +134,9 @@
       if (low > high) return this.axes.y.log ? [1, 10] : [0, 1];
       if (this.axes.y.log) return roundEnds(low < high ? [low / 1.05, high * 1.05] : [low / 3, high * 3]);
       const margin = 0.06 * (high - low) || 0.5 * Math.abs(high) || 1;
-      return [this.filled ? 0 : low - margin, high + margin];
+      // The name of what is marked stands above the bars.
+      const room = this.filled && this.marked ? 3 * margin : margin;
+      return [this.filled ? 0 : low - margin, high + room];
     }
 
     /** Index of the value nearest to `place` in ascending values. */
@@ -172,7 +174,8 @@
       this.at = make("span", { className: "at" });
       const tool = (text, label, act) => {
         const button = make("button", { type: "button", textContent: text, title: label });
-        button.setAttribute("aria-label", `${label}: ${this.title}`);
+        // What is seen is part of what is said, for those who speak to the page.
+        button.setAttribute("aria-label", `${text}, ${label}: ${this.title}`);
         button.addEventListener("click", act);
         return button;
       };
@@ -207,7 +210,8 @@
         splits: (plot, _, low, high) => {
           const { width, height } = plot.bbox;
           const length = (scale === "x" ? width : height) / uPlot.pxRatio;
-          return marks(this.axes[scale].log, low, high, (scale === "x" ? 64 : 34) / Math.max(length, 1));
+          const apart = scale === "y" ? 34 : length < 260 ? 46 : 64;
+          return marks(this.axes[scale].log, low, high, apart / Math.max(length, 1));
         },
         size,
       });
@@ -272,6 +276,8 @@
     }
 
     resize() {
+      // On paper the drawing of the screen is scaled, so that labels keep their room.
+      if (matchMedia("print").matches) return;
       const size = this.size();
       if (size.width !== this.plot.width) this.plot.setSize(size);
     }

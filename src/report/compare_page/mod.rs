@@ -1,12 +1,16 @@
 //! The page of a comparison of runs.
 
+mod differences;
+
 use serde_json::Value;
 
 use super::html::{self, escape};
 use super::panes::CHARACTERISTICS;
+use super::table::{self, Cell, folded};
 use super::{Figure, drawn, figure};
 use base::diagnostic::shown_path;
 use base::number::significant;
+use base::written::capital;
 use lab::signal::{Series, column};
 use plot::{self as diagrams, Curve, Plot, TIME};
 use scene::expectation::Outside;
@@ -19,19 +23,27 @@ const MOST_POINTS: usize = 100_000;
 /// `report.html` of a comparison; with bounds, how far runs are outside of them.
 pub fn compare_page(comparison: &RunComparison, outside: Option<&[Outside]>) -> String {
     let title = comparison.title();
-    let names = || comparison.runs.iter().map(|run| run.name.clone());
-    let header = |first: &str| std::iter::once(first.to_owned()).chain(names()).collect::<Vec<_>>();
+    let head = |first: &str| {
+        let names = comparison.runs.iter().map(|run| Cell::text(&run.name));
+        std::iter::once(Cell::text(first)).chain(names).collect::<Vec<_>>()
+    };
     let (over_time, against) = plots(comparison);
+    let key_figures = table::table(&head("figure"), &differences::shown_figures(comparison.key_figures()));
+    let others = table::table(&head("figure"), &differences::shown_figures(comparison.other_figures()));
     let body = [
-        format!("<h1>{}</h1>\n<p class=\"lead\">runs compared with the first</p>\n", escape(&title)),
-        html::findings(Vec::new(), &comparison.findings),
+        format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&title), escape(&differences::sentence(comparison))),
+        differences::bars(comparison),
         html::section("Bounds", &outside.map(bounds).unwrap_or_default()),
+        html::findings(Vec::new(), &comparison.findings),
+        html::section("Scenarios", &table::table(&head("key"), &differences::shown_keys(comparison))),
+        html::section("Signals", &drawn::small(against.iter().chain(&over_time))),
+        html::section("Figures", &folded("those that differ, and the key figures", &key_figures)),
+        html::section(
+            "Errors of signals",
+            &folded("of each run", &distances(&differences::shown_errors(comparison, &head("signal")))),
+        ),
+        html::section("Further figures", &folded("those that are equal, and the cost", &others)),
         html::section("Runs", &html::table("rows", &header_of_runs(), &runs(comparison))),
-        html::section("Scenarios", &html::table("rows", &header("key"), &keys(comparison))),
-        html::section("Figures", &html::table("rows", &header("figure"), &figures(comparison.key_figures()))),
-        html::section("Signals", &drawn::figures(against.iter().chain(&over_time))),
-        html::section("Errors of signals", &distances(&html::table("rows", &header("signal"), &errors(comparison)))),
-        html::section("Further figures", &html::table("rows", &header("figure"), &figures(comparison.other_figures()))),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(&title, &body.concat())
@@ -119,7 +131,7 @@ pub(crate) fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
         let shown = Shown::from_name(&signals.column);
         let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();
         let curves = curves(comparison, |run| signals.series[run].as_ref().map(points));
-        Plot::new(sentence(&shown.words), [TIME, &shown.axis()], curves)
+        Plot::new(capital(&shown.words), [TIME, &shown.axis()], curves)
     });
     let against = CHARACTERISTICS.iter().filter_map(|(_, pair)| {
         let [x, y] = pair.map(|column| comparison.signals.iter().find(|signals| signals.column == column.name));
@@ -139,19 +151,13 @@ fn against_each_other(comparison: &RunComparison, x: &ComparedSignal, y: &Compar
         let (x, y) = (x.series[run].as_ref()?, y.series[run].as_ref()?);
         Some(x.values().iter().zip(y.values()).map(|(x, y)| [x * across.factor, y * up.factor]).collect())
     };
-    let title = sentence(&format!("{} over {}", up.words, across.words));
+    let title = capital(&format!("{} over {}", up.words, across.words));
     Plot::new(title, [&across.axis(), &up.axis()], curves(comparison, points))
 }
 
 fn curves(comparison: &RunComparison, points: impl Fn(usize) -> Option<Vec<[f64; 2]>>) -> Vec<Curve> {
     let curve = |(run, subject): (usize, &ComparedRun)| Some(Curve::line(&subject.name, points(run)?));
     comparison.runs.iter().enumerate().filter_map(curve).collect()
-}
-
-/// `words` with a capital, as a heading.
-fn sentence(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// How a column is shown: its words and the unit of its axis.

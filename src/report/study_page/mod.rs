@@ -1,8 +1,13 @@
 //! The page of a script over scenarios.
 
+mod answer;
+mod estimates;
+
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
+use super::script_output::{Fold, counted};
+use super::table::folded;
 use super::{cell, figure, script_output};
 use base::shell::quoted;
 use study::script::ScriptOutput;
@@ -27,23 +32,34 @@ const MOST_POINTS: usize = 120_000;
 
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
+    let StudyPage { output, script, .. } = *study;
+    let estimates = estimates::estimates(output);
+    let lead = answer::sentence(output, &estimates, script);
+    let measures = &output.measures;
     let body = [
-        format!("<h1>{}</h1>\n", escape(study.name)),
-        html::findings(Vec::new(), &study.output.findings),
+        format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(study.name), escape(&lead)),
+        answer::cards(measures),
+        html::section("Measured and identified", &answer::curves(output)),
+        html::section("Parameters", &answer::parameters(&estimates)),
+        html::findings(Vec::new(), &output.findings),
+        script_output::sections(output, MOST_POINTS, Fold::All),
+        html::section("Figures", &folded(&counted(measures.len(), "figure"), &figure::table(measures.iter()))),
+        html::section("Log", &folded(&counted(output.log.len(), "line"), &html::list(&output.log))),
         html::section("What was run", &run(study.call)),
-        html::section("Figures", &figure::table(study.output.measures.iter())),
-        script_output::sections(study.output, MOST_POINTS),
-        html::section("Log", &html::list(&study.output.log)),
-        html::section("Script", &html::verbatim(study.script)),
-        study.modules.iter().map(|(name, text)| module(name, text)).collect(),
+        html::section("Script", &texts(study)),
         html::section("Run it again", &again(study.call)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(study.name, &body.concat())
 }
 
-fn module(name: &str, text: &str) -> String {
-    html::section(&format!("Module {name}"), &html::verbatim(text))
+/// The script and its modules.
+fn texts(study: &StudyPage) -> String {
+    let text = |name: &str, text: &str| {
+        folded(&format!("{name}: {}", counted(text.lines().count(), "line")), &html::verbatim(text))
+    };
+    let modules = study.modules.iter().map(|(name, content)| text(&format!("Module {name}"), content));
+    std::iter::once(text(study.name, study.script)).chain(modules).collect()
 }
 
 /// Script, scenario, changes and arguments, one line each.

@@ -1,0 +1,172 @@
+//! What a study answers: how its curves compare with those measured, and how well its parameters are known.
+
+use super::super::ranges::{Line, Look, ranges};
+use super::super::{convergence, drawn};
+use super::estimates::Estimate;
+use base::written::{Reading, digits, figure};
+use plot::{Plot, thinned};
+use serde_json::Value;
+use study::script::{ConvergenceHistory, FitHistory, Row, ScriptOutput};
+
+/// Most curves that are shown over those measured.
+const MOST_FITS: usize = 24;
+
+/// Most points of their plots.
+const MOST_POINTS: usize = 24_000;
+
+/// Most figures at the top of the page.
+const MOST_CARDS: usize = 8;
+
+/// The best curve of a search and the one that it was to meet.
+struct Fit<'a> {
+    search: &'a ConvergenceHistory,
+    fit: &'a FitHistory,
+    /// Root mean square of the difference over that of the measured curve.
+    error: f64,
+}
+
+impl Fit<'_> {
+    /// The search, and the quantity where there are several.
+    fn name(&self) -> String {
+        match self.search.fits.len() {
+            1 => self.search.title.clone(),
+            _ => format!("{}: {}", self.search.title, self.fit.quantity),
+        }
+    }
+}
+
+fn fits(output: &ScriptOutput) -> Vec<Fit<'_>> {
+    let of_search = |search| search_fits(search);
+    output.searches.iter().flat_map(of_search).collect()
+}
+
+fn search_fits(search: &ConvergenceHistory) -> impl Iterator<Item = Fit<'_>> {
+    let error = |fit: &FitHistory| {
+        let best = &fit.improvements.last()?.values;
+        let square = |value: f32| f64::from(value).powi(2);
+        let pairs = || best.iter().zip(&fit.target.values);
+        let difference: f64 = pairs().map(|(found, wanted)| square(found - wanted)).sum();
+        let whole: f64 = pairs().map(|(_, wanted)| square(*wanted)).sum();
+        (whole > 0.0).then(|| (difference / whole).sqrt())
+    };
+    search.fits.iter().filter_map(move |fit| Some(Fit { search, fit, error: error(fit)? }))
+}
+
+/// The answer of a study in a few sentences; the first line of the script's description where it has no search.
+pub(super) fn sentence(output: &ScriptOutput, estimates: &[Estimate], script: &str) -> String {
+    let sentences: Vec<String> = [met(&fits(output)), known(estimates)].into_iter().flatten().collect();
+    match sentences.is_empty() {
+        true => script.lines().find_map(|line| line.strip_prefix("//!")).unwrap_or_default().trim().to_owned(),
+        false => sentences.join(" "),
+    }
+}
+
+/// How far the identified curves are from those measured.
+fn met(fits: &[Fit]) -> Option<String> {
+    let worst = fits.iter().max_by(|a, b| a.error.total_cmp(&b.error))?;
+    let best = fits.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
+    let is_virtual = fits.iter().all(|fit| fit.search.is_virtual);
+    let from = if is_virtual { "virtual recordings" } else { "those measured" };
+    let [low, high] = [best, worst].map(|fit| digits(100.0 * fit.error));
+    Some(match fits {
+        [one] => format!("The identified curve of {} differs from {} by {high} %.", one.name(), from_one(is_virtual)),
+        _ => format!(
+            "The {} identified curves differ from {from} by {low} to {high} %; {} is worst.",
+            fits.len(),
+            worst.name()
+        ),
+    })
+}
+
+fn from_one(is_virtual: bool) -> &'static str {
+    if is_virtual { "the virtual recording" } else { "the one measured" }
+}
+
+/// How well the parameters are known.
+fn known(estimates: &[Estimate]) -> Option<String> {
+    let open: Vec<String> = estimates.iter().filter(|one| one.half_width().is_none()).map(Estimate::name).collect();
+    let share = |one: &Estimate| Some((one.half_width()? / one.value.abs(), one.name()));
+    let mut shares: Vec<(f64, String)> =
+        estimates.iter().filter_map(share).filter(|(share, _)| share.is_finite()).collect();
+    shares.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let width = |share: f64| digits(100.0 * share);
+    let closed = match &shares[..] {
+        [] => None,
+        [(share, name)] => Some(format!("{name} is known to ±{} %.", width(*share))),
+        [(best, _), .., (worst, name)] => {
+            Some(format!("Parameters are known to ±{} to ±{} %, least of all {name}.", width(*best), width(*worst)))
+        }
+    };
+    let open = (!open.is_empty()).then(|| format!("Without a bound: {}.", open.join(", ")));
+    let sentences: Vec<String> = [closed, open].into_iter().flatten().collect();
+    (!sentences.is_empty()).then(|| sentences.join(" "))
+}
+
+/// Identified curves over those measured, small and side by side (HTML).
+pub(super) fn curves(output: &ScriptOutput) -> String {
+    let plot = |fit: &Fit| {
+        let mut plot = convergence::target(fit.search, fit.fit);
+        let best = fit.fit.improvements.last().map(|best| convergence::simulated("identified", fit.fit, best));
+        plot.curves = best.into_iter().chain(plot.curves).collect();
+        Plot { title: format!("{}: {} % apart", fit.name(), digits(100.0 * fit.error)), ..plot }
+    };
+    let plots: Vec<Plot> = fits(output).iter().take(MOST_FITS).map(plot).collect();
+    drawn::small(&thinned(plots, MOST_POINTS))
+}
+
+/// Parameters with their intervals, and what they are compared with (HTML): an axis a parameter.
+pub(super) fn parameters(estimates: &[Estimate]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for one in estimates {
+        if !names.contains(&one.parameter.as_str()) {
+            names.push(&one.parameter);
+        }
+    }
+    let of = |name: &str| {
+        let own: Vec<&Estimate> = estimates.iter().filter(|one| one.parameter == name).collect();
+        let is_alone = own.iter().all(|one| one.test.is_none());
+        let lines: Vec<Line> = own.iter().map(|one| line(one, is_alone)).collect();
+        let heading = if is_alone { String::new() } else { own[0].title() };
+        ranges(&heading, Look::Dots, &lines)
+    };
+    let blocks: String = names.into_iter().map(of).collect();
+    if blocks.is_empty() {
+        return blocks;
+    }
+    let marks = estimates.iter().find_map(|one| one.mark.as_ref()).map(|(_, what)| format!("; squares: {what}"));
+    let note = format!("Dots with their intervals of 95 %{}.", marks.unwrap_or_default());
+    format!("{blocks}<p class=\"note\">{note}</p>\n")
+}
+
+fn line(one: &Estimate, is_alone: bool) -> Line {
+    let [low, high] = one.interval.map(|end| end.map_or_else(|| "open".into(), digits));
+    let mark = one.mark.map(|(value, what)| (value, format!("{what} {}", digits(value))));
+    let compared = mark.as_ref().map_or_else(String::new, |(_, words)| format!("; {words}"));
+    let words = if is_alone { one.title() } else { one.test.clone().unwrap_or_default() };
+    Line {
+        words,
+        title: one.parameter.clone(),
+        value: Some(one.value),
+        interval: Some([one.interval[0].unwrap_or(one.value), one.interval[1].unwrap_or(one.value)]),
+        mark,
+        text: format!("{} ({low} to {high}){compared}", digits(one.value)),
+    }
+}
+
+/// The first figures that the script measured, large (HTML).
+pub(super) fn cards(measures: &Row) -> String {
+    let card = |(name, value): (&String, &Value)| {
+        let (words, _) = Reading::of_name(name, 0.0);
+        let value = match value {
+            Value::Number(number) => figure(name, number.as_f64()?),
+            Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
+            _ => return None,
+        };
+        let [name, words, value] = [name, &words, &value].map(|text| super::html::escape(text));
+        Some(format!(
+            "<li><span class=\"words\" title=\"{name}\">{words}</span><span class=\"value\">{value}</span></li>\n"
+        ))
+    };
+    let cards: String = measures.iter().filter_map(card).take(MOST_CARDS).collect();
+    if cards.is_empty() { cards } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
+}

@@ -1,0 +1,118 @@
+//! Parameters that a study estimated, as they stand in its tables.
+
+use serde_json::Value;
+
+use super::super::cell;
+use scene::scenario::grammar;
+use study::script::{Row, ScriptOutput};
+
+/// Columns of tables of estimates, as `confidence` gives them.
+const PARAMETER: &str = "parameter";
+const VALUE: &str = "value";
+const ENDS: [&str; 2] = ["lower_95", "upper_95"];
+const TEST: &str = "test";
+
+/// What an estimate is compared with, by the name of its column or the beginning of that of the parameter's.
+const MARKS: [&str; 3] = ["truth", "paper", "prior"];
+
+/// An estimated parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Estimate {
+    /// The test that it was estimated from, where there are several.
+    pub test: Option<String>,
+    /// Its name.
+    pub parameter: String,
+    /// Its value.
+    pub value: f64,
+    /// The interval of 95 %; an end that is open is none.
+    pub interval: [Option<f64>; 2],
+    /// A value that it is compared with, and what that is.
+    pub mark: Option<(f64, &'static str)>,
+}
+
+impl Estimate {
+    /// The parameter, by its title where it is a key.
+    pub(super) fn title(&self) -> String {
+        grammar::title(&self.parameter).unwrap_or_else(|| self.parameter.clone())
+    }
+
+    /// The parameter, and its test where there are several.
+    pub(super) fn name(&self) -> String {
+        match &self.test {
+            Some(test) => format!("{} of {test}", self.title()),
+            None => self.title(),
+        }
+    }
+
+    /// Half the width of the interval; none of an open one.
+    pub(super) fn half_width(&self) -> Option<f64> {
+        let [Some(low), Some(high)] = self.interval else { return None };
+        Some(0.5 * (high - low))
+    }
+}
+
+/// The estimates in the tables of a study.
+pub(super) fn estimates(output: &ScriptOutput) -> Vec<Estimate> {
+    let rows = || output.tables.iter().flat_map(|(_, rows)| rows);
+    let number = |row: &Row, name: &str| row.get(name).and_then(Value::as_f64);
+    // The name of a test may be a number.
+    let text = |row: &Row, name: &str| row.get(name).map(cell).filter(|text| !text.is_empty());
+    let mark = |row: &Row, parameter: &str, test: &Option<String>| {
+        let own = || MARKS.iter().find_map(|mark| Some((number(row, mark)?, *mark)));
+        let is_same = |other: &&Row| text(other, TEST) == *test;
+        let elsewhere = || {
+            MARKS.iter().find_map(|mark| {
+                let column = format!("{mark}_{parameter}");
+                Some((rows().filter(is_same).find_map(|other| number(other, &column))?, *mark))
+            })
+        };
+        own().or_else(elsewhere)
+    };
+    let estimate = |row: &Row| {
+        let (parameter, value) = (text(row, PARAMETER)?, number(row, VALUE)?);
+        if !ENDS.iter().any(|end| row.contains_key(*end)) {
+            return None;
+        }
+        let test = text(row, TEST);
+        let mark = mark(row, &parameter, &test);
+        Some(Estimate { interval: ENDS.map(|end| number(row, end)), test, parameter, value, mark })
+    };
+    rows().filter_map(estimate).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn output(tables: Value) -> ScriptOutput {
+        let tables = tables.as_object().unwrap().iter().map(|(name, rows)| {
+            let rows = rows.as_array().unwrap().iter().map(|row| row.as_object().unwrap().clone());
+            (name.clone(), rows.collect())
+        });
+        ScriptOutput { tables: tables.collect(), ..ScriptOutput::default() }
+    }
+
+    #[test]
+    fn estimates_have_the_truth_of_their_test() {
+        let found = estimates(&output(json!({
+            "confidence": [
+                { "test": "a", "parameter": "k1", "value": 2.0, "lower_95": 1.5, "upper_95": 2.5 },
+                { "test": 8, "parameter": "k1", "value": 3.0, "lower_95": 2.9, "upper_95": null },
+            ],
+            "table_8": [{ "test": 8, "paper_k1": 3.1 }, { "test": "a", "paper_k1": 2.1 }],
+            "profiles": [{ "parameter": "k1", "value": 2.0, "f": 0.1 }],
+        })));
+        let [a, b] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((a.mark, a.half_width(), a.name().as_str()), (Some((2.1, "paper")), Some(0.5), "k1 of a"));
+        assert_eq!((b.mark, b.half_width(), b.name().as_str()), (Some((3.1, "paper")), None, "k1 of 8"));
+    }
+
+    #[test]
+    fn a_row_may_have_its_own_truth_and_keys_their_titles() {
+        let row = json!({ "parameter": "specimen.material.thickness", "value": 1.2e-5, "lower_95": 1e-5, "upper_95": 1.3e-5, "truth": 1.1e-5 });
+        let found = estimates(&output(json!({ "found": [row] })));
+        assert_eq!((found[0].mark, found[0].name().as_str()), (Some((1.1e-5, "truth")), "Thickness of one layer"));
+    }
+}
