@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Checks report pages in a browser without a network.
 
-    tests/look/report.py PAGE_OR_RUN_FOLDER… [--pictures DIR]
+    tests/look/report.py PAGE_OR_RUN_FOLDER… --axe axe.min.js [--brief NAME…] [--pictures DIR]
 
 Needs `pip install playwright==1.65.2`; drives the Chromium of the system, or the one that CHROMIUM names.
 Fails where a page makes a request or logs a warning, a plot is blank, a figure differs from the summary.json beside it, a
-control does not work by keyboard, or the page is wider than a phone.
+control does not work by keyboard, the page is wider than a phone, anything scrolls sideways on a desktop, or axe-core finds a
+violation of WCAG 2 A or AA, such as too little contrast, in light or dark. A brief page also answers at its top, and is
+printed on two pages of A4.
 """
 
 import argparse
@@ -189,6 +191,65 @@ def theme_changes(opened):
     opened.page.locator("button.theme").click()
 
 
+def scrolls_nothing_sideways(opened):
+    """On a desktop no table and no text is wider than its place, also where it is folded."""
+    wide = opened.page.evaluate("""() => {
+        document.querySelectorAll("details").forEach((fold) => (fold.open = true));
+        const wide = [...document.querySelectorAll(".scroll, pre")].filter((box) => box.scrollWidth > box.clientWidth + 1);
+        return wide.map((box) => box.closest("section")?.querySelector("h2")?.textContent ?? box.className);
+    }""")
+    expect(not wide, f"scrolls sideways: {', '.join(wide)}")
+
+
+def is_accessible(opened, axe):
+    """WCAG 2 A and AA, contrast among them, with all that is folded open."""
+    opened.page.evaluate(axe.read_text() + "; undefined")
+    opened.page.evaluate("document.querySelectorAll('details').forEach((fold) => (fold.open = true))")
+    found = opened.page.evaluate("() => axe.run(document, {runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa']})")
+    expect(found["passes"], "axe-core checked nothing")
+    said = [f"{one['id']} at {one['nodes'][0]['html'][:120]} ({len(one['nodes'])} places)" for one in found["violations"]]
+    expect(not said, f"axe-core: {'; '.join(said)}")
+
+
+def tables_are_sorted_and_filtered(opened):
+    """The head of a column sorts the rows by their numbers, and a field leaves those that have a text."""
+    page = opened.page
+    page.evaluate("document.querySelectorAll('details').forEach((fold) => (fold.open = true))")
+    tables = page.locator("table.sorted")
+    for at in range(tables.count()):
+        table = tables.nth(at)
+        head = table.locator("th.number button").first
+        if head.count() == 0:
+            continue
+        column = head.evaluate("button => button.closest('th').cellIndex")
+        numbers = f"table => [...table.tBodies[0].rows].map((row) => row.cells[{column}]?.dataset.sort).filter((n) => n).map(Number)"
+        head.focus()
+        for key, sign in (("Enter", 1), ("Enter", -1)):
+            page.keyboard.press(key)
+            found = table.evaluate(numbers)
+            expect(found == sorted(found, reverse=sign < 0), f"a column is not sorted: {found[:5]}")
+    fields = page.locator(".filter input")
+    if fields.count():
+        fields.first.fill("no row has this text")
+        left = page.locator(".filter + .scroll table").first.evaluate("table => [...table.tBodies[0].rows].filter((row) => !row.hidden).length")
+        expect(left == 0, f"a filter leaves {left} rows")
+        fields.first.fill("")
+    return tables.count()
+
+
+def answers_first(opened):
+    """A sentence and a picture stand above all tables, and the whole is printed on two pages of A4."""
+    page = opened.page
+    lead = page.locator("h1 + .lead")
+    expect(lead.count() == 1 and re.search(r"\d", lead.inner_text()), "the page does not begin with an answer")
+    picture, table = (page.locator(what).first for what in ("figure.plot, .ranges", "table"))
+    below = lambda what: what.evaluate("element => element.getBoundingClientRect().top + scrollY")
+    expect(picture.count() == 1 and below(picture) < 700, "no picture is seen at once")
+    expect(table.count() == 0 or below(picture) < below(table) or not table.is_visible(), "a table stands above the picture")
+    pages = len(re.findall(rb"/Type\s*/Page\b", page.pdf(format="A4")))
+    expect(pages <= 2, f"it is printed on {pages} pages")
+
+
 def fits_the_screen(opened):
     wide = opened.page.evaluate("document.documentElement.scrollWidth - innerWidth")
     expect(wide <= 0, f"the page is {wide} pixels wider than the screen")
@@ -200,14 +261,17 @@ def picture(opened, folder, name):
         opened.page.screenshot(path=str(folder / f"{name}.png"), full_page=True)
 
 
-def examine(browser, path, name, pictures):
+def examine(browser, path, name, given):
     size = path.stat().st_size
     expect(size < MOST_BYTES, f"the page has {size} bytes")
     beside = path.parent / "summary.json"
     summary = json.loads(beside.read_text()) if beside.is_file() else None
 
+    pictures = given.pictures
     light = OpenPage(browser, path, DESKTOP, "light")
     picture(light, pictures, f"{name}-light")
+    if name in given.brief:
+        answers_first(light)
     plots = plots_are_drawn(light)
     figures = figures_are_those_of(light, summary) if summary else 0
     film_moves(light)
@@ -217,6 +281,9 @@ def examine(browser, path, name, pictures):
     if plots:
         keyboard_reaches_plots(light)
         legend_hides_curves(light)
+    tables_are_sorted_and_filtered(light)
+    scrolls_nothing_sideways(light)
+    is_accessible(light, given.axe)
     first_paint = light.page.evaluate("performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? 0")
     light.close()
 
@@ -224,6 +291,8 @@ def examine(browser, path, name, pictures):
         opened = OpenPage(browser, path, window, scheme)
         picture(opened, pictures, f"{name}-{kind}")
         expect(plots_are_drawn(opened) == plots, f"{kind}: plots are missing")
+        fits_the_screen(opened)
+        is_accessible(opened, given.axe)
         fits_the_screen(opened)
         opened.close()
     return f"{plots} plots, {figures} figures, {size / 1000:.0f} kB, first paint after {first_paint:.0f} ms"
@@ -237,6 +306,8 @@ def page_of(place):
 def main():
     arguments = argparse.ArgumentParser(description="Checks report pages in a browser.")
     arguments.add_argument("pages", nargs="+", help="pages, or folders with a report.html")
+    arguments.add_argument("--axe", type=Path, required=True, help="axe.min.js of axe-core")
+    arguments.add_argument("--brief", nargs="*", default=[], help="names of pages that answer at their top, on two pages of A4")
     arguments.add_argument("--pictures", type=Path, help="folder for pictures of the pages")
     given = arguments.parse_args()
     if given.pictures:
@@ -249,7 +320,7 @@ def main():
             path = page_of(place)
             try:
                 expect(path.is_file(), "there is no page")
-                print(f"{path}: {examine(browser, path, path.parent.name, given.pictures)}")
+                print(f"{path}: {examine(browser, path, path.parent.name, given)}")
             except Fault as fault:
                 faults += 1
                 print(f"{path}: {fault}", file=sys.stderr)
