@@ -50,6 +50,31 @@ fn materials_pass_the_check_and_can_be_pulled() {
 }
 
 #[test]
+fn films_of_the_library_pass_the_check_and_are_listed_with_their_sources() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let list = figures_of_list(&droptower(folder.path(), &["new", "material", "--list", "--json"]));
+    let films: Vec<&Json> = list.iter().filter(|entry| entry["source"].is_string()).collect();
+    for name in ["tpu", "ldpe", "lldpe", "pp", "pet", "pvc", "silicone", "natural-rubber", "nylon-fabric"] {
+        let film = films.iter().find(|film| film["name"] == name).unwrap_or_else(|| panic!("{name} is not listed"));
+        let path = format!("{name}.toml");
+        printed(&droptower(folder.path(), &["new", "material", name, &path]));
+        assert!(printed(&droptower(folder.path(), &["check", &path])).starts_with("ok"), "{name}");
+        let text = fs::read_to_string(folder.path().join(&path)).expect("a material");
+        assert!(text.contains("# Source: ") && text.contains("# Assumed: "), "{text}");
+        assert_eq!(film["dart"].is_string(), text.contains("a virtual dart needs"), "{text}");
+    }
+    assert_eq!(list.len(), MATERIALS.len() + films.len());
+    let printed = printed(&droptower(folder.path(), &["new", "material", "--list"]));
+    assert!(printed.contains("assumed: ") && printed.contains("dart: 40 g at 12 um"), "{printed}");
+    assert_eq!(droptower(folder.path(), &["new", "material", "tpu"]).status.code(), Some(2), "without a file");
+}
+
+/// The entries of a list that is printed as JSON.
+fn figures_of_list(output: &std::process::Output) -> Vec<Json> {
+    serde_json::from_str(&printed(output)).expect("a list")
+}
+
+#[test]
 fn a_script_of_the_user_is_not_replaced() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("puncture.rhai"), "log(1);").expect("writable");

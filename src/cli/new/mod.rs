@@ -1,9 +1,11 @@
 //! `droptower new`: a commented scenario, material or figure to start from, with the scripts that it needs.
 
 mod case;
+mod films;
 mod material;
 mod test;
 
+use std::borrow::Cow;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -29,7 +31,7 @@ enum Kind {
     /// A test: a folder with a scenario and what its run must give, for `droptower test`
     #[command(name = "test")]
     Case(case::CaseArgs),
-    /// A material file of one layer of film
+    /// A material file of one layer of film: a law to fill in, or a film by name
     Material(material::MaterialArgs),
     /// A curve in a picture of a published figure, for `droptower digitize`
     Figure(Target),
@@ -49,7 +51,7 @@ type Script = (&'static str, &'static str);
 
 /// A file to start from.
 struct Template {
-    text: &'static str,
+    text: Cow<'static, str>,
     scripts: &'static [Script],
 }
 
@@ -61,12 +63,12 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
             (FileKind::Scenario, test.template(), path, test.next(path))
         }
         Kind::Material(args) => {
-            let path = &args.target.path;
-            (FileKind::Material, args.kind.template(), path, format!("droptower check {}", shown_path(path)))
+            let Some((template, path)) = args.template() else { return material::list(shared) };
+            (FileKind::Material, template, path, format!("droptower check {}", shown_path(path)))
         }
         Kind::Figure(Target { path }) => {
             let next = format!("droptower digitize {} -o curve.csv --overlay look.png", shown_path(path));
-            (FileKind::Figure, Template { text: FIGURE, scripts: &[] }, path, next)
+            (FileKind::Figure, Template { text: FIGURE.into(), scripts: &[] }, path, next)
         }
     };
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -80,7 +82,7 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     for (path, text) in scripts.iter().filter(|(path, _)| !path.exists()) {
         write_new(path, text)?;
     }
-    write_with_schema(kind, path, template.text)?;
+    write_with_schema(kind, path, &template.text)?;
     if shared.quiet {
         return Ok(());
     }

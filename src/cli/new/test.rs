@@ -78,7 +78,7 @@ impl Test {
             Test::Pressure(_) => (include_str!("templates/pressure.toml"), &[]),
             Test::Volume(_) => (include_str!("templates/volume.toml"), &[]),
         };
-        Template { text, scripts }
+        Template { text: text.into(), scripts }
     }
 
     /// The command that gives the figure of the test whose scenario is at `path`.

@@ -1,0 +1,160 @@
+//! A small library of films by name: a material file each, with its source and what is assumed.
+
+use clap::ValueEnum;
+use serde::Serialize;
+
+/// Films by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FilmKind {
+    /// LLDPE stretch film, 12 µm
+    Lldpe,
+    /// LDPE film, blown, 40 µm
+    Ldpe,
+    /// PP film, biaxially oriented, 20 µm
+    Pp,
+    /// PET film, biaxially oriented, 23 µm
+    Pet,
+    /// PVC film without a plasticizer, 25 µm
+    Pvc,
+    /// TPU film of hardness 85 A, 100 µm
+    Tpu,
+    /// Silicone rubber without a filler, 0.5 mm
+    Silicone,
+    /// Natural rubber, 0.5 mm
+    NaturalRubber,
+    /// Nylon ripstop fabric, 37 g/m²
+    NylonFabric,
+}
+
+/// A film of the library.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Film {
+    /// Where its values come from.
+    pub source: &'static str,
+    /// What is assumed, beside the values that the file marks so.
+    pub assumed: &'static str,
+    /// The mass of a falling dart on its data sheet; none where there is none.
+    pub dart: Option<&'static str>,
+    /// The keys of the material file.
+    #[serde(skip)]
+    keys: &'static str,
+}
+
+/// What a virtual dart needs beside the values of a data sheet.
+const NEEDED: &str = "Coupons are slower than a dart and pulled in one direction: a virtual dart needs beside them the curves at its rate \
+                      (some 100 1/s), the strain at break under biaxial stretch, the shear curve, and the friction of its \
+                      head. `droptower new d1709-a dart.toml` is the test, `droptower script failure-mass.rhai --scenario dart.toml` \
+                      its mass; scripts/dart-data-sheet.rhai has what each of these changes.";
+
+impl FilmKind {
+    /// Its entry.
+    pub(super) fn film(self) -> Film {
+        match self {
+            FilmKind::Lldpe => Film {
+                source: "Polymers 2021, 13, 1537: Tables 1, 4, 5 and 7",
+                assumed: "the shear curve; the quasi-static curves hold at all rates (without their multipliers)",
+                dart: Some("40 g at 12 um (ASTM D1709 A; Table 1 of the study)"),
+                keys: include_str!("templates/films/lldpe.toml"),
+            },
+            FilmKind::Ldpe => Film {
+                source: "J. Food Sci. Technol. 52 (2015) 5456, doi 10.1007/s13197-014-1682-2, Table 1: LDPE-I",
+                assumed: "straight curves from yield to break, the shear curve, the absorption; no rate",
+                dart: Some("2.6 g/um, 104 g at 40 um (the same table; its method is not clear from it)"),
+                keys: include_str!("templates/films/ldpe.toml"),
+            },
+            FilmKind::Pp => Film {
+                source: "Mitsubishi Polyester Film, comparative data for plastic films: BOPP",
+                assumed: "the bends of both curves, the shear curve; no rate, no absorption",
+                dart: None,
+                keys: include_str!("templates/films/pp.toml"),
+            },
+            FilmKind::Pet => Film {
+                source: "DuPont Teijin Films, Mylar physical-thermal properties, H-37232-3, Table 1: 92A",
+                assumed: "TD is like MD (510 kgf/mm2, 235 MPa at 91 %); no rate; the film keeps its set",
+                dart: None,
+                keys: include_str!("templates/films/pet.toml"),
+            },
+            FilmKind::Pvc => Film {
+                source: "J. Food Sci. Technol. 52 (2015) 5456, doi 10.1007/s13197-014-1682-2, Table 1: PVC-I",
+                assumed: "TD is like MD; no rate; the film keeps its set",
+                dart: Some("0.76 g/um, 19 g at 25 um (the same table; its method is not clear from it)"),
+                keys: include_str!("templates/films/pvc.toml"),
+            },
+            FilmKind::Tpu => Film {
+                source: "a supplier's table of typical values by hardness (ASTM D412, D792), 85 A",
+                assumed: "the values of moulded plaques hold for film; no rate, no set, no absorption",
+                dart: None,
+                keys: include_str!("templates/films/tpu.toml"),
+            },
+            FilmKind::Silicone => Film {
+                source: "Meunier et al., Polym. Test. 27 (2008) 765: three tests of an unfilled silicone rubber (data/rubber_sheet), \
+                         fitted by `droptower tensile fit --law yeoh` to stretches of up to 2.2",
+                assumed: "no rate, no absorption, no break",
+                dart: None,
+                keys: include_str!("templates/films/silicone.toml"),
+            },
+            FilmKind::NaturalRubber => Film {
+                source: "Ogden, Proc. R. Soc. A 326 (1972) 565: terms for the tests of Treloar (1944)",
+                assumed: "no rate, no absorption, no break",
+                dart: None,
+                keys: include_str!("templates/films/natural-rubber.toml"),
+            },
+            FilmKind::NylonFabric => Film {
+                source: "MIL-C-7020H, type I: 1.1 oz/yd2 rip stop; strength, elongation and thickness from memory",
+                assumed: "warp and fill are alike, yarns that are crimped, shear that locks; no rate, no absorption",
+                dart: None,
+                keys: include_str!("templates/films/nylon-fabric.toml"),
+            },
+        }
+    }
+}
+
+impl Film {
+    /// The material file: what is known of the film as comments, then its keys.
+    pub(super) fn text(&self) -> String {
+        let dart = self.dart.map(|mass| format!("Falling dart on its data sheet: {mass}. {NEEDED}"));
+        let lines = [
+            Some(format!("Source: {}.", self.source)),
+            Some(format!("Assumed: {}; and what is marked so below.", self.assumed)),
+            dart,
+            Some("Films of one name differ: replace the values by your own tests (`droptower tensile`).".into()),
+            Some("In a scenario: [specimen] material = \"film.toml\"".into()),
+        ];
+        let comments: String = lines.into_iter().flatten().flat_map(|line| wrapped(&line)).collect();
+        format!("{comments}{}", self.keys)
+    }
+}
+
+/// Most letters of a line of comments.
+const WIDTH: usize = 120;
+
+/// The text as lines of comments.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::from("#")];
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= WIDTH => *line += &format!(" {word}"),
+            _ => lines.push(format!("# {word}")),
+        }
+    }
+    lines.into_iter().map(|line| line + "\n").collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_film_names_its_source_and_what_a_dart_needs() {
+        for kind in FilmKind::value_variants() {
+            let film = kind.film();
+            let text = film.text();
+            assert!(text.starts_with("# Source: ") && text.contains("\n# Assumed: "), "{text}");
+            assert_eq!(text.contains("a virtual dart needs"), film.dart.is_some(), "{text}");
+            assert!(
+                text.lines().filter(|line| line.starts_with('#')).all(|line| line.chars().count() <= WIDTH),
+                "{text}"
+            );
+        }
+    }
+}
