@@ -120,9 +120,14 @@ impl Key {
     /// What the key is, in a few words: its title, the beginning of its description where that is short, or its name.
     pub fn title(&self) -> String {
         let words = || self.name.replace('_', " ");
-        let beginning = self.sentence.as_ref().and_then(|sentence| sentence.split(['.', ';', ',', ':', '(']).next());
-        let short = beginning.map(str::trim).filter(|text| text.chars().count() <= LONGEST_TITLE);
-        self.title.clone().unwrap_or_else(|| short.map_or_else(words, str::to_owned))
+        // A point within a sentence is that of a file's name.
+        let beginning = |sentence: &str| {
+            let clause = sentence.split([';', ',', ':', '(']).next()?.split(". ").next()?;
+            Some(clause.trim().trim_end_matches('.').replace('`', ""))
+        };
+        let beginning = self.sentence.as_deref().and_then(beginning);
+        let short = beginning.filter(|text| (1..=LONGEST_TITLE).contains(&text.chars().count()));
+        self.title.clone().or(short).unwrap_or_else(words)
     }
 
     /// The key and the kind of its value, as a hint shows it.
@@ -141,11 +146,6 @@ const LONGEST_TITLE: usize = 40;
 /// The title of the key at a path of a scenario, in which numbers are places in lists; none of a path that is no key.
 pub fn title(path: &str) -> Option<String> {
     Some(key_at(path)?.title())
-}
-
-/// The dimension of the quantity at a path of a scenario; none of a number, or where the path is no key.
-pub fn dimension(path: &str) -> Option<Dimension> {
-    key_at(path)?.rule.number()?.dimension()
 }
 
 /// The key at a path of a scenario.
@@ -574,5 +574,37 @@ fn list(schema: &Json) -> Rule {
         item: Box::new(item),
         min_items: length("minItems").unwrap_or(0),
         max_items: length("maxItems").unwrap_or(usize::MAX),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_have_titles() {
+        for (path, expected) in [
+            ("specimen.material.thickness", Some("Thickness of one layer")),
+            ("specimen.material.fabric.scale.k1", Some("Stiffness k1 to the first yield point")),
+            ("impactor.mass", Some("Mass of the impactor")),
+            ("impactor.0.friction", Some("Friction of impactor and film")),
+            ("layers.count", Some("Layers per face")),
+            ("output.sample_rate", Some("Samples per second in signals.csv")),
+            ("specimen.unknown", None),
+        ] {
+            assert_eq!(title(path).as_deref(), expected, "{path}");
+        }
+    }
+
+    #[test]
+    fn a_hint_shows_how_a_table_is_written() {
+        for (path, expected) in [
+            ("impactor.shape.box", "`{ size = […], edge = … }`"),
+            ("impactor.shape.sphere", "`{ radius = … }` or `{ diameter = … }`"),
+            ("impactor.shape.capsule", "`{ radius = …, length = … }`"),
+        ] {
+            let table = key_at(path).and_then(|key| key.rule.table()).unwrap_or_else(|| panic!("{path} is no table"));
+            assert_eq!(table.outline().as_deref(), Some(expected), "{path}");
+        }
     }
 }
