@@ -60,6 +60,9 @@ fn runs_are_compared_with_the_first() {
         page.contains("<h3>Acceleration filtered</h3>")
             && page.contains("<td title=\"layers.count\">Layers per face</td>")
     );
+    let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("the page has no {what}"));
+    assert!(place("<p class=\"lead\">nine against eight: ") < place("nine against eight</h3>"));
+    assert!(place("nine against eight</h3>") < place("<h2>Scenarios</h2>"), "differences come first");
     assert_eq!(folder.join("recording.rrd").is_file(), cfg!(feature = "rerun"));
 
     // One signal alone.

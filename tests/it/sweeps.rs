@@ -90,6 +90,16 @@ fn each_row_is_the_run_that_its_inputs_give() {
     assert!(kept[0].path().join("signals.csv").is_file());
     let page = fs::read_to_string(folder.join("runs/drop.sweep/report.html")).expect("a page");
     assert!(page.contains("droptower run drop.toml --set &#39;impactor.mass="), "the page says how a run is repeated");
+    assert!(
+        page.contains("<p class=\"lead\">Peak acceleration ") && page.contains("The film holds in every run"),
+        "no answer"
+    );
+    let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("the page has no {what}"));
+    assert!(place("<figure class=\"plot\">") < place("<table") && place("class=\"ranges\"") < place("<table"));
+    assert!(page.contains("title=\"specimen.material.thickness\">Thickness of one layer (µm)</th>"));
+    assert!(page.contains("not distinguishable from 0 with 12 runs") && !page.contains("class=\"said\">\u{2212}"));
+    let text = printed(&sweep(folder, &[]));
+    assert!(text.contains(" m/s²  9 of 10 runs ") && text.contains(" mm  "), "{text}");
 }
 
 #[test]
