@@ -133,9 +133,9 @@ pub(super) fn parameters(estimates: &[Estimate]) -> String {
     if blocks.is_empty() {
         return blocks;
     }
-    let marks = estimates.iter().find_map(|one| one.mark.as_ref()).map(|(_, what)| format!("; squares: {what}"));
+    let marks = estimates.iter().find_map(|one| one.mark.as_ref()).map(|(_, what)| format!("; diamonds: {what}"));
     let note = format!("Dots with their intervals of 95 %{}.", marks.unwrap_or_default());
-    format!("{blocks}<p class=\"note\">{note}</p>\n")
+    format!("<div class=\"blocks\">\n{blocks}</div>\n<p class=\"note\">{note}</p>\n")
 }
 
 fn line(one: &Estimate, is_alone: bool) -> Line {

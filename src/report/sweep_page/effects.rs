@@ -76,7 +76,7 @@ pub(super) fn tornadoes(page: &SweepPage, columns: &Columns) -> String {
     let note = "Share of the variance of a figure that an input has alone, with its interval of 95 %; and by how much the \
                 figure changes from the value that 5 % of the runs are below to that which 95 % are below. What the \
                 shares lack of 100 % is due to inputs that act together.";
-    format!("<div class=\"tornadoes\">\n{all}</div>\n<p class=\"note\">{note}</p>\n")
+    format!("<div class=\"blocks\">\n{all}</div>\n<p class=\"note\">{note}</p>\n")
 }
 
 fn line(effect: &Shared, figure: &Shown, count: usize) -> Line {
