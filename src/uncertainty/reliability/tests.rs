@@ -2,6 +2,9 @@ use super::*;
 use crate::normal;
 use crate::statistics::{deviation, mean, wilson};
 
+/// A limit state of a batch.
+type Batch = Box<dyn FnMut(&[Vec<f64>]) -> Vec<Option<f64>>>;
+
 /// Linear limit state of ten inputs at the distance `index`, as one of a batch.
 fn linear(index: f64) -> impl FnMut(&[Vec<f64>]) -> Vec<Option<f64>> {
     batched(move |u| index - u.iter().sum::<f64>() / (u.len() as f64).sqrt())
@@ -108,23 +111,20 @@ fn an_origin_that_fails_has_a_negative_index() {
 #[test]
 fn intervals_of_subset_simulation_cover() {
     let studies: usize = 300;
-    let plane = |exact: f64| {
-        move || -> Box<dyn FnMut(&[Vec<f64>]) -> Vec<Option<f64>>> { Box::new(linear(-normal::quantile(exact))) }
-    };
-    let branches = |k: f64| move || -> Box<dyn FnMut(&[Vec<f64>]) -> Vec<Option<f64>>> { Box::new(four_branches(k)) };
-    type Make = Box<dyn Fn() -> Box<dyn FnMut(&[Vec<f64>]) -> Vec<Option<f64>>>>;
-    let limits: [(&str, usize, f64, Make); 6] = [
-        ("plane, 3 inputs", 3, 1e-4, Box::new(plane(1e-4))),
-        ("plane, 1 input", 1, 1e-4, Box::new(plane(1e-4))),
-        ("plane, 1 input", 1, 1e-6, Box::new(plane(1e-6))),
-        ("plane, 10 inputs", 10, 1e-6, Box::new(plane(1e-6))),
-        ("four branches, k = 6", 2, four_branches_exact(6.0), Box::new(branches(6.0))),
-        ("four branches, k = 9", 2, four_branches_exact(9.0), Box::new(branches(9.0))),
+    let plane = |exact: f64| -> Batch { Box::new(linear(-normal::quantile(exact))) };
+    let branches = |k: f64| -> Batch { Box::new(four_branches(k)) };
+    let limits: [(&str, usize, f64, Batch); 6] = [
+        ("plane, 3 inputs", 3, 1e-4, plane(1e-4)),
+        ("plane, 1 input", 1, 1e-4, plane(1e-4)),
+        ("plane, 1 input", 1, 1e-6, plane(1e-6)),
+        ("plane, 10 inputs", 10, 1e-6, plane(1e-6)),
+        ("four branches, k = 6", 2, four_branches_exact(6.0), branches(6.0)),
+        ("four branches, k = 9", 2, four_branches_exact(9.0), branches(9.0)),
     ];
-    for (name, inputs, exact, limit) in limits {
+    for (name, inputs, exact, mut limit) in limits {
         let options = |seed| SubsetOptions { samples: 500, seed, ..SubsetOptions::default() };
         let results: Vec<Probability> = (0..studies as u64)
-            .map(|seed| subset_simulation(inputs, &options(seed), &mut *limit()).unwrap().probability)
+            .map(|seed| subset_simulation(inputs, &options(seed), &mut *limit).unwrap().probability)
             .collect();
         let said = mean(&results.iter().map(|found| found.variation.unwrap()).collect::<Vec<f64>>()).unwrap();
         let ratios: Vec<f64> = results.iter().map(|found| found.value / exact).collect();
