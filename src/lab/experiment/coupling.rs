@@ -23,6 +23,17 @@ use crate::signal::{Series, integrate};
 /// Why the time constant of a recording cannot be determined.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum CouplingError {
+    /// The release ends after the contact.
+    #[error(
+        "no fall was found: contact, at {contact:.4} s at the latest, comes before the end of the release at {release:.4} s, as \
+         where the film never slows the impactor or the recording begins during the fall"
+    )]
+    NoFall {
+        /// End of the release, s.
+        release: f64,
+        /// Latest contact, s.
+        contact: f64,
+    },
     /// Fewer samples than a fit needs.
     #[error("the fall between {from:.4} s and {to:.4} s has too few samples for a time constant")]
     TooShort {
@@ -97,6 +108,9 @@ pub struct FallFit {
 /// `reading` starts at rest, its offset removed. With I = ∫ r dt' from its start, the fall obeys r = −I/τ + a; 1/τ
 /// and a are found by linear least squares. It errs where the guide's friction changes during the fall.
 pub fn time_constant(reading: &Series, [from, to]: [f64; 2]) -> Result<FallFit, CouplingError> {
+    if from >= to {
+        return Err(CouplingError::NoFall { release: from, contact: to });
+    }
     let integral = integrate::once(reading, 0.0).window([from, to]);
     let reading = reading.window([from, to]);
     if reading.len() < FEWEST {
@@ -215,5 +229,9 @@ mod tests {
         let (from, to) = (0.1, 0.4);
         assert_eq!(time_constant(&falling, [from, to]), Err(CouplingError::NoRecovery { from, to }));
         assert_eq!(time_constant(&falling, [0.9, 1.0]), Err(CouplingError::TooShort { from: 0.9, to: 1.0 }));
+        // Contact before the end of the release: no interval backwards in the message.
+        let reversed = time_constant(&falling, [1.0328, 0.5254]).unwrap_err();
+        assert_eq!(reversed, CouplingError::NoFall { release: 1.0328, contact: 0.5254 });
+        assert!(reversed.to_string().contains("contact, at 0.5254 s at the latest, comes before"), "{reversed}");
     }
 }
