@@ -35,12 +35,10 @@ fn a_film_goes_and_comes_back() {
             lines.flat_map(str::split_whitespace).filter_map(|word| word.trim_matches(',').parse().ok()).collect()
         };
         let (one, other) = (curves(&first), curves(&second));
-        // Unloading curves of LAW58 are not read.
-        if target != "openradioss" || film.ends_with("aluminium.toml") {
-            assert_eq!(one.len(), other.len(), "{target}");
-            for (a, b) in one.iter().zip(&other) {
-                assert!((a - b).abs() <= 2e-6 * a.abs(), "{target}: {a} and {b}");
-            }
+        assert_eq!(one.len(), other.len(), "{target}");
+        for (a, b) in one.iter().zip(&other) {
+            // The share of unloading curves follows from their digits.
+            assert!((a - b).abs() <= 1e-5 * a.abs(), "{target}: {a} and {b}");
         }
     }
 }

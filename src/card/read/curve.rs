@@ -1,6 +1,7 @@
 //! Curves of other solvers as curves of a film.
 
 use super::Points;
+use crate::film::unloading;
 
 /// What the ordinates of a curve are.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -28,4 +29,26 @@ pub(super) fn of_film(points: Points, kind: Ordinate) -> Result<Points, &'static
         return Err("its stress falls, where film would localise in one row of elements");
     }
     Ok(above)
+}
+
+/// The share of the stored energy that is lost, where each `(loading, unloading)` pair is a curve and the same curve compressed
+/// towards the strain from which film unloads (theory.md, equation 8), all by one share, within the digits of a card; none of
+/// other paths.
+pub(super) fn absorption(pairs: [(&Points, Option<Points>); 3]) -> Option<f64> {
+    /// Relative difference of what cards write with the fewest digits, and of shares that follow from that.
+    const DIGITS: f64 = 1e-5;
+    let share = |(loading, path): (&Points, Option<Points>)| {
+        let path = path?;
+        let (&[_, [slack, _], ..], &[from, top]) = (path.as_slice(), path.last()?) else { return None };
+        let expected = unloading(loading, from, slack / from);
+        let is_near = |(found, expected): (&[f64; 2], &[f64; 2])| {
+            (found[0] - expected[0]).abs() <= DIGITS * from && (found[1] - expected[1]).abs() <= DIGITS * top
+        };
+        let is_compressed = path.len() == expected.len() && path.iter().zip(&expected).all(is_near);
+        is_compressed.then_some(slack / from)
+    };
+    let [md, td, shear] = pairs.map(share);
+    let shares = [md?, td?, shear?];
+    let is_one = shares.iter().all(|share| (share - shares[0]).abs() <= DIGITS);
+    is_one.then_some(shares.iter().sum::<f64>() / 3.0)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::curve::{Ordinate, of_film};
+use super::curve::{self, Ordinate, of_film};
 use super::fields::{Card, Keyword, keywords};
 use super::{Fault, Found, FoundLaw, Mistake, Place, Points, Reading, Warning, instantaneous};
 use crate::system::System;
@@ -154,11 +154,20 @@ impl Reader {
         self.unread(keyword.card(3)?, &[(1, "RGBRTH"), (2, "A0REF")]);
         self.unread(keyword.card(4)?, &[(6, "BETA"), (7, "ISREFG")]);
         let curves = keyword.card(5)?;
-        self.unread(curves, &[(3, "LCUA"), (4, "LCUB"), (5, "LCUAB"), (6, "RL")]);
+        self.unread(curves, &[(6, "RL")]);
         let fibres =
             [self.by_rate(curves, 0, "LCA", Ordinate::Fibre)?, self.by_rate(curves, 1, "LCB", Ordinate::Fibre)?];
         let shear = self.stresses(curves, 2, "LCAB")?;
-        let mut absorption = 0.0;
+        // Of several rates the slowest is the one that unloading curves are of.
+        let slowest =
+            |fibre: &[(Option<f64>, Points)]| fibre.first().map_or_else(Points::new, |(_, curve)| curve.clone());
+        let (md, td) = (slowest(&fibres[0]), slowest(&fibres[1]));
+        let path = |place: usize, name: &'static str| self.stresses(curves, place, name).ok();
+        let paths = [(&md, path(3, "LCUA")), (&td, path(4, "LCUB")), (&shear, path(5, "LCUAB"))];
+        let mut absorption = curve::absorption(paths).unwrap_or_else(|| {
+            self.unread(curves, &[(3, "LCUA"), (4, "LCUB"), (5, "LCUAB")]);
+            0.0
+        });
         if number == -14 {
             let card = keyword.card(6)?;
             self.unread(card, &[(0, "LCAA"), (1, "LCBB"), (3, "DT"), (5, "ECOAT"), (6, "SCOAT"), (7, "TCOAT")]);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use super::blocks::{Block, Field, Line, blocks, real, whole};
-use super::curve::{Ordinate, of_film};
+use super::curve::{self, Ordinate, of_film};
 use super::{Fault, Found, FoundHill, FoundLaw, Mistake, Place, Points, Reading, Warning, instantaneous};
 use crate::system::System;
 
@@ -61,6 +61,9 @@ fn functions(all: &[Block<'_>]) -> Result<BTreeMap<i64, Points>, Mistake> {
     Ok(found)
 }
 
+/// rad.
+const DEGREES: f64 = PI / 180.0;
+
 /// Reads one material.
 struct Reader {
     system: System,
@@ -110,7 +113,6 @@ impl Reader {
     }
 
     fn fabric(&mut self, block: &Block<'_>) -> Result<FoundLaw, Mistake> {
-        const DEGREES: f64 = PI / 180.0;
         self.unread(block.line(1)?, &[real("B1", 2), real("B2", 6), real("FLEX", 8)]);
         self.unread(block.line(2)?, &[real("ALPHAT", 4)]);
         self.unread(block.line(3)?, &[real("DF", 0), real("DS", 2), real("GFROT", 4), whole("ZEROSTRESS", 8)]);
@@ -119,10 +121,23 @@ impl Reader {
             self.curve(block.line(place)?, whole(name, 0), real("FSCALE", 2), unit, Ordinate::Fibre)
         };
         let (md, td, shear) = (curve(5, "FCT_ID1", 1.0)?, curve(6, "FCT_ID2", 1.0)?, curve(7, "FCT_ID3", DEGREES)?);
-        if let Ok(line) = block.line(8) {
+        let absorption = block.line(8).map_or(0.0, |line| self.absorption(line, [&md, &td, &shear]));
+        Ok(FoundLaw::Fabric { fibres: [vec![(None, md)], vec![(None, td)]], shear, absorption })
+    }
+
+    /// The absorption that unloading curves stand for; where they are others, they are not read.
+    fn absorption(&mut self, line: Line<'_>, [md, td, shear]: [&Points; 3]) -> f64 {
+        let path =
+            |function: Field, scale: Field, unit: f64| self.curve(line, function, scale, unit, Ordinate::Fibre).ok();
+        let paths = [
+            (md, path(whole("FCT_ID4", 0), real("FSCALE4", 2), 1.0)),
+            (td, path(whole("FCT_ID5", 1), real("FSCALE5", 4), 1.0)),
+            (shear, path(whole("FCT_ID6", 6), real("FSCALE6", 7), DEGREES)),
+        ];
+        curve::absorption(paths).unwrap_or_else(|| {
             self.unread(line, &[whole("FCT_ID4", 0), whole("FCT_ID5", 1), whole("FCT_ID6", 6)]);
-        }
-        Ok(FoundLaw::Fabric { fibres: [vec![(None, md)], vec![(None, td)]], shear, absorption: 0.0 })
+            0.0
+        })
     }
 
     /// Linear film, which must be the same along both directions.
