@@ -113,6 +113,8 @@ impl Units {
     }
 }
 
+/// MAT_034. What follows the curves decides FORM and with it the last cards: -14 with hysteresis, 14 with unloading curves or
+/// without absorption.
 fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     let of = Units(request.system);
     let law = &film.material.law;

@@ -30,8 +30,8 @@ pub fn whole(value: f64) -> String {
 
 /// The number in at most 20 characters, of which CalculiX and Abaqus read no more.
 pub fn in_twenty(value: f64) -> String {
-    // Every number fits within the promised digits.
-    in_columns(value, 20).unwrap_or_default()
+    // Every finite number fits; another is left for the solver to refuse, where an empty field would pass for a default.
+    in_columns(value, 20).unwrap_or_else(|| scientific(value, 12))
 }
 
 /// Without an exponent, with so many digits; `None` where that needs many zeros.

@@ -106,6 +106,7 @@ fn orthotropic(film: &Film<'_>, elastic: &Elastic, request: &Request, losses: &m
     block.0
 }
 
+/// LAW58. Its seven lines refer to functions by number, so that these are written first and stand behind it.
 fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     const DEGREES: f64 = std::f64::consts::PI / 180.0;
     let curves = FabricCurves::of(&film.material.law, request, false, losses)?.expect("a fabric");

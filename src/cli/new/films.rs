@@ -125,7 +125,7 @@ impl Film {
     }
 }
 
-/// Most letters of a line of comments.
+/// Most characters of a line of comments.
 const WIDTH: usize = 120;
 
 /// The text as lines of comments.

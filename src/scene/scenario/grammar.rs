@@ -140,7 +140,7 @@ impl Key {
     }
 }
 
-/// Most letters of a title that is the beginning of a description.
+/// Most characters of a title that is the beginning of a description.
 const LONGEST_TITLE: usize = 40;
 
 /// The title of the key at a path of a scenario, in which numbers are places in lists; none of a path that is no key.

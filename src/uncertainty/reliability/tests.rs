@@ -133,7 +133,7 @@ fn intervals_of_subset_simulation_cover() {
         println!(
             "{name}, {exact:.1e}: bias {bias:.3}, scatter {scatter:.3}, said {said:.3}, covered {covered} of {studies}"
         );
-        assert!(bias.abs() < 0.02 + 4.0 * scatter / (studies as f64).sqrt(), "{name}: {bias}");
+        assert!(bias.abs() < 0.02 + 3.0 * scatter / (studies as f64).sqrt(), "{name}: {bias}");
         assert!(covered as f64 >= 0.95 * studies as f64, "{name}: {covered}");
         // An upper bound, but no more than some times the scatter.
         assert!(said < 4.0 * scatter, "{name}: {said} for {scatter}");

@@ -23,6 +23,8 @@ enum Below {
     Instance,
 }
 
+/// One pass over the lines, since a keyword says what those below it are, and the part around them which nodes their numbers mean;
+/// it gives the files that the text includes, for the caller to read.
 pub(super) fn read(reader: &mut Reader, text: &str, file: usize) -> Result<Vec<Include>, Mistake> {
     let (mut includes, mut below) = (vec![], Below::Nothing);
     // Numbers of nodes are those of a part: its name, and the scope that it is.

@@ -18,6 +18,8 @@ enum Below {
     Include,
 }
 
+/// One pass over the lines, since a keyword says what those below it are and may change the width of their fields; it gives the
+/// files that the text includes, for the caller to read.
 pub(super) fn read(reader: &mut Reader, text: &str, file: usize) -> Result<Vec<Include>, Mistake> {
     /// Widths of the fields of a node, and of all those of an element: of the three formats.
     const NODE: [[usize; 4]; 3] = [[8, 16, 16, 16], [20, 20, 20, 20], [10, 16, 16, 16]];

@@ -88,6 +88,8 @@ impl Hdf5 {
         if self.listed > MOST_OBJECTS { Err(Fault::TooMany { most: MOST_OBJECTS }) } else { Ok(()) }
     }
 
+    /// Lists the channels of a data set: what it is follows from its type, its shape and its attributes together, so that one place
+    /// decides, and says why a data set is none.
     fn add(&mut self, dataset: &Dataset, [group, name]: [&str; 2], path: &str) -> Result<(), stored::Fault> {
         let attributes = dataset.attrs().map_err(Fault::of(path))?;
         let class = text(&attributes, "MATLAB_class");

@@ -101,6 +101,8 @@ impl Mdf {
         Ok(())
     }
 
+    /// Lists the channels of a group: the chain of channels is followed once for names, units and conversions, and for the master,
+    /// whose times the others have.
     fn list_group(
         &mut self,
         group: &Block,
