@@ -1,4 +1,5 @@
-//! The folder of a deck: written complete or not at all.
+//! The folder of a deck: written complete or not at all. It is given to a solver, so it has none of the files by which
+//! `study::store` knows its own folders.
 
 use std::fs;
 use std::io;
@@ -50,10 +51,17 @@ pub(super) fn write(out: &Path, files: &[File]) -> Result<(), Failure> {
             fs::write(deck.join(name), text)?;
         }
         let former = ScratchFolder::new(parent)?;
-        if out.exists() {
-            fs::rename(out, former.former(out)?)?;
+        let replaced = if out.exists() { Some(former.former(out)?) } else { None };
+        if let Some(place) = &replaced {
+            fs::rename(out, place)?;
         }
-        fs::rename(&deck, out)?;
+        if let Err(error) = fs::rename(&deck, out) {
+            // Dropping the temporary folder would delete the former deck.
+            if replaced.is_some_and(|place| fs::rename(place, out).is_err()) {
+                former.keep();
+            }
+            return Err(error);
+        }
         draft.renamed();
         Ok(())
     };
