@@ -20,3 +20,4 @@ pub mod indices;
 pub mod surrogate;
 pub mod reliability;
 pub mod staircase;
+pub mod ensemble;

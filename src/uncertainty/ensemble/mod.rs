@@ -1,0 +1,243 @@
+//! Samples of a density by ensembles of walkers that are invariant to affine maps (Goodman, Weare 2010), and whether they
+//! suffice: R̂ of split chains (Gelman, Rubin 1992; Vehtari et al. 2021) and effective size (Sokal 1997).
+//!
+//! Half of the steps stretch towards another walker, half follow the difference of two others (differential evolution,
+//! Nelson et al. 2014), which mixes better in more than about ten dimensions.
+
+use hammer_and_sample::{DifferentialEvolution, MinChainLen, Mixture, Model, Serial, Stretch, sample as run};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use thiserror::Error;
+
+use crate::statistics::{mean, variance};
+
+/// Independent ensembles, which R̂ compares.
+const ENSEMBLES: usize = 4;
+
+/// Deviation of the factor of a step along the difference of two walkers, about its mean 2.38/√(2 d).
+const DIFFERENCE_SPREAD: f64 = 1e-5;
+
+/// Largest R̂ with which samples count as those of the density (Vehtari et al. 2021).
+pub const LARGEST_R_HAT: f64 = 1.01;
+
+/// How a density is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Walkers of each ensemble, even and at least twice the dimensions; none for four times the dimensions and at least
+    /// 32.
+    pub walkers: Option<usize>,
+    /// Steps of each walker, of which the first half is discarded; doubled until R̂ and effective size suffice.
+    pub steps: usize,
+    /// Steps that are not exceeded by doubling.
+    pub most_steps: usize,
+    /// Effective size of every coordinate that is asked for.
+    pub effective: f64,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { walkers: None, steps: 500, most_steps: 16_000, effective: 1000.0, seed: 0 }
+    }
+}
+
+/// Why a density is not sampled.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EnsembleError {
+    /// The number of walkers is odd or too small.
+    #[error("{walkers} walkers for {dimensions} dimensions: an even number of at least {} is needed", 2 * dimensions)]
+    Walkers {
+        /// Their number.
+        walkers: usize,
+        /// Coordinates of the density.
+        dimensions: usize,
+    },
+    /// There are too few starts with a density.
+    #[error("{found} of {needed} starts of walkers have a density above zero")]
+    Starts {
+        /// Starts with a finite logarithm of the density.
+        found: usize,
+        /// Starts that are needed.
+        needed: usize,
+    },
+    /// A density has no coordinate.
+    #[error("a density of no coordinates has no samples")]
+    NoCoordinate,
+}
+
+/// Samples of a density.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Samples {
+    /// Points, in the order of the ensembles, then of steps, then of walkers.
+    pub points: Vec<Vec<f64>>,
+    /// R̂ of every coordinate over the halves of the ensembles' chains.
+    pub r_hat: Vec<f64>,
+    /// Effective number of independent samples of every coordinate.
+    pub effective: Vec<f64>,
+    /// Share of the steps that were accepted.
+    pub acceptance: f64,
+    /// Steps of each walker.
+    pub steps: usize,
+}
+
+impl Samples {
+    /// Whether R̂ of every coordinate is at most [`LARGEST_R_HAT`].
+    pub fn is_converged(&self) -> bool {
+        self.r_hat.iter().all(|r_hat| *r_hat <= LARGEST_R_HAT)
+    }
+
+    /// One coordinate of all points.
+    pub fn coordinate(&self, index: usize) -> Vec<f64> {
+        self.points.iter().map(|point| point[index]).collect()
+    }
+}
+
+/// The logarithm of a density; −∞ where it is zero.
+struct Density<'a, F>(&'a F);
+
+impl<F: Fn(&[f64]) -> f64 + Sync> Model for Density<'_, F> {
+    type Params = Vec<f64>;
+
+    fn log_prob(&self, state: &Vec<f64>) -> f64 {
+        let found = (self.0)(state);
+        if found.is_nan() { f64::NEG_INFINITY } else { found }
+    }
+}
+
+/// Samples `log_density`, the logarithm of a density up to a constant, by four ensembles that start at successive draws
+/// of `start`. The samples follow from the options alone, whatever the number of threads.
+///
+/// # Errors
+/// See [`EnsembleError`].
+pub fn sample(
+    log_density: &(impl Fn(&[f64]) -> f64 + Sync),
+    mut start: impl FnMut() -> Vec<f64>,
+    options: &Options,
+) -> Result<Samples, EnsembleError> {
+    let dimensions = start().len();
+    if dimensions == 0 {
+        return Err(EnsembleError::NoCoordinate);
+    }
+    let walkers = options.walkers.unwrap_or_else(|| (4 * dimensions).max(32));
+    if walkers % 2 != 0 || walkers < 2 * dimensions {
+        return Err(EnsembleError::Walkers { walkers, dimensions });
+    }
+    let starts = starts(log_density, &mut start, ENSEMBLES * walkers)?;
+    let mut steps = options.steps.clamp(8, options.most_steps.max(8));
+    loop {
+        let samples = chains(log_density, &starts, walkers, steps, options.seed);
+        let is_enough = samples.is_converged() && samples.effective.iter().all(|size| *size >= options.effective);
+        if is_enough || 2 * steps > options.most_steps {
+            return Ok(samples);
+        }
+        steps *= 2;
+    }
+}
+
+/// So many starts with a density above zero.
+fn starts(
+    log_density: &impl Fn(&[f64]) -> f64,
+    start: &mut impl FnMut() -> Vec<f64>,
+    needed: usize,
+) -> Result<Vec<Vec<f64>>, EnsembleError> {
+    /// Draws for one start that is needed.
+    const DRAWS: usize = 100;
+    let drawn = (0..DRAWS * needed).map(|_| start()).filter(|point| log_density(point).is_finite());
+    let found: Vec<Vec<f64>> = drawn.take(needed).collect();
+    if found.len() < needed { Err(EnsembleError::Starts { found: found.len(), needed }) } else { Ok(found) }
+}
+
+/// All ensembles, each in a thread, with so many steps.
+fn chains(
+    log_density: &(impl Fn(&[f64]) -> f64 + Sync),
+    starts: &[Vec<f64>],
+    walkers: usize,
+    steps: usize,
+    seed: u64,
+) -> Samples {
+    let ensemble = |number: usize, starts: &[Vec<f64>]| {
+        let generator = |walker: usize| {
+            let mut generator = ChaCha8Rng::seed_from_u64(seed);
+            generator.set_stream((number * walkers + walker) as u64);
+            generator
+        };
+        let start = starts.iter().cloned().enumerate().map(|(walker, start)| (start, generator(walker)));
+        let factor = 2.38 / (2.0 * starts[0].len() as f64).sqrt();
+        let steps_of =
+            Mixture::from(((Stretch::default(), 1), (DifferentialEvolution::new(factor, DIFFERENCE_SPREAD), 1)));
+        run(&Density(log_density), &steps_of, start, MinChainLen(walkers * steps), Serial)
+    };
+    let found: Vec<(Vec<Vec<f64>>, usize)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = starts
+            .chunks(walkers)
+            .enumerate()
+            .map(|(number, starts)| scope.spawn(move || ensemble(number, starts)))
+            .collect();
+        threads
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    });
+    let accepted: usize = found.iter().map(|(_, accepted)| accepted).sum();
+    let half = walkers * (steps / 2);
+    let kept: Vec<Vec<Vec<f64>>> = found.into_iter().map(|(mut chain, _)| chain.split_off(half)).collect();
+    let dimensions = starts[0].len();
+    let acceptance = accepted as f64 / (starts.len() * steps) as f64;
+    let of = |index: usize| -> Vec<Vec<f64>> {
+        kept.iter().map(|chain| chain.iter().map(|point| point[index]).collect()).collect()
+    };
+    let r_hat = (0..dimensions).map(|index| r_hat(&of(index), walkers)).collect();
+    let effective = (0..dimensions).map(|index| effective_size(&of(index), walkers)).collect();
+    Samples { points: kept.into_iter().flatten().collect(), r_hat, effective, acceptance, steps }
+}
+
+/// R̂ over the halves of chains whose points are `walkers` a step.
+fn r_hat(chains: &[Vec<f64>], walkers: usize) -> f64 {
+    let halves: Vec<&[f64]> = chains
+        .iter()
+        .flat_map(|chain| {
+            let middle = chain.len() / walkers / 2 * walkers;
+            [&chain[..middle], &chain[middle..]]
+        })
+        .collect();
+    let of =
+        |reduce: fn(&[f64]) -> Option<f64>| -> Option<Vec<f64>> { halves.iter().map(|half| reduce(half)).collect() };
+    let found = || {
+        let within = mean(&of(variance)?)?;
+        let between = variance(&of(mean)?)?;
+        (within > 0.0).then(|| (1.0 + between / within).sqrt())
+    };
+    found().unwrap_or(f64::INFINITY)
+}
+
+/// Samples over the time of their autocorrelation, whose covariances are the means of all walkers; the sum ends at five
+/// times that time (Sokal 1997).
+fn effective_size(chains: &[Vec<f64>], walkers: usize) -> f64 {
+    /// Times of autocorrelation after which the sum of correlations ends.
+    const WINDOW: f64 = 5.0;
+    let all: Vec<f64> = chains.concat();
+    let (Some(mean), Some(variance)) = (mean(&all), variance(&all)) else { return 0.0 };
+    let steps = chains.iter().map(|chain| chain.len() / walkers).min().unwrap_or(0);
+    let correlation = |lag: usize| {
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for chain in chains {
+            for place in 0..chain.len() - lag * walkers {
+                sum += (chain[place] - mean) * (chain[place + lag * walkers] - mean);
+            }
+            count += chain.len() - lag * walkers;
+        }
+        sum / count as f64 / variance
+    };
+    let mut time = 1.0;
+    for lag in 1..steps {
+        time += 2.0 * correlation(lag);
+        if lag as f64 >= WINDOW * time {
+            break;
+        }
+    }
+    all.len() as f64 / time.max(1.0)
+}
+
+#[cfg(test)]
+mod tests;
