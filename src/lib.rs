@@ -57,6 +57,8 @@ pub use report;
 #[doc(inline)]
 pub use scene::{digitize, expectation, mesh, model, scenario, simulate};
 #[doc(inline)]
-pub use study::{cluster, evaluate, functions, identify, post, reference, scenario_functions, script, store, sweep};
+pub use study::{
+    calibrate, cluster, evaluate, functions, identify, post, reference, scenario_functions, script, store, sweep,
+};
 #[doc(inline)]
 pub use uncertainty;

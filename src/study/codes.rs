@@ -4,7 +4,7 @@ use base::finding::Code;
 use lab::{confidence, experiment, signal};
 use scene::{digitize, model, simulate};
 
-use crate::{identify, post, script, sweep};
+use crate::{calibrate, identify, post, script, sweep};
 
 /// All codes of runs, searches, sweeps and reductions.
 pub fn all() -> impl Iterator<Item = &'static Code> {
@@ -22,6 +22,7 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
         script::CODES,
         post::CODES,
         identify::CODES,
+        calibrate::CODES,
     ];
     modules.into_iter().flatten().copied()
 }

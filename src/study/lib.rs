@@ -9,6 +9,7 @@ pub mod evaluate;
 pub mod scenario_functions;
 pub mod identify;
 pub mod sweep;
+pub mod calibrate;
 pub mod codes;
 pub mod reference;
 pub mod cluster;

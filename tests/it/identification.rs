@@ -10,7 +10,7 @@ use droptower::diagnostic;
 use droptower::functions;
 use droptower::identify::{self, SearchEvent, SearchHost};
 use droptower::scenario::Assignment;
-use droptower::scenario_functions;
+use droptower::scenario_functions::{self, Scenarios};
 use droptower::script::{ConvergenceHistory, Limits, key_mistake};
 use droptower::signal::Series;
 use rhai::Engine;
@@ -226,7 +226,7 @@ fn engine_with(bench: &Bench, changes: &[&str], host: SearchHost) -> Engine {
     let read =
         |change| Assignment::from_argument(change).unwrap_or_else(|m| panic!("{}", diagnostic::render(&m, false)));
     let mut engine = functions::engine(Limits::STUDY);
-    scenario_functions::register(&mut engine, changes.map(read).collect(), None);
+    scenario_functions::register(&mut engine, &Scenarios { changes: changes.map(read).collect(), evaluations: None });
     identify::register(&mut engine, &host);
     engine
 }

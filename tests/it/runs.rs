@@ -10,12 +10,13 @@ use rhai::{Engine, Map, Scope};
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
+use droptower::calibrate;
 use droptower::evaluate::Evaluations;
 use droptower::functions;
 use droptower::identify::{self, SearchHost};
 use droptower::reference;
 use droptower::report::Figure;
-use droptower::scenario_functions;
+use droptower::scenario_functions::{self, Scenarios};
 use droptower::script::{Arguments, Entry, Limits, OutputCollector, Script};
 use droptower::signal::csv;
 use droptower::sweep;
@@ -344,11 +345,13 @@ fn mistakes_in_a_script_have_line_and_column() {
 fn engine(folder: &Path) -> Engine {
     let evaluations = Arc::new(Evaluations::open(&folder.join("evaluations")).expect("a store"));
     let mut engine = functions::engine(Limits::STUDY);
-    functions::register_output(&mut engine, &OutputCollector::new(vec!["steps".into()]));
+    let (collector, host) = (OutputCollector::new(vec!["steps".into()]), SearchHost::new(None, |_| {}));
+    functions::register_output(&mut engine, &collector);
     functions::register_reading(&mut engine);
-    scenario_functions::register(&mut engine, vec![], None);
-    identify::register(&mut engine, &SearchHost::new(None, |_| {}));
+    scenario_functions::register(&mut engine, &Scenarios::default());
+    identify::register(&mut engine, &host);
     sweep::register(&mut engine, &evaluations);
+    calibrate::register(&mut engine, &Scenarios::default(), &host, &collector);
     Arguments::register(&mut engine);
     engine
 }

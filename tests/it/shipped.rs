@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use droptower::calibrate;
 use droptower::diagnostic::{Diagnostic, render};
 use droptower::evaluate::Evaluations;
 use droptower::functions;
@@ -12,7 +13,7 @@ use droptower::model::loading::Test;
 use droptower::model::{self, Model};
 use droptower::post::{Plan, Results};
 use droptower::scenario::{Assignment, Document};
-use droptower::scenario_functions;
+use droptower::scenario_functions::{self, Scenarios};
 use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::simulate;
 use droptower::sweep;
@@ -117,9 +118,11 @@ fn post_scripts_add_figures() {
 #[test]
 fn study_scripts_compile() {
     let mut engine = functions::engine(Limits::STUDY);
-    functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
-    scenario_functions::register(&mut engine, Vec::new(), None);
-    identify::register(&mut engine, &SearchHost::new(None, |_| {}));
+    let (collector, host) = (OutputCollector::new(Vec::new()), SearchHost::new(None, |_| {}));
+    functions::register_output(&mut engine, &collector);
+    scenario_functions::register(&mut engine, &Scenarios::default());
+    identify::register(&mut engine, &host);
+    calibrate::register(&mut engine, &Scenarios::default(), &host, &collector);
     let folder = tempfile::tempdir().expect("a folder");
     sweep::register(&mut engine, &Arc::new(Evaluations::open(folder.path()).expect("no records")));
     functions::register_reading(&mut engine);

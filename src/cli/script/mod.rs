@@ -23,10 +23,11 @@ use base::finding::Finding;
 use base::units::with_decimal_point;
 use report::StudyPage;
 use scene::scenario::Assignment;
+use study::calibrate;
 use study::evaluate::{EvaluationError, Evaluations};
 use study::functions;
 use study::identify::{self, Identity, SearchEvent, SearchHost};
-use study::scenario_functions;
+use study::scenario_functions::{self, Scenarios};
 use study::script::{
     About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
@@ -236,9 +237,11 @@ pub(super) fn engine(
     functions::register_output(&mut engine, collector);
     functions::register_reading(&mut engine);
     Session::of_engine(&engine).report_to(collector);
-    scenario_functions::register(&mut engine, changes, Some(Arc::clone(evaluations)));
+    let scenarios = Scenarios { changes, evaluations: Some(Arc::clone(evaluations)) };
+    scenario_functions::register(&mut engine, &scenarios);
     identify::register(&mut engine, host);
     sweep::register(&mut engine, evaluations);
+    calibrate::register(&mut engine, &scenarios, host, collector);
     Arguments::register(&mut engine);
     engine
 }

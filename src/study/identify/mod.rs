@@ -33,11 +33,13 @@ mod search;
 mod starts;
 mod warning;
 
+pub(crate) use bindings::{HostSearch, failure};
 pub use bindings::{REFERENCE, SearchEvent, SearchHost, register};
 pub use bounds::{Bounds, BoundsError, Side};
 pub use confidence::linearization::{LinearizationError, linearize_at_start};
 pub use confidence::profile::{Profile, ProfileError, ProfilePoint, profiles};
 pub use confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
+pub(crate) use convergence::{Labels, SignalLabel};
 pub use error::SearchError;
 pub use iteration::{Iteration, Step, StopReason};
 pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};

@@ -71,7 +71,8 @@ impl Run {
         }
     }
 
-    fn channel(&self, name: &str) -> Result<Series, Box<EvalAltResult>> {
+    /// The channel that scripts call `name`.
+    pub(crate) fn channel(&self, name: &str) -> Result<Series, Box<EvalAltResult>> {
         let shorts =
             || self.0.signals.channels.iter().filter_map(|channel| Some((short(&channel.name)?, &channel.name)));
         let series = shorts().find(|(short, _)| short == name).and_then(|(_, column)| self.0.signals.series(column));

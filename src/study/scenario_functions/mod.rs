@@ -6,7 +6,7 @@ mod study;
 
 use crate::script::Chapter;
 
-pub use study::{Study, register};
+pub use study::{Scenarios, Study, register};
 
 /// The reference of scenarios in scripts.
 pub const REFERENCE: &[Chapter] = &[

@@ -42,6 +42,32 @@ struct Parts {
 /// Bytes of a checked scenario beside its document, about: its model, with curves of up to some hundred points.
 const MODEL_SIZE: usize = 16 << 10;
 
+/// How scripts read scenarios: the changes of the command line, and the runs that are kept.
+#[derive(Clone, Default)]
+pub struct Scenarios {
+    /// Changes of every scenario that a script reads.
+    pub changes: Vec<Assignment>,
+    /// Runs that were computed before; none where all are computed again.
+    pub evaluations: Option<Arc<Evaluations>>,
+}
+
+impl Scenarios {
+    /// The scenario at `path`, relative to the working directory.
+    fn read(&self, path: &Path, session: &Session) -> HostResult<Study> {
+        Study::read(path, &self.changes, self.evaluations.clone(), session)
+    }
+
+    /// The scenario in a file that a script names, or one that it has read.
+    pub(crate) fn named(&self, given: &Dynamic, session: &Session) -> HostResult<Study> {
+        if let Some(study) = given.read_lock::<Study>() {
+            return Ok(study.clone());
+        }
+        let path = given.clone().into_string();
+        let path = path.map_err(|found| refuse(format!("expected a scenario or the path of one, found {found}")))?;
+        self.read(Path::new(&path), session)
+    }
+}
+
 /// The outcome of a run, or why there is none.
 type Found = Result<Outcome, NoOutcome>;
 
@@ -49,7 +75,7 @@ impl Study {
     /// Reads the scenario at `path`, relative to the working directory, applies `changes` and checks it.
     ///
     /// The session records the files that this reads.
-    pub fn read(
+    fn read(
         path: &Path,
         changes: &[Assignment],
         evaluations: Option<Arc<Evaluations>>,
@@ -61,6 +87,11 @@ impl Study {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.0.model.name
+    }
+
+    /// The checked scenario.
+    pub(crate) fn model(&self) -> &Model {
+        &self.0.model
     }
 
     /// The scenario as written, with its changes.
@@ -97,13 +128,13 @@ impl Study {
     }
 
     /// A study of the scenario with changed values of its keys.
-    fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
+    pub(crate) fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
         let changes = changes.collect::<HostResult<Vec<_>>>()?;
         Study::check(self.0.document.with(&changes), Some(&*self.0), self.0.evaluations.clone(), session)
     }
 
-    fn simulate(&self, session: &Session) -> HostResult<Run> {
+    pub(crate) fn simulate(&self, session: &Session) -> HostResult<Run> {
         match self.simulate_with(session, Evaluations::outcome_of)? {
             Some(run) => Ok(run),
             None => Err(refuse("the run was cancelled")),
@@ -221,7 +252,7 @@ impl Study {
         refuse(format!("{}: {error}", self.0.model.name))
     }
 
-    fn comparison(&self) -> HostResult<&ReferenceComparison> {
+    pub(crate) fn comparison(&self) -> HostResult<&ReferenceComparison> {
         let comparison = self.0.plan.comparison();
         comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
     }
@@ -349,14 +380,15 @@ fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
 
 /// Offers scenarios to scripts; `changes` apply to each that a script reads. Runs are taken from `evaluations` and added to
 /// them.
-pub fn register(engine: &mut Engine, changes: Vec<Assignment>, evaluations: Option<Arc<Evaluations>>) {
+pub fn register(engine: &mut Engine, scenarios: &Scenarios) {
     run::register(engine);
+    let scenarios = scenarios.clone();
     coupon_material::register(engine);
     Session::of_engine(engine).ship(modules::MODULES);
     engine
         .register_type_with_name::<Study>("scenario")
         .register_fn("scenario", move |context: NativeCallContext, path: &str| {
-            Study::read(Path::new(path), &changes, evaluations.clone(), &Session::from_context(&context))
+            scenarios.read(Path::new(path), &Session::from_context(&context))
         })
         .register_fn("with", |context: NativeCallContext, study: &mut Study, changes: Map| {
             study.with(changes, &Session::from_context(&context))

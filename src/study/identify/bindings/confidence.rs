@@ -162,10 +162,11 @@ fn estimate(best: &Dynamic) -> HostResult<Array> {
 }
 
 fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
-    let confidences = host.run::<_, ProfileError>(context, std::slice::from_ref(&request.search), |evaluator, _| {
-        let linearization = linearization(&request.search.search, &request.options, evaluator)?;
-        Ok(Confidence::from_linearization(&linearization, &request.options.confidence)?)
-    })?;
+    let confidences =
+        host.script_run::<_, ProfileError>(context, std::slice::from_ref(&request.search), |evaluator, _| {
+            let linearization = linearization(&request.search.search, &request.options, evaluator)?;
+            Ok(Confidence::from_linearization(&linearization, &request.options.confidence)?)
+        })?;
     let confidence = first(confidences)?;
     let title = match &request.search.labels.title {
         Some(title) => format!("Correlation: {title}"),

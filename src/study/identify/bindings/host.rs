@@ -13,10 +13,10 @@ use super::objective::{ScriptError, ScriptObjective};
 use super::options::ScriptSearch;
 use crate::identify::confidence::profile::ProfileError;
 use crate::identify::confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
-use crate::identify::convergence::convergence_history;
+use crate::identify::convergence::{Labels, convergence_history};
 use crate::identify::error::{SearchError, SearchFailure};
 use crate::identify::iteration::Iteration;
-use crate::identify::objective::FatalError;
+use crate::identify::objective::{FatalError, Objective};
 use crate::identify::options::{Search, Starts};
 use crate::identify::pool::history::{History, Identity};
 use crate::identify::pool::trial_pool::{Evaluator, PoolError, Problem, TrialPool};
@@ -34,6 +34,13 @@ pub struct SearchHost {
     identity: Arc<OnceLock<Identity>>,
     searches: Arc<AtomicUsize>,
     observer: Arc<dyn Fn(SearchEvent<'_>) + Send + Sync>,
+}
+
+/// A search, its labels and its objective.
+pub(crate) struct HostSearch<'a> {
+    pub(crate) search: &'a Search,
+    pub(crate) labels: &'a Labels,
+    pub(crate) objective: &'a dyn Objective,
 }
 
 /// An event during the searches of a script.
@@ -69,11 +76,20 @@ impl SearchHost {
         context: &NativeCallContext,
         searches: &[ScriptSearch],
     ) -> HostResult<Vec<SearchResult>> {
+        self.with_objectives(context, searches, |session, searches| self.minimize_all(session, searches))
+    }
+
+    /// Runs independent searches on the same threads at the same time; the results in their order, or the number and the
+    /// error of the first that failed.
+    pub(crate) fn minimize_all(
+        &self,
+        session: &Session,
+        searches: &[HostSearch<'_>],
+    ) -> HostResult<Result<Vec<SearchResult>, (usize, SearchError)>> {
         let several = searches.len() > 1;
         let begun = self.searches.load(Ordering::Relaxed);
-        let session = Session::from_context(context);
-        let results = self.run(context, searches, |evaluator, number| {
-            let ScriptSearch { search, labels, .. } = &searches[number];
+        let results = self.run(session, searches, |evaluator, number| {
+            let HostSearch { search, labels, .. } = &searches[number];
             let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
             let mut progress = ProgressEstimator::new(search, name);
             let mut observer =
@@ -84,9 +100,11 @@ impl SearchHost {
                 convergence_history(&result, title, &search.names, labels, session.is_all_virtual(), evaluator);
             Ok::<_, SearchError>((result, history))
         })?;
-        let (results, histories): (Vec<_>, Vec<_>) = results.into_iter().unzip();
-        histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
-        Ok(results)
+        Ok(results.map(|found| {
+            let (results, histories): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+            histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
+            results
+        }))
     }
 
     /// Profiles about the start of `search`, or about the result of searches that they continue.
@@ -96,65 +114,96 @@ impl SearchHost {
         search: &ScriptSearch,
         options: &ProfileOptions,
     ) -> HostResult<Refinement> {
-        let session = Session::from_context(context);
         let ScriptSearch { search: from, labels, .. } = search;
-        let found = self.run::<_, ProfileError>(context, std::slice::from_ref(search), |evaluator, _| {
-            let continued = Search { starts: Starts::One, ..from.clone() };
-            let mut progress = ProgressEstimator::new(&continued, labels.title.clone());
-            let mut observer = |event: ProfileEvent<'_>| match event {
-                ProfileEvent::OpenPoints(open) => (self.observer)(SearchEvent::OpenPoints(open)),
-                ProfileEvent::Iteration(at) => (self.observer)(SearchEvent::Progress(&progress.update(at))),
-            };
-            let refinement = Refinement::run(from, options, evaluator, &mut observer)?;
-            let title = |number: usize| {
-                let title = labels.title.as_deref().unwrap_or("search");
-                if number == 0 { format!("{title}, continued") } else { format!("{title}, continued {}", number + 1) }
-            };
-            let history = |(number, result): (usize, &SearchResult)| {
-                convergence_history(result, title(number), &from.names, labels, session.is_all_virtual(), evaluator)
-            };
-            let histories: Vec<ConvergenceHistory> = refinement.continued.iter().enumerate().map(history).collect();
-            Ok((refinement, histories))
-        })?;
+        let found =
+            self.script_run::<_, ProfileError>(context, std::slice::from_ref(search), |evaluator, session| {
+                let continued = Search { starts: Starts::One, ..from.clone() };
+                let mut progress = ProgressEstimator::new(&continued, labels.title.clone());
+                let mut observer = |event: ProfileEvent<'_>| match event {
+                    ProfileEvent::OpenPoints(open) => (self.observer)(SearchEvent::OpenPoints(open)),
+                    ProfileEvent::Iteration(at) => (self.observer)(SearchEvent::Progress(&progress.update(at))),
+                };
+                let refinement = Refinement::run(from, options, evaluator, &mut observer)?;
+                let title = |number: usize| {
+                    let title = labels.title.as_deref().unwrap_or("search");
+                    if number == 0 {
+                        format!("{title}, continued")
+                    } else {
+                        format!("{title}, continued {}", number + 1)
+                    }
+                };
+                let history = |(number, result): (usize, &SearchResult)| {
+                    convergence_history(result, title(number), &from.names, labels, session.is_all_virtual(), evaluator)
+                };
+                let histories: Vec<ConvergenceHistory> = refinement.continued.iter().enumerate().map(history).collect();
+                Ok((refinement, histories))
+            })?;
         let (refinement, histories) = found.into_iter().next().ok_or_else(|| refuse("the profiles have no result"))?;
         histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
         Ok(refinement)
     }
 
-    /// Runs `job` for each of `searches` with a pool that evaluates their objectives and writes their histories.
-    pub(super) fn run<T: Send, E: SearchFailure + From<PoolError> + Send>(
+    /// Runs `job` for each of `searches`, which have objectives of the script.
+    pub(super) fn script_run<T: Send, E: SearchFailure + From<PoolError> + Send>(
         &self,
         context: &NativeCallContext,
         searches: &[ScriptSearch],
-        job: impl Fn(&Evaluator<'_, '_>, usize) -> Result<T, E> + Sync,
+        job: impl Fn(&Evaluator<'_, '_>, &Session) -> Result<T, E> + Sync,
+    ) -> HostResult<Vec<T>> {
+        self.with_objectives(context, searches, |session, searches| {
+            self.run(session, searches, |evaluator, _| job(evaluator, session))
+        })
+    }
+
+    /// What `run` finds of `searches` with their objectives; an error of the script has its position.
+    fn with_objectives<T, E: SearchFailure>(
+        &self,
+        context: &NativeCallContext,
+        searches: &[ScriptSearch],
+        run: impl FnOnce(&Session, &[HostSearch<'_>]) -> HostResult<Result<Vec<T>, (usize, E)>>,
     ) -> HostResult<Vec<T>> {
         let session = Session::from_context(context);
         if session.is_trial() {
             return Err(refuse(format!("an objective cannot search: `{}` is called within one", context.fn_name())));
         }
-        let several = searches.len() > 1;
-        let prefix = |number: usize| if several { format!("search {}: ", number + 1) } else { String::new() };
-        for (number, ScriptSearch { search, .. }) in searches.iter().enumerate() {
-            search.check().map_err(|error| refuse(format!("{}{error}", prefix(number))))?;
-        }
-        let histories = searches.iter().map(|_| self.history(session.inputs()));
-        let mut histories = histories.collect::<HostResult<Vec<_>>>()?;
         let objective = |ScriptSearch { on_rupture, call, .. }: &ScriptSearch| {
             ScriptObjective::new(context, session.clone(), *on_rupture, call)
         };
         let objectives: Vec<ScriptObjective<'_>> = searches.iter().map(objective).collect();
-        let problems = objectives.iter().zip(searches).zip(&mut histories);
-        let problems = problems.map(|((objective, ScriptSearch { search, .. }), history)| Problem {
-            objective,
-            on_failure: search.on_failure,
+        let with_objective = |(own, objective)| {
+            let ScriptSearch { search, labels, .. }: &ScriptSearch = own;
+            HostSearch { search, labels, objective }
+        };
+        let searches: Vec<HostSearch<'_>> =
+            searches.iter().zip(objectives.iter().map(|own| own as &dyn Objective)).map(with_objective).collect();
+        run(&session, &searches)?.map_err(|(number, error)| {
+            let key_mistake = || objectives[number].take_key_mistake(error.cause_of_trial()?);
+            script_error(&error)
+                .or_else(key_mistake)
+                .unwrap_or_else(|| failure(&error, &prefix(number, searches.len())))
+        })
+    }
+
+    /// Runs `job` for each of `searches` with a pool that evaluates their objectives and writes their histories; the
+    /// number and the error of the first that failed.
+    pub(crate) fn run<T: Send, E: From<PoolError> + Send>(
+        &self,
+        session: &Session,
+        searches: &[HostSearch<'_>],
+        job: impl Fn(&Evaluator<'_, '_>, usize) -> Result<T, E> + Sync,
+    ) -> HostResult<Result<Vec<T>, (usize, E)>> {
+        for (number, HostSearch { search, .. }) in searches.iter().enumerate() {
+            let refused = |error| refuse(format!("{}{error}", prefix(number, searches.len())));
+            search.check().map_err(refused)?;
+        }
+        let histories = searches.iter().map(|_| self.history(session.inputs()));
+        let mut histories = histories.collect::<HostResult<Vec<_>>>()?;
+        let problems = searches.iter().zip(&mut histories).map(|(own, history)| Problem {
+            objective: own.objective,
+            on_failure: own.search.on_failure,
             history: history.as_mut(),
         });
-        let pool = TrialPool::new(problems.collect(), rayon::current_num_threads()).with_stack(STACK);
-        let results = pool.run(job);
-        results.map_err(|(number, error)| {
-            let key_mistake = || objectives[number].take_key_mistake(error.cause_of_trial()?);
-            script_error(&error).or_else(key_mistake).unwrap_or_else(|| failure(&error, &prefix(number)))
-        })
+        Ok(TrialPool::new(problems.collect(), rayon::current_num_threads()).with_stack(STACK).run(job))
     }
 
     /// Reports the correlation of parameters.
@@ -174,8 +223,13 @@ impl SearchHost {
     }
 }
 
+/// Words before the error of one of several searches.
+fn prefix(number: usize, searches: usize) -> String {
+    if searches > 1 { format!("search {}: ", number + 1) } else { String::new() }
+}
+
 /// The error of a search as the script gets it.
-fn failure(error: &impl SearchFailure, prefix: &str) -> Box<EvalAltResult> {
+pub(crate) fn failure(error: &impl SearchFailure, prefix: &str) -> Box<EvalAltResult> {
     let text = format!("{prefix}{error}");
     if error.is_numerical() { numerical_failure(text) } else { refuse(text) }
 }

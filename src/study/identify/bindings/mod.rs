@@ -10,6 +10,7 @@ mod result;
 use rhai::Engine;
 
 use crate::script::Chapter;
+pub(crate) use host::{HostSearch, failure};
 pub use host::{SearchEvent, SearchHost};
 
 /// Registers `minimize`, `minimize_all`, `confidence` and `profiles`, whose searches `host` runs.

@@ -1,0 +1,333 @@
+//! `calibrate` in scripts, and what its result offers.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
+use serde_json::{Value, json};
+
+use super::candidates;
+use super::fit::Fit;
+use super::parameter::texts;
+use super::plan::Plan;
+use super::posterior::{Posterior, PosteriorOptions};
+use super::prediction::{Asked, Prediction};
+use super::rows;
+use super::verdict;
+use crate::identify::SearchHost;
+use crate::scenario_functions::{Scenarios, Study};
+use crate::script::{Chapter, Entry, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse};
+use base::finding::Finding;
+
+/// The result of a calibration in a script. Cheap to clone.
+#[derive(Clone)]
+pub(super) struct Calibration(Arc<Parts>);
+
+struct Parts {
+    plan: Plan,
+    fit: Fit,
+    scenarios: Scenarios,
+    collector: OutputCollector,
+    asked: Mutex<Answers>,
+}
+
+/// What was asked of a calibration so far.
+#[derive(Default)]
+struct Answers {
+    posterior: Option<Posterior>,
+    predictions: Vec<Prediction>,
+}
+
+/// Offers `calibrate` to scripts: its scenarios are read as `scenario` reads them, `host` runs its searches, and its tables
+/// and findings go to `collector`.
+pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, collector: &OutputCollector) {
+    let (scenarios, host, collector) = (scenarios.clone(), host.clone(), collector.clone());
+    engine
+        .register_type_with_name::<Calibration>("calibration")
+        .register_fn("calibrate", move |context: NativeCallContext, options: Map| {
+            Calibration::new(&options, &scenarios, &host, &collector, &Session::from_context(&context))
+        })
+        .register_get("x", |own: &mut Calibration| own.values())
+        .register_get("error", |own: &mut Calibration| own.0.fit.result.best.f)
+        .register_get("converged", |own: &mut Calibration| own.0.fit.result.best.converged)
+        .register_get("reason", |own: &mut Calibration| own.0.fit.result.best.reason.to_string())
+        .register_get("model_error", |own: &mut Calibration| own.0.fit.share)
+        .register_get("evaluations", |own: &mut Calibration| own.0.fit.evaluations as rhai::INT)
+        .register_get("parameters", |own: &mut Calibration| listed(&own.parameters()))
+        .register_get("tests", |own: &mut Calibration| listed(&rows::tests(&own.0.plan, &own.0.fit)))
+        .register_get("findings", |own: &mut Calibration| from_json(&json!(own.0.fit.findings)))
+        .register_fn("test", |context: NativeCallContext, own: &mut Calibration, name: &str| {
+            own.test(name, &Session::from_context(&context))
+        })
+        .register_fn("posterior", |context: NativeCallContext, own: &mut Calibration| {
+            own.posterior(&Map::new(), &Session::from_context(&context))
+        })
+        .register_fn("posterior", |context: NativeCallContext, own: &mut Calibration, options: Map| {
+            own.posterior(&options, &Session::from_context(&context))
+        })
+        .register_fn("predict", |context: NativeCallContext, own: &mut Calibration, scenarios: Array| {
+            own.predict(&scenarios, &Map::new(), &Session::from_context(&context))
+        })
+        .register_fn("predict", |context: NativeCallContext, own: &mut Calibration, scenarios: Array, options: Map| {
+            own.predict(&scenarios, &options, &Session::from_context(&context))
+        })
+        .register_fn("settles", |context: NativeCallContext, own: &mut Calibration, candidates: Array| {
+            own.settles(&candidates, &Session::from_context(&context))
+        })
+        .register_fn("page", |own: &mut Calibration| own.page());
+}
+
+impl Calibration {
+    fn new(
+        options: &Map,
+        scenarios: &Scenarios,
+        host: &SearchHost,
+        collector: &OutputCollector,
+        session: &Session,
+    ) -> HostResult<Calibration> {
+        if session.is_trial() {
+            return Err(refuse("an objective cannot search: `calibrate` is called within one"));
+        }
+        let plan = Plan::read(options, scenarios, session)?;
+        let fit = Fit::search(&plan, host, session)?;
+        let (scenarios, collector) = (scenarios.clone(), collector.clone());
+        let own = Calibration(Arc::new(Parts { plan, fit, scenarios, collector, asked: Mutex::default() }));
+        own.report()?;
+        Ok(own)
+    }
+
+    /// Tables and findings of the result.
+    fn report(&self) -> HostResult<()> {
+        let Parts { plan, fit, collector, .. } = &*self.0;
+        collector.table(&plan.table("parameters"), self.parameters()).map_err(refuse)?;
+        collector.table(&plan.table("tests"), rows::tests(plan, fit)).map_err(refuse)?;
+        fit.findings.iter().try_for_each(|finding| collector.report(finding.clone())).map_err(refuse)
+    }
+
+    fn parameters(&self) -> Vec<Row> {
+        let Parts { plan, fit, .. } = &*self.0;
+        rows::parameters(plan, &fit.values, &fit.known, "linear model at the best point")
+    }
+
+    /// Values by the names of the unknowns.
+    fn values(&self) -> Map {
+        let Parts { plan, fit, .. } = &*self.0;
+        let values = plan.unknowns.iter().zip(&fit.values);
+        values.map(|(unknown, value)| (unknown.name.as_str().into(), Dynamic::from(*value))).collect()
+    }
+
+    /// The scenario of a test with the best values.
+    fn test(&self, name: &str, session: &Session) -> HostResult<Study> {
+        let Parts { plan, fit, .. } = &*self.0;
+        let place = plan.tests.iter().position(|test| test.name == name);
+        let known = || plan.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
+        let place = place.ok_or_else(|| refuse(format!("there is no test `{name}`; there are {}", known())))?;
+        plan.tests[place].study.with(plan.changes(place, &fit.values), session)
+    }
+
+    fn asked(&self) -> MutexGuard<'_, Answers> {
+        self.0.asked.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Samples the posterior; its rows.
+    fn posterior(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
+        let Parts { plan, fit, collector, .. } = &*self.0;
+        let options = posterior_options(plan, &Options { of: "posterior", map: options })?;
+        let found = Posterior::sample(plan, fit, &options, session)?;
+        for warning in &found.warnings {
+            collector.report(Finding::new(warning)).map_err(refuse)?;
+        }
+        let median = found.median();
+        let known = verdict::of_covariance(plan, &median, &found.covariance(), &fit.jacobian);
+        let rows = rows::posterior(plan, &found, &known);
+        collector.table(&plan.table("posterior"), rows.clone()).map_err(refuse)?;
+        collector.table(&plan.table("posterior_tests"), rows::surrogates(plan, &found)).map_err(refuse)?;
+        self.asked().posterior = Some(found);
+        Ok(listed(&rows))
+    }
+
+    /// Predicts scenarios with draws of the posterior, which is sampled first where it was not.
+    fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
+        let Parts { plan, collector, .. } = &*self.0;
+        let asked = asked(&Options { of: "predict", map: options })?;
+        let is_sampled = self.asked().posterior.is_some();
+        if !is_sampled {
+            drop(self.posterior(&Map::new(), session)?);
+        }
+        let Some(posterior) = self.asked().posterior.clone() else { return Err(refuse("there is no posterior")) };
+        let mut all: Vec<Prediction> = Vec::new();
+        for given in scenarios {
+            let study = self.0.scenarios.named(given, session)?;
+            all.push(Prediction::of(&study, plan, &posterior, &asked, session)?);
+        }
+        let of =
+            |rows: fn(&Prediction) -> &Vec<Row>| all.iter().flat_map(|own| rows(own).clone()).collect::<Vec<Row>>();
+        let mut map = Map::new();
+        for (name, rows) in [
+            ("figures", of(|own| &own.figures)),
+            ("probabilities", of(|own| &own.probabilities)),
+            ("within_band", of(|own| &own.covered)),
+        ] {
+            map.insert(name.into(), listed(&rows));
+            if !rows.is_empty() {
+                collector.table(&plan.table(&format!("predicted_{name}")), rows).map_err(refuse)?;
+            }
+        }
+        for warning in all.iter().flat_map(|own| &own.warnings) {
+            collector.report(Finding::new(warning)).map_err(refuse)?;
+        }
+        self.asked().predictions.extend(all);
+        Ok(map)
+    }
+
+    /// What each candidate would tell beside the tests.
+    fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
+        let Parts { plan, fit, scenarios, collector, .. } = &*self.0;
+        let rows = candidates::compared(given, plan, fit, scenarios, session)?;
+        collector.table(&plan.table("candidates"), rows.clone()).map_err(refuse)?;
+        Ok(listed(&rows))
+    }
+
+    /// Plots of every test, measured and calibrated, of the posterior and of predictions.
+    fn page(&self) -> HostResult<()> {
+        let Parts { plan, fit, collector, .. } = &*self.0;
+        let asked = self.asked();
+        let pairs = asked.posterior.iter().flat_map(|found| rows::pairs(plan, found));
+        let bands = asked.predictions.iter().flat_map(|own| own.bands.clone());
+        let mut all = rows::plots(plan, fit).into_iter().chain(bands).chain(pairs);
+        all.try_for_each(|plot| collector.plot(plot)).map_err(refuse)
+    }
+}
+
+/// `#{ hierarchy, scatter, runs, rounds, steps, seed }`.
+fn posterior_options(plan: &Plan, options: &Options<'_>) -> HostResult<PosteriorOptions> {
+    options.check(&["hierarchy", "scatter", "runs", "rounds", "steps", "seed"])?;
+    let names = match options.map.get("hierarchy") {
+        None => Vec::new(),
+        Some(given) if given.as_bool() == Ok(false) => Vec::new(),
+        Some(given) if given.as_bool() == Ok(true) => {
+            let shared = |unknown: &&super::parameter::Unknown| {
+                unknown.test.is_none() && plan.sharing(unknown.parameter).count() > 1
+            };
+            plan.unknowns.iter().filter(shared).map(|unknown| unknown.name.clone()).collect()
+        }
+        Some(given) => texts(given, "hierarchy").map_err(refuse)?,
+    };
+    let scatter = options.map.get("scatter").map(|given| number(given, "scatter")).transpose()?;
+    if scatter.is_some_and(|scatter| !(scatter > 0.0 && scatter.is_finite())) {
+        return Err(refuse("`scatter` is the standard deviation over specimens that is expected at most, above zero"));
+    }
+    let scattered = names.iter().map(|name| {
+        let index = plan.unknowns.iter().position(|unknown| unknown.name == *name && unknown.test.is_none());
+        let index = index.ok_or_else(|| refuse(format!("`hierarchy` names `{name}`, which no two tests share")))?;
+        let parameter = plan.of(&plan.unknowns[index]);
+        let [low, high] = parameter.ends();
+        // Assumed: 30 % of a value, or a tenth of the bounds.
+        let usual = if parameter.is_logarithmic { 0.3 } else { 0.1 * (high - low) };
+        Ok((index, scatter.unwrap_or(usual)))
+    });
+    Ok(PosteriorOptions {
+        runs: whole(options, "runs", 0, 100_000)?,
+        rounds: whole(options, "rounds", 4, 20)?.max(1),
+        steps: whole(options, "steps", 8000, 1_000_000)?.max(100),
+        seed: whole(options, "seed", 1, usize::MAX)? as u64,
+        scattered: scattered.collect::<HostResult<Vec<_>>>()?,
+    })
+}
+
+/// `#{ samples, figures, signals, above, seed }`.
+fn asked(options: &Options<'_>) -> HostResult<Asked> {
+    options.check(&["samples", "figures", "signals", "above", "seed"])?;
+    let list = |name: &str| -> HostResult<Vec<String>> {
+        options.map.get(name).map_or(Ok(Vec::new()), |given| texts(given, name).map_err(refuse))
+    };
+    let above = match options.map.get("above").map(|given| given.read_lock::<Map>().map(|map| map.clone())) {
+        None => Vec::new(),
+        Some(None) => return Err(refuse("`above` is a map of figures and limits, such as #{ hic15: 700 }")),
+        Some(Some(map)) => {
+            let limit = |(name, limit): (&rhai::Identifier, &Dynamic)| Ok((name.to_string(), number(limit, name)?));
+            map.iter().map(limit).collect::<HostResult<Vec<_>>>()?
+        }
+    };
+    Ok(Asked {
+        samples: whole(options, "samples", 64, 100_000)?.max(2),
+        figures: list("figures")?,
+        signals: list("signals")?,
+        above,
+        seed: whole(options, "seed", 1, usize::MAX)? as u64,
+    })
+}
+
+/// A whole number up to a limit.
+fn whole(options: &Options<'_>, name: &str, usual: usize, most: usize) -> HostResult<usize> {
+    let Some(value) = options.map.get(name) else { return Ok(usual) };
+    let found = value.as_int().ok().and_then(|found| usize::try_from(found).ok()).filter(|found| *found <= most);
+    found.ok_or_else(|| refuse(format!("`{name}` is a whole number from 0 to {most}, not {value}")))
+}
+
+/// Rows as a list of maps.
+fn listed(rows: &[Row]) -> Dynamic {
+    from_json(&Value::Array(rows.iter().cloned().map(Value::Object).collect()))
+}
+
+/// The reference of calibrations in scripts.
+pub const REFERENCE: &[Chapter] =
+    &[Chapter { title: "calibration of several tests (droptower script)", entries: ENTRIES }];
+
+const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "calibrate(#{ tests, parameters, noise, discrepancy, stages, … })",
+        gives: "the parameters with which all tests agree with their recordings, and what the tests tell of each. A test is \
+                #{ scenario, compare, over, window, recordings, own, weight, noise, distance, error, set, name }: its signals \
+                (`acceleration` of an impact, else `force` or `pressure`) over time, travel or depth; `recordings` beside the \
+                [reference] of an impact are files or maps of signals; `own` names parameters that have a value of their own \
+                there; `distance` is \"residuals\", \"error-norm\", \"rating\", \"warping\" or \"features\". A parameter is \
+                #{ key, start, within, log, prior, tests }: one key or several that are tied, bounds, a search along the \
+                logarithm, a distribution as of [variation]. `noise` is \"from the recordings\" or a share of the signal; \
+                `discrepancy` the error of the model, #{ share, correlation }, of which a share \"estimated\" follows from \
+                what the best parameters leave; `stages` are changes of the tests for searches at less cost, the last #{}; \
+                further method, starts, max_evaluations, tol_x, tol_f, difference, seed, precision (relative half width up to \
+                which a parameter counts as determined, 0.2), on_rupture and name. Its tables `parameters` and `tests` are \
+                results of the script",
+        example: r#"let film = calibrate(#{
+                        tests: [#{ scenario: scenario("scenarios/stretch/single-element.toml").with(#{ "loading.stretch.until": 0.2 }),
+                            recordings: #{ force: signal([0, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3], [0, 0.2, 0.4, 0.6, 0.8, 1.0]).resampled(2e-5) } }],
+                        parameters: #{ k1: #{ key: "specimen.material.fabric.scale.k1", start: 1, within: [0.1, 10], log: true } },
+                        discrepancy: 0.01,
+                    });
+                    film.converged && film.parameters[0].verdict == "determined" && film.tests[0].relative_error < 0.01"#,
+    },
+    Entry {
+        call: "calibration.x, .parameters, .tests, .findings, .error, .converged, .reason, .model_error, .evaluations",
+        gives: "the best values by name; rows of parameters (interval of 95 %, verdict, the numbers behind it) and of signals; \
+                the findings; the norm of the residuals; whether and why the search stopped; the model's error as a share of \
+                each signal",
+        example: "true",
+    },
+    Entry { call: "calibration.test(name)", gives: "the scenario of a test with the best values", example: "true" },
+    Entry {
+        call: "calibration.posterior(), calibration.posterior(#{ hierarchy, scatter, runs, rounds, steps, seed })",
+        gives: "samples the posterior of the parameters on surrogates of the tests, which are refined where it is; rows of quantiles \
+                of each parameter, its verdict, R-hat and effective size. `hierarchy: true`, or names, lets parameters differ from \
+                specimen to specimen about a mean; `scatter` is what is expected of their standard deviation at most (relative where \
+                they are logarithmic)",
+        example: "true",
+    },
+    Entry {
+        call: "calibration.predict([scenario, …], #{ samples, figures, signals, above, seed })",
+        gives: "runs other scenarios with draws of the posterior: quantiles of figures with the share of the variance that each \
+                parameter explains, the probability that film breaks and that figures exceed limits (`above: #{ hic15: 700 }`), and how \
+                much of a recording lies in the band of 95 % of a signal; `page` draws the bands",
+        example: "true",
+    },
+    Entry {
+        call: "calibration.settles([scenario, …])",
+        gives: "which test would tell more: half widths of all parameters now and with each candidate, a scenario or a test without \
+                recordings, beside the tests (noise of 1 % assumed)",
+        example: "true",
+    },
+    Entry {
+        call: "calibration.page()",
+        gives: "adds plots to the results: each test as measured and as calibrated, and what was asked of the result",
+        example: "true",
+    },
+];

@@ -1,0 +1,184 @@
+//! The search of a calibration: stage by stage, again with the model's error that it leaves, and linearized at its end.
+
+use nalgebra::DMatrix;
+
+use super::error_model::{Correlation, most_likely_share};
+use super::objective::CalibrationObjective;
+use super::plan::{Discrepancy, Plan};
+use super::verdict::{self, Knowledge, Verdict};
+use super::warning::Warning;
+use crate::identify::{
+    HostSearch, Labels, LinearizationError, Method, SearchHost, SearchResult, SignalLabel, failure, linearize_at_start,
+};
+use crate::script::{HostResult, Session, refuse};
+use base::finding::Finding;
+use lab::signal::Series;
+
+/// Searches with an estimated model error, at most.
+const ESTIMATES: usize = 3;
+/// Change of the logarithm of the model's error below which the search is not repeated.
+const SAME: f64 = 0.15;
+
+/// The result of a search and what it tells.
+#[derive(Clone)]
+pub(super) struct Fit {
+    /// The last search.
+    pub(super) result: SearchResult,
+    /// Evaluations of all searches.
+    pub(super) evaluations: usize,
+    /// The best values.
+    pub(super) values: Vec<f64>,
+    /// Their coordinates.
+    pub(super) x: Vec<f64>,
+    /// The model's error, as a share of each signal.
+    pub(super) share: f64,
+    /// Derivatives of the residuals by the coordinates.
+    pub(super) jacobian: DMatrix<f64>,
+    pub(super) covariance: DMatrix<f64>,
+    pub(super) known: Vec<Knowledge>,
+    /// Simulated signals of every test at the best point.
+    pub(super) simulated: Vec<Vec<Series>>,
+    pub(super) findings: Vec<Finding>,
+}
+
+impl Fit {
+    /// Searches for the parameters of a plan.
+    pub(super) fn search(plan: &Plan, host: &SearchHost, session: &Session) -> HostResult<Fit> {
+        let mut x = plan.start();
+        let mut share = plan.discrepancy.first();
+        let mut evaluations = 0;
+        let mut findings = Vec::new();
+        for (number, stage) in plan.stages.iter().enumerate() {
+            let objective =
+                CalibrationObjective { studies: stage.clone(), ..CalibrationObjective::new(plan, share, session) };
+            let found = searched(plan, host, &objective, x, number == 0, Some(number + 1))?;
+            evaluations += total(&found);
+            findings.extend(found.warnings.iter().map(Finding::new));
+            x = found.best.x;
+        }
+        let mut rounds = 0;
+        let result = loop {
+            let objective = CalibrationObjective::new(plan, share, session);
+            let is_first = plan.stages.is_empty() && rounds == 0;
+            let found = searched(plan, host, &objective, x, is_first, None)?;
+            evaluations += total(&found);
+            x = found.best.x.clone();
+            rounds += 1;
+            if plan.discrepancy != Discrepancy::Estimated || rounds == ESTIMATES {
+                break found;
+            }
+            let left = left(plan, &objective, &x, session)?;
+            let estimated = most_likely_share(&left);
+            let is_same = (estimated.max(1e-4) / share.max(1e-4)).ln().abs() < SAME;
+            share = estimated;
+            if is_same {
+                break found;
+            }
+        };
+        findings.extend(result.warnings.iter().map(Finding::new));
+        if plan.discrepancy == Discrepancy::Estimated {
+            findings.push(Finding::new(&Warning::ModelError { share, correlation: correlation(plan) }));
+        }
+        let objective = CalibrationObjective::new(plan, share, session);
+        let search = plan.search_from(x.clone(), false, true)?;
+        let labels = labels(plan, None);
+        let own = [HostSearch { search: &search, labels: &labels, objective: &objective }];
+        let linear = host.run(session, &own, |evaluator, _| linearize_at_start(&search, evaluator))?;
+        let linear = linear.map_err(|(_, error): (_, LinearizationError)| failure(&error, ""))?.remove(0);
+        let at_bounds = search.bounds.active(&x);
+        let mut jacobian = linear.jacobian;
+        for (index, unknown) in plan.unknowns.iter().enumerate() {
+            jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(x[index]));
+        }
+        let values = x;
+        let x = plan.coordinates(&values);
+        let (covariance, known) = verdict::linear(plan, &x, &jacobian, &at_bounds);
+        findings.extend(doubts(plan, &known).map(|warning| Finding::new(&warning)));
+        let trial = session.with_trial(session.cancellation());
+        let simulated =
+            (0..plan.tests.len()).map(|test| objective.run(test, &values, &trial).map(|(_, signals)| signals));
+        let simulated = simulated.collect::<HostResult<Vec<_>>>()?;
+        Ok(Fit { result, evaluations, values, x, share, jacobian, covariance, known, simulated, findings })
+    }
+}
+
+/// One search of an objective.
+fn searched(
+    plan: &Plan,
+    host: &SearchHost,
+    objective: &CalibrationObjective<'_>,
+    start: Vec<f64>,
+    is_first: bool,
+    stage: Option<usize>,
+) -> HostResult<SearchResult> {
+    let search = plan.search_from(start, is_first, stage.is_none())?;
+    if search.method == Method::LevenbergMarquardt
+        && objective.ends().last().is_some_and(|end| *end < search.start.len())
+    {
+        return Err(refuse("there are fewer numbers to compare than parameters: compare signals, or more of them"));
+    }
+    let labels = labels(plan, stage);
+    let own = [HostSearch { search: &search, labels: &labels, objective }];
+    let found = host.minimize_all(&objective.session, &own)?;
+    let mut found = found.map_err(|(_, error)| failure(&error, ""))?;
+    found.pop().ok_or_else(|| refuse("the search has no result"))
+}
+
+/// Title and signals of the plots of a search.
+fn labels(plan: &Plan, stage: Option<usize>) -> Labels {
+    let title = plan.name.clone().unwrap_or_else(|| "Calibration".into());
+    let title = stage.map_or_else(|| title.clone(), |stage| format!("{title}, stage {stage}"));
+    let signals = plan.tests.iter().flat_map(|test| {
+        test.signals.iter().map(move |signal| format!("{} of {} ({})", signal.name, test.name, signal.column.unit))
+    });
+    Labels { title: Some(title), signals: signals.map(|text| SignalLabel::parse(&text)).collect() }
+}
+
+fn total(found: &SearchResult) -> usize {
+    found.starts.iter().map(|start| start.evaluations).sum()
+}
+
+/// What the signals that are compared along their length leave at a point, in the eigenvectors of the model's error.
+fn left<'p>(
+    plan: &'p Plan,
+    objective: &CalibrationObjective<'_>,
+    x: &[f64],
+    session: &Session,
+) -> HostResult<Vec<(&'p super::error_model::ErrorModel, Vec<f64>)>> {
+    let trial = session.with_trial(session.cancellation());
+    let mut found = Vec::new();
+    for (place, test) in plan.tests.iter().enumerate() {
+        let (_, simulated) = objective.run(place, x, &trial)?;
+        for (signal, simulated) in
+            test.signals.iter().zip(&simulated).filter(|(signal, _)| signal.distance.is_residuals())
+        {
+            let rotated =
+                signal.errors.rotated(simulated).map_err(|error| refuse(format!("{}: {error}", test.name)))?;
+            found.push((&signal.errors, rotated));
+        }
+    }
+    Ok(found)
+}
+
+fn correlation(plan: &Plan) -> String {
+    match plan.correlation {
+        Correlation::Length(length) => format!("{} ms", base::number::significant(1e3 * length, 3)),
+        Correlation::Share(share) => format!("{} % of the window", base::number::significant(100.0 * share, 3)),
+    }
+}
+
+/// Findings of what is not determined.
+fn doubts<'a>(plan: &'a Plan, known: &'a [Knowledge]) -> impl Iterator<Item = Warning> + 'a {
+    plan.unknowns.iter().zip(known).filter_map(|(unknown, known)| {
+        let parameter = unknown.name.clone();
+        let Knowledge { half_width, half_width_alone, prior_share, .. } = *known;
+        match &known.verdict {
+            Verdict::NotDetermined => Some(Warning::NotDetermined { parameter, half_width, prior_share }),
+            Verdict::OnlyTogether(others) => {
+                let others = others.clone();
+                Some(Warning::DeterminedTogether { parameter, others, half_width, half_width_alone })
+            }
+            Verdict::Determined | Verdict::AtBound(_) => None,
+        }
+    })
+}

@@ -1,0 +1,25 @@
+//! Calibration: the parameters for which several tests and their recordings agree, what the tests tell of each, and what
+//! follows for other scenarios (docs/theory.md, section 27).
+//!
+//! A script lists tests and parameters; [`register`] offers it `calibrate`. A [`Plan`](plan::Plan) is that list, checked. The
+//! objective of its search has independent residuals of unit variance, because each signal is compared through its
+//! [`ErrorModel`](error_model::ErrorModel). Its linearization gives a verdict on each parameter, its posterior is sampled on
+//! surrogates of the tests, and predictions take their parameters from that.
+
+mod bindings;
+mod candidates;
+mod distance;
+mod error_model;
+mod fit;
+mod objective;
+mod parameter;
+mod plan;
+mod posterior;
+mod prediction;
+mod rows;
+mod test;
+mod verdict;
+mod warning;
+
+pub use bindings::{REFERENCE, register};
+pub use warning::CODES;

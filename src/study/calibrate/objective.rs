@@ -1,0 +1,122 @@
+//! The objective of a calibration: independent residuals of unit variance of all tests, and of what is known before.
+
+use std::path::PathBuf;
+
+use super::plan::Plan;
+use super::test::{Signal, Test};
+use crate::identify::{Evaluation, FatalError, Objective, Trial};
+use crate::post::Run;
+use crate::scenario_functions::Study;
+use crate::script::{HostResult, Session, is_numerical, refuse, thrown};
+use base::cancellation::Cancellation;
+use lab::signal::Series;
+use rhai::EvalAltResult;
+
+/// The residuals of all tests with values of the unknowns.
+pub(super) struct CalibrationObjective<'a> {
+    pub(super) plan: &'a Plan,
+    /// Scenarios of the tests in this stage.
+    pub(super) studies: Vec<Study>,
+    /// The model's error, as a share of each signal.
+    pub(super) share: f64,
+    pub(super) session: Session,
+    /// Indices of the tests that count.
+    pub(super) counted: Vec<usize>,
+}
+
+impl<'a> CalibrationObjective<'a> {
+    /// Of all tests as they are.
+    pub(super) fn new(plan: &'a Plan, share: f64, session: &Session) -> CalibrationObjective<'a> {
+        let studies = plan.tests.iter().map(|test| test.study.clone()).collect();
+        let counted = (0..plan.tests.len()).collect();
+        CalibrationObjective { plan, studies, share, session: session.clone(), counted }
+    }
+
+    /// The residuals of a test, each signal's after the other's, by its simulated signals.
+    fn residuals_of(&self, test: &Test, simulated: &[Series]) -> Result<Vec<f64>, String> {
+        let mut residuals = Vec::new();
+        for (signal, simulated) in test.signals.iter().zip(simulated) {
+            let differences = signal.differences(simulated)?;
+            let own = differences.iter().zip(signal.variances(self.share)).map(|(own, variance)| own / variance.sqrt());
+            residuals.extend(own.map(|residual| test.weight.sqrt() * residual));
+        }
+        Ok(residuals)
+    }
+
+    /// The run of a test with these values, with what it is compared by.
+    pub(super) fn run(&self, test: usize, x: &[f64], session: &Session) -> HostResult<(Run, Vec<Series>)> {
+        let run = self.studies[test].with(self.plan.changes(test, x), session)?.simulate(session)?;
+        let simulated = self.plan.tests[test].signals.iter().map(|signal| signal.simulated(&run));
+        let simulated = simulated.collect::<HostResult<Vec<_>>>()?;
+        Ok((run, simulated))
+    }
+
+    fn evaluated(&self, x: &[f64], session: &Session) -> Evaluation {
+        let mut residuals = Vec::new();
+        for &test in &self.counted {
+            let own = &self.plan.tests[test];
+            let (_, simulated) = match self.run(test, x, session) {
+                Ok(found) => found,
+                Err(error) => return self.failed(own, error),
+            };
+            if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
+                return Evaluation::failed(rupture);
+            }
+            for (signal, simulated) in own.signals.iter().zip(&simulated) {
+                session.add_comparison(|| signal.compared(simulated));
+            }
+            match self.residuals_of(own, &simulated) {
+                Ok(own) => residuals.extend(own),
+                Err(cause) => return Evaluation::failed(format!("{}: {cause}", own.name)),
+            }
+        }
+        residuals.extend(self.of_priors(x));
+        residuals.into()
+    }
+
+    fn failed(&self, test: &Test, error: Box<EvalAltResult>) -> Evaluation {
+        let numerical = is_numerical(&error);
+        match error.unwrap_inner() {
+            EvalAltResult::ErrorRuntime(value, _) => {
+                Evaluation::Failed { cause: format!("{}: {}", test.name, thrown(value)), numerical }
+            }
+            _ => Evaluation::Fatal(FatalError::new(error.to_string())),
+        }
+    }
+
+    /// One residual of each unknown with a distribution.
+    fn of_priors(&self, x: &[f64]) -> impl Iterator<Item = f64> {
+        let residual = |(unknown, value): (_, &f64)| self.plan.of(unknown).prior_residual(*value);
+        self.plan.unknowns.iter().zip(x).filter_map(residual)
+    }
+
+    /// Where the residuals of each test begin, and where all end.
+    pub(super) fn ends(&self) -> Vec<usize> {
+        let length = |signal: &Signal| signal.variances(self.share).len();
+        let mut ends = vec![0];
+        for &test in &self.counted {
+            let own: usize = self.plan.tests[test].signals.iter().map(length).sum();
+            ends.push(ends[ends.len() - 1] + own);
+        }
+        ends
+    }
+}
+
+impl Objective for CalibrationObjective<'_> {
+    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
+        self.trial(x, cancellation).evaluation
+    }
+
+    fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
+        if self.session.cancellation().is_cancelled() {
+            return Evaluation::Fatal(FatalError::new(refuse("the study was stopped").to_string())).into();
+        }
+        let session = self.session.with_trial(cancellation);
+        let evaluation = self.evaluated(x, &session);
+        Trial { evaluation, compared: session.trial().compared }
+    }
+
+    fn inputs(&self) -> Vec<(PathBuf, String)> {
+        self.session.inputs().into_iter().collect()
+    }
+}

@@ -1,0 +1,232 @@
+//! Parameters of a calibration and the unknowns that they are: one value for all tests, or one a test.
+
+use rhai::{Array, Dynamic, Map};
+
+use crate::script::{HostResult, Options, number, refuse, to_json};
+use uncertainty::distribution::Distribution;
+use uncertainty::normal;
+
+/// A parameter: the keys that have its value, and what is known of it before the tests.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Parameter {
+    /// Its name in results.
+    pub(super) name: String,
+    /// Keys of scenarios that are set to its value.
+    pub(super) keys: Vec<String>,
+    /// Unit of its values, where they have one.
+    pub(super) unit: Option<String>,
+    /// Where the search starts.
+    pub(super) start: f64,
+    /// Its bounds.
+    pub(super) within: [f64; 2],
+    /// Whether its uncertainty, and the prior without a distribution, are along its logarithm.
+    pub(super) is_logarithmic: bool,
+    /// Distribution before the tests; uniform over the bounds, along the logarithm of a logarithmic one, where there is
+    /// none.
+    pub(super) prior: Option<Distribution>,
+    /// Names of the tests that have its keys; all where there are none.
+    pub(super) tests: Vec<String>,
+}
+
+/// One unknown: a parameter, of all tests or of one.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Unknown {
+    /// `friction`, or `friction of 1008`.
+    pub(super) name: String,
+    /// Index of the parameter.
+    pub(super) parameter: usize,
+    /// Index of the test that it is of; none of a shared one.
+    pub(super) test: Option<usize>,
+}
+
+/// Options of a parameter.
+const OPTIONS: [&str; 6] = ["key", "start", "within", "log", "prior", "tests"];
+
+impl Parameter {
+    /// Reads `#{ key, start, within, log, prior, tests }`.
+    pub(super) fn read(name: &str, given: &Dynamic) -> HostResult<Parameter> {
+        let of_parameter = |text: String| refuse(format!("parameter `{name}`: {text}"));
+        let map = given.read_lock::<Map>();
+        let map =
+            map.ok_or_else(|| of_parameter(format!("expected a map with `key`, `start` and `within`, found {given}")))?;
+        let options = Options { of: "a parameter of calibrate", map: &map };
+        options.check(&OPTIONS)?;
+        let keys = texts(options.value("key")?, "key").map_err(of_parameter)?;
+        if keys.is_empty() {
+            return Err(of_parameter("`key` names no key".into()));
+        }
+        let (start, unit) = quantity(options.value("start")?).map_err(of_parameter)?;
+        let ends = options.value("within")?.read_lock::<Array>().map(|list| list.clone());
+        let ends = ends.filter(|list| list.len() == 2);
+        let ends = ends.ok_or_else(|| of_parameter("`within` is a list of two values, such as [0.2, 10]".into()))?;
+        let mut within = [0.0; 2];
+        for (end, value) in within.iter_mut().zip(&ends) {
+            let (found, own) = quantity(value).map_err(of_parameter)?;
+            if own != unit {
+                let shown = |unit: &Option<String>| unit.as_deref().unwrap_or("none").to_owned();
+                let (own, unit) = (shown(&own), shown(&unit));
+                return Err(of_parameter(format!(
+                    "`within` has the unit {own} and `start` {unit}: give them one unit"
+                )));
+            }
+            *end = found;
+        }
+        let [low, high] = within;
+        if !(low < high && (low..=high).contains(&start)) {
+            return Err(of_parameter(format!("`start` {start} does not lie within [{low}, {high}]")));
+        }
+        let is_logarithmic = options.boolean("log", false)?;
+        if is_logarithmic && low <= 0.0 {
+            return Err(of_parameter(format!("`log` needs `within` above zero, which begins at {low}")));
+        }
+        let prior = map.get("prior").map(|given| prior(given).map_err(of_parameter)).transpose()?;
+        let tests = map.get("tests").map(|given| texts(given, "tests").map_err(of_parameter)).transpose()?;
+        let tests = tests.unwrap_or_default();
+        Ok(Parameter { name: name.into(), keys, unit, start, within, is_logarithmic, prior, tests })
+    }
+
+    /// Its value as the keys of a scenario take it.
+    pub(super) fn written(&self, value: f64) -> Dynamic {
+        match &self.unit {
+            Some(unit) => format!("{value} {unit}").into(),
+            None => value.into(),
+        }
+    }
+
+    /// The coordinate of a value, along which its uncertainty is: the value or its logarithm.
+    pub(super) fn coordinate(&self, value: f64) -> f64 {
+        if self.is_logarithmic { value.ln() } else { value }
+    }
+
+    /// The value at a coordinate.
+    pub(super) fn value(&self, coordinate: f64) -> f64 {
+        if self.is_logarithmic { coordinate.exp() } else { coordinate }
+    }
+
+    /// Derivative of the value by the coordinate, at a value.
+    pub(super) fn slope(&self, value: f64) -> f64 {
+        if self.is_logarithmic { value } else { 1.0 }
+    }
+
+    /// Its bounds as coordinates.
+    pub(super) fn ends(&self) -> [f64; 2] {
+        self.within.map(|end| self.coordinate(end))
+    }
+
+    /// Standard deviation of the coordinate before the tests, of the whole prior.
+    pub(super) fn prior_deviation(&self) -> f64 {
+        let [low, high] = self.ends();
+        let uniform = (high - low) / 12_f64.sqrt();
+        let own = self.prior.as_ref().map(|prior| match self.is_logarithmic {
+            // Of the logarithm, from the quantiles of one deviation.
+            true => 0.5 * (prior.quantile(normal::cumulative(1.0)) / prior.quantile(normal::cumulative(-1.0))).ln(),
+            false => prior.deviation(),
+        });
+        own.filter(|own| own.is_finite() && *own > 0.0).map_or(uniform, |own| own.min(uniform))
+    }
+
+    /// The residual of a prior at a value: the standard normal value of the same probability.
+    pub(super) fn prior_residual(&self, value: f64) -> Option<f64> {
+        /// Probabilities nearer to zero and one have no quantile with digits.
+        const NEAREST: f64 = 1e-12;
+        let prior = self.prior.as_ref()?;
+        Some(normal::quantile(prior.cumulative(value).clamp(NEAREST, 1.0 - NEAREST)))
+    }
+
+    /// Logarithm of the density of the coordinate before the tests, up to a constant; −∞ outside the bounds.
+    pub(super) fn log_prior(&self, coordinate: f64) -> f64 {
+        let [low, high] = self.ends();
+        if !(low..=high).contains(&coordinate) {
+            return f64::NEG_INFINITY;
+        }
+        match &self.prior {
+            None => 0.0,
+            // dx/du = x of a logarithm.
+            Some(prior) if self.is_logarithmic => prior.density(self.value(coordinate)).ln() + coordinate,
+            Some(prior) => prior.density(coordinate).ln(),
+        }
+    }
+}
+
+/// A number, or a text of a number and its unit.
+fn quantity(given: &Dynamic) -> Result<(f64, Option<String>), String> {
+    if let Ok(text) = given.clone().into_string() {
+        let (number, unit) = text.trim().split_once(' ').ok_or(format!("`{text}` has no unit after a space"))?;
+        let number: f64 = number.parse().map_err(|_| format!("`{text}` begins with no number"))?;
+        return Ok((number, Some(unit.trim().to_owned())));
+    }
+    let found = number(given, "a value").map_err(|error| error.to_string())?;
+    if found.is_finite() { Ok((found, None)) } else { Err(format!("{found} is not finite")) }
+}
+
+/// A text, or a list of texts.
+pub(super) fn texts(given: &Dynamic, what: &str) -> Result<Vec<String>, String> {
+    let wrong = |found: &Dynamic| format!("`{what}` is a text or a list of texts, not {found}");
+    if let Some(list) = given.read_lock::<Array>() {
+        return list.iter().map(|item| item.clone().into_string().map_err(|_| wrong(item))).collect();
+    }
+    given.clone().into_string().map(|text| vec![text]).map_err(|_| wrong(given))
+}
+
+/// A distribution as `[variation]` writes it, in the unit of the values.
+fn prior(given: &Dynamic) -> Result<Distribution, String> {
+    let json = to_json(given).map_err(|error| error.to_string())?;
+    serde_json::from_value(json).map_err(|error| {
+        format!("`prior` is a distribution such as #{{ normal: #{{ mean: 1, deviation: 0.1 }} }}: {error}")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> HostResult<Parameter> {
+        Parameter::read("p", &rhai::Engine::new_raw().eval::<Dynamic>(text).unwrap())
+    }
+
+    #[test]
+    fn a_parameter_has_keys_bounds_and_a_unit() {
+        let found =
+            read(r#"#{ key: "specimen.material.thickness", start: "12 um", within: ["10 um", "15 um"] }"#).unwrap();
+        assert_eq!((found.start, found.within, found.unit.as_deref()), (12.0, [10.0, 15.0], Some("um")));
+        assert_eq!(found.written(12.5).to_string(), "12.5 um");
+        let found = read(r#"#{ key: ["a", "b"], start: 1, within: [0.1, 10], log: true }"#).unwrap();
+        assert_eq!((found.keys.len(), found.written(2.0).as_float()), (2, Ok(2.0)));
+        assert!((found.value(found.coordinate(3.0)) - 3.0).abs() < 1e-12);
+        assert!((found.prior_deviation() - 100_f64.ln() / 12_f64.sqrt()).abs() < 1e-12);
+    }
+
+    /// The logarithm of a log-normal quantity is normal: density, residual and deviation along it are those of that.
+    #[test]
+    fn a_prior_is_along_the_coordinate_of_the_search() {
+        let found = read(
+            r#"#{ key: "a", start: 1, within: [0.01, 100], log: true, prior: #{ log_normal: #{ mean: 2, deviation: 0.5 } } }"#,
+        );
+        let found = found.unwrap();
+        let spread = (1.0 + 0.0625_f64).ln().sqrt();
+        let centre = 2_f64.ln() - 0.5 * spread * spread;
+        assert!((found.prior_deviation() - spread).abs() < 1e-9);
+        let at = |deviations: f64| found.coordinate((centre + deviations * spread).exp());
+        assert!((found.prior_residual(found.value(at(1.5))).unwrap() - 1.5).abs() < 1e-9);
+        let difference = found.log_prior(at(0.0)) - found.log_prior(at(1.0));
+        assert!((difference - 0.5).abs() < 1e-9, "{difference}");
+        assert_eq!(found.log_prior(20.0), f64::NEG_INFINITY);
+    }
+
+    #[test]
+    fn mistakes_name_the_parameter() {
+        for (text, expected) in [
+            (r#"#{ key: "a", start: 5, within: [1, 2] }"#, "parameter `p`: `start` 5 does not lie within [1, 2]"),
+            (r#"#{ key: "a", start: 1, within: [0, 2], log: true }"#, "`log` needs `within` above zero"),
+            (r#"#{ key: "a", start: "1 mm", within: [0, 2] }"#, "`within` has the unit none and `start` mm"),
+            (r#"#{ key: 3, start: 1, within: [0, 2] }"#, "`key` is a text or a list of texts, not 3"),
+            (r#"#{ key: "a", start: 1, within: 2 }"#, "`within` is a list of two values"),
+            (r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ gauss: 1 } }"#, "`prior` is a distribution such as"),
+            (r#"#{ key: "a", begin: 1 }"#, "has no option `begin`"),
+            ("7", "expected a map with `key`"),
+        ] {
+            let found = read(text).unwrap_err().to_string();
+            assert!(found.contains(expected), "{text}: {found}");
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! A calibration as a script writes it: tests, parameters, what signals may differ by, and the stages of the search.
+
+use rhai::{Array, Dynamic, Map};
+
+use super::error_model::{Correlation, Noise};
+use super::parameter::{Parameter, Unknown};
+use super::test::{self, Test, Tolerances};
+use crate::identify::{Bounds, Method, Search, Starts};
+use crate::scenario_functions::{Scenarios, Study};
+use crate::script::{HostResult, Options, Session, number, refuse};
+use base::units::Time;
+
+/// Correlation of the model's error where none is given.
+pub(super) const USUAL_CORRELATION: Correlation = Correlation::Share(0.03);
+
+/// Share of the model's error with which a search begins that estimates it: the error of the study's own curves.
+const FIRST_SHARE: f64 = 0.03;
+
+/// A checked calibration.
+#[derive(Clone)]
+pub(super) struct Plan {
+    /// Words before the names of its tables; none where it is the only one.
+    pub(super) name: Option<String>,
+    pub(super) tests: Vec<Test>,
+    pub(super) parameters: Vec<Parameter>,
+    pub(super) unknowns: Vec<Unknown>,
+    pub(super) discrepancy: Discrepancy,
+    /// Of the model's error.
+    pub(super) correlation: Correlation,
+    /// Scenarios of the tests in the stages before the last, coarser as a rule.
+    pub(super) stages: Vec<Vec<Study>>,
+    pub(super) search: SearchOptions,
+    /// Relative half width of an interval of 95 % up to which a parameter counts as determined.
+    pub(super) precision: f64,
+    /// Whether a run in which film breaks has a value.
+    pub(super) keeps_ruptured: bool,
+}
+
+/// The error of the model, as a share of the root mean square of each signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Discrepancy {
+    /// Of this size.
+    Given(f64),
+    /// Estimated from what is left.
+    Estimated,
+}
+
+impl Discrepancy {
+    /// The share with which a search begins.
+    pub(super) fn first(self) -> f64 {
+        match self {
+            Discrepancy::Given(share) => share,
+            Discrepancy::Estimated => FIRST_SHARE,
+        }
+    }
+}
+
+/// Options of the search.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SearchOptions {
+    pub(super) method: Method,
+    pub(super) starts: usize,
+    pub(super) max_evaluations: usize,
+    pub(super) tol_x: f64,
+    pub(super) tol_f: f64,
+    pub(super) difference: f64,
+    pub(super) seed: u64,
+}
+
+const OPTIONS: [&str; 15] = [
+    "tests",
+    "parameters",
+    "noise",
+    "discrepancy",
+    "stages",
+    "method",
+    "starts",
+    "max_evaluations",
+    "tol_x",
+    "tol_f",
+    "difference",
+    "seed",
+    "precision",
+    "on_rupture",
+    "name",
+];
+
+impl Plan {
+    /// Reads the map of `calibrate`.
+    pub(super) fn read(given: &Map, scenarios: &Scenarios, session: &Session) -> HostResult<Plan> {
+        let options = Options { of: "calibrate", map: given };
+        options.check(&OPTIONS)?;
+        let (discrepancy, correlation) = discrepancy(given.get("discrepancy")).map_err(refuse)?;
+        let noise = given.get("noise").map_or(Ok(Noise::FromRecording), test::noise).map_err(refuse)?;
+        let tolerances = Tolerances { noise, correlation };
+        let listed = options.value("tests")?.read_lock::<Array>().map(|list| list.clone());
+        let listed = listed.filter(|list| !list.is_empty());
+        let listed = listed.ok_or_else(|| refuse("`tests` of calibrate is a list of one test or more"))?;
+        let tests = listed.iter().map(|given| Test::read(given, scenarios, tolerances, session));
+        let tests = tests.collect::<HostResult<Vec<_>>>()?;
+        for (place, test) in tests.iter().enumerate() {
+            if tests[..place].iter().any(|other| other.name == test.name) {
+                return Err(refuse(format!("two tests are called `{}`: give one a `name`", test.name)));
+            }
+        }
+        let map = options.value("parameters")?.read_lock::<Map>().map(|map| map.clone());
+        let map = map.filter(|map| !map.is_empty());
+        let map = map.ok_or_else(|| refuse("`parameters` of calibrate is a map of names and their `key`s"))?;
+        let parameters =
+            map.iter().map(|(name, given)| Parameter::read(name, given)).collect::<HostResult<Vec<_>>>()?;
+        let unknowns = unknowns(&tests, &parameters)?;
+        let search = SearchOptions::read(&options)?;
+        let precision = options.number("precision", 0.2)?;
+        let keeps_ruptured = match given.get("on_rupture").map(Dynamic::to_string).as_deref() {
+            None | Some("fail") => false,
+            Some("keep") => true,
+            Some(other) => return Err(refuse(format!("`on_rupture` is \"fail\" or \"keep\", not \"{other}\""))),
+        };
+        let name = given.get("name").map(Dynamic::to_string);
+        let mut plan = Plan {
+            name,
+            tests,
+            parameters,
+            unknowns,
+            discrepancy,
+            correlation,
+            stages: Vec::new(),
+            search,
+            precision,
+            keeps_ruptured,
+        };
+        let start = plan.start();
+        for place in 0..plan.tests.len() {
+            // A key that the scenario does not have, or a value that it refuses, is found before the search.
+            let own = &plan.tests[place];
+            own.study.with(plan.changes(place, &start), session).map_err(|error| {
+                refuse(format!(
+                    "test `{}` at the start: {error} (a parameter that only some tests have names them: \
+                    `tests: [\"…\"]`)",
+                    own.name
+                ))
+            })?;
+        }
+        plan.stages = stages(given.get("stages"), &plan.tests, session)?;
+        Ok(plan)
+    }
+
+    /// The values at which the search starts.
+    pub(super) fn start(&self) -> Vec<f64> {
+        self.unknowns.iter().map(|unknown| self.of(unknown).start).collect()
+    }
+
+    /// The parameter that an unknown is.
+    pub(super) fn of(&self, unknown: &Unknown) -> &Parameter {
+        &self.parameters[unknown.parameter]
+    }
+
+    /// Coordinates of the unknowns with these values.
+    pub(super) fn coordinates(&self, values: &[f64]) -> Vec<f64> {
+        self.unknowns.iter().zip(values).map(|(unknown, value)| self.of(unknown).coordinate(*value)).collect()
+    }
+
+    /// Values of the unknowns at these coordinates.
+    pub(super) fn values(&self, x: &[f64]) -> Vec<f64> {
+        self.unknowns.iter().zip(x).map(|(unknown, coordinate)| self.of(unknown).value(*coordinate)).collect()
+    }
+
+    /// Indices of the unknowns that act on a test.
+    pub(super) fn acting_on(&self, test: usize) -> Vec<usize> {
+        let acts =
+            |unknown: &Unknown| unknown.test.map_or_else(|| self.is_shared(unknown.parameter, test), |own| own == test);
+        (0..self.unknowns.len()).filter(|index| acts(&self.unknowns[*index])).collect()
+    }
+
+    /// Indices of the tests that have the value of a parameter that all share.
+    pub(super) fn sharing(&self, parameter: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..self.tests.len()).filter(move |test| self.is_shared(parameter, *test))
+    }
+
+    /// Whether a test has the value of a parameter that all share.
+    fn is_shared(&self, parameter: usize, test: usize) -> bool {
+        is_of(&self.parameters[parameter], &self.tests[test])
+            && !self.tests[test].own.contains(&self.parameters[parameter].name)
+    }
+
+    /// The changes of the scenario of a test with these values.
+    pub(super) fn changes(&self, test: usize, values: &[f64]) -> Map {
+        let mut changes = Map::new();
+        for index in self.acting_on(test) {
+            let parameter = self.of(&self.unknowns[index]);
+            let value = parameter.written(values[index]);
+            parameter.keys.iter().for_each(|key| drop(changes.insert(key.as_str().into(), value.clone())));
+        }
+        changes
+    }
+
+    /// The changes of a scenario that is no test: the shared unknowns.
+    pub(super) fn shared_changes(&self, values: &[f64]) -> Map {
+        let mut changes = Map::new();
+        for (unknown, value) in self.unknowns.iter().zip(values).filter(|(unknown, _)| unknown.test.is_none()) {
+            let parameter = self.of(unknown);
+            let value = parameter.written(*value);
+            parameter.keys.iter().for_each(|key| drop(changes.insert(key.as_str().into(), value.clone())));
+        }
+        changes
+    }
+
+    /// The search from a point.
+    pub(super) fn search_from(&self, start: Vec<f64>, is_first: bool, is_last: bool) -> HostResult<Search> {
+        let own = &self.search;
+        let names: Vec<String> = self.unknowns.iter().map(|unknown| unknown.name.clone()).collect();
+        let ends: Vec<[f64; 2]> = self.unknowns.iter().map(|unknown| self.of(unknown).within).collect();
+        let side = |side: usize| Some(ends.iter().map(|ends| ends[side]).collect());
+        let bounds = Bounds::new(&names, side(0), side(1)).map_err(refuse)?;
+        let [tol_x, tol_f] = if is_last { [own.tol_x, own.tol_f] } else { [own.tol_x.max(1e-2), own.tol_f.max(1e-3)] };
+        let starts = if is_first && own.starts > 1 { Starts::Spread(own.starts) } else { Starts::One };
+        Ok(Search {
+            names,
+            bounds,
+            tol_x,
+            tol_f,
+            max_evaluations: own.max_evaluations,
+            max_iterations: own.max_evaluations,
+            difference: own.difference,
+            seed: own.seed,
+            starts,
+            ..Search::new(own.method, start)
+        })
+    }
+
+    /// The name of a table of the results.
+    pub(super) fn table(&self, table: &str) -> String {
+        self.name.as_ref().map_or_else(|| table.to_owned(), |name| format!("{name}_{table}"))
+    }
+}
+
+/// Whether a parameter acts on a test.
+fn is_of(parameter: &Parameter, test: &Test) -> bool {
+    parameter.tests.is_empty() || parameter.tests.contains(&test.name)
+}
+
+/// The unknowns: a shared one of each parameter that any test shares, and one of each test that has its own.
+fn unknowns(tests: &[Test], parameters: &[Parameter]) -> HostResult<Vec<Unknown>> {
+    let names = || tests.iter().map(|test| test.name.as_str());
+    for parameter in parameters {
+        if let Some(other) = parameter.tests.iter().find(|name| !names().any(|own| own == name.as_str())) {
+            let known = names().collect::<Vec<_>>().join(", ");
+            return Err(refuse(format!("parameter `{}` names the test `{other}`; there are {known}", parameter.name)));
+        }
+    }
+    for test in tests {
+        if let Some(other) = test.own.iter().find(|own| !parameters.iter().any(|parameter| parameter.name == **own)) {
+            return Err(refuse(format!("test `{}` has its own `{other}`, which is no parameter", test.name)));
+        }
+    }
+    let mut unknowns = Vec::new();
+    for (index, parameter) in parameters.iter().enumerate() {
+        let of = |test: &&Test| is_of(parameter, test);
+        if tests.iter().filter(of).any(|test| !test.own.contains(&parameter.name)) {
+            unknowns.push(Unknown { name: parameter.name.clone(), parameter: index, test: None });
+        }
+        for (place, test) in tests.iter().enumerate().filter(|(_, test)| of(test)) {
+            if test.own.contains(&parameter.name) {
+                let name = format!("{} of {}", parameter.name, test.name);
+                unknowns.push(Unknown { name, parameter: index, test: Some(place) });
+            }
+        }
+    }
+    Ok(unknowns)
+}
+
+/// The scenarios of the stages before the last; the last one is the tests themselves.
+fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostResult<Vec<Vec<Study>>> {
+    let Some(given) = given else { return Ok(Vec::new()) };
+    let wrong = || refuse("`stages` is a list of changes, such as [#{ \"specimen.mesh.size\": \"40 mm\" }, #{}]");
+    let list = given.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
+    let maps = list.iter().map(|item| item.read_lock::<Map>().map(|map| map.clone()).ok_or_else(wrong));
+    let maps = maps.collect::<HostResult<Vec<_>>>()?;
+    match maps.split_last() {
+        Some((last, before)) if last.is_empty() => {
+            let stage = |changes: &Map| tests.iter().map(|test| test.study.with(changes.clone(), session)).collect();
+            before.iter().map(stage).collect()
+        }
+        _ => Err(refuse("the last of `stages` is #{}: the tests as they are, whose result counts")),
+    }
+}
+
+impl SearchOptions {
+    fn read(options: &Options<'_>) -> HostResult<SearchOptions> {
+        let whole = |name: &str, usual: usize| -> HostResult<usize> {
+            let Some(value) = options.map.get(name) else { return Ok(usual) };
+            let found = value.as_int().ok().and_then(|found| usize::try_from(found).ok());
+            let found = found.filter(|found| (1..=100_000).contains(found));
+            found.ok_or_else(|| refuse(format!("`{name}` is a whole number from 1 to 100000, not {value}")))
+        };
+        let method = options.map.get("method").map_or_else(|| "levenberg-marquardt".to_owned(), Dynamic::to_string);
+        let known = Method::NAMES.iter().find(|(name, _)| *name == method).map(|(_, own)| *own);
+        let method = known.ok_or_else(|| {
+            let names = Method::NAMES.map(|(name, _)| name).join(", ");
+            refuse(format!("unknown method `{method}` (there are {names})"))
+        })?;
+        Ok(SearchOptions {
+            method,
+            // Several starts cost a search by differences little, and tell local minima.
+            starts: whole("starts", if method == Method::LevenbergMarquardt { 3 } else { 1 })?,
+            max_evaluations: whole("max_evaluations", 800)?,
+            tol_x: options.number("tol_x", 1e-4)?,
+            tol_f: options.number("tol_f", 1e-4)?,
+            difference: options.number("difference", 0.01)?,
+            seed: whole("seed", 1)? as u64,
+        })
+    }
+}
+
+/// The model's error that an option gives: a share, a map of share and correlation, or "estimated".
+fn discrepancy(given: Option<&Dynamic>) -> Result<(Discrepancy, Correlation), String> {
+    let Some(given) = given else { return Ok((Discrepancy::Estimated, USUAL_CORRELATION)) };
+    let share = |value: &Dynamic| match (value.clone().into_string(), number(value, "share")) {
+        (Ok(text), _) if text == "estimated" => Ok(Discrepancy::Estimated),
+        (_, Ok(share)) if (0.0..1.0).contains(&share) => Ok(Discrepancy::Given(share)),
+        _ => Err(format!("the share of `discrepancy` is \"estimated\" or 0 to 1, not {value}")),
+    };
+    let Some(map) = given.read_lock::<Map>() else { return Ok((share(given)?, USUAL_CORRELATION)) };
+    if let Some(other) = map.keys().find(|key| !["share", "correlation"].contains(&key.as_str())) {
+        return Err(format!("`discrepancy` has no option `{other}`; it takes share, correlation"));
+    }
+    let size = map.get("share").map_or(Ok(Discrepancy::Estimated), share)?;
+    let correlation = match map.get("correlation") {
+        None => USUAL_CORRELATION,
+        Some(value) => match value.clone().into_string() {
+            Ok(text) => {
+                Correlation::Length(Time::DIMENSION.parse(&text).map_err(|error| format!("correlation: {error}"))?)
+            }
+            Err(_) => Correlation::Share(number(value, "correlation").map_err(|error| error.to_string())?),
+        },
+    };
+    let (Correlation::Length(length) | Correlation::Share(length)) = correlation;
+    if length > 0.0 && length.is_finite() {
+        Ok((size, correlation))
+    } else {
+        Err("`correlation` must be above zero".into())
+    }
+}

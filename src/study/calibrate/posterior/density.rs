@@ -1,0 +1,148 @@
+//! The logarithm of a posterior: tests given their unknowns, what is known before, the model's error, and specimens that
+//! scatter about a mean.
+
+use super::surrogate::TestSurrogate;
+use crate::calibrate::plan::{Discrepancy, Plan};
+
+/// Median and deviation of the logarithm of the model's error before the tests, as a share of a signal (assumed): 0.3 to
+/// 15 % with 95 %.
+const SHARE_BEFORE: [f64; 2] = [0.02, 1.0];
+/// Model errors that are considered.
+const SHARES: [f64; 2] = [1e-5, 1.0];
+
+/// The coordinates of a posterior, in this order: the unknowns; of every unknown that scatters the logarithm of its standard
+/// deviation, then its value in every test; the logarithm of the model's error where it is estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub(super) unknowns: usize,
+    pub(super) scattered: Vec<Scattered>,
+    /// Place of the logarithm of the model's error.
+    pub(super) share: Option<usize>,
+}
+
+/// An unknown whose value differs from specimen to specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Scattered {
+    pub(super) unknown: usize,
+    /// Place of the logarithm of its standard deviation.
+    pub(super) deviation: usize,
+    /// Test and place of the value there.
+    pub(super) values: Vec<(usize, usize)>,
+    /// Standard deviation that is expected at most, as the one of a half-normal distribution (assumed).
+    pub(super) expected: f64,
+}
+
+impl Layout {
+    /// Of a plan in which these unknowns scatter, each with what is expected of it.
+    pub(super) fn new(plan: &Plan, scattered: &[(usize, f64)]) -> Layout {
+        let mut next = plan.unknowns.len();
+        let mut place = || {
+            next += 1;
+            next - 1
+        };
+        let scattered = scattered
+            .iter()
+            .map(|(unknown, expected)| Scattered {
+                unknown: *unknown,
+                deviation: place(),
+                values: plan.sharing(plan.unknowns[*unknown].parameter).map(|test| (test, place())).collect(),
+                expected: *expected,
+            })
+            .collect();
+        let share = (plan.discrepancy == Discrepancy::Estimated).then(&mut place);
+        Layout { unknowns: plan.unknowns.len(), scattered, share }
+    }
+
+    /// Number of coordinates.
+    pub(super) fn len(&self) -> usize {
+        let scattered: usize = self.scattered.iter().map(|own| 1 + own.values.len()).sum();
+        self.unknowns + scattered + usize::from(self.share.is_some())
+    }
+
+    /// The unknowns as they are in one test.
+    pub(super) fn in_test(&self, state: &[f64], test: usize) -> Vec<f64> {
+        let mut x = state[..self.unknowns].to_vec();
+        for own in &self.scattered {
+            if let Some((_, place)) = own.values.iter().find(|(of, _)| *of == test) {
+                x[own.unknown] = state[*place];
+            }
+        }
+        x
+    }
+
+    /// The model's error of a state.
+    pub(super) fn share(&self, state: &[f64], plan: &Plan) -> f64 {
+        match (self.share, plan.discrepancy) {
+            (Some(place), _) => state[place].exp(),
+            (None, discrepancy) => discrepancy.first(),
+        }
+    }
+}
+
+/// A posterior on surrogates of the tests.
+pub(super) struct Density<'a> {
+    pub(super) plan: &'a Plan,
+    pub(super) layout: &'a Layout,
+    /// The unknowns that act on each test.
+    pub(super) acting: &'a [Vec<usize>],
+    pub(super) surrogates: &'a [TestSurrogate],
+}
+
+impl Density<'_> {
+    /// Its logarithm at a state, up to a constant.
+    pub(super) fn log(&self, state: &[f64]) -> f64 {
+        let before = self.before(state);
+        if !before.is_finite() {
+            return f64::NEG_INFINITY;
+        }
+        let share = self.layout.share(state, self.plan);
+        let mut sum = before;
+        for (test, surrogate) in self.surrogates.iter().enumerate() {
+            let x = self.layout.in_test(state, test);
+            let own: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
+            let Some(differences) = surrogate.differences(&own) else { return f64::NEG_INFINITY };
+            sum += likelihood(self.plan, test, differences.as_slice(), surrogate.errors(), share);
+        }
+        sum
+    }
+
+    /// What is known before the tests.
+    fn before(&self, state: &[f64]) -> f64 {
+        let unknowns = self.plan.unknowns.iter().zip(state);
+        let mut sum: f64 = unknowns.map(|(unknown, x)| self.plan.of(unknown).log_prior(*x)).sum();
+        for own in &self.layout.scattered {
+            let logarithm = state[own.deviation];
+            let deviation = logarithm.exp();
+            // A half-normal distribution of the deviation; the logarithm has its density times the deviation.
+            sum += logarithm - 0.5 * (deviation / own.expected).powi(2);
+            let [low, high] = self.plan.of(&self.plan.unknowns[own.unknown]).ends();
+            for (_, place) in &own.values {
+                if !(low..=high).contains(&state[*place]) {
+                    return f64::NEG_INFINITY;
+                }
+                sum -= 0.5 * ((state[*place] - state[own.unknown]) / deviation).powi(2) + logarithm;
+            }
+        }
+        if let Some(place) = self.layout.share {
+            let [median, spread] = SHARE_BEFORE;
+            let [low, high] = SHARES.map(f64::ln);
+            if !(low..=high).contains(&state[place]) {
+                return f64::NEG_INFINITY;
+            }
+            sum -= 0.5 * ((state[place] - median.ln()) / spread).powi(2);
+        }
+        sum
+    }
+}
+
+/// The logarithm of the likelihood of a test with these differences, whose coordinates have these variances of their own
+/// error, up to a constant.
+fn likelihood(plan: &Plan, test: usize, differences: &[f64], errors: &[f64], share: f64) -> f64 {
+    let own = &plan.tests[test];
+    let variances = own.signals.iter().flat_map(|signal| signal.variances(share));
+    let of_one = |((difference, error), variance): ((&f64, &f64), f64)| {
+        let variance = variance + error;
+        difference * difference / variance + variance.ln()
+    };
+    -0.5 * own.weight * differences.iter().zip(errors).zip(variances).map(of_one).sum::<f64>()
+}

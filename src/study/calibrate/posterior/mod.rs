@@ -1,0 +1,448 @@
+//! The posterior of a calibration, sampled on surrogates of the tests that are refined where it is.
+
+mod density;
+mod surrogate;
+
+use rayon::prelude::*;
+use uncertainty::design::{self, Levels, Method};
+use uncertainty::ensemble::{self, LARGEST_R_HAT, Samples};
+use uncertainty::random::Stream;
+use uncertainty::statistics::quantiles;
+
+use super::fit::Fit;
+use super::objective::CalibrationObjective;
+use super::plan::Plan;
+use super::verdict;
+use super::warning::Warning;
+use crate::script::{HostResult, Session, refuse, thrown};
+use density::{Density, Layout};
+use nalgebra::DMatrix;
+use surrogate::{Region, TestSurrogate};
+
+/// Half width of the first region of a surrogate, in standard deviations of the linear model.
+const FIRST_REGION: f64 = 4.0;
+/// What a region reaches beyond the samples on either side, as a share of their range.
+const BEYOND: f64 = 0.25;
+/// Error of a surrogate at new points, in standard deviations over all of its coordinates, that the posterior does not show.
+const SMALL_ERROR: f64 = 0.5;
+/// Samples that are kept.
+const KEPT: usize = 4000;
+
+/// How a posterior is sampled.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PosteriorOptions {
+    /// Runs of each test before the first samples.
+    pub(super) runs: usize,
+    /// Rounds of refinement at most.
+    pub(super) rounds: usize,
+    /// Most steps of each walker.
+    pub(super) steps: usize,
+    pub(super) seed: u64,
+    /// Unknowns that scatter from specimen to specimen, and what is expected of their standard deviation.
+    pub(super) scattered: Vec<(usize, f64)>,
+}
+
+/// Samples of the posterior of a calibration.
+#[derive(Clone)]
+pub(super) struct Posterior {
+    layout: Layout,
+    /// States, thinned.
+    states: Vec<Vec<f64>>,
+    /// R̂ and effective size of every coordinate.
+    pub(super) r_hat: Vec<f64>,
+    pub(super) effective: Vec<f64>,
+    pub(super) acceptance: f64,
+    /// Runs of all tests, and of those that failed.
+    pub(super) runs: usize,
+    /// Error of the surrogate of each test at new points.
+    pub(super) errors: Vec<f64>,
+    pub(super) warnings: Vec<Warning>,
+}
+
+/// The runs of one test: unknowns that act on it, and differences.
+type Runs = Vec<(Vec<f64>, Vec<f64>)>;
+
+/// What stays the same over all rounds.
+struct Sampling<'a> {
+    plan: &'a Plan,
+    objective: CalibrationObjective<'a>,
+    layout: Layout,
+    acting: Vec<Vec<usize>>,
+    session: &'a Session,
+    options: &'a PosteriorOptions,
+}
+
+impl Posterior {
+    /// Samples the posterior about the best point of a fit.
+    pub(super) fn sample(
+        plan: &Plan,
+        fit: &Fit,
+        options: &PosteriorOptions,
+        session: &Session,
+    ) -> HostResult<Posterior> {
+        let sampling = Sampling {
+            plan,
+            objective: CalibrationObjective::new(plan, fit.share, session),
+            layout: Layout::new(plan, &options.scattered),
+            acting: (0..plan.tests.len()).map(|test| plan.acting_on(test)).collect(),
+            session,
+            options,
+        };
+        sampling.refined(fit)
+    }
+
+    /// Samples of the unknowns; of one that scatters, its mean.
+    pub(super) fn unknowns(&self) -> impl Iterator<Item = &[f64]> {
+        self.states.iter().map(|state| &state[..self.layout.unknowns])
+    }
+
+    /// Samples of the unknowns in one test.
+    pub(super) fn in_test(&self, test: usize) -> impl Iterator<Item = Vec<f64>> + '_ {
+        self.states.iter().map(move |state| self.layout.in_test(state, test))
+    }
+
+    /// Samples of the standard deviation of the coordinate of every unknown that scatters, with its index.
+    pub(super) fn deviations(&self) -> impl Iterator<Item = (usize, Vec<f64>)> + '_ {
+        self.layout
+            .scattered
+            .iter()
+            .map(|own| (own.unknown, self.states.iter().map(|state| state[own.deviation].exp()).collect()))
+    }
+
+    /// Samples of the model's error.
+    pub(super) fn shares(&self, plan: &Plan) -> Vec<f64> {
+        self.states.iter().map(|state| self.layout.share(state, plan)).collect()
+    }
+
+    /// So many draws for a specimen that was not tested: unknowns and model's error.
+    pub(super) fn draws(&self, plan: &Plan, count: usize, seed: u64) -> Vec<(Vec<f64>, f64)> {
+        let mut stream = Stream::new(seed);
+        let draw = |place: usize| {
+            // Evenly over the samples, so that few draws are of all ensembles.
+            let state = &self.states[(place * self.states.len()) / count];
+            let mut x = state[..self.layout.unknowns].to_vec();
+            for own in &self.layout.scattered {
+                let [low, high] = plan.of(&plan.unknowns[own.unknown]).ends();
+                x[own.unknown] = (x[own.unknown] + state[own.deviation].exp() * stream.normal()).clamp(low, high);
+            }
+            (x, self.layout.share(state, plan))
+        };
+        (0..count).map(draw).collect()
+    }
+
+    /// Medians of the unknowns.
+    pub(super) fn median(&self) -> Vec<f64> {
+        let of = |index: usize| {
+            let own: Vec<f64> = self.states.iter().map(|state| state[index]).collect();
+            quantiles(&own, &[0.5]).map_or(f64::NAN, |at| at[0])
+        };
+        (0..self.layout.unknowns).map(of).collect()
+    }
+
+    /// Covariance of the unknowns.
+    pub(super) fn covariance(&self) -> DMatrix<f64> {
+        let (count, unknowns) = (self.states.len() as f64, self.layout.unknowns);
+        let mean = |index: usize| self.states.iter().map(|state| state[index]).sum::<f64>() / count;
+        let means: Vec<f64> = (0..unknowns).map(mean).collect();
+        DMatrix::from_fn(unknowns, unknowns, |row, column| {
+            let product = |state: &Vec<f64>| (state[row] - means[row]) * (state[column] - means[column]);
+            self.states.iter().map(product).sum::<f64>() / (count - 1.0)
+        })
+    }
+}
+
+impl Sampling<'_> {
+    /// Rounds of surrogates and samples until the surrogates are good where the samples are.
+    fn refined(&self, fit: &Fit) -> HostResult<Posterior> {
+        let tests = self.plan.tests.len();
+        let mut regions = self.first_regions(fit);
+        let points = regions.iter().map(|region| self.design(region)).collect::<HostResult<Vec<_>>>()?;
+        let mut runs: Vec<Runs> = vec![Vec::new(); tests];
+        let mut failed: Vec<(usize, String)> = vec![(0, String::new()); tests];
+        let mut computed = self.compute(&points, &mut runs, &mut failed)?;
+        let mut centre = self.first_states(fit);
+        let mut stream = Stream::new(self.options.seed);
+        for round in 0.. {
+            let surrogates = regions.iter().zip(&runs).enumerate().map(|(test, (region, runs))| {
+                let name = &self.plan.tests[test].name;
+                TestSurrogate::fit(region.clone(), runs)
+                    .map_err(|error| refuse(format!("the surrogate of {name}: {error}")))
+            });
+            let surrogates = surrogates.collect::<HostResult<Vec<_>>>()?;
+            let samples = self.samples(&surrogates, &centre, round, &mut stream)?;
+            let drawn = self.new_points(&samples, &mut stream);
+            let before: Vec<usize> = runs.iter().map(Vec::len).collect();
+            computed += self.compute(&drawn, &mut runs, &mut failed)?;
+            let share = samples.points[samples.points.len() / 2].clone();
+            let share = self.layout.share(&share, self.plan);
+            let errors: Vec<f64> = (0..tests)
+                .map(|test| self.error(test, &surrogates[test], &runs[test][before[test]..], share))
+                .collect();
+            let is_inside = self.is_inside(&samples, &regions);
+            let is_good = errors.iter().all(|error| *error < SMALL_ERROR) && is_inside;
+            if is_good || round + 1 >= self.options.rounds {
+                return Ok(self.result(samples, errors, computed, &runs, failed));
+            }
+            regions = self.regions(&samples);
+            centre = samples;
+        }
+        Err(refuse("the posterior has no round"))
+    }
+
+    /// Boxes about the best point, by the linear model of each test's own unknowns.
+    fn first_regions(&self, fit: &Fit) -> Vec<Region> {
+        let ends = self.objective.ends();
+        let region = |test: usize| {
+            // Where specimens scatter, each test alone decides its own values.
+            let covariance = match self.layout.scattered.is_empty() {
+                true => fit.covariance.clone(),
+                false => {
+                    let rows = fit.jacobian.rows(ends[test], ends[test + 1] - ends[test]).clone_owned();
+                    verdict::inverse(&verdict::information(self.plan, &rows))
+                }
+            };
+            let side = |sign: f64| {
+                let end = |index: &usize| {
+                    let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
+                    (fit.x[*index] + sign * FIRST_REGION * covariance[(*index, *index)].sqrt()).clamp(low, high)
+                };
+                self.acting[test].iter().map(end).collect()
+            };
+            Region { low: side(-1.0), high: side(1.0) }
+        };
+        (0..self.plan.tests.len()).map(region).collect()
+    }
+
+    /// Points of a region: a Latin hypercube.
+    fn design(&self, region: &Region) -> HostResult<Vec<Vec<f64>>> {
+        let factors = vec![Levels::Continuous; region.low.len()];
+        let least = 12 * region.low.len() + 12;
+        let points = design::points(Method::LatinHypercube, &factors, self.options.runs.max(least), self.options.seed);
+        Ok(points.map_err(refuse)?.iter().map(|unit| region.at(unit)).collect())
+    }
+
+    /// Computes the differences of all tests at points of theirs; the number of runs.
+    fn compute(
+        &self,
+        points: &[Vec<Vec<f64>>],
+        runs: &mut [Runs],
+        failed: &mut [(usize, String)],
+    ) -> HostResult<usize> {
+        let all: Vec<(usize, &Vec<f64>)> = points
+            .iter()
+            .enumerate()
+            .flat_map(|(test, points)| points.iter().map(move |point| (test, point)))
+            .collect();
+        let found: Vec<(usize, &Vec<f64>, Result<Vec<f64>, String>)> =
+            all.into_par_iter().map(|(test, point)| (test, point, self.differences(test, point))).collect();
+        if self.session.cancellation().is_cancelled() {
+            return Err(refuse("the study was stopped"));
+        }
+        let count = found.len();
+        for (test, point, found) in found {
+            match found {
+                Ok(found) => runs[test].push((point.clone(), found)),
+                Err(cause) => {
+                    failed[test].0 += 1;
+                    if failed[test].1.is_empty() {
+                        failed[test].1 = cause;
+                    }
+                }
+            }
+        }
+        Ok(count)
+    }
+
+    /// The differences of a test at values of the unknowns that act on it.
+    fn differences(&self, test: usize, point: &[f64]) -> Result<Vec<f64>, String> {
+        let mut values = self.plan.start();
+        for (index, coordinate) in self.acting[test].iter().zip(point) {
+            values[*index] = self.plan.of(&self.plan.unknowns[*index]).value(*coordinate);
+        }
+        let session = self.session.with_trial(self.session.cancellation());
+        let text = |error: Box<rhai::EvalAltResult>| match &*error {
+            rhai::EvalAltResult::ErrorRuntime(value, _) => thrown(value),
+            other => other.to_string(),
+        };
+        let (_, simulated) = self.objective.run(test, &values, &session).map_err(text)?;
+        if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
+            return Err(rupture.clone());
+        }
+        let own = &self.plan.tests[test];
+        let mut all = Vec::new();
+        for (signal, simulated) in own.signals.iter().zip(&simulated) {
+            all.extend(signal.differences(simulated)?);
+        }
+        Ok(all)
+    }
+
+    /// Starts of the walkers: the linear model of each test.
+    fn first_states(&self, fit: &Fit) -> Samples {
+        let mut stream = Stream::new(self.options.seed);
+        let factor = fit.covariance.clone().cholesky().map(|own| own.l());
+        let state = |_: usize| {
+            let normals = nalgebra::DVector::from_fn(self.layout.unknowns, |_, _| stream.normal());
+            let shift = factor.as_ref().map_or(normals.clone() * 1e-3, |factor| factor * normals);
+            let mut state = vec![0.0; self.layout.len()];
+            for (index, unknown) in self.plan.unknowns.iter().enumerate() {
+                let [low, high] = self.plan.of(unknown).ends();
+                let margin = 1e-3 * (high - low);
+                state[index] = (fit.x[index] + 0.5 * shift[index]).clamp(low + margin, high - margin);
+            }
+            for own in &self.layout.scattered {
+                let [low, high] = self.plan.of(&self.plan.unknowns[own.unknown]).ends();
+                state[own.deviation] = (0.3 * own.expected).ln() + 0.3 * stream.normal();
+                for (_, place) in &own.values {
+                    let near = 0.3 * state[own.deviation].exp() * stream.normal();
+                    state[*place] = (state[own.unknown] + near).clamp(low, high);
+                }
+            }
+            if let Some(place) = self.layout.share {
+                state[place] = fit.share.max(1e-3).ln() + 0.2 * stream.normal();
+            }
+            state
+        };
+        let points = (0..KEPT).map(state).collect();
+        Samples { points, r_hat: Vec::new(), effective: Vec::new(), acceptance: 0.0, steps: 0 }
+    }
+
+    fn samples(
+        &self,
+        surrogates: &[TestSurrogate],
+        centre: &Samples,
+        round: usize,
+        stream: &mut Stream,
+    ) -> HostResult<Samples> {
+        let density = Density { plan: self.plan, layout: &self.layout, acting: &self.acting, surrogates };
+        // Few steps tell where to refine; the last round is the one that counts, and may be any.
+        let options = ensemble::Options {
+            seed: self.options.seed.wrapping_add(round as u64),
+            most_steps: self.options.steps,
+            ..ensemble::Options::default()
+        };
+        let mut place = 0;
+        let start = || {
+            place += 1;
+            let first = stream.below(centre.points.len());
+            if place % 2 == 0 {
+                return centre.points[first].clone();
+            }
+            // Between two states, where one of them alone may lie outside of a region.
+            let (other, share) = (stream.below(centre.points.len()), stream.uniform());
+            let between = centre.points[first].iter().zip(&centre.points[other]);
+            between.map(|(a, b)| a + 0.5 * share * (b - a)).collect()
+        };
+        ensemble::sample(&|state: &[f64]| density.log(state), start, &options)
+            .map_err(|error| refuse(format!("the posterior cannot be sampled: {error}")))
+    }
+
+    /// New points of every test: draws of the posterior.
+    fn new_points(&self, samples: &Samples, stream: &mut Stream) -> Vec<Vec<Vec<f64>>> {
+        let of_test = |(test, acting): (usize, &Vec<usize>)| {
+            let count = 4 * acting.len() + 4;
+            let draw = |_: usize| {
+                let state = &samples.points[stream.below(samples.points.len())];
+                let x = self.layout.in_test(state, test);
+                acting.iter().map(|index| x[*index]).collect()
+            };
+            (0..count).map(draw).collect()
+        };
+        self.acting.iter().enumerate().map(of_test).collect()
+    }
+
+    /// Root mean square over runs of the norm of a surrogate's error, each coordinate over its standard deviation.
+    fn error(&self, test: usize, surrogate: &TestSurrogate, runs: &[(Vec<f64>, Vec<f64>)], share: f64) -> f64 {
+        let variances: Vec<f64> =
+            self.plan.tests[test].signals.iter().flat_map(|signal| signal.variances(share)).collect();
+        let squares: Vec<f64> = runs
+            .iter()
+            .filter_map(|(point, found)| {
+                let predicted = surrogate.differences(point)?;
+                let own = predicted.iter().zip(found).zip(&variances);
+                Some(own.map(|((a, b), variance)| (a - b).powi(2) / variance).sum::<f64>())
+            })
+            .collect();
+        if squares.is_empty() { f64::INFINITY } else { (squares.iter().sum::<f64>() / squares.len() as f64).sqrt() }
+    }
+
+    /// Ranges of the samples in a test, and what lies within 1 % of the ends.
+    fn ranges(&self, samples: &Samples, test: usize) -> Vec<[f64; 2]> {
+        let columns: Vec<Vec<f64>> = samples.points.iter().map(|state| self.layout.in_test(state, test)).collect();
+        let range = |index: &usize| {
+            let mut own: Vec<f64> = columns.iter().map(|x| x[*index]).collect();
+            own.sort_by(f64::total_cmp);
+            let at = |share: f64| own[((own.len() - 1) as f64 * share) as usize];
+            [at(0.001), at(0.999)]
+        };
+        self.acting[test].iter().map(range).collect()
+    }
+
+    /// Whether no region cuts the samples off where the bounds do not.
+    fn is_inside(&self, samples: &Samples, regions: &[Region]) -> bool {
+        regions.iter().enumerate().all(|(test, region)| {
+            let ranges = self.ranges(samples, test);
+            ranges.iter().zip(&self.acting[test]).enumerate().all(|(place, ([from, to], index))| {
+                let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
+                let near = 0.01 * (region.high[place] - region.low[place]);
+                (from - region.low[place] > near || region.low[place] <= low + near)
+                    && (region.high[place] - to > near || region.high[place] >= high - near)
+            })
+        })
+    }
+
+    /// Regions about the samples.
+    fn regions(&self, samples: &Samples) -> Vec<Region> {
+        let region = |test: usize| {
+            let ranges = self.ranges(samples, test);
+            let of = |side: usize| {
+                let end = |([from, to], index): (&[f64; 2], &usize)| {
+                    let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
+                    let beyond = BEYOND * (to - from).max(1e-6 * (high - low));
+                    if side == 0 { (from - beyond).max(low) } else { (to + beyond).min(high) }
+                };
+                ranges.iter().zip(&self.acting[test]).map(end).collect()
+            };
+            Region { low: of(0), high: of(1) }
+        };
+        (0..self.plan.tests.len()).map(region).collect()
+    }
+
+    fn result(
+        &self,
+        samples: Samples,
+        errors: Vec<f64>,
+        computed: usize,
+        runs: &[Runs],
+        failed: Vec<(usize, String)>,
+    ) -> Posterior {
+        let mut warnings = Vec::new();
+        for (index, unknown) in self.plan.unknowns.iter().enumerate() {
+            let (r_hat, effective) = (samples.r_hat[index], samples.effective[index]);
+            if r_hat > LARGEST_R_HAT || effective < 400.0 {
+                warnings.push(Warning::PosteriorNotConverged { parameter: unknown.name.clone(), r_hat, effective });
+            }
+        }
+        for (test, own) in self.plan.tests.iter().enumerate() {
+            if errors[test] >= SMALL_ERROR {
+                let (error, runs) = (errors[test], runs[test].len());
+                warnings.push(Warning::SurrogateError { test: own.name.clone(), error, runs });
+            }
+            let (count, cause) = failed[test].clone();
+            if count > 0 {
+                let runs = runs[test].len() + count;
+                warnings.push(Warning::PosteriorRuns { test: own.name.clone(), failed: count, runs, cause });
+            }
+        }
+        let step = samples.points.len().div_ceil(KEPT).max(1);
+        Posterior {
+            layout: self.layout.clone(),
+            states: samples.points.into_iter().step_by(step).collect(),
+            r_hat: samples.r_hat,
+            effective: samples.effective,
+            acceptance: samples.acceptance,
+            runs: computed,
+            errors,
+            warnings,
+        }
+    }
+}

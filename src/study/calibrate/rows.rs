@@ -1,0 +1,158 @@
+//! The result of a calibration as rows of tables and as plots.
+
+use serde_json::{Value, json};
+
+use super::fit::Fit;
+use super::plan::{Discrepancy, Plan};
+use super::posterior::Posterior;
+use super::verdict::Knowledge;
+use crate::script::Row;
+use plot::{Axis, Curve, Look, Plot};
+use uncertainty::statistics::{deviation, mean, quantiles};
+
+/// Most points of a curve of a plot.
+const MOST_POINTS: usize = 600;
+
+/// One row a parameter: its value, its interval of 95 %, the verdict and the numbers that it rests on.
+pub(super) fn parameters(plan: &Plan, values: &[f64], known: &[Knowledge], basis: &str) -> Vec<Row> {
+    let row = |((unknown, value), known): ((&super::parameter::Unknown, &f64), &Knowledge)| {
+        let parameter = plan.of(unknown);
+        let tests: Vec<&str> = match unknown.test {
+            Some(test) => vec![plan.tests[test].name.as_str()],
+            None => plan.sharing(unknown.parameter).map(|test| plan.tests[test].name.as_str()).collect(),
+        };
+        object(json!({
+            "parameter": unknown.name, "value": value, "unit": parameter.unit, "lower_95": known.interval[0],
+            "upper_95": known.interval[1], "verdict": known.verdict.to_string(), "half_width": known.half_width,
+            "half_width_if_others_known": known.half_width_alone, "share_of_prior": known.prior_share, "basis": basis,
+            "tests": tests.join(", "),
+        }))
+    };
+    plan.unknowns.iter().zip(values).zip(known).map(row).collect()
+}
+
+/// One row a signal of each recording: how well it is met.
+pub(super) fn tests(plan: &Plan, fit: &Fit) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (test, simulated) in plan.tests.iter().zip(&fit.simulated) {
+        for (signal, simulated) in test.signals.iter().zip(simulated) {
+            let error = signal.errors.relative_error(simulated).ok();
+            let rotated = signal.errors.rotated(simulated).ok();
+            let squares = rotated.map(|own| signal.errors.whitened(&own, fit.share).iter().map(|r| r * r).sum::<f64>());
+            rows.push(object(json!({
+                "test": test.name, "signal": signal.name, "relative_error": error, "noise": signal.errors.noise(),
+                "unit": signal.column.unit, "bins": signal.errors.bins(),
+                "mean_square_residual": squares.map(|sum| sum / signal.errors.bins() as f64), "weight": test.weight,
+            })));
+        }
+    }
+    rows
+}
+
+/// One row an unknown, and one a test of an unknown that scatters: its posterior.
+pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> Vec<Row> {
+    let row = |name: String, values: &[f64]| {
+        let at = quantiles(values, &[0.025, 0.1, 0.25, 0.5, 0.75, 0.9, 0.975]).unwrap_or_else(|| vec![f64::NAN; 7]);
+        object(json!({
+            "parameter": name, "median": at[3], "mean": mean(values), "deviation": deviation(values), "lower_95": at[0],
+            "upper_95": at[6], "lower_80": at[1], "upper_80": at[5], "lower_50": at[2], "upper_50": at[4],
+        }))
+    };
+    let with = |mut row: Row, more: Value| {
+        row.extend(object(more));
+        row
+    };
+    let none = json!({ "verdict": null, "share_of_prior": null, "r_hat": null, "effective": null });
+    let mut rows = Vec::new();
+    for (index, unknown) in plan.unknowns.iter().enumerate() {
+        let values: Vec<f64> = found.unknowns().map(|x| plan.of(unknown).value(x[index])).collect();
+        let more = json!({
+            "verdict": known[index].verdict.to_string(), "share_of_prior": known[index].prior_share,
+            "r_hat": found.r_hat[index], "effective": found.effective[index],
+        });
+        rows.push(with(row(unknown.name.clone(), &values), more));
+    }
+    for (index, deviations) in found.deviations() {
+        let unknown = &plan.unknowns[index];
+        let along = if plan.of(unknown).is_logarithmic { "relative deviation" } else { "deviation" };
+        rows.push(with(row(format!("{along} of {} over specimens", unknown.name), &deviations), none.clone()));
+        for test in plan.sharing(unknown.parameter) {
+            let values: Vec<f64> = found.in_test(test).map(|x| plan.of(unknown).value(x[index])).collect();
+            rows.push(with(row(format!("{} of {}", unknown.name, plan.tests[test].name), &values), none.clone()));
+        }
+    }
+    if plan.discrepancy == Discrepancy::Estimated {
+        rows.push(with(row("model error".into(), &found.shares(plan)), none));
+    }
+    rows
+}
+
+/// One row a test: the error of its surrogate.
+pub(super) fn surrogates(plan: &Plan, found: &Posterior) -> Vec<Row> {
+    let row = |(test, error): (&super::test::Test, &f64)| {
+        object(
+            json!({ "test": test.name, "surrogate_error": error, "runs_of_all": found.runs, "acceptance": found.acceptance }),
+        )
+    };
+    plan.tests.iter().zip(&found.errors).map(row).collect()
+}
+
+/// Measured and calibrated curves, a plot a signal of a test.
+pub(super) fn plots(plan: &Plan, fit: &Fit) -> Vec<Plot> {
+    let mut plots: Vec<Plot> = Vec::new();
+    for (test, simulated) in plan.tests.iter().zip(&fit.simulated) {
+        for (signal, simulated) in test.signals.iter().zip(simulated) {
+            let (x, factor) = signal.abscissa();
+            let curve = |name: &str, series: &lab::signal::Series, look| {
+                let points = series.samples().map(|[x, y]| [x * factor, y * signal.column.factor]).collect();
+                Curve { name: name.into(), points, look }.thinned(MOST_POINTS)
+            };
+            let title = format!("{}: {}", test.name, signal.name);
+            let measured = curve("measured", &signal.measured, Look::Dashed);
+            let [from, to] = [signal.measured.time()[0], signal.measured.time()[signal.measured.len() - 1]];
+            let own = curve("calibrated", &simulated.window([from, to]), Look::Line);
+            match plots.iter_mut().find(|plot| plot.title == title) {
+                // Several recordings of one test have one calibrated curve.
+                Some(plot) => plot.curves.push(measured),
+                None => plots.push(Plot {
+                    title,
+                    x: Axis::linear(x),
+                    y: Axis::linear(signal.column.axis),
+                    curves: vec![own, measured],
+                    window: None,
+                }),
+            }
+        }
+    }
+    plots
+}
+
+/// Pairs of unknowns, a plot a pair: samples of the posterior.
+pub(super) fn pairs(plan: &Plan, found: &Posterior) -> Vec<Plot> {
+    /// Most unknowns whose pairs are drawn.
+    const MOST: usize = 4;
+    /// Most points of a pair.
+    const POINTS: usize = 400;
+    let shown: Vec<usize> = (0..plan.unknowns.len().min(MOST)).collect();
+    let samples: Vec<Vec<f64>> = found.unknowns().map(|x| plan.values(x)).collect();
+    let step = samples.len().div_ceil(POINTS).max(1);
+    let mut plots = Vec::new();
+    for (place, one) in shown.iter().enumerate() {
+        for other in &shown[place + 1..] {
+            let [a, b] = [*one, *other].map(|index| plan.unknowns[index].name.as_str());
+            let points = samples.iter().step_by(step).map(|values| [values[*one], values[*other]]).collect();
+            let curve = Curve { name: "posterior".into(), points, look: Look::Points };
+            let title = format!("Posterior of {a} and {b}");
+            plots.push(Plot { title, x: Axis::linear(a), y: Axis::linear(b), curves: vec![curve], window: None });
+        }
+    }
+    plots
+}
+
+/// The entries of a JSON object.
+pub(super) fn object(value: Value) -> Row {
+    match value {
+        Value::Object(row) => row,
+        _ => Row::new(),
+    }
+}

@@ -1,0 +1,376 @@
+//! The tests of a calibration: a scenario each, and the recordings that its signals are compared with.
+
+use rhai::{Array, Dynamic, Map};
+
+use super::distance::Distance;
+use super::error_model::{Correlation, ErrorModel, Noise};
+use super::parameter::texts;
+use crate::post::Run;
+use crate::scenario_functions::{Scenarios, Study};
+use crate::script::{Compared, HostResult, Options, Session, number, refuse};
+use base::units::{Dimension, Length, Time};
+use lab::signal::Series;
+use lab::signal::column::{self, COLUMNS, Column};
+use lab::signal::file::{self, ReadOptions};
+use scene::model::Loading;
+
+/// A test: a scenario and its recordings.
+#[derive(Clone)]
+pub(super) struct Test {
+    /// Its name in results: that of the scenario, unless given.
+    pub(super) name: String,
+    /// The scenario, which runs as long as its recordings are compared.
+    pub(super) study: Study,
+    /// Names of parameters that have a value of their own here.
+    pub(super) own: Vec<String>,
+    /// What its squared residuals are multiplied by.
+    pub(super) weight: f64,
+    /// Its signals, once a recording.
+    pub(super) signals: Vec<Signal>,
+}
+
+/// A signal of a test that is compared with one recording.
+#[derive(Clone)]
+pub(super) struct Signal {
+    /// Its name in scripts.
+    pub(super) name: &'static str,
+    /// Its column.
+    pub(super) column: &'static Column,
+    /// What it is compared over; none for time.
+    over: Option<&'static Column>,
+    /// The recording in the window.
+    pub(super) measured: Series,
+    /// What the two may differ by.
+    pub(super) errors: ErrorModel,
+    /// How they are compared.
+    pub(super) distance: Distance,
+}
+
+/// What signals of all tests may differ by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tolerances {
+    pub(super) noise: Noise,
+    /// Of time signals.
+    pub(super) correlation: Correlation,
+}
+
+/// Options of a test.
+const OPTIONS: [&str; 12] = [
+    "scenario",
+    "name",
+    "set",
+    "compare",
+    "over",
+    "window",
+    "recordings",
+    "own",
+    "weight",
+    "noise",
+    "distance",
+    "error",
+];
+
+/// The impactor's peak is not a column; these names stand for columns.
+const ALIASES: [(&str, &str); 1] = [("apex", "deflection")];
+
+impl Test {
+    /// Reads `#{ scenario, compare, window, … }`.
+    pub(super) fn read(
+        given: &Dynamic,
+        scenarios: &Scenarios,
+        tolerances: Tolerances,
+        session: &Session,
+    ) -> HostResult<Test> {
+        let map = given.read_lock::<Map>().map(|map| map.clone());
+        let map = map.ok_or_else(|| {
+            refuse(format!("a test of calibrate is a map with `scenario` and `compare`, not {given}"))
+        })?;
+        let options = Options { of: "a test of calibrate", map: &map };
+        options.check(&OPTIONS)?;
+        let mut study = scenarios.named(options.value("scenario")?, session)?;
+        if let Some(changes) = map.get("set") {
+            let changes = changes.read_lock::<Map>().map(|map| map.clone());
+            let changes = changes.ok_or_else(|| refuse("`set` of a test is a map of keys and values"))?;
+            study = study.with(changes, session)?;
+        }
+        let name = map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string);
+        let in_test = |text: String| refuse(format!("test `{name}`: {text}"));
+        let weight = options.number("weight", 1.0)?;
+        if !(weight > 0.0 && weight.is_finite()) {
+            return Err(in_test(format!("`weight` is {weight}, which must be above zero")));
+        }
+        let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
+        let names = signals_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
+        let columns = names.iter().map(|name| found_column(name).map_err(in_test)).collect::<HostResult<Vec<_>>>()?;
+        let over = match map.get("over").map(Dynamic::to_string).as_deref() {
+            None => usual_abscissa(&study),
+            Some("time") => None,
+            Some(name) => Some(found_column(name).map_err(in_test)?),
+        };
+        let tolerances = match map.get("noise") {
+            Some(given) => Tolerances { noise: noise(given).map_err(in_test)?, ..tolerances },
+            None => tolerances,
+        };
+        let distance = Distance::read(&options).map_err(in_test)?;
+        let reading = Reading { over, window: map.get("window"), tolerances, distance, in_test: &in_test };
+        let recordings = match map.get("recordings") {
+            None => vec![Dynamic::UNIT],
+            Some(given) => given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone()),
+        };
+        let mut signals = Vec::new();
+        let mut longest: Option<(f64, Study)> = None;
+        for recording in &recordings {
+            let (own, end, found) = reading.recording(&study, recording, &columns, session)?;
+            signals.extend(found);
+            if longest.as_ref().is_none_or(|(latest, _)| end > *latest) {
+                longest = Some((end, own));
+            }
+        }
+        let study = longest.map_or(study, |(_, study)| study);
+        Ok(Test { name, study, own, weight, signals })
+    }
+}
+
+/// How the recordings of a test are read.
+struct Reading<'a> {
+    over: Option<&'static Column>,
+    window: Option<&'a Dynamic>,
+    tolerances: Tolerances,
+    distance: Distance,
+    in_test: &'a dyn Fn(String) -> Box<rhai::EvalAltResult>,
+}
+
+impl Reading<'_> {
+    /// The signals of one recording, the end of their windows, and the scenario that is compared with it.
+    fn recording(
+        &self,
+        study: &Study,
+        recording: &Dynamic,
+        columns: &[&'static Column],
+        session: &Session,
+    ) -> HostResult<(Study, f64, Vec<Signal>)> {
+        let given = recording.read_lock::<Map>().map(|map| map.clone());
+        if let Some(map) = given {
+            return self.given(study, &map, columns);
+        }
+        let is_impact = matches!(study.model().loading, Loading::Impact(_)) && self.over.is_none();
+        if !is_impact {
+            return self.file(study, recording, columns, session);
+        }
+        let mut changes = Map::new();
+        if !recording.is_unit() {
+            changes.insert("reference.signals".into(), recording.clone());
+        }
+        if let Some(window) = self.window {
+            changes.insert("reference.window".into(), window.clone());
+        }
+        let study = if changes.is_empty() { study.clone() } else { study.with(changes, session)? };
+        let comparison = study.comparison()?.clone();
+        let class = study.model().output.filter;
+        let signals = columns.iter().map(|column| {
+            let series = match column.short {
+                "acceleration" => comparison.acceleration.clone().map(|series| (series, class)),
+                "displacement" => comparison.displacement.clone().map(|series| (series, None)),
+                _ => None,
+            };
+            let Some((series, class)) = series else {
+                let known = "an impact is compared by `acceleration` and `displacement`";
+                return Err((self.in_test)(format!("its recording has no `{}`: {known}", column.short)));
+            };
+            self.signal(column, &series, comparison.window, class)
+        });
+        let signals = signals.collect::<HostResult<Vec<_>>>()?;
+        Ok((study, comparison.window[1], signals))
+    }
+
+    /// Signals that the script gives, over time or over what is asked for.
+    fn given(&self, study: &Study, map: &Map, columns: &[&'static Column]) -> HostResult<(Study, f64, Vec<Signal>)> {
+        let signals = columns.iter().map(|column| {
+            let series =
+                map.get(column.short).and_then(|value| value.read_lock::<Series>().map(|series| series.clone()));
+            let missing = || (self.in_test)(format!("a recording of signals has no `{}`", column.short));
+            let series = series.ok_or_else(missing)?;
+            let window = self.window(&series)?;
+            self.signal(column, &series, window, None)
+        });
+        let signals = signals.collect::<HostResult<Vec<_>>>()?;
+        let end = signals.iter().filter_map(|signal| signal.measured.time().last().copied()).fold(0.0, f64::max);
+        Ok((study.clone(), end, signals))
+    }
+
+    /// Signals of a file with the columns of `signals.csv`, over time or over another of its columns.
+    fn file(
+        &self,
+        study: &Study,
+        recording: &Dynamic,
+        columns: &[&'static Column],
+        session: &Session,
+    ) -> HostResult<(Study, f64, Vec<Signal>)> {
+        let path = recording.clone().into_string();
+        let path = path.map_err(|_| (self.in_test)("name its `recordings`: one file or a list of files".into()))?;
+        let path = std::path::Path::new(&path);
+        session.add_recording_files(path);
+        let measurement =
+            file::read(path, &ReadOptions::default()).map_err(|error| (self.in_test)(error.to_string()))?;
+        session.add_recording(path, measurement.annotations.is_virtual());
+        let channel = |column: &Column| {
+            let found = [column.name, column.short].iter().find_map(|name| measurement.channel(name).ok());
+            let known =
+                || measurement.channels.iter().map(|channel| channel.name.as_str()).collect::<Vec<_>>().join(", ");
+            found.map(|channel| channel.series.clone()).ok_or_else(|| {
+                (self.in_test)(format!("{} has no `{}`; it has {}", path.display(), column.name, known()))
+            })
+        };
+        let signals = columns.iter().map(|column| {
+            let series = match self.over {
+                None => channel(column)?,
+                Some(over) => over_abscissa(&channel(over)?, &channel(column)?),
+            };
+            let window = self.window(&series)?;
+            self.signal(column, &series, window, None)
+        });
+        let signals = signals.collect::<HostResult<Vec<_>>>()?;
+        let end = signals.iter().filter_map(|signal| signal.measured.time().last().copied()).fold(0.0, f64::max);
+        Ok((study.clone(), end, signals))
+    }
+
+    /// The window that the options give, or all of the signal.
+    fn window(&self, series: &Series) -> HostResult<[f64; 2]> {
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        let Some(given) = self.window else { return Ok(all) };
+        if given.clone().into_string().is_ok_and(|text| text == "all") {
+            return Ok(all);
+        }
+        let wrong =
+            || (self.in_test)("`window` is [from, to] or \"all\" where there is no loading phase of an impact".into());
+        let list =
+            given.read_lock::<Array>().filter(|list| list.len() == 2).map(|list| list.clone()).ok_or_else(wrong)?;
+        let dimension: Dimension = if self.over.is_none() { Time::DIMENSION } else { Length::DIMENSION };
+        let end = |value: &Dynamic| match value.clone().into_string() {
+            Ok(text) => dimension.parse(&text).map_err(|error| (self.in_test)(error.to_string())),
+            Err(_) => number(value, "an end of the window"),
+        };
+        let window = [end(&list[0])?, end(&list[1])?];
+        if window[0] < window[1] && !series.is_empty() { Ok(window) } else { Err(wrong()) }
+    }
+
+    fn signal(
+        &self,
+        column: &'static Column,
+        series: &Series,
+        window: [f64; 2],
+        class: Option<f64>,
+    ) -> HostResult<Signal> {
+        let correlation = match (self.tolerances.correlation, self.over) {
+            // A time says nothing of a travel.
+            (Correlation::Length(_), Some(_)) => super::plan::USUAL_CORRELATION,
+            (correlation, _) => correlation,
+        };
+        let errors = ErrorModel::new(series, window, self.tolerances.noise, correlation, class);
+        let errors = errors.map_err(|error| (self.in_test)(format!("{}: {error}", column.short)))?;
+        let measured = series.window(window);
+        Ok(Signal { name: column.short, column, over: self.over, measured, errors, distance: self.distance })
+    }
+}
+
+impl Signal {
+    /// The simulated signal over the abscissa of the recording.
+    pub(super) fn simulated(&self, run: &Run) -> HostResult<Series> {
+        let values = run.channel(self.name)?;
+        Ok(match self.over {
+            None => values,
+            Some(over) => over_abscissa(&run.channel(over.short)?, &values),
+        })
+    }
+
+    /// What a simulated signal differs by from the recording, in coordinates whose errors are independent.
+    pub(super) fn differences(&self, simulated: &Series) -> Result<Vec<f64>, String> {
+        let found = match self.distance.is_residuals() {
+            true => self.errors.rotated(simulated).map_err(|error| error.to_string()),
+            false => self.distance.numbers(&self.errors, &self.measured, simulated),
+        };
+        found.map_err(|error| format!("{}: {error}", self.name))
+    }
+
+    /// Variances of the errors of these coordinates, with a model's error of `share`.
+    pub(super) fn variances(&self, share: f64) -> Vec<f64> {
+        match self.distance.is_residuals() {
+            true => self.errors.variances(share).collect(),
+            false => vec![1.0; self.distance.count()],
+        }
+    }
+
+    /// The comparison, for plots of the search.
+    pub(super) fn compared(&self, simulated: &Series) -> Compared {
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        Compared::signals(simulated, &self.measured, all)
+    }
+
+    /// Words of the axis and of the abscissa in plots.
+    pub(super) fn abscissa(&self) -> (&'static str, f64) {
+        self.over.map_or(("time (ms)", 1e3), |over| (over.axis, over.factor))
+    }
+}
+
+/// `values` over another signal, where that exceeds all before.
+fn over_abscissa(abscissa: &Series, values: &Series) -> Series {
+    let mut largest = f64::NEG_INFINITY;
+    let (mut places, mut found) = (Vec::new(), Vec::new());
+    for ([time, place], value) in abscissa.samples().zip(values.values()) {
+        let own = if values.time().len() == abscissa.len() { Some(*value) } else { values.value_at(time) };
+        if let Some(own) = own.filter(|own| own.is_finite() && place > largest) {
+            largest = place;
+            places.push(place);
+            found.push(own);
+        }
+    }
+    Series::new(places, found)
+}
+
+/// The signals that a test is compared by, by their names in scripts.
+pub(super) fn signals_of(map: &Map, study: &Study) -> HostResult<Vec<&'static str>> {
+    let names = match map.get("compare") {
+        Some(given) => texts(given, "compare").map_err(refuse)?,
+        None => vec![usual_signal(study).to_owned()],
+    };
+    names.iter().map(|name| Ok(found_column(name).map_err(refuse)?.short)).collect()
+}
+
+/// The signal that a test of this loading is usually compared by.
+fn usual_signal(study: &Study) -> &'static str {
+    match &study.model().loading {
+        Loading::Impact(_) => column::ACCELERATION_FILTERED.short,
+        Loading::Stretch(_) | Loading::Indent(_) => column::FORCE.short,
+        _ => column::PRESSURE.short,
+    }
+}
+
+/// The abscissa of a test of this loading; none for time.
+fn usual_abscissa(study: &Study) -> Option<&'static Column> {
+    match &study.model().loading {
+        Loading::Stretch(_) => Some(&column::DISPLACEMENT),
+        Loading::Indent(_) => Some(&column::DEPTH),
+        _ => None,
+    }
+}
+
+/// The column that a script calls `name`.
+fn found_column(name: &str) -> Result<&'static Column, String> {
+    let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, own)| *own);
+    let found = COLUMNS.iter().find(|column| column.short == name);
+    let shorts = || COLUMNS.iter().map(|column| column.short);
+    found.ok_or_else(|| match base::diagnostic::closest(name, shorts()) {
+        Some(close) => format!("there is no signal `{name}` (did you mean `{close}`?)"),
+        None => format!("there is no signal `{name}`"),
+    })
+}
+
+/// The noise that an option gives.
+pub(super) fn noise(given: &Dynamic) -> Result<Noise, String> {
+    let wrong = || format!("`noise` is \"from the recordings\" or a share of the signal such as 0.01, not {given}");
+    if let Ok(text) = given.clone().into_string() {
+        return if text == "from the recordings" { Ok(Noise::FromRecording) } else { Err(wrong()) };
+    }
+    let share = number(given, "noise").map_err(|_| wrong())?;
+    if share > 0.0 && share < 1.0 { Ok(Noise::Share(share)) } else { Err(wrong()) }
+}

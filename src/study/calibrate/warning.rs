@@ -1,0 +1,83 @@
+//! Findings of calibrations.
+
+use base::findings;
+use base::number::significant;
+
+findings! {
+    /// A finding of a calibration.
+    #[derive(Clone, Debug, PartialEq)]
+    pub enum Warning {
+        NotDetermined {
+            parameter: String, "the parameter" => "parameter";
+            half_width: f64, "half width of its interval of 95 %, relative to its value" => "half_width";
+            prior_share: f64, "its standard deviation over that before the tests" => "prior_share";
+        } = "not-determined", Warning;
+            meaning "the tests of a calibration do not determine a parameter, whatever the others are: its interval is \
+                wider than `precision`, or nearly as wide as its bounds or its prior";
+            remedy "add a test or a signal that depends on it (`settles` of the result compares candidates), or give it a \
+                prior or a fixed value from elsewhere";
+            message "{parameter} is not determined by these tests: 95 % half width {} of its value, {} of the width that was \
+                known before", percent(*half_width), percent(*prior_share);
+        DeterminedTogether {
+            parameter: String, "the parameter" => "parameter";
+            others: Vec<String>, "those that it depends on" => "others";
+            half_width: f64, "half width of its interval of 95 %, relative to its value" => "half_width";
+            half_width_alone: f64, "the same if the others were known" => "half_width_alone";
+        } = "determined-together", Warning;
+            meaning "the tests determine a combination of parameters, not this one: a change of one is made up for by the \
+                others";
+            remedy "add a test that separates them (`settles` of the result compares candidates), or fix one of them";
+            message "{parameter} is determined only together with {}: 95 % half width {} of its value, {} if they were known",
+                others.join(" and "), percent(*half_width), percent(*half_width_alone);
+        ModelError {
+            share: f64, "the error, as a share of the root mean square of each signal" => "share";
+            correlation: String, "the assumed correlation of it" => "correlation";
+        } = "model-error", Note;
+            meaning "a calibration estimated the error of the model from what the best parameters leave: intervals contain it";
+            remedy "none is needed; `discrepancy` gives it another size or correlation";
+            message "the model's error is estimated as {} of each signal, correlated over {correlation} (assumed)", percent(*share);
+        PosteriorNotConverged {
+            parameter: String, "the parameter" => "parameter";
+            r_hat: f64, "its R-hat" => "r_hat";
+            effective: f64, "its effective size" => "effective";
+        } = "posterior-not-converged", Warning;
+            meaning "the ensembles that sample a posterior do not agree yet, or their samples are few for its tails";
+            remedy "raise `steps`, or tighten `within` of what is not determined";
+            message "the posterior of {parameter} is not converged: R-hat {}, effective size {}",
+                significant(*r_hat, 4), significant(*effective, 3);
+        SurrogateError {
+            test: String, "the test" => "test";
+            error: f64, "root mean square error of its surrogate at new points, in standard deviations of a residual" => "error";
+            runs: usize, "runs that it rests on" => "runs";
+        } = "surrogate-error", Warning;
+            meaning "a posterior is sampled on a surrogate of each test, whose error at new points of the posterior is as large as \
+                what the test can tell; that error is in the likelihood, so that the posterior is wider than the tests allow";
+            remedy "raise `rounds` or `runs` of `posterior`, or refine the mesh where contact makes the signals rough";
+            message "the surrogate of {test} is off by {} standard deviations of a residual after {runs} runs; the posterior contains \
+                that", significant(*error, 3);
+        PosteriorRuns {
+            test: String, "the test" => "test";
+            failed: usize, "runs without a value" => "failed";
+            runs: usize, "all of them" => "runs";
+            cause: String, "why the first failed" => "cause";
+        } = "posterior-runs-failed", Warning;
+            meaning "runs of a posterior have no value: the film broke, or the simulation failed. They are left out, so that the \
+                posterior does not know that region";
+            remedy "tighten `within` where many failed";
+            message "{failed} of {runs} runs of {test} have no value, the first: {cause}";
+        PredictionFailed {
+            scenario: String, "the scenario" => "scenario";
+            failed: usize, "runs without a value" => "failed";
+            runs: usize, "all of them" => "runs";
+            cause: String, "why the first failed" => "cause";
+        } = "prediction-runs-failed", Warning;
+            meaning "runs of a prediction have no value; its quantiles are of the others";
+            remedy "find out why they fail: a band without them may be too narrow";
+            message "{failed} of {runs} runs of {scenario} have no value, the first: {cause}";
+    }
+}
+
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent > 1000.0 { "more than 1000 %".into() } else { format!("{} %", significant(percent, 2)) }
+}
