@@ -87,8 +87,8 @@ impl Calibration {
         if session.is_trial() {
             return Err(refuse("an objective cannot search: `calibrate` is called within one"));
         }
-        let plan = Plan::read(options, scenarios, session)?;
-        let fit = Fit::search(&plan, host, session)?;
+        let mut plan = Plan::read(options, scenarios, session)?;
+        let fit = Fit::search(&mut plan, host, session)?;
         let (scenarios, collector) = (scenarios.clone(), collector.clone());
         let own = Calibration(Arc::new(Parts { plan, fit, scenarios, collector, asked: Mutex::default() }));
         own.report()?;

@@ -60,9 +60,7 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
         study = study.with(changes, session)?;
     }
     let best = study.with(plan.shared_changes(&fit.values), session)?.simulate(session)?;
-    let compare = super::test::signals_of(&map, &study)?;
-    let signals = compare.iter().map(|name| Ok(((*name).into(), Dynamic::from(best.channel(name)?))));
-    let signals: Map = signals.collect::<HostResult<_>>()?;
+    let signals = super::test::as_recorded(&map, &study, &best)?;
     map.insert("recordings".into(), signals.into());
     let tolerances = Tolerances { noise: Noise::Share(ASSUMED_NOISE), correlation: plan.correlation };
     Test::read(&map.into(), scenarios, tolerances, session)

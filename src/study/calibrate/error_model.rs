@@ -1,5 +1,5 @@
-//! What a measured signal may differ by from the simulated one of a true parameter: noise of the sensor, and an error of
-//! the model that is correlated along the signal (docs/theory.md, section 27).
+//! What a measured signal may differ by from the simulated one of a true parameter: noise of the sensor, roughness of the
+//! simulation, and an error of the model that is correlated along the signal (docs/theory.md, section 27).
 //!
 //! Signals are compared by their means over bins, so that noise that is faster than a bin counts once. In the
 //! eigenvectors of the correlation of the model's error, noise and error are independent whatever the size of the error.
@@ -59,12 +59,16 @@ pub(super) struct ErrorModel {
     edges: Vec<f64>,
     /// Means over the bins.
     measured: DVector<f64>,
-    /// Standard deviation of the noise of a mean.
-    noise: f64,
+    /// Root mean square of the measured means.
+    level: f64,
+    /// Standard deviation of the noise of a measured mean.
+    recorded: f64,
+    /// The same of a simulated one.
+    simulated: f64,
     /// Eigenvectors of the model's correlation as rows.
     basis: DMatrix<f64>,
-    /// Variance of the model's error of unit share in each eigenvector, over that of the noise.
-    ratios: Vec<f64>,
+    /// Its eigenvalues.
+    eigenvalues: Vec<f64>,
 }
 
 impl ErrorModel {
@@ -95,7 +99,7 @@ impl ErrorModel {
             Noise::FromRecording => third_difference(&means),
             Noise::Share(share) => share * level,
         };
-        let noise = noise.max(LEAST_NOISE * level);
+        let recorded = noise.max(LEAST_NOISE * level);
         let length = match correlation {
             Correlation::Length(length) => length,
             Correlation::Share(share) => share * (to - from),
@@ -103,24 +107,31 @@ impl ErrorModel {
         let step = (to - from) / bins as f64;
         let rho = |row: usize, column: usize| (-(row.abs_diff(column) as f64) * step / length).exp();
         let eigen = SymmetricEigen::new(DMatrix::from_fn(bins, bins, rho));
-        let unit = (level / noise).powi(2);
         Ok(ErrorModel {
             edges,
             measured: DVector::from_vec(means),
-            noise,
+            level,
+            recorded,
+            simulated: 0.0,
             basis: eigen.eigenvectors.transpose(),
-            ratios: eigen.eigenvalues.iter().map(|value| value.max(0.0) * unit).collect(),
+            eigenvalues: eigen.eigenvalues.iter().map(|value| value.max(0.0)).collect(),
         })
+    }
+
+    /// Takes the roughness of a simulated signal, which contact makes, as noise beside that of the recording.
+    pub(super) fn add_roughness(&mut self, simulated: &Series) -> Result<(), SignalError> {
+        self.simulated = third_difference(&self.means(simulated)?);
+        Ok(())
     }
 
     /// Number of bins.
     pub(super) fn bins(&self) -> usize {
-        self.ratios.len()
+        self.eigenvalues.len()
     }
 
-    /// Standard deviation of the noise of a mean, in the unit of the signal.
+    /// Standard deviation of the noise of the difference of two means, in the unit of the signal.
     pub(super) fn noise(&self) -> f64 {
-        self.noise
+        self.recorded.hypot(self.simulated)
     }
 
     /// Length of the window along the abscissa.
@@ -141,7 +152,7 @@ impl ErrorModel {
     /// Difference of the means of a simulated signal from the measured ones in the eigenvectors, over the noise.
     pub(super) fn rotated(&self, simulated: &Series) -> Result<Vec<f64>, SignalError> {
         let difference = DVector::from_vec(self.means(simulated)?) - &self.measured;
-        Ok((&self.basis * difference / self.noise).as_slice().to_vec())
+        Ok((&self.basis * difference / self.noise()).as_slice().to_vec())
     }
 
     /// ‖simulated − measured‖/‖measured‖ over the bins.
@@ -153,7 +164,13 @@ impl ErrorModel {
     /// Variances of the coordinates that [`Self::rotated`] gives, with a model's error of `share` of the root mean
     /// square of the signal.
     pub(super) fn variances(&self, share: f64) -> impl Iterator<Item = f64> + '_ {
-        self.ratios.iter().map(move |ratio| 1.0 + share * share * ratio)
+        let size = (share * self.level / self.noise()).powi(2);
+        self.eigenvalues.iter().map(move |eigenvalue| 1.0 + size * eigenvalue)
+    }
+
+    /// Variance of every coordinate for a model's error of `share` that is not correlated.
+    pub(super) fn plain_variance(&self, share: f64) -> f64 {
+        1.0 + (share * self.level / self.noise()).powi(2)
     }
 
     /// Independent residuals of unit variance, for a model's error of `share`.
@@ -250,14 +267,14 @@ mod tests {
         let step = 0.1 / model.bins() as f64;
         let covariance = DMatrix::from_fn(model.bins(), model.bins(), |row, column| {
             let rho = (-(row.abs_diff(column) as f64) * step / 2e-3).exp();
-            (share * level).powi(2) * rho + if row == column { model.noise.powi(2) } else { 0.0 }
+            (share * level).powi(2) * rho + if row == column { model.noise().powi(2) } else { 0.0 }
         });
         let expected = means.dot(&(covariance.clone().try_inverse().unwrap() * &means));
         let rotated = model.rotated(&simulated).unwrap();
         let found: f64 = model.whitened(&rotated, share).iter().map(|r| r * r).sum();
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
         let log_determinant = 2.0 * covariance.cholesky().unwrap().l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-        let constant = 2.0 * model.bins() as f64 * model.noise.ln();
+        let constant = 2.0 * model.bins() as f64 * model.noise().ln();
         let likelihood = -0.5 * (expected + log_determinant - constant);
         assert!((model.log_likelihood(&rotated, share) - likelihood).abs() < 1e-6 * likelihood.abs());
     }
@@ -275,6 +292,14 @@ mod tests {
         assert!((found / 0.04 - 1.0).abs() < 0.15, "{found}");
         let none = most_likely_share(&(0..5).map(|_| (&model, drawn(0.0))).collect::<Vec<_>>());
         assert!(none < 2e-3, "{none}");
+    }
+
+    #[test]
+    fn roughness_of_the_simulation_is_noise_too() {
+        let mut model = model(&half_wave(1.0, 1), Correlation::Share(0.03));
+        let before = model.noise();
+        model.add_roughness(&half_wave(1.0, 2)).unwrap();
+        assert!((model.noise() / before / 2_f64.sqrt() - 1.0).abs() < 0.15, "{} {before}", model.noise());
     }
 
     #[test]

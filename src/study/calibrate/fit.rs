@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::error_model::{Correlation, most_likely_share};
+use super::error_model::{Correlation, ErrorModel, most_likely_share};
 use super::objective::CalibrationObjective;
 use super::plan::{Discrepancy, Plan};
 use super::verdict::{self, Knowledge, Verdict};
@@ -14,9 +14,11 @@ use crate::script::{HostResult, Session, refuse};
 use base::finding::Finding;
 use lab::signal::Series;
 
-/// Searches with an estimated model error, at most.
-const ESTIMATES: usize = 3;
-/// Change of the logarithm of the model's error below which the search is not repeated.
+/// Least error of the model in the searches that lead to the neighbourhood of the minimum.
+const LEAST_SMOOTH: f64 = 0.01;
+/// Searches with the noise and the model's error that the last one leaves, at most.
+const ROUNDS: usize = 3;
+/// Change of their logarithms below which the search is not repeated.
 const SAME: f64 = 0.15;
 
 /// The result of a search and what it tells.
@@ -43,35 +45,39 @@ pub(super) struct Fit {
 
 impl Fit {
     /// Searches for the parameters of a plan.
-    pub(super) fn search(plan: &Plan, host: &SearchHost, session: &Session) -> HostResult<Fit> {
-        let mut x = plan.start();
+    ///
+    /// The roughness of the simulated signals, at the start and after each search, becomes noise of the plan's signals.
+    pub(super) fn search(plan: &mut Plan, host: &SearchHost, session: &Session) -> HostResult<Fit> {
+        let mut values = plan.start();
+        add_roughness(plan, &values, session)?;
         let mut share = plan.discrepancy.first();
         let mut evaluations = 0;
         let mut findings = Vec::new();
-        for (number, stage) in plan.stages.iter().enumerate() {
-            let objective =
-                CalibrationObjective { studies: stage.clone(), ..CalibrationObjective::new(plan, share, session) };
-            let found = searched(plan, host, &objective, x, number == 0, Some(number + 1))?;
+        let own = plan.tests.iter().map(|test| test.study.clone()).collect();
+        for (number, studies) in plan.stages.clone().into_iter().chain([own]).enumerate() {
+            let smooth = CalibrationObjective::new(plan, plan.discrepancy.first().max(LEAST_SMOOTH), session);
+            let objective = CalibrationObjective { studies, is_plain: true, ..smooth };
+            let found = searched(plan, host, &objective, values, number == 0, Some(number + 1))?;
             evaluations += total(&found);
             findings.extend(found.warnings.iter().map(Finding::new));
-            x = found.best.x;
+            values = found.best.x;
         }
         let mut rounds = 0;
         let result = loop {
             let objective = CalibrationObjective::new(plan, share, session);
-            let is_first = plan.stages.is_empty() && rounds == 0;
-            let found = searched(plan, host, &objective, x, is_first, None)?;
+            let found = searched(plan, host, &objective, values, false, None)?;
             evaluations += total(&found);
-            x = found.best.x.clone();
+            values = found.best.x.clone();
             rounds += 1;
-            if plan.discrepancy != Discrepancy::Estimated || rounds == ESTIMATES {
-                break found;
+            let before = noises(plan);
+            add_roughness(plan, &values, session)?;
+            let mut is_same = noises(plan).iter().zip(&before).all(|(now, before)| (now / before).ln().abs() < SAME);
+            if plan.discrepancy == Discrepancy::Estimated {
+                let estimated = most_likely_share(&left(plan, &values, session)?);
+                is_same &= (estimated.max(1e-4) / share.max(1e-4)).ln().abs() < SAME;
+                share = estimated;
             }
-            let left = left(plan, &objective, &x, session)?;
-            let estimated = most_likely_share(&left);
-            let is_same = (estimated.max(1e-4) / share.max(1e-4)).ln().abs() < SAME;
-            share = estimated;
-            if is_same {
+            if is_same || rounds == ROUNDS {
                 break found;
             }
         };
@@ -80,24 +86,19 @@ impl Fit {
             findings.push(Finding::new(&Warning::ModelError { share, correlation: correlation(plan) }));
         }
         let objective = CalibrationObjective::new(plan, share, session);
-        let search = plan.search_from(x.clone(), false, true)?;
+        let search = plan.search_from(values.clone(), false, true)?;
         let labels = labels(plan, None);
         let own = [HostSearch { search: &search, labels: &labels, objective: &objective }];
         let linear = host.run(session, &own, |evaluator, _| linearize_at_start(&search, evaluator))?;
         let linear = linear.map_err(|(_, error): (_, LinearizationError)| failure(&error, ""))?.remove(0);
-        let at_bounds = search.bounds.active(&x);
         let mut jacobian = linear.jacobian;
         for (index, unknown) in plan.unknowns.iter().enumerate() {
-            jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(x[index]));
+            jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(values[index]));
         }
-        let values = x;
         let x = plan.coordinates(&values);
-        let (covariance, known) = verdict::linear(plan, &x, &jacobian, &at_bounds);
+        let (covariance, known) = verdict::linear(plan, &x, &jacobian, &search.bounds.active(&values));
         findings.extend(doubts(plan, &known).map(|warning| Finding::new(&warning)));
-        let trial = session.with_trial(session.cancellation());
-        let simulated =
-            (0..plan.tests.len()).map(|test| objective.run(test, &values, &trial).map(|(_, signals)| signals));
-        let simulated = simulated.collect::<HostResult<Vec<_>>>()?;
+        let simulated = simulated_at(plan, &values, session)?;
         Ok(Fit { result, evaluations, values, x, share, jacobian, covariance, known, simulated, findings })
     }
 }
@@ -138,26 +139,41 @@ fn total(found: &SearchResult) -> usize {
     found.starts.iter().map(|start| start.evaluations).sum()
 }
 
-/// What the signals that are compared along their length leave at a point, in the eigenvectors of the model's error.
-fn left<'p>(
-    plan: &'p Plan,
-    objective: &CalibrationObjective<'_>,
-    x: &[f64],
-    session: &Session,
-) -> HostResult<Vec<(&'p super::error_model::ErrorModel, Vec<f64>)>> {
-    let trial = session.with_trial(session.cancellation());
+/// What the signals that are compared along their length leave with these values, in the eigenvectors of the model's error.
+fn left<'p>(plan: &'p Plan, values: &[f64], session: &Session) -> HostResult<Vec<(&'p ErrorModel, Vec<f64>)>> {
     let mut found = Vec::new();
-    for (place, test) in plan.tests.iter().enumerate() {
-        let (_, simulated) = objective.run(place, x, &trial)?;
-        for (signal, simulated) in
-            test.signals.iter().zip(&simulated).filter(|(signal, _)| signal.distance.is_residuals())
-        {
+    for (test, simulated) in plan.tests.iter().zip(simulated_at(plan, values, session)?) {
+        let along = test.signals.iter().zip(&simulated).filter(|(signal, _)| signal.distance.is_residuals());
+        for (signal, simulated) in along {
             let rotated =
                 signal.errors.rotated(simulated).map_err(|error| refuse(format!("{}: {error}", test.name)))?;
             found.push((&signal.errors, rotated));
         }
     }
     Ok(found)
+}
+
+/// Simulated signals of every test with these values.
+fn simulated_at(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Vec<Series>>> {
+    let objective = CalibrationObjective::new(plan, 0.0, session);
+    let trial = session.with_trial(session.cancellation());
+    (0..plan.tests.len()).map(|test| objective.run(test, values, &trial).map(|(_, signals)| signals)).collect()
+}
+
+/// Takes the roughness of the simulated signals with these values as noise; a signal that ends before its window has none
+/// yet.
+fn add_roughness(plan: &mut Plan, values: &[f64], session: &Session) -> HostResult<()> {
+    let simulated = simulated_at(plan, values, session)?;
+    for (test, simulated) in plan.tests.iter_mut().zip(simulated) {
+        for (signal, simulated) in test.signals.iter_mut().zip(&simulated) {
+            drop(signal.errors.add_roughness(simulated));
+        }
+    }
+    Ok(())
+}
+
+fn noises(plan: &Plan) -> Vec<f64> {
+    plan.tests.iter().flat_map(|test| &test.signals).map(|signal| signal.errors.noise()).collect()
 }
 
 fn correlation(plan: &Plan) -> String {

@@ -19,6 +19,9 @@ pub(super) struct CalibrationObjective<'a> {
     pub(super) studies: Vec<Study>,
     /// The model's error, as a share of each signal.
     pub(super) share: f64,
+    /// Whether that is taken as independent from bin to bin: the differences themselves count, which vary more smoothly with
+    /// the unknowns than those between neighbouring bins, and lead to the neighbourhood of the minimum.
+    pub(super) is_plain: bool,
     pub(super) session: Session,
     /// Indices of the tests that count.
     pub(super) counted: Vec<usize>,
@@ -29,7 +32,7 @@ impl<'a> CalibrationObjective<'a> {
     pub(super) fn new(plan: &'a Plan, share: f64, session: &Session) -> CalibrationObjective<'a> {
         let studies = plan.tests.iter().map(|test| test.study.clone()).collect();
         let counted = (0..plan.tests.len()).collect();
-        CalibrationObjective { plan, studies, share, session: session.clone(), counted }
+        CalibrationObjective { plan, studies, share, is_plain: false, session: session.clone(), counted }
     }
 
     /// The residuals of a test, each signal's after the other's, by its simulated signals.
@@ -37,7 +40,11 @@ impl<'a> CalibrationObjective<'a> {
         let mut residuals = Vec::new();
         for (signal, simulated) in test.signals.iter().zip(simulated) {
             let differences = signal.differences(simulated)?;
-            let own = differences.iter().zip(signal.variances(self.share)).map(|(own, variance)| own / variance.sqrt());
+            let variances = match self.is_plain {
+                true => signal.plain_variances(self.share),
+                false => signal.variances(self.share),
+            };
+            let own = differences.iter().zip(variances).map(|(own, variance)| own / variance.sqrt());
             residuals.extend(own.map(|residual| test.weight.sqrt() * residual));
         }
         Ok(residuals)

@@ -102,11 +102,7 @@ impl Test {
         let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
         let names = signals_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
         let columns = names.iter().map(|name| found_column(name).map_err(in_test)).collect::<HostResult<Vec<_>>>()?;
-        let over = match map.get("over").map(Dynamic::to_string).as_deref() {
-            None => usual_abscissa(&study),
-            Some("time") => None,
-            Some(name) => Some(found_column(name).map_err(in_test)?),
-        };
+        let over = abscissa_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
         let tolerances = match map.get("noise") {
             Some(given) => Tolerances { noise: noise(given).map_err(in_test)?, ..tolerances },
             None => tolerances,
@@ -300,6 +296,14 @@ impl Signal {
         }
     }
 
+    /// The same for an error of this share of the signal that is independent from bin to bin.
+    pub(super) fn plain_variances(&self, share: f64) -> Vec<f64> {
+        match self.distance.is_residuals() {
+            true => vec![self.errors.plain_variance(share); self.errors.bins()],
+            false => vec![1.0; self.distance.count()],
+        }
+    }
+
     /// The comparison, for plots of the search.
     pub(super) fn compared(&self, simulated: &Series) -> Compared {
         let all = [f64::NEG_INFINITY, f64::INFINITY];
@@ -328,12 +332,41 @@ fn over_abscissa(abscissa: &Series, values: &Series) -> Series {
 }
 
 /// The signals that a test is compared by, by their names in scripts.
-pub(super) fn signals_of(map: &Map, study: &Study) -> HostResult<Vec<&'static str>> {
+fn signals_of(map: &Map, study: &Study) -> HostResult<Vec<&'static str>> {
     let names = match map.get("compare") {
         Some(given) => texts(given, "compare").map_err(refuse)?,
         None => vec![usual_signal(study).to_owned()],
     };
     names.iter().map(|name| Ok(found_column(name).map_err(refuse)?.short)).collect()
+}
+
+/// What a test is compared over; none for time.
+fn abscissa_of(map: &Map, study: &Study) -> HostResult<Option<&'static Column>> {
+    match map.get("over").map(Dynamic::to_string).as_deref() {
+        None => Ok(usual_abscissa(study)),
+        Some("time") => Ok(None),
+        Some(name) => found_column(name).map(Some).map_err(refuse),
+    }
+}
+
+/// The signals of a run as a test with these options would compare them, by their names.
+pub(super) fn as_recorded(map: &Map, study: &Study, run: &Run) -> HostResult<Map> {
+    /// Share of the travel that counts: with other parameters, film may break a little earlier.
+    const BEFORE_BREAK: f64 = 0.9;
+    let over = abscissa_of(map, study)?;
+    let recorded = |name: &'static str| {
+        let values = run.channel(name)?;
+        let series = match over {
+            None => values,
+            Some(over) => {
+                let all = over_abscissa(&run.channel(over.short)?, &values);
+                let end = all.time().last().copied().unwrap_or(0.0);
+                all.window([0.0, BEFORE_BREAK * end])
+            }
+        };
+        Ok((name.into(), Dynamic::from(series)))
+    };
+    signals_of(map, study)?.into_iter().map(recorded).collect()
 }
 
 /// The signal that a test of this loading is usually compared by.

@@ -55,6 +55,12 @@ findings! {
             remedy "raise `rounds` or `runs` of `posterior`, or refine the mesh where contact makes the signals rough";
             message "the surrogate of {test} is off by {} standard deviations of a residual after {runs} runs; the posterior contains \
                 that", significant(*error, 3);
+        PosteriorCut { rounds: usize, "rounds so far" => "rounds" } = "posterior-cut", Warning;
+            meaning "the samples of a posterior still reach the face of a surrogate's region after the last round, so that the \
+                posterior is wider, or elsewhere, than it is shown";
+            remedy "raise `rounds`; search from more `starts`, since the best point may be a local minimum; tighten `within` of what is \
+                not determined";
+            message "the posterior still reaches the region of its surrogates after {rounds} rounds";
         PosteriorRuns {
             test: String, "the test" => "test";
             failed: usize, "runs without a value" => "failed";

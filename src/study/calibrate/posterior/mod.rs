@@ -20,9 +20,15 @@ use nalgebra::DMatrix;
 use surrogate::{Region, TestSurrogate};
 
 /// Half width of the first region of a surrogate, in standard deviations of the linear model.
-const FIRST_REGION: f64 = 4.0;
+const FIRST_REGION: f64 = 5.0;
 /// What a region reaches beyond the samples on either side, as a share of their range.
 const BEYOND: f64 = 0.25;
+/// The same where the region ended the samples.
+const CUT: f64 = 1.5;
+/// Distance from the face of a region, as a share of it, at which it counts as what ends the samples.
+const NEAR: f64 = 0.02;
+/// Rounds over those of refinement in which regions may move after the samples.
+const MOVES: usize = 3;
 /// Error of a surrogate at new points, in standard deviations over all of its coordinates, that the posterior does not show.
 const SMALL_ERROR: f64 = 0.5;
 /// Samples that are kept.
@@ -178,12 +184,14 @@ impl Sampling<'_> {
             let errors: Vec<f64> = (0..tests)
                 .map(|test| self.error(test, &surrogates[test], &runs[test][before[test]..], share))
                 .collect();
+            // Contact makes signals rough, which no surrogate meets: after some rounds its error is in the likelihood.
+            let is_good = errors.iter().all(|error| *error < SMALL_ERROR) || round + 1 >= self.options.rounds;
+            let is_over = round + 1 >= MOVES * self.options.rounds;
             let is_inside = self.is_inside(&samples, &regions);
-            let is_good = errors.iter().all(|error| *error < SMALL_ERROR) && is_inside;
-            if is_good || round + 1 >= self.options.rounds {
-                return Ok(self.result(samples, errors, computed, &runs, failed));
+            if is_over || is_good && is_inside {
+                return Ok(self.result(samples, errors, is_inside, computed, &runs, failed));
             }
-            regions = self.regions(&samples);
+            regions = self.regions(&samples, &regions);
             centre = samples;
         }
         Err(refuse("the posterior has no round"))
@@ -379,30 +387,33 @@ impl Sampling<'_> {
 
     /// Whether no region cuts the samples off where the bounds do not.
     fn is_inside(&self, samples: &Samples, regions: &[Region]) -> bool {
-        regions.iter().enumerate().all(|(test, region)| {
+        let inside = |(test, region): (usize, &Region)| {
             let ranges = self.ranges(samples, test);
-            ranges.iter().zip(&self.acting[test]).enumerate().all(|(place, ([from, to], index))| {
-                let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
-                let near = 0.01 * (region.high[place] - region.low[place]);
-                (from - region.low[place] > near || region.low[place] <= low + near)
-                    && (region.high[place] - to > near || region.high[place] >= high - near)
-            })
-        })
+            ranges.into_iter().enumerate().all(|(place, range)| self.cut(test, place, range, region) == [false; 2])
+        };
+        regions.iter().enumerate().all(inside)
     }
 
-    /// Regions about the samples.
-    fn regions(&self, samples: &Samples) -> Vec<Region> {
+    /// Whether a region, and no bound, ends the range of an unknown that acts on a test below and above.
+    fn cut(&self, test: usize, place: usize, [from, to]: [f64; 2], region: &Region) -> [bool; 2] {
+        let [low, high] = self.plan.of(&self.plan.unknowns[self.acting[test][place]]).ends();
+        let near = NEAR * (region.high[place] - region.low[place]);
+        let (below, above) = (region.low[place], region.high[place]);
+        [from - below < near && below > low, above - to < near && above < high]
+    }
+
+    /// Regions about the samples; farther where the last region ended them.
+    fn regions(&self, samples: &Samples, last: &[Region]) -> Vec<Region> {
         let region = |test: usize| {
-            let ranges = self.ranges(samples, test);
-            let of = |side: usize| {
-                let end = |([from, to], index): (&[f64; 2], &usize)| {
-                    let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
-                    let beyond = BEYOND * (to - from).max(1e-6 * (high - low));
-                    if side == 0 { (from - beyond).max(low) } else { (to + beyond).min(high) }
-                };
-                ranges.iter().zip(&self.acting[test]).map(end).collect()
-            };
-            Region { low: of(0), high: of(1) }
+            let ends = self.ranges(samples, test).into_iter().enumerate().map(|(place, [from, to])| {
+                let [low, high] = self.plan.of(&self.plan.unknowns[self.acting[test][place]]).ends();
+                let range = (to - from).max(1e-6 * (high - low));
+                let beyond =
+                    self.cut(test, place, [from, to], &last[test]).map(|is_cut| if is_cut { CUT } else { BEYOND });
+                [(from - beyond[0] * range).max(low), (to + beyond[1] * range).min(high)]
+            });
+            let (low, high) = ends.map(|[low, high]| (low, high)).unzip();
+            Region { low, high }
         };
         (0..self.plan.tests.len()).map(region).collect()
     }
@@ -411,11 +422,15 @@ impl Sampling<'_> {
         &self,
         samples: Samples,
         errors: Vec<f64>,
+        is_inside: bool,
         computed: usize,
         runs: &[Runs],
         failed: Vec<(usize, String)>,
     ) -> Posterior {
         let mut warnings = Vec::new();
+        if !is_inside {
+            warnings.push(Warning::PosteriorCut { rounds: MOVES * self.options.rounds });
+        }
         for (index, unknown) in self.plan.unknowns.iter().enumerate() {
             let (r_hat, effective) = (samples.r_hat[index], samples.effective[index]);
             if r_hat > LARGEST_R_HAT || effective < 400.0 {
