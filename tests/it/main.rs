@@ -1,6 +1,7 @@
 //! The one integration binary.
 
 mod architecture;
+mod calibration;
 mod cards;
 mod commands;
 mod compare;

@@ -35,6 +35,8 @@ enum Kind {
     Material(material::MaterialArgs),
     /// A curve in a picture of a published figure, for `droptower digitize`
     Figure(Target),
+    /// A script that calibrates a film with several tests, for `droptower script`
+    Study(Target),
 }
 
 /// Where a template is written.
@@ -44,6 +46,7 @@ struct Target {
     path: PathBuf,
 }
 
+const STUDY: &str = include_str!("templates/study.rhai");
 const FIGURE: &str = include_str!("templates/figure.toml");
 
 /// A script that is written beside a scenario: its file and its text.
@@ -58,6 +61,7 @@ struct Template {
 pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     let (kind, template, path, next) = match &args.kind {
         Kind::Case(args) => return case::write(args, shared),
+        Kind::Study(Target { path }) => return write_study(path, shared),
         Kind::Test(test) => {
             let path = &test.target().path;
             (FileKind::Scenario, test.template(), path, test.next(path))
@@ -89,6 +93,17 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     let beside: Vec<String> = scripts.iter().map(|(path, _)| shown_path(path).to_string()).collect();
     let files = [&[shown_path(path).to_string()], &beside[..]].concat().join(", ");
     print(&format!("wrote {files}; try: {next}"))
+}
+
+/// Writes the script of a study.
+fn write_study(path: &Path, shared: &Shared) -> Result<(), Failure> {
+    check_new(path)?;
+    write_new(path, STUDY)?;
+    if shared.quiet {
+        return Ok(());
+    }
+    let path = shown_path(path);
+    print(&format!("wrote {path}; name your scenarios in it, then: droptower script {path}"))
 }
 
 /// Writes a new file whose first line names the schema beside it, by which editors know its keys.

@@ -269,6 +269,23 @@ fn listed(rows: &[Row]) -> Dynamic {
     from_json(&Value::Array(rows.iter().cloned().map(Value::Object).collect()))
 }
 
+/// An example about the result of a calibration, `found`.
+macro_rules! calibrated {
+    ($text:literal) => {
+        concat!(
+            r#"let pulled = scenario("scenarios/stretch/single-element.toml").with(#{ "loading.stretch.until": 0.2 });
+               let force = signal([0, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3], [0, 0.155, 0.31, 0.465, 0.62, 0.775]).resampled(2e-5);
+               let found = calibrate(#{
+                   tests: [#{ scenario: pulled, name: "md", noise: 0.01, recordings: #{ force: force } }],
+                   parameters: #{ thickness: #{ key: "specimen.material.thickness", start: "10 um", within: ["5 um", "20 um"] } },
+                   discrepancy: 0.01,
+               });
+               "#,
+            $text
+        )
+    };
+}
+
 /// The reference of calibrations in scripts.
 pub const REFERENCE: &[Chapter] =
     &[Chapter { title: "calibration of several tests (droptower script)", entries: ENTRIES }];
@@ -301,33 +318,45 @@ const ENTRIES: &[Entry] = &[
         gives: "the best values by name; rows of parameters (interval of 95 %, verdict, the numbers behind it) and of signals; \
                 the findings; the norm of the residuals; whether and why the search stopped; the model's error as a share of \
                 each signal",
-        example: "true",
+        example: calibrated!(
+            r#"found.x.thickness > 5 && found.parameters[0].unit == "um" && found.tests[0].test == "md" && found.evaluations > 3"#
+        ),
     },
-    Entry { call: "calibration.test(name)", gives: "the scenario of a test with the best values", example: "true" },
+    Entry {
+        call: "calibration.test(name)",
+        gives: "the scenario of a test with the best values",
+        example: calibrated!(r#"found.test("md").model.thickness[0] > 5e-6"#),
+    },
     Entry {
         call: "calibration.posterior(), calibration.posterior(#{ hierarchy, scatter, runs, rounds, steps, seed })",
         gives: "samples the posterior of the parameters on surrogates of the tests, which are refined where it is; rows of quantiles \
                 of each parameter, its verdict, R-hat and effective size. `hierarchy: true`, or names, lets parameters differ from \
                 specimen to specimen about a mean; `scatter` is what is expected of their standard deviation at most (relative where \
                 they are logarithmic)",
-        example: "true",
+        example: calibrated!(
+            r#"let after = found.posterior()[0]; after.lower_95 < after.median && after.median < after.upper_95 && after.effective > 100"#
+        ),
     },
     Entry {
         call: "calibration.predict([scenario, …], #{ samples, figures, signals, above, seed })",
         gives: "runs other scenarios with draws of the posterior: quantiles of figures with the share of the variance that each \
                 parameter explains, the probability that film breaks and that figures exceed limits (`above: #{ hic15: 700 }`), and how \
                 much of a recording lies in the band of 95 % of a signal; `page` draws the bands",
-        example: "true",
+        example: calibrated!(
+            r#"let next = found.predict([pulled.with(#{ "loading.stretch.direction": "TD" })], #{ samples: 4, figures: ["peak_force_N"] }); next.figures[0].lower_95 < next.figures[0].upper_95"#
+        ),
     },
     Entry {
         call: "calibration.settles([scenario, …])",
         gives: "which test would tell more: half widths of all parameters now and with each candidate, a scenario or a test without \
                 recordings, beside the tests (noise of 1 % assumed)",
-        example: "true",
+        example: calibrated!(
+            r#"found.settles([#{ scenario: pulled.with(#{ "loading.stretch.direction": "TD" }), name: "td" }])[0].reduction > 0"#
+        ),
     },
     Entry {
         call: "calibration.page()",
         gives: "adds plots to the results: each test as measured and as calibrated, and what was asked of the result",
-        example: "true",
+        example: calibrated!(r#"found.page(); true"#),
     },
 ];

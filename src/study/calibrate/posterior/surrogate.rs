@@ -56,9 +56,12 @@ impl TestSurrogate {
             runs.iter().filter_map(|(point, found)| Some((region.unit(point)?, found.as_slice()))).collect();
         let count = inside.len();
         let points: Vec<Vec<f64>> = inside.iter().map(|(point, _)| point.clone()).collect();
-        let length = inside.first().map_or(0, |(_, found)| found.len());
+        let Some(length) = inside.first().map(|(_, found)| found.len()) else {
+            let (terms, needed) = (region.low.len() + 1, 2 * region.low.len() + 3);
+            return Err(SurrogateError::TooFewSamples { samples: 0, terms, needed });
+        };
         let all = DMatrix::from_fn(length, count, |row, column| inside[column].1[row]);
-        let mean = if count == 0 { DVector::zeros(length) } else { all.column_mean() };
+        let mean = all.column_mean();
         let centred = DMatrix::from_fn(length, count, |row, column| all[(row, column)] - mean[row]);
         let decomposed = centred.svd(true, true);
         let (Some(left), Some(right)) = (decomposed.u, decomposed.v_t) else { return Err(SurrogateError::Constant) };
@@ -71,7 +74,7 @@ impl TestSurrogate {
             .map(|row| {
                 let others = order.iter().filter(|mode| !taken.contains(mode));
                 others.map(|mode| (left[(row, *mode)] * decomposed.singular_values[*mode]).powi(2)).sum::<f64>()
-                    / count.max(1) as f64
+                    / count as f64
             })
             .collect();
         let families = vec![Family::Legendre; region.low.len()];
@@ -135,7 +138,9 @@ mod tests {
             let stated = fitted.errors().iter().sum::<f64>() / 40.0;
             assert!(square.sqrt() < 0.05 + 1.5 * stated.sqrt() && stated.sqrt() >= least, "{square} {stated}");
         }
-        let fitted = TestSurrogate::fit(region.clone(), &[]).err();
-        assert!(fitted.is_some());
+        assert!(matches!(
+            TestSurrogate::fit(region, &[]).err(),
+            Some(SurrogateError::TooFewSamples { samples: 0, .. })
+        ));
     }
 }
