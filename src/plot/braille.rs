@@ -16,8 +16,8 @@ const BLANK: u32 = 0x2800;
 /// Significant digits of the ends of the axes.
 const DIGITS: usize = 4;
 
-/// The plot in `size` characters across and down, without the texts beside and below; all curves look alike. Empty where no
-/// curve has a point.
+/// The plot in `size` characters across and down, without the texts beside and below; all curves look alike. A mark is a
+/// dotted line with its label below the axis. Empty where no curve has a point.
 pub fn braille(plot: &Plot, size: [usize; 2]) -> String {
     let curves = plot.curves.iter().map(|curve| &curve.points);
     let placed: Vec<Vec<Option<[f64; 2]>>> = curves
@@ -36,7 +36,40 @@ pub fn braille(plot: &Plot, size: [usize; 2]) -> String {
             canvas.line(before, point);
         }
     }
-    framed(plot, &canvas, x, y)
+    let columns = marked(plot, x, size[0]);
+    for (column, _) in &columns {
+        canvas.upright(*column);
+    }
+    framed(plot, &canvas, &columns, [x, y])
+}
+
+/// The columns of characters of the marks within the ends of the x axis, from left to right, with their labels.
+fn marked<'p>(plot: &'p Plot, [from, to]: [f64; 2], width: usize) -> Vec<(usize, &'p str)> {
+    let inside = plot.marks.iter().map(|mark| (on(&plot.x, mark.at), mark.label.as_str()));
+    let inside = inside.filter(|(at, _)| (from..=to).contains(at));
+    let dots = (width * ACROSS - 1) as f64;
+    let mut columns: Vec<(usize, &str)> =
+        inside.map(|(at, label)| ((share(at, [from, to]) * dots).round() as usize / ACROSS, label)).collect();
+    columns.sort_by_key(|(column, _)| *column);
+    columns
+}
+
+/// The labels below their columns, in as few lines as they need.
+fn labelled(columns: &[(usize, &str)], width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = vec![];
+    for (column, label) in columns {
+        let length = label.chars().count();
+        let start = (*column).min(width.saturating_sub(length));
+        let end = |line: &String| line.chars().count();
+        let free = lines.iter().position(|line| line.is_empty() || end(line) < start);
+        let line = free.unwrap_or_else(|| {
+            lines.push(String::new());
+            lines.len() - 1
+        });
+        let gap = start - end(&lines[line]);
+        lines[line] += &format!("{}{label}", " ".repeat(gap));
+    }
+    lines
 }
 
 /// A value on its axis.
@@ -79,6 +112,14 @@ impl Canvas {
         }
     }
 
+    /// A dotted line through a column of characters.
+    fn upright(&mut self, column: usize) {
+        let height = self.cells.len() / self.width * DOWN;
+        for y in (0..height).step_by(2) {
+            self.dot([column * ACROSS, y]);
+        }
+    }
+
     fn dot(&mut self, [x, y]: [usize; 2]) {
         self.cells[y / DOWN * self.width + x / ACROSS] |= DOTS[y % DOWN][x % ACROSS];
     }
@@ -90,7 +131,7 @@ impl Canvas {
 }
 
 /// The canvas within its axes.
-fn framed(plot: &Plot, canvas: &Canvas, x: [f64; 2], y: [f64; 2]) -> String {
+fn framed(plot: &Plot, canvas: &Canvas, columns: &[(usize, &str)], [x, y]: [[f64; 2]; 2]) -> String {
     let text = |axis: &Axis, value: f64| number::figure(off(axis, value), DIGITS);
     let [bottom, top] = y.map(|value| text(&plot.y, value));
     let [left, right] = x.map(|value| text(&plot.x, value));
@@ -107,7 +148,10 @@ fn framed(plot: &Plot, canvas: &Canvas, x: [f64; 2], y: [f64; 2]) -> String {
         };
         lines.push(format!("{label:>margin$} │{line}"));
     }
-    lines.push(format!("{} └{}", " ".repeat(margin), "─".repeat(canvas.width)));
+    let is_marked = |column: usize| columns.iter().any(|(marked, _)| *marked == column);
+    let axis: String = (0..canvas.width).map(|column| if is_marked(column) { '┬' } else { '─' }).collect();
+    lines.push(format!("{} └{axis}", " ".repeat(margin)));
+    lines.extend(labelled(columns, canvas.width).iter().map(|line| format!("{}  {line}", " ".repeat(margin))));
     let label = &plot.x.label;
     let gap = canvas.width.saturating_sub(left.chars().count() + right.chars().count());
     lines.push(format!("{}  {left}{label:^gap$}{right}", " ".repeat(margin)));
@@ -125,6 +169,18 @@ mod tests {
         let text = braille(&plot, [12, 3]);
         let expected = "       y (N)\n 3.000 │⠀⠀⠀⠀⠀⠀⠀⠀⣀⠤⠒⠉\n       │⠀⠀⠀⠀⣀⠤⠒⠉⠀⠀⠀⠀\n-1.000 │⣀⠤⠒⠉⠀⠀⠀⠀⠀⠀⠀⠀\n       └────────────\n        0x (s) 2.000\n";
         assert_eq!(text, expected, "{text}");
+    }
+
+    #[test]
+    fn marks_have_their_labels_below_the_axis_each_at_its_place() {
+        let mark = |label: &str, at: f64| crate::Mark { label: label.into(), at };
+        let mut plot = Plot::new("a", ["x", "y"], vec![Curve::line("c", [[0.0, 0.0], [10.0, 0.0]])]);
+        plot.marks = vec![mark("late", 9.5), mark("first", 0.0), mark("next", 2.0), mark("beyond", 11.0)];
+        let text = braille(&plot, [21, 1]);
+        let below: Vec<&str> = text.lines().skip(2).map(|line| line.trim_start_matches("0 ")).collect();
+        let expected =
+            ["  └┬───┬──────────────┬─", "   first            late", "       next", "   0       x       10.00"];
+        assert_eq!(below, expected, "{text}");
     }
 
     #[test]

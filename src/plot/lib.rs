@@ -27,6 +27,8 @@ pub struct Plot {
     pub curves: Vec<Curve>,
     /// Interval of the x axis that is marked.
     pub window: Option<Window>,
+    /// Places on the x axis that are marked, in their order; those beyond the curves are not drawn.
+    pub marks: Vec<Mark>,
 }
 
 /// Quantity and scale of an axis.
@@ -80,6 +82,15 @@ pub struct Window {
     pub range: [f64; 2],
 }
 
+/// A place on the x axis, such as the time of an event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// The event.
+    pub label: String,
+    /// In the unit of the axis.
+    pub at: f64,
+}
+
 /// Correlation matrix of parameters: square and symmetric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correlation {
@@ -111,7 +122,7 @@ const SIZES: [f64; 2] = [1e-300, 1e300];
 impl Plot {
     /// A plot over linear axes without marks.
     pub fn new(title: impl Into<String>, [x, y]: [&str; 2], curves: Vec<Curve>) -> Plot {
-        Plot { title: title.into(), x: Axis::linear(x), y: Axis::linear(y), curves, window: None }
+        Plot { title: title.into(), x: Axis::linear(x), y: Axis::linear(y), curves, window: None, marks: vec![] }
     }
 
     /// Whether a point can be drawn on the axes.

@@ -7,8 +7,8 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
 use plotters::prelude::{
-    ChartBuilder, Circle, Color, DrawingArea, FontDesc, FontStyle, IntoDrawingArea, IntoFont, PathElement, RGBColor,
-    Rectangle, SVGBackend, ShapeStyle, TRANSPARENT, Text, TextStyle, WHITE,
+    Cartesian2d, ChartBuilder, ChartContext, Circle, Color, DrawingArea, FontDesc, FontStyle, IntoDrawingArea,
+    IntoFont, PathElement, RGBColor, Rectangle, SVGBackend, ShapeStyle, TRANSPARENT, Text, TextStyle, WHITE,
 };
 
 use super::style::Style;
@@ -58,6 +58,9 @@ const COLOURS: [RGBColor; 8] = [
 
 /// The area that is drawn on.
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// The field of the curves.
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Along, Along>>;
 
 /// Where the parts of a picture are, in units of the drawing; all but its size are in proportion to its letters.
 struct Layout<'a> {
@@ -232,6 +235,33 @@ fn draw_field(plot: &Plot, layout: &Layout<'_>, area: &Area<'_>) -> Result<(), B
             };
         }
     }
+    draw_marks(plot, layout, area, &mut chart)
+}
+
+/// A line at each mark with its label beside it, in the first row where there is room.
+fn draw_marks(
+    plot: &Plot,
+    layout: &Layout<'_>,
+    area: &Area<'_>,
+    chart: &mut Chart<'_, '_>,
+) -> Result<(), Box<dyn Error>> {
+    let [x, y] = [chart.x_range(), chart.y_range()];
+    let [dash, gap] = layout.dash().map(|length| length / 2);
+    let line = ShapeStyle::from(FRAME).stroke_width(layout.hairline());
+    let (left, top) = chart.backend_coord(&(x.start, y.end));
+    let (right, _) = chart.backend_coord(&(x.end, y.end));
+    let mut rows: Vec<i32> = vec![];
+    for mark in plot.marks.iter().filter(|mark| (x.start..=x.end).contains(&mark.at)) {
+        let ends = [(mark.at, y.start), (mark.at, y.end)];
+        chart.draw_series([DashedPathElement::new(ends, dash, gap, line)])?;
+        let width = width_of(&mark.label, layout);
+        let place = (chart.backend_coord(&(mark.at, y.end)).0 + layout.scale(4)).min(right - width).max(left);
+        let row = rows.iter().position(|end| place > *end).unwrap_or(rows.len());
+        rows.resize(rows.len().max(row + 1), 0);
+        rows[row] = place + width + layout.scale(6);
+        let text = Text::new(mark.label.as_str(), (place, top + layout.scale(3 + 14 * row as i32)), layout.text());
+        area.draw(&text)?;
+    }
     Ok(())
 }
 
@@ -324,10 +354,8 @@ fn legend<'a>(plot: &'a Plot, layout: &Layout<'_>) -> Vec<Entry<'a>> {
     let [mut x, mut y] = [layout.left(), layout.scale(6)];
     let mut entries = vec![];
     for (curve, colour) in plot.curves.iter().zip(COLOURS.into_iter().cycle()) {
-        // Letters of a sans-serif font are narrower than 0.57 of their height on average.
-        let letters = (curve.name.chars().count() as f64 * 0.57 * f64::from(layout.letters)) as i32;
         // The mark of the curve comes before its name.
-        let width = layout.scale(40) + letters;
+        let width = layout.scale(40) + width_of(&curve.name, layout);
         if x > layout.left() && x + width > layout.size[0] {
             (x, y) = (layout.left(), y + layout.row());
         }
@@ -335,6 +363,12 @@ fn legend<'a>(plot: &'a Plot, layout: &Layout<'_>) -> Vec<Entry<'a>> {
         x += width;
     }
     entries
+}
+
+/// Width of a text.
+fn width_of(text: &str, layout: &Layout<'_>) -> i32 {
+    // Letters of a sans-serif font are narrower than 0.57 of their height on average.
+    (text.chars().count() as f64 * 0.57 * f64::from(layout.letters)) as i32
 }
 
 fn height_of(legend: &[Entry<'_>], layout: &Layout<'_>) -> i32 {
@@ -441,6 +475,22 @@ mod tests {
             assert!(text.contains(words), "{words} in {text}");
         }
         assert_eq!(text.matches("</svg>").count(), 1);
+    }
+
+    #[test]
+    fn marks_are_lines_with_labels_that_do_not_overlap() {
+        let mut plot = Plot::new("t", ["x", "y"], vec![Curve::line("c", [[0.0, 0.0], [100.0, 1.0]])]);
+        plot.marks = [("contact", 50.0), ("lowest <point>", 51.0), ("beyond", 200.0)]
+            .map(|(label, at)| super::super::Mark { label: label.into(), at })
+            .into();
+        let text = svg(&plot);
+        assert!(text.contains("lowest &lt;point&gt;") && !text.contains("beyond"), "{text}");
+        let height = |label: &str| {
+            let (before, _) = text.split_once(label).expect("a label");
+            let (_, after) = before.rsplit_once(" y=\"").expect("its place");
+            after.split('"').next().and_then(|number| number.parse::<f64>().ok()).expect("a number")
+        };
+        assert!((height("lowest") - height("contact")).abs() > 100.0, "{text}");
     }
 
     #[test]

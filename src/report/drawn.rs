@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::html::{data, escape};
 use base::number::{rounded, significant};
-use plot::{Axis, Curve, Look, Plot, Scale};
+use plot::{Axis, Curve, Look, Mark, Plot, Scale};
 use study::post::Histogram;
 
 /// Most points of one curve; a longer one is reduced to the extremes of its intervals.
@@ -103,7 +103,10 @@ fn description(plot: &Plot) -> String {
     let curve = |curve: &Curve| Some(format!("{}: {}", curve.name, range(ends(curve, 1)?)));
     let curves: Vec<String> = plot.curves.iter().filter_map(curve).collect();
     let window = plot.window.as_ref().map(|window| format!("; marked: {}, {}", window.label, range(window.range)));
-    format!("{} over {}; {}{}", plot.y.label, plot.x.label, curves.join("; "), window.unwrap_or_default())
+    let marks: Vec<String> =
+        plot.marks.iter().map(|mark| format!("{} at {}", mark.label, significant(mark.at, 4))).collect();
+    let marks = if marks.is_empty() { String::new() } else { format!("; {}", marks.join(", ")) };
+    format!("{} over {}; {}{}{marks}", plot.y.label, plot.x.label, curves.join("; "), window.unwrap_or_default())
 }
 
 /// The data that the script reads. A curve with the abscissae of an earlier one refers to that curve.
@@ -129,11 +132,13 @@ fn contents(plot: &Plot, filled: bool) -> Value {
         };
         json!({ "name": curve.name, "look": look, "x": written, "y": column(1) })
     };
+    let mark = |mark: &Mark| json!({ "words": mark.label, "at": rounded(mark.at, DIGITS) });
     let axis = |axis: &Axis| json!({ "words": axis.label, "log": axis.scale == Scale::Logarithmic });
     json!({
         "x": axis(&plot.x),
         "y": axis(&plot.y),
         "window": plot.window.as_ref().map(|window| json!({ "words": window.label, "range": window.range })),
+        "marks": plot.marks.iter().map(mark).collect::<Vec<_>>(),
         "filled": filled,
         "curves": plot.curves.iter().map(&mut curve).collect::<Vec<_>>(),
     })
@@ -198,6 +203,14 @@ mod tests {
         assert_eq!((&data["x"]["log"], &data["filled"]), (&json!(true), &json!(true)));
         let nothing = Histogram { shares: vec![0.0; 3], ..histogram };
         assert_eq!(rates("Strain rates", &nothing), "");
+    }
+
+    #[test]
+    fn marks_are_drawn_and_described() {
+        let marks = vec![Mark { label: "contact <1>".into(), at: 0.5 }];
+        let html = figure(&Plot { marks, ..plot(vec![[0.0, 0.0], [1.0, 1.0]]) });
+        assert_eq!(block(&html)["marks"], json!([{ "words": "contact <1>", "at": 0.5 }]));
+        assert!(html.contains("; contact &lt;1&gt; at 0.5</figcaption>"), "{html}");
     }
 
     #[test]

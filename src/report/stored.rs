@@ -13,7 +13,7 @@ use super::film::{self, FilmError};
 use super::html;
 use super::run_scene::RunScene;
 use base::file::{self, FileError};
-use plot::{Axis, Curve, Look, Plot, Scale, Window};
+use plot::{Axis, Curve, Look, Mark, Plot, Scale, Window};
 use study::store::run_files;
 
 /// Longest page that is read, bytes.
@@ -145,6 +145,8 @@ struct PlotData {
     x: AxisData,
     y: AxisData,
     window: Option<WindowData>,
+    #[serde(default)]
+    marks: Vec<MarkData>,
     curves: Vec<CurveData>,
 }
 
@@ -158,6 +160,12 @@ struct AxisData {
 struct WindowData {
     words: String,
     range: [f64; 2],
+}
+
+#[derive(Deserialize)]
+struct MarkData {
+    words: String,
+    at: f64,
 }
 
 #[derive(Deserialize)]
@@ -210,7 +218,8 @@ impl PlotData {
         };
         let curves = self.curves.iter().zip(abscissae).map(curve).collect();
         let window = self.window.map(|WindowData { words, range }| Window { label: words, range });
-        Plot { title: title.to_owned(), x: axis(self.x), y: axis(self.y), curves, window }
+        let marks = self.marks.into_iter().map(|MarkData { words, at }| Mark { label: words, at }).collect();
+        Plot { title: title.to_owned(), x: axis(self.x), y: axis(self.y), curves, window, marks }
     }
 }
 
@@ -234,6 +243,7 @@ mod tests {
         let mut written = Plot::new("A & \"B\" 'c'", ["time (ms)", "force (N)"], curves);
         written.y.scale = Scale::Logarithmic;
         written.window = Some(Window { label: "loading".into(), range: [0.0, 1.5] });
+        written.marks = vec![Mark { label: "contact".into(), at: 0.25 }];
         let page = html::page("T & t", &format!("{}<footer>droptower 1</footer>", drawn::figure(&written)));
         let StoredPage { title, plots, .. } = stored(&page).expect("a page");
         assert_eq!(title, "T & t");

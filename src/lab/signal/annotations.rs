@@ -80,6 +80,12 @@ impl Annotations {
     }
 }
 
+/// The value of the first line `key: value` among the lines of a header, however the key is capitalised.
+pub fn stated<'a>(header: &'a [String], key: &str) -> Option<&'a str> {
+    let pairs = header.iter().filter_map(|line| line.trim_start_matches(['#', ' ']).split_once(':'));
+    pairs.filter(|(name, _)| name.trim().eq_ignore_ascii_case(key)).map(|(_, value)| value.trim()).next()
+}
+
 /// The first of a file's header comments that holds the word `virtual`, which marks what it describes as not measured.
 fn virtual_mark(comments: &[String]) -> Option<&String> {
     let is_mark = |word: &str| word.eq_ignore_ascii_case("virtual");

@@ -1,6 +1,6 @@
 //! Time series as values: channels and recordings, their files, and what is computed from them.
 
-mod annotations;
+pub(crate) mod annotations;
 mod channel_code;
 mod channel_fault;
 pub mod clip;
@@ -11,6 +11,7 @@ mod curve;
 pub mod export;
 pub mod file;
 pub mod filter;
+pub mod folder;
 pub mod format;
 pub mod gap;
 pub mod hdf5;

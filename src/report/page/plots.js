@@ -80,6 +80,7 @@
       this.title = element.querySelector("h3").textContent;
       this.axes = { x: data.x, y: data.y };
       this.marked = data.window;
+      this.events = data.marks ?? [];
       this.filled = data.filled;
       this.curves = data.curves;
       for (const curve of this.curves) {
@@ -134,8 +135,8 @@
       if (low > high) return this.axes.y.log ? [1, 10] : [0, 1];
       if (this.axes.y.log) return roundEnds(low < high ? [low / 1.05, high * 1.05] : [low / 3, high * 3]);
       const margin = 0.06 * (high - low) || 0.5 * Math.abs(high) || 1;
-      // The name of what is marked stands above the bars.
-      const room = this.filled && this.marked ? 3 * margin : margin;
+      // The name of what is marked stands above the bars, and the names of events above the curves.
+      const room = this.filled && this.marked ? 3 * margin : this.events.length > 0 ? 4 * margin : margin;
       return [this.filled ? 0 : low - margin, high + room];
     }
 
@@ -255,6 +256,7 @@
           hooks: {
             drawClear: [(plot) => this.mark(plot)],
             drawAxes: [(plot) => this.name(plot)],
+            draw: [(plot) => this.drawEvents(plot)],
             setCursor: [() => this.read()],
             setSelect: [(plot) => this.selected(plot)],
           },
@@ -353,6 +355,48 @@
         ctx.fillRect(left - 2 * ratio, top - ratio, width + 4 * ratio, 13 * ratio);
         ctx.fillStyle = color;
         ctx.fillText(this.marked.words, left, top);
+      }
+      ctx.restore();
+    }
+
+    /** Draws a line at each event, its name beside it in the first row where there is room. */
+    drawEvents(plot) {
+      const { ctx, bbox } = plot;
+      const ratio = uPlot.pxRatio;
+      const [low, high] = this.view;
+      const seen = this.events.filter(({ at }) => at >= low && at <= high);
+      if (seen.length === 0) return;
+      const { color } = getComputedStyle(this.at);
+      const paper = getComputedStyle(document.body).backgroundColor;
+      const right = bbox.left + bbox.width;
+      const rows = [];
+      ctx.save();
+      ctx.font = `${11 * ratio}px system-ui, sans-serif`;
+      ctx.textBaseline = "top";
+      ctx.textAlign = "left";
+      const placed = seen.map(({ words, at }) => {
+        const place = plot.valToPos(at, "x", true);
+        const width = ctx.measureText(words).width;
+        const left = Math.min(place + 4 * ratio, right - width - 2 * ratio);
+        let row = rows.findIndex((end) => left > end + 6 * ratio);
+        if (row < 0) row = rows.push(0) - 1;
+        rows[row] = left + width;
+        return { words, place, width, left, top: bbox.top + (3 + 14 * row) * ratio };
+      });
+      ctx.strokeStyle = color;
+      ctx.lineWidth = ratio;
+      ctx.setLineDash([3 * ratio, 3 * ratio]);
+      for (const { place } of placed) {
+        ctx.beginPath();
+        ctx.moveTo(place, bbox.top);
+        ctx.lineTo(place, bbox.top + bbox.height);
+        ctx.stroke();
+      }
+      for (const { words, width, left, top } of placed) {
+        ctx.fillStyle = paper;
+        ctx.fillRect(left - 2 * ratio, top - ratio, width + 4 * ratio, 13 * ratio);
+        ctx.fillStyle = color;
+        ctx.fillText(words, left, top);
       }
       ctx.restore();
     }

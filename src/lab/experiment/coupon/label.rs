@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::direction::{Direction, DirectionError};
+use crate::signal::annotations::stated;
 use base::number::significant;
 use base::units::{UnitError, Velocity};
 
@@ -123,12 +124,8 @@ fn is_digits(text: &str) -> bool {
 
 /// A line whose value is given otherwise is not read.
 fn headed(header: &[String], given: Label) -> Result<Label, LabelError> {
-    let stated = |key: &str| {
-        let pairs = header.iter().filter_map(|line| line.trim_start_matches(['#', ' ']).split_once(':'));
-        pairs.filter(|(name, _)| name.trim().eq_ignore_ascii_case(key)).map(|(_, value)| value.trim()).next()
-    };
-    let direction = stated("direction").filter(|_| given.direction.is_none()).map(str::parse).transpose()?;
-    let velocity = stated("velocity").filter(|_| given.velocity.is_none());
+    let direction = stated(header, "direction").filter(|_| given.direction.is_none()).map(str::parse).transpose()?;
+    let velocity = stated(header, "velocity").filter(|_| given.velocity.is_none());
     let velocity = velocity.map(|text| Velocity::DIMENSION.parse(text)).transpose()?;
     Ok(Label { direction, velocity })
 }

@@ -13,6 +13,8 @@ use membrane::engine::GuideFriction;
 /// the end of its range are none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
+    /// When the reading begins to fall, on the recording's clock.
+    pub release_time_s: f64,
     /// On the recording's clock.
     pub contact_time_s: f64,
     /// Speed at contact, downward.
@@ -27,6 +29,10 @@ pub struct Figures {
     pub peak_displacement_m: Option<f64>,
     /// Of the largest travel.
     pub time_of_peak_displacement_s: Option<f64>,
+    /// Largest upward velocity after the lowest point; none without a rebound.
+    pub rebound_velocity_m_s: Option<f64>,
+    /// Of that velocity.
+    pub time_of_rebound_s: Option<f64>,
     /// ½Mv² at contact.
     #[serde(rename = "impact_energy_J")]
     pub impact_energy: Option<f64>,
@@ -81,7 +87,9 @@ impl Drop {
             [peak, deepest, absorbed.largest(), last].map(|sample| sample.filter(is_measured));
         // A clipped peak is not exceeded by the rest of its reading.
         let peak = peak.filter(|_| self.clipped_from.is_none());
+        let rebound = self.rebound();
         Figures {
+            release_time_s: self.release.flank[0],
             contact_time_s: self.contact.time,
             impact_velocity_m_s: -self.contact.velocity,
             ideal_velocity_m_s: self.ideal_speed,
@@ -89,6 +97,8 @@ impl Drop {
             time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
             time_of_peak_displacement_s: deepest.map(|[time, _]| clean_time(time)),
+            rebound_velocity_m_s: rebound.map(|[_, value]| value),
+            time_of_rebound_s: rebound.map(|[time, _]| clean_time(time)),
             impact_energy: channel(column::KINETIC_ENERGY.name).values().first().copied(),
             peak_absorbed_energy: most.map(|[_, work]| work),
             final_absorbed_energy: last.map(|[_, work]| work),

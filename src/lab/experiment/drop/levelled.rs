@@ -46,9 +46,9 @@ impl<'a> Levelled<'a> {
         Ok(Levelled { reading, release, laser, tower, reduction })
     }
 
-    /// End of the rest, s.
-    pub(super) fn rest_end(&self) -> f64 {
-        self.release.rest_end
+    /// Rest and release.
+    pub(super) fn release(&self) -> Release {
+        self.release
     }
 
     /// The drop by the inverse of AC coupling, with the time constant in s or the one that the recording determines.

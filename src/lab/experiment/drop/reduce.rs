@@ -38,7 +38,7 @@ pub fn reduce(
     // A laser that is not used needs no report.
     let cleaned = cleaned.as_ref().filter(|_| evaluated.contact().speed_from == SpeedSource::Laser);
     let screened = Screened::new(evaluated, &reading, cleaned.and_then(Cleaned::warning));
-    Ok(screened.into_drop(&reading, levelled.rest_end()))
+    Ok(screened.into_drop(&reading, levelled.release()))
 }
 
 fn check(tower: &Tower, reduction: &Reduction) -> Result<(), DropError> {
@@ -55,7 +55,7 @@ fn check(tower: &Tower, reduction: &Reduction) -> Result<(), DropError> {
 }
 
 /// The reading on equal steps.
-fn even(acceleration: &Series) -> Result<Series, DropError> {
+pub(super) fn even(acceleration: &Series) -> Result<Series, DropError> {
     if let Some(gap) = gap::first(acceleration) {
         return Err(DropError::NotMeasured(gap));
     }

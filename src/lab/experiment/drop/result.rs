@@ -3,7 +3,8 @@
 use crate::experiment::Warning;
 use crate::experiment::contact::Contact;
 use crate::experiment::ramp::GravityRamp;
-use crate::signal::Recording;
+use crate::experiment::release::Release;
+use crate::signal::{Recording, Series, integrate};
 use membrane::engine::GuideFriction;
 
 /// Intervals of 95 % of the figures that follow from the time constant of the accelerometer, by its uncertainty.
@@ -22,8 +23,12 @@ pub struct Intervals {
 /// A reduced drop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drop {
+    /// Rest and release.
+    pub release: Release,
     /// First contact.
     pub contact: Contact,
+    /// The corrected acceleration from the end of the rest on, m/s²; the recording's clock.
+    pub acceleration: Series,
     /// Speed of the ideal fall √(2gH), m/s.
     pub ideal_speed: f64,
     /// Of the correction by coupling, s.
@@ -51,4 +56,21 @@ pub struct Drop {
     pub clipped_from: Option<f64>,
     /// Assumptions, and doubts about the figures.
     pub warnings: Vec<Warning>,
+}
+
+impl Drop {
+    /// Velocity (m/s) and displacement (m) from the end of the rest on, over the recording's clock: the corrected
+    /// acceleration, integrated so that the velocity at first contact is that of the contact, and the displacement zero.
+    pub fn motion(&self) -> [Series; 2] {
+        let velocity = self.through(integrate::once(&self.acceleration, 0.0), self.contact.velocity);
+        let displacement = self.through(integrate::once(&velocity, 0.0), 0.0);
+        [velocity, displacement]
+    }
+
+    /// A signal, shifted to have this value at first contact.
+    fn through(&self, signal: Series, value: f64) -> Series {
+        let shift = signal.value_at(self.contact.time).map_or(0.0, |own| value - own);
+        let shifted = signal.values().iter().map(|own| own + shift).collect();
+        signal.with_values(shifted)
+    }
 }

@@ -6,6 +6,7 @@ use super::evaluated::Evaluated;
 use super::plausibility::{self, Impact};
 use super::result::{Drop, Intervals};
 use crate::experiment::Warning;
+use crate::experiment::release::Release;
 use crate::signal::{Recording, Series, column};
 
 /// An evaluated drop whose clipping is known.
@@ -23,9 +24,8 @@ impl Screened {
         Screened { evaluated, clipping, laser }
     }
 
-    /// The reduced drop with all reports, among them those of plausibility by the `reading` (m/s²), which is at rest
-    /// until `rest_end` (s).
-    pub(super) fn into_drop(self, reading: &Series, rest_end: f64) -> Drop {
+    /// The reduced drop with all reports, among them those of plausibility by the `reading` (m/s²) with this `release`.
+    pub(super) fn into_drop(self, reading: &Series, release: Release) -> Drop {
         let Screened { evaluated, clipping, laser } = self;
         let Evaluated { motion, intervals, guide_friction, film_absorption, warnings } = evaluated;
         // A peak that is cut off is missing in every later speed, and so in the energy after the rebound.
@@ -34,10 +34,12 @@ impl Screened {
         let saturated = clipping.map(|clipping| saturated(&clipping, &motion.signals));
         let (contact, ideal_speed, signals) = (motion.contact(), motion.ideal_speed, &motion.signals);
         let impact = Impact { contact, ideal_speed, signals, energy_absorption };
-        let implausible = plausibility::warnings(&impact, reading, rest_end);
+        let implausible = plausibility::warnings(&impact, reading, release.rest_end);
         let reports = [motion.warnings(is_whole), warnings, laser.into_iter().chain(saturated).collect(), implausible];
         let without_absorption = |intervals| Intervals { energy_absorption: None, ..intervals };
         Drop {
+            release,
+            acceleration: motion.acceleration().clone(),
             contact: *motion.contact(),
             ideal_speed: motion.ideal_speed,
             time_constant: motion.time_constant(),
