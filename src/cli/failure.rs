@@ -2,13 +2,13 @@
 
 use std::process::ExitCode;
 
-use super::{DiagnosticFormat, print_diagnostics, print_records};
+use super::{DiagnosticFormat, print_diagnostics, print_drawing, print_records};
 use base::diagnostic::Diagnostic;
 
 /// The exit status of a command that fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum ExitStatus {
-    /// Results could not be written, or another program failed.
+    /// Results could not be written or are incomplete, or another program failed.
     OutputFailed = 1,
     /// A mistake in a scenario, a script or the arguments; nothing was written.
     BadInput = 2,
@@ -23,22 +23,24 @@ pub(crate) struct Failure {
     pub status: ExitStatus,
     /// The messages for standard error; empty where standard output has them already.
     pub diagnostics: Vec<Diagnostic>,
+    /// What the messages are about, drawn in characters, for a person who reads them.
+    pub drawing: Option<String>,
 }
 
 impl Failure {
     /// A file or folder could not be written, or another program failed.
     pub(crate) fn output(diagnostic: Diagnostic) -> Failure {
-        Failure { status: ExitStatus::OutputFailed, diagnostics: vec![diagnostic] }
+        Failure { status: ExitStatus::OutputFailed, diagnostics: vec![diagnostic], drawing: None }
     }
 
     /// A failure without a message, as standard output has told it already.
     pub(crate) fn quiet() -> Failure {
-        Failure { status: ExitStatus::OutputFailed, diagnostics: vec![] }
+        Failure { status: ExitStatus::OutputFailed, diagnostics: vec![], drawing: None }
     }
 
     /// A run failed numerically.
     pub(crate) fn numerical(diagnostic: Diagnostic) -> Failure {
-        Failure { status: ExitStatus::NumericalFailure, diagnostics: vec![diagnostic] }
+        Failure { status: ExitStatus::NumericalFailure, diagnostics: vec![diagnostic], drawing: None }
     }
 
     /// One failure of many, with the highest exit status; none where there are none.
@@ -54,7 +56,10 @@ impl Failure {
     pub(crate) fn report(&self, format: DiagnosticFormat) -> ExitCode {
         match format {
             _ if self.diagnostics.is_empty() => {}
-            DiagnosticFormat::Text => print_diagnostics(&self.diagnostics),
+            DiagnosticFormat::Text => {
+                print_drawing(self.drawing.as_deref().unwrap_or_default());
+                print_diagnostics(&self.diagnostics);
+            }
             DiagnosticFormat::Json => print_records(&self.diagnostics),
         }
         ExitCode::from(self.status as u8)
@@ -71,7 +76,7 @@ impl From<Diagnostic> for Failure {
 /// Mistakes of the user's.
 impl From<Vec<Diagnostic>> for Failure {
     fn from(diagnostics: Vec<Diagnostic>) -> Failure {
-        Failure { status: ExitStatus::BadInput, diagnostics }
+        Failure { status: ExitStatus::BadInput, diagnostics, drawing: None }
     }
 }
 

@@ -246,6 +246,13 @@ pub(crate) fn print_diagnostics(diagnostics: &[Diagnostic]) {
     let _ = writeln!(io::stderr(), "{}", diagnostic::render(diagnostics, styled));
 }
 
+/// Prints a drawing in characters on standard error, above the diagnostics that it belongs to.
+pub(crate) fn print_drawing(drawing: &str) {
+    progress::end_of_work();
+    // With standard error closed, the exit status is left.
+    let _ = write!(io::stderr(), "{}", diagnostic::printable(drawing));
+}
+
 /// Prints diagnostics on standard error for a program that reads them.
 pub(crate) fn print_records(diagnostics: &[Diagnostic]) {
     progress::end_of_work();

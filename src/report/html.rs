@@ -15,7 +15,7 @@ use plot::viridis::VIRIDIS;
 use study::codes;
 
 /// The figure of a finding that names its test.
-const TEST: &str = "test";
+pub(super) const TEST: &str = "test";
 
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 

@@ -93,6 +93,24 @@ const INFLATION: [Key; 6] = [
     BALANCE,
 ];
 
+/// A drop that was recorded.
+const DROP: [Key; 5] = [
+    key("impact speed", "impact_velocity_m_s", 1.0, "m/s"),
+    key_at(
+        key("peak deceleration", "peak_acceleration_m_s2", 1.0 / G, "g"),
+        Beside::Time("time_of_peak_acceleration_s"),
+    ),
+    key_at(key("lowest point", "peak_displacement_m", 1e3, "mm"), Beside::Time("time_of_peak_displacement_s")),
+    key("energy absorbed", "energy_absorption", 100.0, "%"),
+    key_at(key("rebound velocity", "rebound_velocity_m_s", 1.0, "m/s"), Beside::Time("time_of_rebound_s")),
+];
+
+/// Cards of the figures of a drop that was recorded; empty where there are none.
+pub(super) fn of_drop(figures: &Map<String, Value>) -> String {
+    let cards: String = DROP.iter().filter_map(|key| card(key, "", figures)).collect();
+    if cards.is_empty() { cards } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
+}
+
 /// Cards of the key figures in `summary`, that of `results`, and whether the film held; `failed` tells whether the run
 /// did.
 pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: bool) -> String {

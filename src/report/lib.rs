@@ -12,6 +12,7 @@ mod script_output;
 mod html;
 mod key_figures;
 mod drawn;
+pub mod drop_page;
 mod panes;
 #[cfg(feature = "rerun")]
 pub mod recording;
@@ -31,6 +32,7 @@ pub use compare_page::compare_page;
 pub use field::{FIELDS, Field};
 
 pub use drawn::figures;
+pub use drop_page::{DropPage, DropScatter, DropTest, FigureScatter, drop_page};
 pub use figure::{Figure, G, markdown};
 pub use film::{FilmError, run_scene};
 pub use fit_page::{FitPage, FitTable, fit_page};

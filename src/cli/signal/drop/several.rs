@@ -1,0 +1,225 @@
+//! Several recordings: a table with a row each, their scatter, one page.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::args::DropArgs;
+use super::outputs;
+use super::places::Recordings;
+use super::reduce::Reducer;
+use super::scatter::scatter;
+use crate::failure::ExitStatus;
+use crate::{Failure, Shared, findings, output, print_figures, table};
+use base::diagnostic::shown_path;
+use base::finding::Finding;
+use base::number::significant;
+use base::table::{Column, Values, to_csv};
+use lab::experiment::drop::{Drop, Figures};
+use report::drop_page::{DROP_QUANTITIES, names};
+use report::{DropPage, DropScatter, DropTest};
+
+/// Significant digits of a cell.
+const DIGITS: usize = 4;
+
+/// What a cell without a value shows.
+const NOTHING: &str = "-";
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Printed<'a> {
+    recordings: Vec<Row<'a>>,
+    scatter: &'a [DropScatter],
+    reduced: usize,
+    failed: usize,
+    left_out: &'a [String],
+    written: Vec<String>,
+}
+
+/// A recording, reduced or not.
+#[derive(Serialize)]
+struct Row<'a> {
+    recording: String,
+    sha256: Option<&'a str>,
+    mass_kg: Option<f64>,
+    height_m: Option<f64>,
+    #[serde(flatten)]
+    figures: Option<Figures>,
+    findings: &'a [Finding],
+    /// Why there is no drop.
+    error: Option<String>,
+    hint: Option<&'a str>,
+}
+
+impl<'a> Row<'a> {
+    fn of(test: &'a DropTest) -> Row<'a> {
+        let mistake = test.outcome.as_ref().err();
+        Row {
+            recording: shown_path(&test.path),
+            sha256: test.fingerprint.as_deref(),
+            mass_kg: test.tower.map(|tower| tower.body.mass),
+            height_m: test.height(),
+            figures: test.outcome.as_ref().ok().map(Drop::figures),
+            findings: &test.findings,
+            error: test.cause(),
+            hint: mistake.and_then(|mistake| mistake.hint.as_deref()),
+        }
+    }
+}
+
+/// Reduces all recordings, and writes and prints what they give.
+pub(super) fn run(
+    args: &DropArgs,
+    reducer: &Reducer<'_>,
+    recordings: Recordings,
+    shared: &Shared,
+) -> Result<(), Failure> {
+    let Recordings { paths, mut left_out, .. } = recordings;
+    let read: Vec<_> = paths.par_iter().map(|(path, in_folder)| (reducer.reduced(path), *in_folder)).collect();
+    // Whoever names a file means it; a folder may hold other texts.
+    let (others, read): (Vec<_>, Vec<_>) =
+        read.into_iter().partition(|(reading, in_folder)| *in_folder && !reading.holds_numbers);
+    left_out.extend(others.iter().map(|(reading, _)| shown_path(&reading.test.path)));
+    let tests: Vec<DropTest> = read.into_iter().map(|(reading, _)| reading.test).collect();
+    let scatter = scatter(&tests);
+    if let Some(out) = &args.out {
+        output::write(out, |file| file.write_all(&to_csv(&columns(&tests))?))?;
+    }
+    let command = outputs::command();
+    let page = DropPage {
+        tests: &tests,
+        is_list: true,
+        scatter: &scatter,
+        figures: &[],
+        left_out: &left_out,
+        command: &command,
+    };
+    outputs::write_page(args, &page)?;
+    let failed = tests.iter().filter(|test| test.outcome.is_err()).count();
+    let written = [&args.out, &args.page].into_iter().flatten().map(|path| shown_path(path)).collect();
+    let printed = Printed {
+        recordings: tests.iter().map(Row::of).collect(),
+        scatter: &scatter,
+        reduced: tests.len() - failed,
+        failed,
+        left_out: &left_out,
+        written,
+    };
+    print_figures(shared, &printed, || text(&tests, &printed))?;
+    match failure(&tests) {
+        Some(failure) => Err(failure),
+        None => Ok(()),
+    }
+}
+
+/// The recordings that could not be reduced: results are incomplete, or there are none.
+fn failure(tests: &[DropTest]) -> Option<Failure> {
+    let diagnostics: Vec<_> = tests.iter().filter_map(|test| test.outcome.as_ref().err()).cloned().collect();
+    let status = match diagnostics.len() == tests.len() {
+        true => ExitStatus::BadInput,
+        false => ExitStatus::OutputFailed,
+    };
+    (!diagnostics.is_empty()).then(|| Failure { status, ..Failure::from(diagnostics) })
+}
+
+fn text(tests: &[DropTest], printed: &Printed<'_>) -> String {
+    let left_out = match printed.left_out {
+        [] => String::new(),
+        names => format!("  left out: {}\n", names.join(", ")),
+    };
+    let written: String = printed.written.iter().map(|file| format!("  {file}\n")).collect();
+    let scatter: String = printed.scatter.iter().map(medians).collect();
+    [rows(tests), scatter, reported(tests), left_out, written].concat()
+}
+
+/// A row a recording: figures, then the codes of its findings or why there is no drop.
+fn rows(tests: &[DropTest]) -> String {
+    let number = |value: Option<f64>| value.map_or_else(|| NOTHING.into(), |value| significant(value, DIGITS));
+    let head = ["recording", "height (m)"].map(String::from).into_iter();
+    let head: Vec<String> = head.chain(DROP_QUANTITIES.iter().map(|quantity| quantity.heading())).collect();
+    let names = names(tests);
+    let row = |(name, test): (&String, &DropTest)| {
+        let figures = test.outcome.as_ref().ok().map(Drop::figures);
+        let values = DROP_QUANTITIES.iter().map(|quantity| {
+            number(figures.as_ref().and_then(|figures| Some(quantity.factor * (quantity.of)(figures)?)))
+        });
+        [name.clone(), number(test.height())].into_iter().chain(values).collect::<Vec<String>>()
+    };
+    let lines: Vec<Vec<String>> = std::iter::once(head).chain(names.iter().zip(tests).map(row)).collect();
+    let beside = |test: &DropTest| test.cause().unwrap_or_else(|| test.codes().join(", "));
+    let beside = std::iter::once("findings, or why there is no drop".to_owned()).chain(tests.iter().map(beside));
+    let lines = table::aligned(&lines, 1);
+    lines.lines().zip(beside).map(|(line, beside)| format!("{}\n", format!("{line}  {beside}").trim_end())).collect()
+}
+
+/// Medians and scatter of drops of one mass and height.
+fn medians(scatter: &DropScatter) -> String {
+    let head = ["median", "lower quartile", "upper quartile", "least", "largest", "drops"].map(String::from);
+    let title = format!("{}, {} drops", scatter.conditions(), scatter.drops);
+    let row = |figure: &report::FigureScatter| {
+        let words = figure.quantity()?.heading();
+        let values = figure.shown().map(|value| significant(value, DIGITS));
+        Some(std::iter::once(words).chain(values).chain([figure.count.to_string()]).collect::<Vec<String>>())
+    };
+    let head = std::iter::once(title).chain(head).collect();
+    let lines: Vec<Vec<String>> = std::iter::once(head).chain(scatter.figures.iter().filter_map(row)).collect();
+    format!("\n{}", table::aligned(&lines, 1))
+}
+
+/// The findings, one line a code: the first that was reported, and how many recordings have it.
+fn reported(tests: &[DropTest]) -> String {
+    let mut groups: Vec<(&Finding, usize)> = Vec::new();
+    for test in tests {
+        for code in test.codes() {
+            match groups.iter_mut().find(|(first, _)| first.code == code) {
+                Some((_, count)) => *count += 1,
+                None => {
+                    groups.extend(test.findings.iter().find(|finding| finding.code == code).map(|first| (first, 1)))
+                }
+            }
+        }
+    }
+    let shown = |(first, count): (&Finding, usize)| {
+        let of = format!("{count} of {}: {}", tests.len(), first.message);
+        Finding { message: of, ..first.clone() }
+    };
+    let all: Vec<Finding> = groups.into_iter().map(shown).collect();
+    if all.is_empty() { String::new() } else { format!("\n{}", findings::lines("  ", &all)) }
+}
+
+/// The table that is written: SI, with every figure that is a number.
+fn columns(tests: &[DropTest]) -> Vec<Column> {
+    let texts = |name: &str, of: &dyn Fn(&DropTest) -> Option<String>| {
+        let values = Values::Texts(tests.iter().map(of).collect());
+        Column { name: name.into(), values }
+    };
+    let numbers = |name: &str, of: &dyn Fn(&DropTest) -> Option<f64>| {
+        Column::of_numbers(name, tests.iter().map(|test| of(test).unwrap_or(f64::NAN)))
+    };
+    let figures = |test: &DropTest| match test.outcome.as_ref().ok().map(|drop| serde_json::to_value(drop.figures())) {
+        Some(Ok(Value::Object(figures))) => figures,
+        _ => Map::new(),
+    };
+    let figures: Vec<Map<String, Value>> = tests.iter().map(figures).collect();
+    let mut keys: Vec<&String> = Vec::new();
+    for (key, _) in figures.iter().flatten().filter(|(_, value)| value.is_number()) {
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    let of_key = |key: &String| {
+        let values = figures.iter().map(|figures| figures.get(key).and_then(Value::as_f64).unwrap_or(f64::NAN));
+        Column::of_numbers(key.as_str(), values)
+    };
+    let head = [
+        texts("recording", &|test| Some(shown_path(&test.path))),
+        numbers("mass_kg", &|test| Some(test.tower?.body.mass)),
+        numbers("height_m", &DropTest::height),
+    ];
+    let tail = [
+        texts("findings", &|test| Some(test.codes().join(" "))),
+        texts("error", &DropTest::cause),
+        texts("sha256", &|test| test.fingerprint.clone()),
+    ];
+    head.into_iter().chain(keys.into_iter().map(of_key)).chain(tail).collect()
+}

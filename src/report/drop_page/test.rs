@@ -1,0 +1,214 @@
+//! A recorded drop test, reduced or not, and the quantities by which tests are compared.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::super::figure::G;
+use base::diagnostic::{Diagnostic, shown_path};
+use base::finding::Finding;
+use lab::experiment::drop::{Drop, DropChannels, Figures, Height, Landmarks, Tower};
+
+/// A recording of a drop, and what became of its reduction.
+#[derive(Clone, Debug)]
+pub struct DropTest {
+    /// The recording.
+    pub path: PathBuf,
+    /// SHA-256 of the recording; none where that could not be read.
+    pub fingerprint: Option<String>,
+    /// Mass and height; none where they are not known.
+    pub tower: Option<Tower>,
+    /// The readings; none where the recording could not be read.
+    pub channels: Option<DropChannels>,
+    /// Times of events, as far as they were found.
+    pub landmarks: Landmarks,
+    /// The drop, or why there is none.
+    pub outcome: Result<Drop, Diagnostic>,
+    /// What reading and reduction report.
+    pub findings: Vec<Finding>,
+}
+
+impl DropTest {
+    /// A recording that could not be read.
+    pub fn unread(path: &Path, mistake: Diagnostic) -> DropTest {
+        DropTest {
+            path: path.to_owned(),
+            fingerprint: None,
+            tower: None,
+            channels: None,
+            landmarks: Landmarks::default(),
+            outcome: Err(mistake),
+            findings: vec![],
+        }
+    }
+
+    /// Name of the file, without its folder.
+    pub fn name(&self) -> String {
+        self.path.file_name().map_or_else(|| shown_path(&self.path), |name| name.to_string_lossy().into_owned())
+    }
+
+    /// Height of fall, m; none where the impact speed is known in its place.
+    pub fn height(&self) -> Option<f64> {
+        match self.tower?.height {
+            Height::Known(height) => Some(height),
+            Height::OfSpeed(_) => None,
+        }
+    }
+
+    /// Why there is no drop, without the name of the recording.
+    pub fn cause(&self) -> Option<String> {
+        let mistake = self.outcome.as_ref().err()?;
+        let prefix = format!("{}: ", shown_path(&self.path));
+        Some(mistake.message.strip_prefix(&prefix).unwrap_or(&mistake.message).to_owned())
+    }
+
+    /// Codes of the findings, each once.
+    pub fn codes(&self) -> Vec<&str> {
+        let mut codes: Vec<&str> = Vec::new();
+        for finding in &self.findings {
+            if !codes.contains(&finding.code.as_str()) {
+                codes.push(&finding.code);
+            }
+        }
+        codes
+    }
+
+    /// Whether the recording says that nothing was measured.
+    pub(super) fn is_virtual(&self) -> bool {
+        self.channels.as_ref().is_some_and(|channels| channels.annotations.is_virtual())
+    }
+}
+
+/// Names of tests by which they differ: those of the files, and the paths of files of the same name.
+pub fn names(tests: &[DropTest]) -> Vec<String> {
+    let short: Vec<String> = tests.iter().map(DropTest::name).collect();
+    let is_alone = |name: &String| short.iter().filter(|other| *other == name).count() == 1;
+    let name = |(test, name): (&DropTest, &String)| if is_alone(name) { name.clone() } else { shown_path(&test.path) };
+    tests.iter().zip(&short).map(name).collect()
+}
+
+/// A quantity by which drops are compared.
+#[derive(Clone, Copy)]
+pub struct DropQuantity {
+    /// Its name among the figures of a drop.
+    pub name: &'static str,
+    /// In words.
+    pub words: &'static str,
+    /// As it is shown.
+    pub unit: &'static str,
+    /// From SI to that unit.
+    pub factor: f64,
+    /// Its value in SI; none where the recording does not give it.
+    pub of: fn(&Figures) -> Option<f64>,
+}
+
+/// The quantities by which drops are compared.
+pub const DROP_QUANTITIES: [DropQuantity; 6] = [
+    DropQuantity {
+        name: "impact_velocity_m_s",
+        words: "impact speed",
+        unit: "m/s",
+        factor: 1.0,
+        of: |figures| Some(figures.impact_velocity_m_s),
+    },
+    DropQuantity {
+        name: "peak_acceleration_m_s2",
+        words: "peak deceleration",
+        unit: "g",
+        factor: 1.0 / G,
+        of: |figures| figures.peak_acceleration_m_s2,
+    },
+    DropQuantity {
+        name: "peak_displacement_m",
+        words: "travel",
+        unit: "mm",
+        factor: -1e3,
+        of: |figures| figures.peak_displacement_m,
+    },
+    DropQuantity {
+        name: "energy_absorption",
+        words: "energy absorbed",
+        unit: "%",
+        factor: 100.0,
+        of: |figures| figures.energy_absorption,
+    },
+    DropQuantity {
+        name: "final_absorbed_energy_J",
+        words: "absorbed by the film",
+        unit: "J",
+        factor: 1.0,
+        of: |figures| figures.final_absorbed_energy,
+    },
+    DropQuantity {
+        name: "rebound_velocity_m_s",
+        words: "rebound velocity",
+        unit: "m/s",
+        factor: 1.0,
+        of: |figures| figures.rebound_velocity_m_s,
+    },
+];
+
+impl DropQuantity {
+    /// Words and unit.
+    pub fn heading(&self) -> String {
+        format!("{} ({})", self.words, self.unit)
+    }
+}
+
+/// How the figures of the drops of one mass and height scatter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DropScatter {
+    /// kg.
+    pub mass_kg: f64,
+    /// m; none where the impact speed is known in its place.
+    pub height_m: Option<f64>,
+    /// Number of drops.
+    pub drops: usize,
+    /// Of each quantity that a drop has.
+    pub figures: Vec<FigureScatter>,
+}
+
+/// How a quantity scatters, SI.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FigureScatter {
+    /// Its name among the figures of a drop.
+    pub figure: &'static str,
+    /// Number of drops that have it.
+    pub count: usize,
+    /// Half of the drops are below it.
+    pub median: f64,
+    /// A quarter and three quarters of the drops are below them: quantiles, linear between the sorted values (type 7 of
+    /// Hyndman and Fan 1996).
+    pub quartiles: [f64; 2],
+    /// The least and the largest value.
+    pub range: [f64; 2],
+}
+
+impl FigureScatter {
+    /// The quantity.
+    pub fn quantity(&self) -> Option<&'static DropQuantity> {
+        DROP_QUANTITIES.iter().find(|quantity| quantity.name == self.figure)
+    }
+
+    /// Median, lower and upper quartile, least and largest value in the unit that is shown.
+    pub fn shown(&self) -> [f64; 5] {
+        let factor = self.quantity().map_or(1.0, |quantity| quantity.factor);
+        let [[low, high], [least, largest]] = [self.quartiles, self.range].map(|ends| {
+            let ends = ends.map(|end| factor * end);
+            // A negative factor turns the order.
+            if factor < 0.0 { [ends[1], ends[0]] } else { ends }
+        });
+        [factor * self.median, low, high, least, largest]
+    }
+}
+
+impl DropScatter {
+    /// Mass and height in words.
+    pub fn conditions(&self) -> String {
+        let mass = base::written::quantity(self.mass_kg, "kg");
+        match self.height_m {
+            Some(height) => format!("{mass} from {}", base::written::quantity(height, "m")),
+            None => mass,
+        }
+    }
+}
