@@ -10,7 +10,8 @@ use base::diagnostic::Diagnostic;
 pub(crate) enum ExitStatus {
     /// Results could not be written or are incomplete, or another program failed.
     OutputFailed = 1,
-    /// A mistake in a scenario, a script or the arguments; nothing was written.
+    /// A mistake in a scenario, a script, a recording or the arguments; nothing was written but the page that shows why a
+    /// recording cannot be reduced.
     BadInput = 2,
     /// A run failed numerically; what was computed before is stored.
     NumericalFailure = 3,

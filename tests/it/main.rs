@@ -14,6 +14,7 @@ mod law_fits;
 mod decks;
 mod digitized;
 mod documents;
+mod drop_pages;
 mod examples;
 mod files;
 mod gltf;

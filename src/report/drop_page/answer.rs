@@ -1,6 +1,6 @@
 //! What recordings of drops answer, in a sentence.
 
-use super::super::figure::G;
+use super::super::figure::{self, G};
 use super::test::{DropScatter, DropTest, FigureScatter};
 use base::number::significant;
 use lab::experiment::Warning;
@@ -16,7 +16,8 @@ pub(super) fn of_one(test: &DropTest) -> String {
         (Err(_), cause) => return format!("No drop was reduced: {}.", cause.unwrap_or_default()),
     };
     let mark = if test.is_virtual() { "Virtual, not measured: " } else { "" };
-    let mass = test.tower.map_or_else(String::new, |tower| format!(" of {} kg", significant(tower.body.mass, 4)));
+    let mass =
+        test.tower.map_or_else(String::new, |tower| format!(" of {} kg", significant(tower.body.mass, figure::DIGITS)));
     let speed = significant(-drop.contact.velocity, DIGITS);
     let figures = drop.figures();
     let peak = match (saturated(drop), figures.peak_acceleration_m_s2) {

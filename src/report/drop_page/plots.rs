@@ -5,7 +5,7 @@ use super::test::DropTest;
 use lab::experiment::drop::{Drop, Landmarks};
 use lab::signal::column::{self, Column};
 use lab::signal::{Recording, Series};
-use plot::{Curve, Mark, Plot, TIME};
+use plot::{Curve, Mark, Plot};
 
 /// Times before first contact and after it that are shown, as multiples of the time from contact to the lowest point.
 const BEFORE: f64 = 0.5;
@@ -14,6 +14,9 @@ const AFTER: f64 = 3.0;
 /// Axes of the recording's clock and of accelerations.
 const CLOCK: &str = "time of the recording (s)";
 const ACCELERATION: &str = "acceleration (g)";
+
+/// Axis of the time after first contact, and of that before it.
+const TIME: &str = "time from contact (ms)";
 
 /// The acceleration over the whole recording as it was read, with the landmarks that were found; none of a recording that
 /// could not be read.
@@ -65,7 +68,7 @@ pub(super) fn impact(test: &DropTest, drop: &Drop) -> Vec<Plot> {
         over_time("Acceleration", ACCELERATION, vec![acceleration("filtered", drop)]),
         over_time("Velocity", column::VELOCITY.axis, vec![Curve::line("integrated", shown.of_clock(&velocity, 1.0))]),
         over_time("Displacement", column::DISPLACEMENT.axis, places),
-        force_over_travel("Force over travel", vec![force("on the impactor", test, drop)]),
+        force_over_travel(vec![force("M(a + g)", test, drop)]),
         over_time(
             "Energies",
             column::KINETIC_ENERGY.axis,
@@ -93,17 +96,17 @@ pub(super) fn overlaid(drops: &[(&str, &DropTest, &Drop)]) -> Vec<Plot> {
             ..Plot::new("Acceleration", [TIME, ACCELERATION], curves(&|name, _, drop| acceleration(name, drop)))
         },
         Plot::new("Displacement", [TIME, column::DISPLACEMENT.axis], curves(&place)),
-        force_over_travel("Force over travel", curves(&force)),
+        force_over_travel(curves(&force)),
     ]
 }
 
 /// A small plot of each test: of a drop the acceleration about its impact, else the reading.
 pub(super) fn each(name: &str, test: &DropTest) -> Option<Plot> {
-    let title = |plot: Plot| Plot { title: name.to_owned(), ..plot };
-    match &test.outcome {
-        Ok(drop) => impact(test, drop).into_iter().next().map(title),
-        Err(_) => reading(test).map(|plot| title(Plot { title: name.to_owned(), ..plot })),
-    }
+    let plot = match &test.outcome {
+        Ok(drop) => impact(test, drop).into_iter().next(),
+        Err(_) => reading(test),
+    };
+    plot.map(|plot| Plot { title: name.to_owned(), ..plot })
 }
 
 /// The filtered acceleration, and before contact the corrected one, in g over the time from contact in ms.
@@ -124,8 +127,8 @@ fn force(name: &str, test: &DropTest, drop: &Drop) -> Curve {
     Curve::line(name, places.iter().zip(&accelerations).map(|(place, a)| [place[1], force(a[1])]))
 }
 
-fn force_over_travel(title: &str, curves: Vec<Curve>) -> Plot {
-    Plot::new(title, ["travel below first contact (mm)", "force (N)"], curves)
+fn force_over_travel(curves: Vec<Curve>) -> Plot {
+    Plot::new("Force on the impactor over travel", ["travel below first contact (mm)", "force (N)"], curves)
 }
 
 /// The part of a drop about its impact.

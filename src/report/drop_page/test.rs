@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::super::figure::G;
+use super::super::figure::{DIGITS, G};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
+use base::number::significant;
 use lab::experiment::drop::{Drop, DropChannels, Figures, Height, Landmarks, Tower};
 
 /// A recording of a drop, and what became of its reduction.
@@ -205,10 +206,44 @@ impl FigureScatter {
 impl DropScatter {
     /// Mass and height in words.
     pub fn conditions(&self) -> String {
-        let mass = base::written::quantity(self.mass_kg, "kg");
+        let mass = significant(self.mass_kg, DIGITS);
         match self.height_m {
-            Some(height) => format!("{mass} from {}", base::written::quantity(height, "m")),
-            None => mass,
+            Some(height) => format!("{mass} kg from {} m", significant(height, DIGITS)),
+            None => format!("{mass} kg"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_short_as_long_as_they_differ() {
+        let tests =
+            ["a/1.csv", "b/1.csv", "b/2.csv"].map(|path| DropTest::unread(Path::new(path), Diagnostic::new("no")));
+        assert_eq!(names(&tests), ["a/1.csv", "b/1.csv", "2.csv"]);
+    }
+
+    #[test]
+    fn a_cause_leaves_out_the_name_of_its_recording() {
+        let test = DropTest::unread(Path::new("a/1.csv"), Diagnostic::new("a/1.csv: there is no contact"));
+        assert_eq!(test.cause().as_deref(), Some("there is no contact"));
+    }
+
+    #[test]
+    fn quartiles_of_a_travel_are_shown_in_the_order_of_its_sizes() {
+        let scatter = |figure| FigureScatter {
+            figure,
+            count: 3,
+            median: -0.16,
+            quartiles: [-0.17, -0.15],
+            range: [-0.18, -0.14],
+        };
+        let shown = scatter("peak_displacement_m").shown();
+        for (found, expected) in shown.iter().zip([160.0, 150.0, 170.0, 140.0, 180.0]) {
+            assert!((found - expected).abs() < 1e-9, "{shown:?}");
+        }
+        assert_eq!(scatter("impact_velocity_m_s").shown(), [-0.16, -0.17, -0.15, -0.18, -0.14]);
     }
 }

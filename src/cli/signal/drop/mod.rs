@@ -69,9 +69,7 @@ fn one(args: &DropArgs, test: DropTest, shared: &Shared) -> Result<(), Failure> 
         let comments: Vec<String> = std::iter::once(origin).chain(notes(&test)).collect();
         output::write_csv(out, &comments, &drop.signals)?;
     }
-    // Of a recording that cannot be reduced the page shows why, as long as there is something to show.
-    let has_page = args.page.is_some() && test.channels.is_some();
-    if has_page {
+    if is_shown(&test) {
         let tests = std::slice::from_ref(&test);
         let command = outputs::command();
         let page = DropPage { tests, is_list: false, scatter: &[], figures: &rows, left_out: &[], command: &command };
@@ -88,6 +86,11 @@ fn one(args: &DropArgs, test: DropTest, shared: &Shared) -> Result<(), Failure> 
         findings: test.findings.clone(),
     };
     print_figures(shared, &printed, || printed_text(args, &test, &rows))
+}
+
+/// Whether page and drawing have something to show: the reduction was tried, though it may have failed.
+fn is_shown(test: &DropTest) -> bool {
+    test.channels.is_some() && test.tower.is_some()
 }
 
 fn figures(drop: &Drop, test: &DropTest) -> Figures {
@@ -114,10 +117,10 @@ fn printed_text(args: &DropArgs, test: &DropTest, rows: &[(&str, String)]) -> St
 
 /// The failure of a recording that cannot be reduced, with a drawing of it.
 fn failure(args: &DropArgs, mistake: &Diagnostic, test: &DropTest, shared: &Shared) -> Failure {
-    let page = args.page.as_ref().filter(|_| test.channels.is_some());
+    let page = args.page.as_ref().filter(|_| is_shown(test));
     let shows = page.map(|page| format!("{} shows the recording and what was found in it", shown_path(page)));
     let hints: Vec<String> = mistake.hint.iter().cloned().chain(shows).collect();
     let hint = (!hints.is_empty()).then(|| hints.join("; "));
-    let drawing = Some(picture::picture(test)).filter(|drawing| !shared.quiet && !drawing.is_empty());
+    let drawing = (is_shown(test) && !shared.quiet).then(|| picture::picture(test));
     Failure { drawing, ..Failure::from(Diagnostic { hint, ..mistake.clone() }) }
 }

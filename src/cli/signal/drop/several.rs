@@ -22,6 +22,9 @@ use report::{DropPage, DropScatter, DropTest};
 /// Significant digits of a cell.
 const DIGITS: usize = 4;
 
+/// Quantities that are printed of each recording: a line has its findings, too.
+const PRINTED: usize = 4;
+
 /// What a cell without a value shows.
 const NOTHING: &str = "-";
 
@@ -136,11 +139,11 @@ fn text(tests: &[DropTest], printed: &Printed<'_>) -> String {
 fn rows(tests: &[DropTest]) -> String {
     let number = |value: Option<f64>| value.map_or_else(|| NOTHING.into(), |value| significant(value, DIGITS));
     let head = ["recording", "height (m)"].map(String::from).into_iter();
-    let head: Vec<String> = head.chain(DROP_QUANTITIES.iter().map(|quantity| quantity.heading())).collect();
+    let head: Vec<String> = head.chain(DROP_QUANTITIES[..PRINTED].iter().map(|quantity| quantity.heading())).collect();
     let names = names(tests);
     let row = |(name, test): (&String, &DropTest)| {
         let figures = test.outcome.as_ref().ok().map(Drop::figures);
-        let values = DROP_QUANTITIES.iter().map(|quantity| {
+        let values = DROP_QUANTITIES[..PRINTED].iter().map(|quantity| {
             number(figures.as_ref().and_then(|figures| Some(quantity.factor * (quantity.of)(figures)?)))
         });
         [name.clone(), number(test.height())].into_iter().chain(values).collect::<Vec<String>>()

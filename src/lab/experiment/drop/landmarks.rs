@@ -73,7 +73,7 @@ impl Landmarks {
             ("contact", self.contact),
             ("latest contact", self.latest_contact),
             ("contact sought", self.sought_contact),
-            ("impact, 1 g", self.impact),
+            ("impact (1 g)", self.impact),
             ("lowest point", self.lowest_point),
             ("rebound", self.rebound),
         ];

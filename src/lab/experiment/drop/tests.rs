@@ -4,6 +4,7 @@ use super::*;
 use crate::experiment::Warning;
 use crate::experiment::absorption::{AbsorptionError, Body, energy_absorption};
 use crate::experiment::contact::SpeedSource;
+use crate::experiment::coupling::CouplingError;
 use crate::experiment::fall::Fall;
 use crate::experiment::sensor::{Accelerometer, Laser, Sensors, virtual_drop};
 use crate::signal::{Recording, Series, integrate};
@@ -386,4 +387,42 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
     ] {
         assert!(found.starts_with(expected), "{found}");
     }
+}
+
+#[test]
+fn landmarks_are_those_of_the_true_motion() {
+    let [lowest, _] = impact()[1].smallest().unwrap();
+    let (recording, contact_time, _) = recorded(&quiet(), 1);
+    let drop = reduced(&recording, &Reduction::default()).unwrap();
+    let found = Landmarks::of_drop(&drop);
+    assert!((found.contact.unwrap() - contact_time).abs() < 2e-4, "{found:?}");
+    assert!((found.lowest_point.unwrap() - contact_time - lowest).abs() < 1e-3, "{found:?}");
+    // Released 1.5 m above the film: the fall with friction to 4.94 m/s.
+    let fall = 2.0 * 1.5 / SPEED;
+    assert!((contact_time - found.release.unwrap() - fall).abs() < 0.03, "{found:?}");
+    let names: Vec<&str> = found.named().into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["release", "contact", "lowest point", "rebound"]);
+    let [velocity, displacement] = drop.motion();
+    assert!((velocity.value_at(drop.contact.time).unwrap() - drop.contact.velocity).abs() < 1e-9);
+    assert!(displacement.value_at(drop.contact.time).unwrap().abs() < 1e-12);
+    let [_, rebound] = drop.rebound().unwrap();
+    assert!((velocity.value_at(found.rebound.unwrap()).unwrap() - rebound).abs() < 1e-2, "{rebound}");
+    let fallen = displacement.value_at(found.release.unwrap()).unwrap();
+    assert!((fallen / 1.5 - 1.0).abs() < 0.02, "it was released 1.5 m above the film: {fallen}");
+}
+
+#[test]
+fn what_was_found_of_a_drop_that_is_not_reduced_has_the_times_of_the_error() {
+    let (recording, _, _) = recorded(&quiet(), 1);
+    let reading = reading(&recording);
+    let tower = Tower { height: Height::Known(0.002), ..TOWER };
+    let error = reduce(&reading, None, &tower, &Reduction::default()).unwrap_err();
+    let DropError::Coupling(CouplingError::NoFall { release, contact }) = error else { panic!("{error}") };
+    let found = Landmarks::of_failed(&reading, GRAVITY, &error);
+    assert_eq!((found.release_end, found.latest_contact, found.contact), (Some(release), Some(contact), None));
+    assert!(found.release.unwrap() < contact && found.impact.unwrap() > release, "{found:?}");
+    let whole = reduced(&recording, &Reduction::default()).unwrap();
+    let fall = reading.window([0.0, whole.contact.time]);
+    let error = reduce(&fall, None, &TOWER, &Reduction::default()).unwrap_err();
+    assert_eq!(Landmarks::of_failed(&fall, GRAVITY, &error), Landmarks::default());
 }
