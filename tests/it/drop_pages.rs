@@ -118,7 +118,10 @@ fn a_recording_that_cannot_be_reduced_is_drawn_with_what_was_found() {
     let html = fs::read_to_string(&page).expect("a page");
     assert!(html.contains("<p class=\"lead\">No drop was reduced: laser: fewer than 10 samples"), "{html}");
     let plots = plots(&page);
-    assert_eq!(plots.iter().map(|plot| plot.title.as_str()).collect::<Vec<_>>(), ["The recording", "Laser"]);
+    assert_eq!(
+        plots.iter().map(|plot| plot.title.as_str()).collect::<Vec<_>>(),
+        ["The recording", "Height over the film"]
+    );
     assert!(at(&plots[0].marks, "impact (1 g)") > at(&plots[0].marks, "end of release"));
     for with in [&["--quiet"][..], &["--diagnostics", "json"]] {
         let said = error(&drop(&[&call[..], with].concat()));
@@ -334,4 +337,36 @@ fn the_folder_of_a_test_of_isomme_is_one_recording() {
     close(alone["impact_velocity_m_s"].as_f64().expect("a speed"), 4.159, 1e-3);
     let beside = figures(&drop(&[&[text(folder.path()), "--json"][..], &TOWER].concat()));
     assert_eq!(beside["recordings"][0]["impact_velocity_m_s"], alone["impact_velocity_m_s"]);
+}
+
+/// What a recording does not show, the sentence does not say.
+#[test]
+fn the_answer_of_a_clipped_or_short_recording_is_a_bound() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let page = folder.path().join("drop.html");
+    let rows = |text: String, of: &dyn Fn(f64, f64) -> Option<f64>| -> String {
+        let line = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            match (cells[0].parse::<f64>(), cells.get(1).and_then(|cell| cell.parse::<f64>().ok())) {
+                (Ok(time), Some(value)) => Some(format!("{time},{},{}\n", of(time, value)?, cells[2])),
+                _ => Some(format!("{line}\n")),
+            }
+        };
+        text.lines().filter_map(line).collect()
+    };
+    let clipped = copy(&folder, "clipped.csv", "1008", |text| rows(text, &|_, value| Some(value.min(60.0))));
+    let short = copy(&folder, "short.csv", "1008", |text| rows(text, &|time, value| (time < 0.66).then_some(value)));
+    for (path, expected, marks) in [
+        (clipped, "was slowed by at least ", &["release", "contact"][..]),
+        (short, "and still descended after ", &["release", "contact"]),
+    ] {
+        printed(&drop(&[&[text(&path), "--page", text(&page)][..], &TOWER].concat()));
+        let html = fs::read_to_string(&page).expect("a page");
+        let (_, lead) = html.split_once("<p class=\"lead\">").expect("an answer");
+        let lead = lead.split("</p>").next().expect("its end");
+        assert!(lead.contains(expected) && !lead.contains("absorbed"), "{expected}: {lead}");
+        let plots = plots(&page);
+        let found: Vec<&str> = plot(&plots, "The recording").marks.iter().map(|mark| mark.label.as_str()).collect();
+        assert_eq!(found, marks, "{expected}");
+    }
 }

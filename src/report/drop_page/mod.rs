@@ -72,7 +72,10 @@ fn one(page: &DropPage<'_>, test: &DropTest) -> String {
         test.outcome.as_ref().err().map(remedy).unwrap_or_default(),
         key_figures::of_drop(&figures),
         drawn::figures(&whole),
-        html::section("Impact", &drawn::medium(&plots)),
+        match &test.outcome {
+            Ok(_) => html::section("Impact", &drawn::medium(&plots)),
+            Err(_) => html::section("Laser", &drawn::figures(&plots)),
+        },
         html::section(heading, &html::table("rows", &[], &rows)),
         html::findings(Vec::new(), &test.findings),
         html::section("Comments of the file", &html::list(&comments(test))),

@@ -43,7 +43,7 @@ pub(super) fn laser(test: &DropTest) -> Option<Plot> {
     let laser = test.channels.as_ref()?.laser.as_ref()?;
     let curve = Curve::line("laser", laser.samples().map(|[time, value]| [time, 1e3 * value]));
     let marks = marks(&test.landmarks, |time| time);
-    Some(Plot { marks, ..Plot::new("Laser", [CLOCK, "height over the film (mm)"], vec![curve]) })
+    Some(Plot { marks, ..Plot::new("Height over the film", [CLOCK, "height (mm)"], vec![curve]) })
 }
 
 fn marks(landmarks: &Landmarks, place: impl Fn(f64) -> f64) -> Vec<Mark> {
