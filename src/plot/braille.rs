@@ -44,7 +44,7 @@ pub fn braille(plot: &Plot, size: [usize; 2]) -> String {
 }
 
 /// The columns of characters of the marks within the ends of the x axis, from left to right, with their labels.
-fn marked<'p>(plot: &'p Plot, [from, to]: [f64; 2], width: usize) -> Vec<(usize, &'p str)> {
+fn marked(plot: &Plot, [from, to]: [f64; 2], width: usize) -> Vec<(usize, &str)> {
     let inside = plot.marks.iter().map(|mark| (on(&plot.x, mark.at), mark.label.as_str()));
     let inside = inside.filter(|(at, _)| (from..=to).contains(at));
     let dots = (width * ACROSS - 1) as f64;

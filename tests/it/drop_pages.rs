@@ -144,7 +144,7 @@ fn a_contact_before_the_end_of_the_release_is_marked_as_the_message_says() {
     let expected =
         format!("contact, at {contact:.4} s at the latest, comes before the end of the release at {release:.4} s");
     assert!(contact < release && said.contains(&expected), "{said}");
-    let times = format!("end of release {release:.4} s, latest contact {contact:.4} s");
+    let times = format!("latest contact {contact:.4} s, end of release {release:.4} s");
     assert!(is_drawn(&said) && said.contains(&times), "{said}");
 }
 

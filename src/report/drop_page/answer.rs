@@ -15,17 +15,17 @@ pub(super) fn of_one(test: &DropTest) -> String {
         (Ok(drop), _) => drop,
         (Err(_), cause) => return format!("No drop was reduced: {}.", cause.unwrap_or_default()),
     };
-    let mark = if test.is_virtual() { "Virtual, not measured: " } else { "" };
+    let subject = if test.is_virtual() { "Virtual, not measured: the impactor" } else { "The impactor" };
     let mass =
         test.tower.map_or_else(String::new, |tower| format!(" of {} kg", significant(tower.body.mass, figure::DIGITS)));
     let speed = significant(-drop.contact.velocity, DIGITS);
-    let figures = drop.figures();
-    let peak = match (saturated(drop), figures.peak_acceleration_m_s2) {
+    let figures = test.figures.as_ref();
+    let peak = match (saturated(drop), figures.and_then(|figures| figures.peak_acceleration_m_s2)) {
         (Some(least), _) => format!(", was slowed by at least {} g", significant(least / G, DIGITS)),
         (None, Some(peak)) => format!(", was slowed by {} g at most", significant(peak / G, DIGITS)),
         (None, None) => String::new(),
     };
-    let travel = match (drop.lowest_point(), figures.peak_displacement_m) {
+    let travel = match (drop.lowest_point(), figures.and_then(|figures| figures.peak_displacement_m)) {
         (Some([_, place]), _) => format!(" and stopped after {} mm", significant(-1e3 * place, DIGITS)),
         (None, Some(place)) => {
             format!(" and still descended after {} mm, when the recording ends", significant(-1e3 * place, DIGITS))
@@ -35,7 +35,7 @@ pub(super) fn of_one(test: &DropTest) -> String {
     let absorbed = drop.energy_absorption.map_or_else(String::new, |absorbed| {
         format!("; the film absorbed {} % of the energy", significant(100.0 * absorbed, DIGITS))
     });
-    format!("{mark}the impactor{mass} met the film at {speed} m/s{peak}{travel}{absorbed}.")
+    format!("{subject}{mass} met the film at {speed} m/s{peak}{travel}{absorbed}.")
 }
 
 /// The least peak of an accelerometer at the end of its range, m/s².

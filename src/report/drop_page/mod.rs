@@ -49,7 +49,7 @@ pub fn drop_page(page: &DropPage<'_>) -> String {
 /// The page of one recording.
 fn one(page: &DropPage<'_>, test: &DropTest) -> String {
     let title = format!("Drop test {}", test.name());
-    let figures = test.outcome.as_ref().ok().map(|drop| serde_json::to_value(drop.figures()));
+    let figures = test.figures.as_ref().map(serde_json::to_value);
     let figures: Map<String, Value> = match figures {
         Some(Ok(Value::Object(figures))) => figures,
         _ => Map::new(),

@@ -4,12 +4,15 @@ use super::super::figure::G;
 use super::test::DropTest;
 use lab::experiment::drop::{Drop, Landmarks};
 use lab::signal::column::{self, Column};
-use lab::signal::{Recording, Series};
-use plot::{Curve, Mark, Plot};
+use lab::signal::{Channel, Recording, Series};
+use plot::{Curve, Mark, Plot, outline};
 
 /// Times before first contact and after it that are shown, as multiples of the time from contact to the lowest point.
 const BEFORE: f64 = 0.5;
 const AFTER: f64 = 3.0;
+
+/// Most samples of a signal of one of many tests.
+const MOST_SAMPLES: usize = 4000;
 
 /// Axes of the recording's clock and of accelerations.
 const CLOCK: &str = "time of the recording (s)";
@@ -131,6 +134,39 @@ fn force_over_travel(curves: Vec<Curve>) -> Plot {
     Plot::new("Force on the impactor over travel", ["travel below first contact (mm)", "force (N)"], curves)
 }
 
+impl DropTest {
+    /// The test with no more samples than plots of many tests show, so that many fit into memory; figures and landmarks
+    /// are those of the whole recording.
+    pub fn lightened(mut self) -> DropTest {
+        if let Some(channels) = &mut self.channels {
+            channels.acceleration = outlined(&channels.acceleration);
+            channels.laser = channels.laser.as_ref().map(outlined);
+        }
+        if let Ok(drop) = &mut self.outcome {
+            let [_, end] = Shown::of(drop).range;
+            drop.acceleration = outlined(&drop.acceleration);
+            drop.signals = every_so_many(&drop.signals, end);
+        }
+        self
+    }
+}
+
+/// The outline of a signal.
+fn outlined(signal: &Series) -> Series {
+    let points = outline(&signal.samples().collect::<Vec<_>>(), MOST_SAMPLES);
+    let column = |axis: usize| points.iter().map(|point| point[axis]).collect::<Vec<f64>>();
+    Series::new(column(0), column(1))
+}
+
+/// Samples at equal steps up to the time `end`, s.
+fn every_so_many(signals: &Recording, end: f64) -> Recording {
+    let count = signals.time.partition_point(|time| *time <= end);
+    let step = count.div_ceil(MOST_SAMPLES).max(1);
+    let thin = |values: &[f64]| values[..count].iter().step_by(step).copied().collect::<Vec<f64>>();
+    let channel = |channel: &Channel| Channel { name: channel.name.clone(), values: thin(&channel.values) };
+    Recording { time: thin(&signals.time), channels: signals.channels.iter().map(channel).collect() }
+}
+
 /// The part of a drop about its impact.
 struct Shown {
     /// First contact on the recording's clock, s.
@@ -156,5 +192,26 @@ impl Shown {
     fn of_column(&self, signals: &Recording, column: Column, factor: f64) -> Vec<[f64; 2]> {
         let series = signals.series(column.name).unwrap_or_else(|| Series::new([], []));
         series.window(self.range).samples().map(|[time, value]| [1e3 * time, factor * value]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_signals_keep_their_extremes_and_steps() {
+        let time: Vec<f64> = (0..100_000).map(|i| f64::from(i) * 1e-6).collect();
+        let values: Vec<f64> = time.iter().map(|t| if *t == 0.05 { 9.0 } else { (100.0 * t).sin() }).collect();
+        let signal = outlined(&Series::new(time.as_slice(), values.as_slice()));
+        assert!(signal.len() <= MOST_SAMPLES && signal.largest() == Some([0.05, 9.0]), "{}", signal.len());
+        let signals = Recording { time: time.clone(), channels: vec![Channel { name: "a".into(), values }] };
+        let light = every_so_many(&signals, 0.08);
+        let step = light.time[1] - light.time[0];
+        assert!((MOST_SAMPLES / 2..=MOST_SAMPLES).contains(&light.time.len()), "{}", light.time.len());
+        assert!(light.time.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 1e-9));
+        let [first, last] = [light.time[0], light.time[light.time.len() - 1]];
+        assert!(first == 0.0 && last <= 0.08 && last > 0.08 - step, "{first} {last}");
+        assert_eq!(light.channels[0].values.len(), light.time.len());
     }
 }

@@ -104,10 +104,9 @@ fn recordings(names: &[String], tests: &[DropTest]) -> String {
     let quantities = DROP_QUANTITIES.iter().map(|quantity| Cell::text(quantity.heading()).titled(quantity.name));
     let head: Vec<Cell> = head.chain(quantities).chain([Cell::text("findings, or why there is no drop")]).collect();
     let row = |(name, test): (&String, &DropTest)| {
-        let figures = test.outcome.as_ref().ok().map(lab::experiment::drop::Drop::figures);
         let value = |value: Option<f64>| value.map_or_else(Cell::default, number);
         let values = DROP_QUANTITIES.iter().map(|quantity| {
-            value(figures.as_ref().and_then(|figures| Some(quantity.factor * (quantity.of)(figures)?)))
+            value(test.figures.as_ref().and_then(|figures| Some(quantity.factor * (quantity.of)(figures)?)))
         });
         let conditions = [test.tower.map(|tower| tower.body.mass), test.height()].map(value);
         let name = Cell::text(name).titled(&shown_path(&test.path));

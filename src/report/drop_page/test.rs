@@ -25,6 +25,8 @@ pub struct DropTest {
     pub landmarks: Landmarks,
     /// The drop, or why there is none.
     pub outcome: Result<Drop, Diagnostic>,
+    /// Figures of the drop.
+    pub figures: Option<Figures>,
     /// What reading and reduction report.
     pub findings: Vec<Finding>,
 }
@@ -39,6 +41,7 @@ impl DropTest {
             channels: None,
             landmarks: Landmarks::default(),
             outcome: Err(mistake),
+            figures: None,
             findings: vec![],
         }
     }

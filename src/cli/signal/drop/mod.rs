@@ -17,7 +17,7 @@ use super::{output, remarks};
 use crate::{Failure, Shared, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
-use lab::experiment::drop::{Drop, Figures};
+use lab::experiment::drop::Figures;
 use lab::signal::{Annotations, VIRTUAL_RECORDING};
 use places::Recordings;
 use reduce::Reducer;
@@ -53,14 +53,14 @@ struct Printed {
     mass_kg: Option<f64>,
     height_m: Option<f64>,
     #[serde(flatten)]
-    figures: Figures,
+    figures: Option<Figures>,
     findings: Vec<Finding>,
 }
 
 /// Writes and prints what one recording gives.
 fn one(args: &DropArgs, test: DropTest, shared: &Shared) -> Result<(), Failure> {
-    let rows = match (&test.outcome, &test.tower) {
-        (Ok(drop), Some(tower)) => text::rows(tower, drop, &drop.figures()),
+    let rows = match (&test.outcome, &test.tower, &test.figures) {
+        (Ok(drop), Some(tower), Some(figures)) => text::rows(tower, drop, figures),
         _ => vec![],
     };
     if let (Some(out), Ok(drop)) = (&args.out, &test.outcome) {
@@ -75,14 +75,13 @@ fn one(args: &DropArgs, test: DropTest, shared: &Shared) -> Result<(), Failure> 
         let page = DropPage { tests, is_list: false, scatter: &[], figures: &rows, left_out: &[], command: &command };
         outputs::write_page(args, &page)?;
     }
-    let figures = match &test.outcome {
-        Ok(drop) => figures(drop, &test),
-        Err(mistake) => return Err(failure(args, mistake, &test, shared)),
-    };
+    if let Err(mistake) = &test.outcome {
+        return Err(failure(args, mistake, &test, shared));
+    }
     let printed = Printed {
         mass_kg: test.tower.map(|tower| tower.body.mass),
         height_m: test.height(),
-        figures,
+        figures: test.figures.clone().map(|figures| Figures { notes: notes(&test), ..figures }),
         findings: test.findings.clone(),
     };
     print_figures(shared, &printed, || printed_text(args, &test, &rows))
@@ -91,10 +90,6 @@ fn one(args: &DropArgs, test: DropTest, shared: &Shared) -> Result<(), Failure> 
 /// Whether page and drawing have something to show: the reduction was tried, though it may have failed.
 fn is_shown(test: &DropTest) -> bool {
     test.channels.is_some() && test.tower.is_some()
-}
-
-fn figures(drop: &Drop, test: &DropTest) -> Figures {
-    Figures { notes: notes(test), ..drop.figures() }
 }
 
 /// Comments of the file and messages of findings.

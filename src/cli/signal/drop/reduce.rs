@@ -97,6 +97,7 @@ impl Reducer<'_> {
         });
         let of_drop = outcome.iter().flat_map(|drop| &drop.warnings).map(Finding::new);
         let of_class = args.class.and_then(input::unusual_class).map(|warning| Finding::new(&warning));
+        let figures = outcome.as_ref().ok().map(Drop::figures);
         let findings = sensed.annotations.findings().into_iter().chain(of_drop).chain(of_class).collect();
         DropTest {
             path: path.to_owned(),
@@ -105,6 +106,7 @@ impl Reducer<'_> {
             channels: Some(sensed),
             landmarks,
             outcome,
+            figures,
             findings,
         }
     }

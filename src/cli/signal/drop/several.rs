@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use super::args::DropArgs;
 use super::outputs;
 use super::places::Recordings;
-use super::reduce::Reducer;
+use super::reduce::{Reading, Reducer};
 use super::scatter::scatter;
 use crate::failure::ExitStatus;
 use crate::{Failure, Shared, findings, output, print_figures, table};
@@ -15,7 +15,7 @@ use base::diagnostic::shown_path;
 use base::finding::Finding;
 use base::number::significant;
 use base::table::{Column, Values, to_csv};
-use lab::experiment::drop::{Drop, Figures};
+use lab::experiment::drop::Figures;
 use report::drop_page::{DROP_QUANTITIES, names};
 use report::{DropPage, DropScatter, DropTest};
 
@@ -47,7 +47,7 @@ struct Row<'a> {
     mass_kg: Option<f64>,
     height_m: Option<f64>,
     #[serde(flatten)]
-    figures: Option<Figures>,
+    figures: Option<&'a Figures>,
     findings: &'a [Finding],
     /// Why there is no drop.
     error: Option<String>,
@@ -62,7 +62,7 @@ impl<'a> Row<'a> {
             sha256: test.fingerprint.as_deref(),
             mass_kg: test.tower.map(|tower| tower.body.mass),
             height_m: test.height(),
-            figures: test.outcome.as_ref().ok().map(Drop::figures),
+            figures: test.figures.as_ref(),
             findings: &test.findings,
             error: test.cause(),
             hint: mistake.and_then(|mistake| mistake.hint.as_deref()),
@@ -78,7 +78,8 @@ pub(super) fn run(
     shared: &Shared,
 ) -> Result<(), Failure> {
     let Recordings { paths, mut left_out, .. } = recordings;
-    let read: Vec<_> = paths.par_iter().map(|(path, in_folder)| (reducer.reduced(path), *in_folder)).collect();
+    let light = |reading: Reading| Reading { test: reading.test.lightened(), ..reading };
+    let read: Vec<_> = paths.par_iter().map(|(path, in_folder)| (light(reducer.reduced(path)), *in_folder)).collect();
     // Whoever names a file means it; a folder may hold other texts.
     let (others, read): (Vec<_>, Vec<_>) =
         read.into_iter().partition(|(reading, in_folder)| *in_folder && !reading.holds_numbers);
@@ -142,9 +143,8 @@ fn rows(tests: &[DropTest]) -> String {
     let head: Vec<String> = head.chain(DROP_QUANTITIES[..PRINTED].iter().map(|quantity| quantity.heading())).collect();
     let names = names(tests);
     let row = |(name, test): (&String, &DropTest)| {
-        let figures = test.outcome.as_ref().ok().map(Drop::figures);
         let values = DROP_QUANTITIES[..PRINTED].iter().map(|quantity| {
-            number(figures.as_ref().and_then(|figures| Some(quantity.factor * (quantity.of)(figures)?)))
+            number(test.figures.as_ref().and_then(|figures| Some(quantity.factor * (quantity.of)(figures)?)))
         });
         [name.clone(), number(test.height())].into_iter().chain(values).collect::<Vec<String>>()
     };
@@ -199,7 +199,7 @@ fn columns(tests: &[DropTest]) -> Vec<Column> {
     let numbers = |name: &str, of: &dyn Fn(&DropTest) -> Option<f64>| {
         Column::of_numbers(name, tests.iter().map(|test| of(test).unwrap_or(f64::NAN)))
     };
-    let figures = |test: &DropTest| match test.outcome.as_ref().ok().map(|drop| serde_json::to_value(drop.figures())) {
+    let figures = |test: &DropTest| match test.figures.as_ref().map(serde_json::to_value) {
         Some(Ok(Value::Object(figures))) => figures,
         _ => Map::new(),
     };

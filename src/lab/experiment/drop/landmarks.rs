@@ -65,7 +65,7 @@ impl Landmarks {
         }
     }
 
-    /// The landmarks that are known, in the order of a drop, with their names.
+    /// The landmarks that are known with their names, in the order of their times.
     pub fn named(&self) -> Vec<(&'static str, f64)> {
         let all = [
             ("release", self.release),
@@ -77,7 +77,9 @@ impl Landmarks {
             ("lowest point", self.lowest_point),
             ("rebound", self.rebound),
         ];
-        all.into_iter().filter_map(|(name, time)| Some((name, time?))).collect()
+        let mut known: Vec<(&str, f64)> = all.into_iter().filter_map(|(name, time)| Some((name, time?))).collect();
+        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        known
     }
 }
 
