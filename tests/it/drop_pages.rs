@@ -296,6 +296,10 @@ fn several_recordings_fail_as_a_whole_only_where_none_is_reduced() {
     let empty = tempfile::tempdir().expect("a folder");
     assert!(error(&drop(&[text(empty.path())])).contains("holds no recordings"));
     assert!(error(&drop(&[text(&empty.path().join("*.csv"))])).contains("no file matches"));
+    fs::write(empty.path().join("README.txt"), "Nothing fell.\n").expect("a text");
+    let nothing = drop(&[text(empty.path())]);
+    assert_eq!(nothing.status.code(), Some(2));
+    assert!(error(&nothing).contains("the folders hold no recordings"), "{}", error(&nothing));
 }
 
 #[test]

@@ -202,9 +202,10 @@ mod tests {
     #[test]
     fn long_signals_keep_their_extremes_and_steps() {
         let time: Vec<f64> = (0..100_000).map(|i| f64::from(i) * 1e-6).collect();
-        let values: Vec<f64> = time.iter().map(|t| if *t == 0.05 { 9.0 } else { (100.0 * t).sin() }).collect();
+        let mut values: Vec<f64> = time.iter().map(|t| (100.0 * t).sin()).collect();
+        values[54_321] = 9.0;
         let signal = outlined(&Series::new(time.as_slice(), values.as_slice()));
-        assert!(signal.len() <= MOST_SAMPLES && signal.largest() == Some([0.05, 9.0]), "{}", signal.len());
+        assert!(signal.len() <= MOST_SAMPLES && signal.largest() == Some([time[54_321], 9.0]), "{}", signal.len());
         let signals = Recording { time: time.clone(), channels: vec![Channel { name: "a".into(), values }] };
         let light = every_so_many(&signals, 0.08);
         let step = light.time[1] - light.time[0];

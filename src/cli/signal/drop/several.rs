@@ -11,7 +11,7 @@ use super::reduce::{Reading, Reducer};
 use super::scatter::scatter;
 use crate::failure::ExitStatus;
 use crate::{Failure, Shared, findings, output, print_figures, table};
-use base::diagnostic::shown_path;
+use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number::significant;
 use base::table::{Column, Values, to_csv};
@@ -85,6 +85,10 @@ pub(super) fn run(
         read.into_iter().partition(|(reading, in_folder)| *in_folder && !reading.holds_numbers);
     left_out.extend(others.iter().map(|(reading, _)| shown_path(&reading.test.path)));
     let tests: Vec<DropTest> = read.into_iter().map(|(reading, _)| reading.test).collect();
+    if tests.is_empty() {
+        let mistake = Diagnostic::new("the folders hold no recordings");
+        return Err(mistake.hint(format!("without a row of numbers: {}", left_out.join(", "))).into());
+    }
     let scatter = scatter(&tests);
     if let Some(out) = &args.out {
         output::write(out, |file| file.write_all(&to_csv(&columns(&tests))?))?;
