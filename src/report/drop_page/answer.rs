@@ -52,10 +52,12 @@ pub(super) fn of_several(names: &[String], tests: &[DropTest], scatter: &[DropSc
         names.iter().zip(tests).filter(|(_, test)| test.outcome.is_err()).map(|(name, _)| name.as_str()).collect();
     let medians = match scatter {
         [] => None,
-        [one] => Some(format!("Medians of {} drops of {}: {}.", one.drops, one.conditions(), medians(one))),
+        [one] => {
+            Some(format!("Medians and quartiles of {} drops of {}: {}.", one.drops, one.conditions(), medians(one)))
+        }
         several => {
             let of = |one: &DropScatter| format!("{} ({} drops): {}", one.conditions(), one.drops, medians(one));
-            Some(format!("Medians, {}.", several.iter().map(of).collect::<Vec<_>>().join("; ")))
+            Some(format!("Medians and quartiles, {}.", several.iter().map(of).collect::<Vec<_>>().join("; ")))
         }
     };
     let none = match failed.len() {
