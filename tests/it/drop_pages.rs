@@ -341,6 +341,18 @@ fn the_folder_of_a_test_of_isomme_is_one_recording() {
     close(alone["impact_velocity_m_s"].as_f64().expect("a speed"), 4.159, 1e-3);
     let beside = figures(&drop(&[&[text(folder.path()), "--json"][..], &TOWER].concat()));
     assert_eq!(beside["recordings"][0]["impact_velocity_m_s"], alone["impact_velocity_m_s"]);
+    // The fingerprint is that of all its channels, also where the head alone is named.
+    let digest = |path: &Path| {
+        let found = figures(&drop(&[&[text(path), "data/virtual/1009.csv", "--json"][..], &TOWER].concat()));
+        found["recordings"][0]["sha256"].as_str().expect("a fingerprint").to_owned()
+    };
+    let before = [digest(&folder.path().join("test")), digest(&test)];
+    let channel = fs::read_dir(folder.path().join("test/Channel")).expect("channels").flatten().next().expect("one");
+    let mut content = fs::read(channel.path()).expect("a channel");
+    content.extend(b"\n");
+    fs::write(channel.path(), content).expect("a channel");
+    let after = [digest(&folder.path().join("test")), digest(&test)];
+    assert!(before[0] != after[0] && before[1] != after[1], "{before:?} {after:?}");
 }
 
 /// What a recording does not show, the sentence does not say.

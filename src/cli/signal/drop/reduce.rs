@@ -22,8 +22,8 @@ use lab::experiment::drop::{
     Reduction, Stated, Tower,
 };
 use lab::experiment::release::ReleaseError;
+use lab::signal::QuantityError;
 use lab::signal::file::{self, ChannelSelection, ReadError, ReadOptions};
-use lab::signal::{QuantityError, isomme};
 use report::DropTest;
 
 /// How the arguments reduce a recording, checked before one is read.
@@ -214,16 +214,21 @@ fn mistake(path: &Path, error: &DropChannelsError) -> Diagnostic {
     }
 }
 
+/// The folder of the channels beside the head of a test of ISO-MME.
+const CHANNELS: &str = "Channel";
+
 /// Bytes that are read at once: recordings are not held as a whole.
 const BLOCK: usize = 1 << 16;
 
-/// SHA-256 of a recording; of a test of ISO-MME that is no archive, of all files of its folder in the order of their
-/// names. None where it cannot be read.
+/// SHA-256 of a recording; of a test of ISO-MME that is no archive, of its head and its channels, one after the other. None
+/// where it cannot be read.
 fn fingerprint(path: &Path) -> Option<String> {
-    let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"));
-    let files = match isomme::is_part(path) && !is_archive {
-        true if path.is_dir() => files_below(path).ok()?,
-        true => files_below(folder_of(path)).ok()?,
+    let is_head = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mme"));
+    let files = match path.is_dir() {
+        true => [files_in(path).ok()?, files_in(&path.join(CHANNELS)).unwrap_or_default()].concat(),
+        false if is_head => {
+            [vec![path.to_owned()], files_in(&folder_of(path).join(CHANNELS)).unwrap_or_default()].concat()
+        }
         false => vec![path.to_owned()],
     };
     let mut digest = Sha256::new();
@@ -240,10 +245,11 @@ fn fingerprint(path: &Path) -> Option<String> {
     Some(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-fn files_below(folder: &Path) -> io::Result<Vec<PathBuf>> {
+/// The files in a folder, in the order of their names.
+fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let entries = fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path()));
     let mut entries: Vec<PathBuf> = entries.collect::<io::Result<_>>()?;
+    entries.retain(|entry| entry.is_file());
     entries.sort();
-    let below = |entry: PathBuf| if entry.is_dir() { files_below(&entry) } else { Ok(vec![entry]) };
-    Ok(entries.into_iter().map(below).collect::<io::Result<Vec<_>>>()?.concat())
+    Ok(entries)
 }
