@@ -215,7 +215,10 @@ fn band(study: &Study, name: &str, runs: &[(Run, f64)]) -> HostResult<(Plot, Opt
         object(json!({ "scenario": study.name(), "signal": name, "share_within_band": share, "places": found.len() }))
     });
     let title = format!("{}: {name}, predicted", study.name());
-    Ok((Plot { title, x: Axis::linear("time (ms)"), y: Axis::linear(axis), curves, window: None }, covered))
+    Ok((
+        Plot { title, x: Axis::linear("time (ms)"), y: Axis::linear(axis), curves, window: None, marks: Vec::new() },
+        covered,
+    ))
 }
 
 /// Ends of 95 % of a mixture of normal distributions of equal weight, by bisection.

@@ -120,6 +120,7 @@ pub(super) fn plots(plan: &Plan, fit: &Fit) -> Vec<Plot> {
                     y: Axis::linear(signal.column.axis),
                     curves: vec![own, measured],
                     window: None,
+                    marks: Vec::new(),
                 }),
             }
         }
@@ -143,7 +144,14 @@ pub(super) fn pairs(plan: &Plan, found: &Posterior) -> Vec<Plot> {
             let points = samples.iter().step_by(step).map(|values| [values[*one], values[*other]]).collect();
             let curve = Curve { name: "posterior".into(), points, look: Look::Points };
             let title = format!("Posterior of {a} and {b}");
-            plots.push(Plot { title, x: Axis::linear(a), y: Axis::linear(b), curves: vec![curve], window: None });
+            plots.push(Plot {
+                title,
+                x: Axis::linear(a),
+                y: Axis::linear(b),
+                curves: vec![curve],
+                window: None,
+                marks: Vec::new(),
+            });
         }
     }
     plots
