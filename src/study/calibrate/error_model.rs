@@ -41,6 +41,9 @@ pub(super) enum Correlation {
     Share(f64),
 }
 
+/// Correlation of the model's error where none is given (assumed).
+pub(super) const USUAL_CORRELATION: Correlation = Correlation::Share(0.03);
+
 /// Why a signal cannot be compared.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum SignalError {

@@ -2,16 +2,13 @@
 
 use rhai::{Array, Dynamic, Map};
 
-use super::error_model::{Correlation, Noise};
+use super::error_model::{Correlation, Noise, USUAL_CORRELATION};
 use super::parameter::{Parameter, Unknown};
 use super::test::{self, Test, Tolerances};
 use crate::identify::{Bounds, Method, Search, Starts};
 use crate::scenario_functions::{Scenarios, Study};
 use crate::script::{HostResult, Options, Session, number, refuse};
 use base::units::Time;
-
-/// Correlation of the model's error where none is given.
-pub(super) const USUAL_CORRELATION: Correlation = Correlation::Share(0.03);
 
 /// Share of the model's error with which a search begins that estimates it: the error of the study's own curves.
 const FIRST_SHARE: f64 = 0.03;

@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic, Map};
 
 use super::distance::Distance;
-use super::error_model::{Correlation, ErrorModel, Noise};
+use super::error_model::{Correlation, ErrorModel, Noise, USUAL_CORRELATION};
 use super::parameter::texts;
 use crate::post::Run;
 use crate::scenario_functions::{Scenarios, Study};
@@ -259,7 +259,7 @@ impl Reading<'_> {
     ) -> HostResult<Signal> {
         let correlation = match (self.tolerances.correlation, self.over) {
             // A time says nothing of a travel.
-            (Correlation::Length(_), Some(_)) => super::plan::USUAL_CORRELATION,
+            (Correlation::Length(_), Some(_)) => USUAL_CORRELATION,
             (correlation, _) => correlation,
         };
         let errors = ErrorModel::new(series, window, self.tolerances.noise, correlation, class);
