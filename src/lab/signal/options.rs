@@ -16,6 +16,8 @@ pub struct ReadOptions {
     /// Column names of a table, which replace those of its header, time included; with units as in a header,
     /// `accel [g]`.
     pub names: Vec<String>,
+    /// Words in the cells of a table that mean that nothing was measured, in lower case; an empty cell always does.
+    pub gaps: &'static [&'static str],
 }
 
 /// Which channels of a file are read.
@@ -31,6 +33,11 @@ pub enum ChannelSelection {
 }
 
 impl ReadOptions {
+    /// Whether the text of a cell means that nothing was measured.
+    pub(super) fn is_gap(&self, text: &str) -> bool {
+        text.is_empty() || self.gaps.iter().any(|gap| text.eq_ignore_ascii_case(gap))
+    }
+
     /// The one channel called `name`, or the only one.
     pub fn one(name: Option<&str>) -> ReadOptions {
         let channels = name.map_or(ChannelSelection::Only, |name| ChannelSelection::Named(vec![name.into()]));

@@ -30,7 +30,7 @@ impl Layout {
     /// Reads `lines` up to the first row of numbers.
     pub fn read(lines: &mut Lines<impl BufRead>, options: &ReadOptions) -> Result<Layout, Mistake> {
         let Head { mut lines, first, mut comments } = Head::read(lines)?;
-        let separator = separator(&first.text);
+        let separator = separator(&first.text, options);
         let mut rows = VecDeque::from([first]);
         let has_names = lines.len() > 1 || !options.names.is_empty();
         if let Some(row) = lines.pop_if(|line| has_names && is_row(line, separator)) {
@@ -219,11 +219,11 @@ fn starts_with_number(line: &str) -> bool {
 }
 
 /// The separator with which all cells of a row are numbers, or else the first that stands in it.
-fn separator(row: &str) -> Separator {
+fn separator(row: &str, options: &ReadOptions) -> Separator {
     let reads = |separator: &Separator| {
         let mut mark = Mark::between(*separator);
         let mut cells = trimmed(separator.cells(row));
-        cells.all(|cell| cell.text.is_empty() || mark.number(cell.text, "").is_ok())
+        cells.all(|cell| options.is_gap(cell.text) || mark.number(cell.text, "").is_ok())
     };
     let splits = |separator: &Separator| trimmed(separator.cells(row)).nth(1).is_some();
     let mut candidates = Separator::ALL.into_iter().filter(splits);

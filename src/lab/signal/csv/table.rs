@@ -63,7 +63,7 @@ pub fn columns(path: &Path, options: &ReadOptions) -> Result<Table, ReadError> {
         let mut layout = Layout::read(lines, options)?;
         let places = selected(&layout, options, None)?;
         let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
-        let values = Rows::new(&layout, &places, None).read(&mut layout, lines)?;
+        let values = Rows::new(&layout, &places, None).with_gaps(options).read(&mut layout, lines)?;
         let columns = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
             let values = in_si(values, unit.as_ref());
@@ -84,7 +84,8 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
         let places = selected(&layout, options, Some(time))?;
         let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
         let wanted: Vec<usize> = std::iter::once(time).chain(places.iter().copied()).collect();
-        let mut values = Rows::new(&layout, &wanted, Some(time)).read(&mut layout, lines)?.into_iter();
+        let rows = Rows::new(&layout, &wanted, Some(time)).with_gaps(options);
+        let mut values = rows.read(&mut layout, lines)?.into_iter();
         let time: Numbers = in_si(values.next().unwrap_or_default(), time_unit.as_ref()).into();
         let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
@@ -168,6 +169,7 @@ struct Rows {
     time: Option<usize>,
     latest: f64,
     mark: Mark,
+    gaps: &'static [&'static str],
 }
 
 impl Rows {
@@ -180,7 +182,13 @@ impl Rows {
             time,
             latest: f64::NEG_INFINITY,
             mark: Mark::between(layout.separator),
+            gaps: &[],
         }
+    }
+
+    /// The rows with the words for gaps of `options`.
+    fn with_gaps(self, options: &ReadOptions) -> Rows {
+        Rows { gaps: options.gaps, ..self }
     }
 
     fn read(mut self, layout: &mut Layout, lines: &mut Lines<impl BufRead>) -> Result<Vec<Vec<f64>>, Mistake> {
@@ -215,6 +223,7 @@ impl Rows {
             let name = &layout.columns[place].name;
             let value = match cell.text {
                 "" => f64::NAN,
+                text if self.gaps.iter().any(|gap| text.eq_ignore_ascii_case(gap)) => f64::NAN,
                 text => self.mark.number(text, name).map_err(at)?,
             };
             if self.time == Some(place) {
