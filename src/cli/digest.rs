@@ -108,12 +108,12 @@ fn rebound(body: &BodyFigures) -> String {
 }
 
 fn errors(model: &Model, measures: &Impact) -> String {
-    let Some(reference) = &model.reference else {
+    let Some(signals) = model.reference.as_ref().and_then(|reference| reference.signals.as_ref()) else {
         return String::new();
     };
     let shown = |error: Option<f64>| error.map_or("-".into(), percent);
     let (acceleration, displacement) = (shown(measures.acceleration_error), shown(measures.displacement_error));
-    format!("  against {}:  E_a {acceleration}   E_d {displacement}\n", shown_path(&reference.signals))
+    format!("  against {}:  E_a {acceleration}   E_d {displacement}\n", shown_path(signals))
 }
 
 fn stretch(measures: &Stretch) -> String {

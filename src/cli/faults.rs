@@ -5,6 +5,7 @@ use std::path::Path;
 
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::file;
+use lab::field::FieldError;
 use lab::signal::{self, QuantityError};
 use study::post::{EvaluateError, PrepareError, ReferenceError};
 use study::script::{Fault, ReadError};
@@ -32,7 +33,12 @@ pub(super) fn reading(error: &ReadError) -> Vec<Diagnostic> {
 pub(super) fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
-        PrepareError::Reference(ReferenceError::Read(error)) => vec![recording(error)],
+        PrepareError::Reference(ReferenceError::Read(error) | ReferenceError::Field(FieldError::Read(error))) => {
+            vec![recording(error)]
+        }
+        PrepareError::Reference(ReferenceError::Field(error)) => {
+            vec![Diagnostic { hint: error.hint(), ..Diagnostic::new(error.to_string()) }]
+        }
         other => vec![Diagnostic::new(other.to_string())],
     }
 }

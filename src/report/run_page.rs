@@ -62,7 +62,7 @@ pub fn run_page(run: &RunPage) -> String {
 fn lead(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
-    let against = model.reference.as_ref().and_then(|reference| file(&reference.signals));
+    let against = model.reference.as_ref().and_then(|reference| file(reference.files().next()?));
     let is_virtual = results.comparison.as_ref().is_some_and(ReferenceComparison::is_virtual);
     let kind = if is_virtual { "the virtual recording" } else { "the recording" };
     let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
@@ -126,7 +126,7 @@ fn reference(run: &RunPage) -> String {
     };
     let over = format!(
         "{}; errors are taken from {} to {} ({window}).",
-        shown_path(&reference.signals),
+        shown_path(reference.files().next().map_or(std::path::Path::new(""), |path| path)),
         duration(from),
         duration(to)
     );

@@ -8,16 +8,16 @@ use crate::signal::column_name::ColumnName;
 use crate::signal::csv::{Column, Table};
 use crate::signal::file;
 use crate::signal::{Annotations, ReadOptions};
-use base::units::{Length, Unit};
+use base::units::Length;
 
 /// Words in the place of a number where nothing was matched.
 const GAPS: &[&str] = &["nan", "-nan", "nan(ind)", "-nan(ind)", "n/a", "non numérique", "n. def.", "?"];
 
 /// What the caller states about the files of a field.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FieldOptions {
-    /// Unit of places and displacements where a file states none.
-    pub unit: Option<Unit>,
+    /// Length of one unit of places and displacements where a file states none, m.
+    pub unit: Option<f64>,
 }
 
 /// The points of one file that were matched.
@@ -103,8 +103,8 @@ fn in_metres(column: &mut Column, options: &FieldOptions) -> Result<(), FileFaul
     if let Some(unit) = ColumnName::read(&column.label).unknown_unit {
         return Err(FileFault::NotALength { column: name(), unit });
     }
-    let unit = options.unit.as_ref().ok_or_else(|| FileFault::NoUnit { column: name() })?;
-    column.values.iter_mut().for_each(|value| *value = unit.to_si(*value));
+    let unit = options.unit.ok_or_else(|| FileFault::NoUnit { column: name() })?;
+    column.values.iter_mut().for_each(|value| *value *= unit);
     Ok(())
 }
 

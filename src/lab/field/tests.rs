@@ -2,13 +2,12 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::*;
-use base::units::Unit;
 
-fn read_text(name: &str, text: &[u8], unit: Option<&str>) -> Result<FieldFile, FieldError> {
+fn read_text(name: &str, text: &[u8], unit: Option<f64>) -> Result<FieldFile, FieldError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     fs::write(&path, text).unwrap();
-    read(&path, &FieldOptions { unit: unit.map(|unit| Unit::parse(unit).unwrap()) })
+    read(&path, &FieldOptions { unit })
 }
 
 /// Files made after descriptions and printed headers of exports; none is an export itself.
@@ -39,13 +38,13 @@ fn exports_of_each_program_are_read() {
                 2,120,200,3,0,0.01,4,12,-20,1.5,0.25,0,-2\n";
     for (program, text, unit) in [
         ("VIC-3D", vic, None),
-        ("VIC-3D", vic_plain, Some("mm")),
+        ("VIC-3D", vic_plain, Some(1e-3)),
         ("MatchID", matchid, None),
         ("MatchID", matchid_older, None),
-        ("ARAMIS", aramis, Some("mm")),
+        ("ARAMIS", aramis, Some(1e-3)),
         ("ARAMIS", aramis_deformed, None),
         ("ARAMIS", nodemap, None),
-        ("DICe", dice, Some("mm")),
+        ("DICe", dice, Some(1e-3)),
     ] {
         let found = read_text("field.csv", text.as_bytes(), unit).unwrap_or_else(|error| panic!("{program}: {error}"));
         assert_eq!((found.program, found.missing), (program, 1), "{text}");

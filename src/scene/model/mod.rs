@@ -3,6 +3,7 @@
 mod air;
 mod contact;
 mod diagnostics;
+mod field;
 mod frame;
 mod grading;
 mod hyperelastic;
@@ -91,8 +92,11 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
     // Here, as the guide that decides the speed is checked with the impactors, and these need the loading.
     let loading = loading.with_impactor(first);
     let solver = solver::check(scenario);
-    let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
-    let reference = reference::check(scenario, &loading, mistakes);
+    let mut output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
+    let reference = reference::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
+    if let (Some(field), Some(specimen)) = (reference.as_ref().and_then(|known| known.field.as_ref()), &specimen) {
+        output.motion = Some(field::motion(field, loading.run_time(&specimen.shape)));
+    }
     let post = post::check(scenario, mistakes);
     let contact =
         contact::check(scenario, &loading, faces.as_deref(), impactors.as_deref().unwrap_or_default(), mistakes);
@@ -501,15 +505,26 @@ pub struct Output {
     pub frames: usize,
     /// SAE J211 channel frequency class; `None` leaves the filtered channel equal to the raw one.
     pub filter: Option<f64>,
+    /// The motion of a face that is recorded for the comparison with a field.
+    pub motion: Option<Motion>,
 }
 
-/// A measured or virtual recording that the run is compared with.
+/// Times at which the positions of all nodes of a face are recorded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Index of the face.
+    pub face: usize,
+    /// Ascending, s.
+    pub times: Vec<f64>,
+}
+
+/// What the run is compared with, measured or virtual: signals, a displacement field, or both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// Index of the impactor that it was recorded of.
     pub impactor: usize,
     /// Signals from first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or a raw recording.
-    pub signals: PathBuf,
+    pub signals: Option<PathBuf>,
     /// Accelerometer of a raw recording; where none is named, its only acceleration.
     pub acceleration: Option<String>,
     /// Laser of a raw recording; where none is named, its only length.
@@ -518,6 +533,41 @@ pub struct Reference {
     pub drop_height: Option<f64>,
     /// Window of the errors.
     pub window: Window,
+    /// Displacement field of a face.
+    pub field: Option<FieldReference>,
+}
+
+impl Reference {
+    /// All of its files, that of the signals first.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.signals.iter().chain(self.field.iter().flat_map(|field| &field.files))
+    }
+}
+
+/// A displacement field over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FieldReference {
+    /// Its files in their order.
+    pub files: Vec<PathBuf>,
+    /// The time of each, s.
+    pub times: Vec<f64>,
+    /// Length of one unit where a file states none, m.
+    pub unit: Option<f64>,
+    /// Index of the face that was measured.
+    pub face: usize,
+    /// How it is brought into the axes of the run.
+    pub align: Align,
+}
+
+/// How a field is brought into the axes of the run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Align {
+    /// By a rigid motion that is found.
+    Rigid,
+    /// It is in them.
+    None,
+    /// By the rigid motion that brings the first of each pair of points closest to the second, m.
+    Markers(Vec<[[f64; 3]; 2]>),
 }
 
 /// Window of the errors.

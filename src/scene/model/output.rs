@@ -39,7 +39,7 @@ pub fn check(
     if let Some(specimen) = specimen {
         samples(loading, loading.run_time(&specimen.shape), sample_rate, mistakes);
     }
-    Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter }
+    Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter, motion: None }
 }
 
 /// Refuses too few and too many samples.

@@ -1,17 +1,29 @@
-//! The recording that a run is compared with.
+//! The recording and the field that a run is compared with.
 
 use super::impactor::written::{self, Written};
 use super::loading::Impact;
-use super::{Loading, ModelDiagnostics, Reference, Window};
+use super::{Face, Loading, ModelDiagnostics, Reference, Specimen, Window, field};
 use crate::scenario::{self, Guide, Phase, Scenario};
 use base::diagnostic::closest;
 use base::units::Time;
 
 const WINDOW: &str = "reference.window";
 
-/// The recording and the window of the errors.
-pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Reference> {
+/// The recording, the field and the window of the errors.
+pub fn check(
+    scenario: &Scenario,
+    loading: &Loading,
+    specimen: Option<&Specimen>,
+    faces: Option<&[Face]>,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
+    if written.signals.is_none() && written.field.is_none() {
+        mistakes.report_with("reference", "there is nothing to compare with", "name `signals`, a `field`, or both");
+        return None;
+    }
+    let run_time = specimen.map(|specimen| loading.run_time(&specimen.shape));
+    let field = written.field.as_ref().map(|field| field::check(field, faces, run_time, mistakes));
     let impactors = written::impactors(scenario, mistakes);
     let place = recorded(written.impactor.as_deref(), &impactors, mistakes);
     let recorded = impactors.get(place);
@@ -24,7 +36,7 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnos
             format!("a recording counts from first contact: leave out the height of `{position}`")
         }),
     };
-    if let Some(why) = why {
+    if let Some(why) = why.filter(|_| written.signals.is_some()) {
         mistakes.out_of_place("reference", why);
     }
     let window = match written.window {
@@ -32,10 +44,25 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnos
         scenario::Window::Phase(Phase::All) => Window::All,
         scenario::Window::Range(range) => Window::Range(self::range(range, loading, mistakes)),
     };
-    let signals = mistakes.file("reference.signals")?;
+    if written.signals.is_none() {
+        let of_signals = ["impactor", "acceleration", "displacement", "drop_height"];
+        for key in of_signals.map(|key| format!("reference.{key}")) {
+            if mistakes.is_written(&key) {
+                mistakes.out_of_place(&key, "there are no `signals`");
+            }
+        }
+    }
+    let signals = match written.signals {
+        Some(_) => Some(mistakes.file("reference.signals")?),
+        None => None,
+    };
+    let field = match field {
+        Some(field) => Some(field?),
+        None => None,
+    };
     let (acceleration, displacement) = (written.acceleration.clone(), written.displacement.clone());
     let drop_height = written.drop_height.map(|height| height.0);
-    Some(Reference { impactor: place, signals, acceleration, displacement, drop_height, window })
+    Some(Reference { impactor: place, signals, acceleration, displacement, drop_height, window, field })
 }
 
 /// Index of the impactor called `name`, the first where none is named.

@@ -26,6 +26,8 @@ pub const SNAPSHOT_BYTES: f64 = 12.0 + 13.0;
 /// Further memory of a snapshot with its detail, bytes an element: velocity of a node; stresses, largest strains,
 /// layers left, thickness and fibres of an element.
 pub const DETAIL_BYTES: f64 = 12.0 + 56.0;
+/// Displacement of a node at one time of a recorded motion, bytes.
+const MOTION_BYTES: f64 = 12.0;
 /// Memory that the snapshots of a run may take, bytes; fewer are taken of a finer mesh.
 pub const SNAPSHOT_MEMORY: f64 = 4e8;
 
@@ -56,7 +58,7 @@ pub fn check(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
         }
     }
     if mistakes.found.0.is_empty() {
-        samples(model, memory, mistakes);
+        samples(model, memory + motion(model, memory, mistakes), mistakes);
     }
 }
 
@@ -84,6 +86,19 @@ fn files(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
             mistakes.report_with(&mesh.key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
         }
     }
+}
+
+/// Memory of the recorded motion of a face, bytes; refused where it does not fit beside the rest.
+fn motion(model: &Model, rest: f64, mistakes: &mut ModelDiagnostics<'_>) -> f64 {
+    let Some(motion) = &model.output.motion else { return 0.0 };
+    let nodes = model.faces.get(motion.face).map_or(0.0, |face| elements(model, face));
+    let memory = motion.times.len() as f64 * nodes * MOTION_BYTES;
+    if rest + memory > MOST_MEMORY {
+        let message = format!("the film at {} times needs about {:.1} GB of memory", motion.times.len(), memory / 1e9);
+        let hint = format!("a run may take {} GB: leave files out", MOST_MEMORY / 1e9);
+        mistakes.report_with("reference.field.times", message, hint);
+    }
+    memory
 }
 
 /// Refuses recordings that do not fit into memory beside the `film`, bytes.

@@ -1,13 +1,14 @@
-//! `[reference]`: the recording that a run is compared with.
+//! `[reference]`: the recording and the field that a run is compared with.
 
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::field::FieldReference;
 use base::units::{Length, Time};
 
-/// The recording that a run is compared with.
+/// The recording that a run is compared with: signals, a displacement field, or both.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Reference {
     /// Recording (table, ISO-MME, TDMS, …): signals from first contact on where it has the columns `acceleration_m_s2` and/or
@@ -15,7 +16,9 @@ pub struct Reference {
     /// raw recording of a drop, from the rest before the release on, by an accelerometer and possibly a laser, and is
     /// reduced first.
     #[schemars(extend("x-path" = true))]
-    pub signals: PathBuf,
+    pub signals: Option<PathBuf>,
+    /// Displacement field of a face of film, measured by digital image correlation.
+    pub field: Option<FieldReference>,
     /// Name of the impactor that it was recorded of, of several; the first where it is left out.
     pub impactor: Option<String>,
     /// Accelerometer of a raw recording; the only channel that is an acceleration where it is left out.
@@ -27,7 +30,8 @@ pub struct Reference {
     /// run, which also determines the fall where there is no laser.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drop_height: Option<Length>,
-    /// Window of the errors: the loading phase, the whole recording, or from–to.
+    /// Window of the errors: the loading phase, the whole recording, or from–to. Without signals, the loading phase is the
+    /// whole run.
     #[serde(default)]
     pub window: Window,
 }

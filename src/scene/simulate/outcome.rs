@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
+use super::motion::FaceMotion;
 use super::rates::RateHistogram;
 use super::snapshot::Snapshot;
 use super::warning::Warning;
@@ -24,6 +25,8 @@ pub struct Outcome {
     pub snapshots: Vec<Snapshot>,
     /// Topology of the films, one entry a face.
     pub films: Vec<Film>,
+    /// The motion of the face that is compared with a field.
+    pub motion: Option<FaceMotion>,
     /// Surfaces of the impactors that move in the snapshots, and after them that of the frame's bars, if there are any.
     #[serde(skip)]
     pub impactors: Vec<Surface>,

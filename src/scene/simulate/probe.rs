@@ -11,6 +11,7 @@ use super::frame::Crest;
 use super::frame_force::HeldSides;
 use super::loading::{self, LoadCase};
 use super::monitor::{Figures, Monitor};
+use super::motion::MotionRecord;
 use super::mount::Mounting;
 use super::outcome::Outcome;
 use super::rates::RateAudit;
@@ -66,6 +67,7 @@ pub(super) struct Record {
     penetration: Option<f64>,
     lowest: Vec<f64>,
     relaxation: Option<Relaxation>,
+    motion: MotionRecord,
 }
 
 impl<'a> Probe<'a> {
@@ -88,6 +90,7 @@ impl<'a> Probe<'a> {
             penetration: None,
             lowest: vec![f64::INFINITY; model.impactors.len()],
             relaxation: None,
+            motion: MotionRecord::default(),
         };
         Probe {
             model,
@@ -196,6 +199,10 @@ impl<'a> Probe<'a> {
             && self.record.snapshots.len() as f64 * self.snapshot_interval <= time
     }
 
+    fn motion_due(&self, time: f64) -> bool {
+        self.model.output.motion.as_ref().is_some_and(|wanted| self.record.motion.is_due(wanted, time))
+    }
+
     fn audit_due(&self, time: f64) -> bool {
         self.record.audits as f64 * self.audit <= time
     }
@@ -203,6 +210,9 @@ impl<'a> Probe<'a> {
     fn record_due(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
         if self.snapshot_due(view.time) {
             self.record.snapshots.push(snapshot::snapshot(view, faces, self.detailed));
+        }
+        if let Some(wanted) = self.model.output.motion.as_ref().filter(|_| self.motion_due(view.time)) {
+            self.record.motion.record(wanted, view);
         }
         if self.record.tracks.is_due(view.time) {
             self.take_sample(view, faces);
@@ -278,6 +288,8 @@ impl<'a> Probe<'a> {
         let relaxation = self.record.relaxation;
         // Torn length, area and energy only grow: their last sample is that of the run.
         let last = |column| self.record.tracks.sampled(&column).last().copied();
+        let motion = self.model.output.motion.as_ref();
+        let motion = motion.and_then(|wanted| self.record.motion.finish(wanted, &mounting.films));
         let torn = last(column::TORN_LENGTH).zip(last(column::TORN_AREA)).zip(last(column::FRACTURE_ENERGY));
         let figures = Figures {
             missed,
@@ -297,6 +309,7 @@ impl<'a> Probe<'a> {
             snapshots: self.record.snapshots,
             warnings: self.record.monitor.finish(&figures, &mounting.films, self.model),
             films: mounting.films,
+            motion,
             impactors: engine.impactors().cloned().collect(),
             rates,
             rupture_time: self.record.rupture_time,
@@ -350,7 +363,7 @@ fn not_finite(view: &View<'_>, faces: &[Vec<ElementStrain>]) -> engine::Fault {
 
 impl Observer for Probe<'_> {
     fn needs_state(&self, time: f64) -> bool {
-        self.record.tracks.is_due(time) || self.snapshot_due(time) || self.audit_due(time)
+        self.record.tracks.is_due(time) || self.snapshot_due(time) || self.audit_due(time) || self.motion_due(time)
     }
 
     fn observe(&mut self, view: &View<'_>) -> Result<(), engine::Fault> {

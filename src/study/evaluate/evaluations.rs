@@ -19,7 +19,7 @@ use crate::post::{COST, HEADER, Plan, Results, failure_message};
 use crate::store::EvaluationStore;
 use crate::store::evaluations::{Key, Share};
 use base::file::{Digest, FileError};
-use scene::model::{Identity, Model, Reference};
+use scene::model::{FieldReference, Identity, Model, Reference};
 use scene::simulate::{self, Cancellation, Outcome, RunError, RunOptions};
 
 /// Figures of a summary that follow from the machine.
@@ -449,15 +449,19 @@ fn run_key(model: &Model) -> Result<Key, EvaluationError> {
     Ok(Key::from_parts(&[build_name().as_bytes(), &encoded(&identity).map_err(EvaluationError::Input)?]))
 }
 
-/// The bytes that decide a reference: how it is read, and its file.
+/// The bytes that decide a reference: how it is read, and its files.
 fn content(reference: &Reference) -> io::Result<Vec<u8>> {
-    let file = Digest::of_file(&reference.signals).map_err(|error| match error {
-        FileError::Io(error) => error,
-        error => io::Error::other(error.to_string()),
-    })?;
-    // Without its path: a project that is moved or copied still has its records.
-    let reference = Reference { signals: PathBuf::new(), ..reference.clone() };
-    encoded(&(reference, file))
+    let digest = |path: &PathBuf| {
+        Digest::of_file(path).map_err(|error| match error {
+            FileError::Io(error) => error,
+            error => io::Error::other(error.to_string()),
+        })
+    };
+    let files: Vec<Digest> = reference.files().map(digest).collect::<io::Result<_>>()?;
+    // Without their paths: a project that is moved or copied still has its records.
+    let field = reference.field.clone().map(|field| FieldReference { files: vec![], ..field });
+    let signals = reference.signals.as_ref().map(|_| PathBuf::new());
+    encoded(&(Reference { signals, field, ..reference.clone() }, files))
 }
 
 fn encoded(value: &impl Serialize) -> io::Result<Vec<u8>> {

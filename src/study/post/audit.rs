@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::field::FieldFigures;
 use base::number::clean_time;
 use membrane::engine::{AddedMass, Relaxation};
 use membrane::lane::Width;
@@ -39,6 +40,15 @@ pub struct Audit {
     /// Energy that they took.
     #[serde(rename = "fracture_energy_J", skip_serializing_if = "Option::is_none")]
     pub fracture_energy_j: Option<f64>,
+    /// Root mean square of the errors against the displacement field of the reference; only with one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field_rms_m: Option<f64>,
+    /// Norm of these errors over that of the measured displacements.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field_error: Option<f64>,
+    /// The comparison with the displacement field: its points, the motion of its axes, the errors over time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field: Option<FieldFigures>,
     /// Elements of all faces.
     pub elements: usize,
     /// Memory of the engine's own arrays over the number of elements.
@@ -140,6 +150,13 @@ pub struct Histogram {
 }
 
 impl Audit {
+    /// Adds the errors against a displacement field.
+    pub(super) fn add_field(&mut self, field: FieldFigures, relative: Option<f64>) {
+        self.field_rms_m = field.rms_m;
+        self.field_error = relative;
+        self.field = Some(field);
+    }
+
     /// The figures of a finished or failed run.
     pub fn from_outcome(outcome: &Outcome) -> Audit {
         let wall_s = outcome.wall.as_secs_f64();
@@ -154,6 +171,9 @@ impl Audit {
             torn_length_m: outcome.torn.map(|torn| torn.length),
             torn_area_m2: outcome.torn.map(|torn| torn.area),
             fracture_energy_j: outcome.torn.map(|torn| torn.energy),
+            field_rms_m: None,
+            field_error: None,
+            field: None,
             elements: outcome.elements,
             bytes_per_element: outcome.bytes as f64 / outcome.elements as f64,
             steps: outcome.steps,

@@ -75,7 +75,7 @@ pub struct ComparedSignal {
 const RUN: &str = "run";
 
 /// Figures that are shown even where all runs agree.
-const KEY: [&str; 13] = [
+const KEY: [&str; 14] = [
     "peak_acceleration_m_s2",
     "peak_displacement_m",
     "rebound_velocity_m_s",
@@ -87,6 +87,7 @@ const KEY: [&str; 13] = [
     "final_deflection_m",
     "final_volume_m3",
     "burst_pressure_Pa",
+    "field_rms_m",
     "energy_balance_error",
     "ruptured",
 ];

@@ -2,6 +2,7 @@
 
 mod audit;
 pub mod comparison;
+mod field;
 mod figures;
 mod impact;
 mod indent;
@@ -20,6 +21,7 @@ use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
 pub use comparison::{RunComparison, is_key_figure};
+pub use field::{FieldFigures, FieldTime};
 pub use figures::{FigureName, figures, is_of_script};
 pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;

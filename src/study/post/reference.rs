@@ -1,6 +1,7 @@
-//! The recording that a run is compared with, brought to the run's own filter.
+//! The recording that a run is compared with, brought to the run's own filter, and the displacement field.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -10,13 +11,14 @@ use lab::experiment::absorption::Body;
 use lab::experiment::drop::{
     ChannelNames, DropChannels, DropChannelsError, DropError, Figures, Height, Reduction, Tower,
 };
+use lab::field::{Field, FieldError, FieldOptions};
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
 use lab::signal::filter::{self, FilterError, Standard};
 use lab::signal::norm::{NormError, relative_error};
 use lab::signal::resample::{self, ResampleError};
 use lab::signal::{Annotations, Measurement, Series, column, integrate};
 use scene::model::loading::Impact;
-use scene::model::{Impactor, Model, Reference, Window};
+use scene::model::{FieldReference, Impactor, Model, Reference, Window};
 
 /// A recording ready for comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,10 +39,12 @@ pub struct ReferenceComparison {
     pub energy_absorption: Option<f64>,
     /// Figures of its reduction, of a raw recording; without its notes.
     pub drop: Option<Figures>,
-    /// Comments of the recording, and the warnings of its reading.
+    /// Comments of the recording of signals, and the warnings of its reading.
     pub annotations: Annotations,
     /// The warnings of its reduction, of a raw recording.
     pub reduction_warnings: Vec<experiment::Warning>,
+    /// The displacement field, as measured.
+    pub field: Option<Arc<Field>>,
 }
 
 /// Why a file of other columns is reduced.
@@ -53,6 +57,9 @@ pub enum ReferenceError {
     /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] file::ReadError),
+    /// The field cannot be read.
+    #[error(transparent)]
+    Field(#[from] FieldError),
     /// A raw recording lacks a channel, or has several that could be it.
     #[error("{}: {source}; {RAW}", path.display())]
     Channels {
@@ -103,13 +110,14 @@ pub enum ReferenceError {
 }
 
 impl ReferenceComparison {
-    /// Reads the recording of `model`, if it names one, and reduces it where it is raw.
+    /// Reads the recording and the field of `model`, if it names any, and reduces a raw recording.
     pub fn read(model: &Model) -> Result<Option<ReferenceComparison>, ReferenceError> {
         let Some(reference) = &model.reference else {
             return Ok(None);
         };
-        let measurement =
-            file::read(&reference.signals, &ReadOptions { channels: channels(reference), ..ReadOptions::default() })?;
+        let signals = reference.signals.as_deref().map(|path| Signals::read(path, model, reference)).transpose()?;
+        let field = reference.field.as_ref().map(read_field).transpose()?.flatten().map(Arc::new);
+        let (signals, annotations) = signals.unwrap_or_default();
         let Signals {
             raw,
             filtered,
@@ -119,20 +127,18 @@ impl ReferenceComparison {
             energy_absorption,
             drop,
             reduction_warnings,
-        } = match Signals::from_contact(&measurement, model, reference)? {
-            Some(signals) => signals,
-            None => Signals::from_raw(&measurement, model, reference)?,
-        };
-        let window = match reference.window {
-            Window::Range(range) => range,
-            Window::All => [0.0, model.run_time()],
-            Window::Loading => {
+        } = signals;
+        let window = match (reference.window, &reference.signals) {
+            (Window::Range(range), _) => range,
+            (Window::All, _) => [0.0, model.run_time()],
+            (Window::Loading, None) => [0.0, last_of_field(model)],
+            (Window::Loading, Some(path)) => {
                 let motion = raw.as_ref().or(filtered.as_ref());
                 let lowest = time_of_lowest_point(motion, displacement.as_ref(), model);
-                [0.0, lowest.ok_or_else(|| ReferenceError::NoLowestPoint { path: reference.signals.clone() })?]
+                [0.0, lowest.ok_or_else(|| ReferenceError::NoLowestPoint { path: path.clone() })?]
             }
         };
-        let (acceleration, annotations) = (filtered, measurement.annotations);
+        let acceleration = filtered;
         Ok(Some(ReferenceComparison {
             acceleration,
             displacement,
@@ -143,24 +149,30 @@ impl ReferenceComparison {
             drop,
             annotations,
             reduction_warnings,
+            field,
         }))
     }
 
     /// Doubts about the errors: a virtual recording, and all that was assumed or is implausible in its reduction.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
-        let mark = self.annotations.virtual_mark().map(|note| Warning::VirtualReference { note: note.to_owned() });
-        mark.into_iter().chain(self.reduction_warnings.iter().cloned().map(Warning::ReferenceReduction))
+        let marks = [Some(&self.annotations), self.field.as_deref().map(|field| &field.annotations)];
+        let mark = |annotations: &Annotations| {
+            annotations.virtual_mark().map(|note| Warning::VirtualReference { note: note.to_owned() })
+        };
+        let marks = marks.into_iter().flatten().filter_map(mark);
+        marks.chain(self.reduction_warnings.iter().cloned().map(Warning::ReferenceReduction))
     }
 
     /// Comments of the recording, and the warnings of its reading and of its reduction, as texts.
     pub fn notes(&self) -> Vec<String> {
         let reduction = self.reduction_warnings.iter().map(experiment::Warning::to_string);
-        self.annotations.notes().into_iter().chain(reduction).collect()
+        let field = self.field.iter().flat_map(|field| &field.annotations.warnings).map(ToString::to_string);
+        self.annotations.notes().into_iter().chain(reduction).chain(field).collect()
     }
 
-    /// Whether its file marks the recording as virtual: computed, not measured.
+    /// Whether its files mark the recording or the field as virtual: computed, not measured.
     pub fn is_virtual(&self) -> bool {
-        self.annotations.is_virtual()
+        self.annotations.is_virtual() || self.field.as_ref().is_some_and(|field| field.annotations.is_virtual())
     }
 
     /// Name of its curves in plots.
@@ -181,7 +193,20 @@ impl ReferenceComparison {
     }
 }
 
+/// The files of a field, with their times.
+fn read_field(reference: &FieldReference) -> Result<Option<Field>, FieldError> {
+    let files: Vec<(PathBuf, f64)> = reference.files.iter().cloned().zip(reference.times.iter().copied()).collect();
+    Field::read(&files, &FieldOptions { unit: reference.unit })
+}
+
+/// Time of the last file of the field that lies within the run, s.
+fn last_of_field(model: &Model) -> f64 {
+    let wanted = model.output.motion.as_ref().and_then(|motion| motion.times.last());
+    wanted.copied().unwrap_or_else(|| model.run_time())
+}
+
 /// The signals of a recording from first contact on.
+#[derive(Default)]
 struct Signals {
     /// As recorded or corrected.
     raw: Option<Series>,
@@ -198,9 +223,21 @@ struct Signals {
 }
 
 impl Signals {
+    /// Of the file at `path`, with what it says beside its numbers.
+    fn read(path: &Path, model: &Model, reference: &Reference) -> Result<(Signals, Annotations), ReferenceError> {
+        let options = ReadOptions { channels: channels(reference), ..ReadOptions::default() };
+        let measurement = file::read(path, &options)?;
+        let signals = match Signals::from_contact(&measurement, path, model, reference)? {
+            Some(signals) => signals,
+            None => Signals::from_raw(&measurement, path, model, reference)?,
+        };
+        Ok((signals, measurement.annotations))
+    }
+
     /// Of a file that counts from first contact; none where it is a raw recording.
     fn from_contact(
         measurement: &Measurement,
+        path: &Path,
         model: &Model,
         reference: &Reference,
     ) -> Result<Option<Signals>, ReferenceError> {
@@ -210,7 +247,7 @@ impl Signals {
         let filtered = match channel(column::ACCELERATION_FILTERED.name) {
             _ if named => return Ok(None),
             Some(filtered) => Some(filtered),
-            None => raw.as_ref().map(|raw| filtered(raw, model, reference)).transpose()?,
+            None => raw.as_ref().map(|raw| filtered(raw, model, path)).transpose()?,
         };
         let any = filtered.is_some() || displacement.is_some();
         let (absorbed_energy, total_energy) =
@@ -228,8 +265,13 @@ impl Signals {
     }
 
     /// Of a raw recording, reduced with the mass and gravity of the run.
-    fn from_raw(measurement: &Measurement, model: &Model, reference: &Reference) -> Result<Signals, ReferenceError> {
-        let path = || reference.signals.clone();
+    fn from_raw(
+        measurement: &Measurement,
+        path: &Path,
+        model: &Model,
+        reference: &Reference,
+    ) -> Result<Signals, ReferenceError> {
+        let path = || path.to_owned();
         let (Some(Impact { gravity, .. }), Some(impactor)) =
             (model.loading.impact(), model.impactors.get(reference.impactor))
         else {
@@ -278,8 +320,8 @@ fn channels(reference: &Reference) -> ChannelSelection {
 }
 
 /// The recording through the filter of the run, on equal steps.
-fn filtered(raw: &Series, model: &Model, reference: &Reference) -> Result<Series, ReferenceError> {
-    let path = || reference.signals.clone();
+fn filtered(raw: &Series, model: &Model, path: &Path) -> Result<Series, ReferenceError> {
+    let path = || path.to_owned();
     let Some(class) = model.output.filter else {
         return Ok(raw.clone());
     };

@@ -1,10 +1,13 @@
 //! The results of a measured run.
 
-use serde_json::{Map, Value, json};
+use std::sync::Arc;
 
+use serde_json::{Map, Value, json};
 use thiserror::Error;
 
+use super::field::{FieldFigures, compare, warnings};
 use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, RunFindings, Stretch};
+use crate::field::FieldComparison;
 use crate::script::{Fault, ScriptOutput};
 use lab::signal::filter::{self, FilterError, Standard};
 use lab::signal::resample::{self, ResampleError};
@@ -41,6 +44,8 @@ pub struct Results {
     pub measures: Measures,
     /// The reference, where there is one.
     pub comparison: Option<ReferenceComparison>,
+    /// The run beside the displacement field of the reference, where there is one.
+    pub field: Option<Arc<FieldComparison>>,
     /// The output of the post script.
     pub script_output: ScriptOutput,
 }
@@ -75,13 +80,24 @@ impl Results {
     ) -> Result<Results, EvaluateError> {
         let signals = with_filtered(model, &outcome.signals)?;
         let findings = || RunFindings::from_outcome(model, outcome);
-        let measures = match model.loading.test() {
+        let mut measures = match model.loading.test() {
             Test::Impact => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
             Test::Stretch => Measures::Stretch(Stretch::measure(outcome, &signals, findings())),
             Test::Indent { velocity } => Measures::Indent(Indent::measure(velocity, outcome, &signals, findings())),
             Test::Inflation => Measures::Inflation(Inflation::measure(outcome, &signals, findings())),
         };
-        Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
+        // Of an impact, the warnings of the comparison are among its own.
+        if !matches!(measures, Measures::Impact(_)) {
+            let marks = comparison.iter().flat_map(ReferenceComparison::warnings);
+            marks.for_each(|warning| measures.findings_mut().push(&warning));
+        }
+        let field = compare(model, outcome, comparison.as_ref());
+        warnings(field.as_ref()).iter().for_each(|warning| measures.findings_mut().push(warning));
+        let field = field.and_then(Result::ok).map(Arc::new);
+        if let Some(field) = &field {
+            measures.audit_mut().add_field(FieldFigures::from_comparison(field), field.norms().relative());
+        }
+        Ok(Results { signals, measures, comparison, field, script_output: ScriptOutput::default() })
     }
 
     /// The results of a run that was ended early, see `Impact::ended_early`.
@@ -165,6 +181,15 @@ impl Measures {
             Measures::Stretch(stretch) => &mut stretch.findings,
             Measures::Indent(indent) => &mut indent.findings,
             Measures::Inflation(inflation) => &mut inflation.findings,
+        }
+    }
+
+    fn audit_mut(&mut self) -> &mut Audit {
+        match self {
+            Measures::Impact(impact) => &mut impact.audit,
+            Measures::Stretch(stretch) => &mut stretch.audit,
+            Measures::Indent(indent) => &mut indent.audit,
+            Measures::Inflation(inflation) => &mut inflation.audit,
         }
     }
 

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Scope};
+use rhai::{Dynamic, Engine, EvalAltResult, INT, ImmutableString, Scope};
 use serde_json::{Value, json};
 
 use super::figures::SUMMARY;
 use super::{ReferenceComparison, Results};
-use crate::script::{Entry, Fields, Session, from_json, refuse};
+use crate::field::FieldComparison;
+use crate::script::{Entry, Fields, HostResult, Session, from_json, numerical_failure, refuse};
 use base::budget::{Budget, Claim};
+use lab::field::Field;
 use lab::signal::{Recording, Series, column};
 use scene::model::{Impactor, Model};
 use scene::simulate::Outcome;
@@ -23,6 +25,7 @@ struct Parts {
     energies: Recording,
     summary: serde_json::Map<String, Value>,
     model: serde_json::Map<String, Value>,
+    field: Option<Arc<FieldComparison>>,
     _claim: Option<Claim>,
 }
 
@@ -32,6 +35,10 @@ struct Columns {
     run: Run,
     of: fn(&Parts) -> &Recording,
 }
+
+/// The errors against a displacement field in scripts.
+#[derive(Clone, Debug)]
+struct FieldErrors(Arc<FieldComparison>);
 
 /// A reference recording in scripts.
 #[derive(Clone, Debug)]
@@ -46,6 +53,7 @@ impl Run {
             energies: outcome.energies.clone(),
             summary: results.summary(model),
             model: facts(model),
+            field: results.field.clone(),
         }))
     }
 
@@ -67,6 +75,7 @@ impl Run {
             "model" => Ok(from_json(&Value::Object(self.0.model.clone()))),
             "signals" => Ok(Dynamic::from(Columns { run: run(), of: |parts| &parts.signals })),
             "energies" => Ok(Dynamic::from(Columns { run: run(), of: |parts| &parts.energies })),
+            "field" => Ok(self.0.field.clone().map_or(Dynamic::UNIT, |field| Dynamic::from(FieldErrors(field)))),
             name => self.channel(name).map(Dynamic::from),
         }
     }
@@ -78,7 +87,7 @@ impl Run {
         let series = shorts().find(|(short, _)| short == name).and_then(|(_, column)| self.0.signals.series(column));
         series.ok_or_else(|| {
             let shorts: Vec<String> = shorts().map(|(short, _)| short).collect();
-            let others = ["time", "signals", "energies", "summary", "model"];
+            let others = ["time", "signals", "energies", "field", "summary", "model"];
             unknown("run", name, shorts.iter().map(String::as_str).chain(others))
         })
     }
@@ -98,19 +107,58 @@ impl Columns {
     }
 }
 
+impl FieldErrors {
+    fn get(&mut self, name: ImmutableString) -> HostResult<Dynamic> {
+        let (norms, [points, compared]) = (self.0.norms(), self.0.counts());
+        let number = |value: Option<f64>| value.map_or(Dynamic::UNIT, Dynamic::from);
+        let count = |count: usize| Dynamic::from(count as INT);
+        match name.as_str() {
+            "rms" => Ok(number(norms.rms())),
+            "largest" => Ok(norms.largest.into()),
+            "relative" => Ok(number(norms.relative())),
+            "points" => Ok(count(points)),
+            "compared" => Ok(count(compared)),
+            name => Err(unknown("field", name, ["rms", "largest", "relative", "points", "compared", "residuals()"])),
+        }
+    }
+
+    /// Residuals over `scale` (m).
+    fn residuals(&mut self, scale: f64) -> HostResult<rhai::Array> {
+        if let [first, ..] = self.0.not_reached[..] {
+            return Err(numerical_failure(format!("the run did not reach the file of the field at {first} s")));
+        }
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(refuse(format!("residuals are divided by a positive length, not by {scale}")));
+        }
+        Ok(self.0.residuals().map(|residual| Dynamic::from(residual / scale)).collect())
+    }
+
+    /// Residuals whose norm is the relative error.
+    fn relative_residuals(&mut self) -> HostResult<rhai::Array> {
+        let norm = self.0.measured_norm();
+        if norm > 0.0 { self.residuals(norm) } else { Err(refuse("nothing has moved in the field")) }
+    }
+}
+
 impl ReferenceSignals {
     fn get(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
-        let ReferenceComparison { acceleration, displacement, energy_absorption, drop, .. } = &self.0;
+        let ReferenceComparison { acceleration, displacement, energy_absorption, drop, field, .. } = &self.0;
         let found = match name.as_str() {
             "acceleration" => acceleration.clone().map(Dynamic::from),
             "displacement" => displacement.clone().map(Dynamic::from),
             "energy_absorption" => Some(energy_absorption.map_or(Dynamic::UNIT, Dynamic::from)),
             "drop" => Some(drop.as_ref().map_or(Dynamic::UNIT, |drop| from_json(&json!(drop)))),
+            "field" => Some(field.as_ref().map_or(Dynamic::UNIT, |field| from_json(&field_facts(field)))),
             _ => None,
         };
-        let known = ["acceleration", "displacement", "energy_absorption", "drop"];
+        let known = ["acceleration", "displacement", "energy_absorption", "drop", "field"];
         found.ok_or_else(|| unknown("reference", &name, known))
     }
+}
+
+fn field_facts(field: &Field) -> Value {
+    let times: Vec<f64> = field.states.iter().map(|state| state.time).collect();
+    json!({ "program": field.program, "points": field.points(), "times": times })
 }
 
 /// The name of a column in scripts; of one of several impactors with its name.
@@ -156,6 +204,11 @@ pub(crate) fn register(engine: &mut Engine) {
         .register_type_with_name::<Columns>("recording")
         .register_indexer_get(Columns::get)
         .register_fn("names", Columns::names)
+        .register_type_with_name::<FieldErrors>("field")
+        .register_indexer_get(FieldErrors::get)
+        .register_fn("residuals", |field: &mut FieldErrors| field.residuals(1.0))
+        .register_fn("residuals", |field: &mut FieldErrors, deviation: f64| field.residuals(deviation))
+        .register_fn("relative_residuals", FieldErrors::relative_residuals)
         .register_type_with_name::<ReferenceSignals>("reference")
         .register_indexer_get(ReferenceSignals::get);
 }
@@ -184,6 +237,18 @@ pub const ENTRIES: &[Entry] = &[
         call: "run.energies.<column>, run.energies.names()",
         gives: "the terms of the energy audit, J",
         example: "run.energies.names().len() > 0",
+    },
+    Entry {
+        call: "run.field.rms, .largest, .relative, .points, .compared",
+        gives: "the errors against the displacement field of the reference: root mean square and largest (m), norm over that of \
+                the measured displacements, points that were matched and those on the film; `run.field` is () without one",
+        example: "run.field == ()",
+    },
+    Entry {
+        call: "run.field.residuals(), run.field.residuals(deviation), run.field.relative_residuals()",
+        gives: "a list for a search, x, y and z of every point and time: simulated less measured displacement (m), that over \
+                the standard deviation of the measurement (m), or such that their norm is the relative error",
+        example: "run.field == () || run.field.residuals(1e-5).len() == 3 * run.field.points",
     },
     Entry {
         call: "run.summary.<figure>",

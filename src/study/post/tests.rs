@@ -69,7 +69,7 @@ pub(super) fn model() -> Model {
         contact: Contact::default(),
         air: None,
         solver: Solver { step_factor: 1.0, smallest_step: None },
-        output: Output { sample_rate: 10e3, frames: 0, filter: Some(1000.0) },
+        output: Output { sample_rate: 10e3, frames: 0, filter: Some(1000.0), motion: None },
         reference: None,
         post: None,
     }
@@ -106,6 +106,7 @@ fn outcome() -> Outcome {
         signals: Recording { time, channels },
         energies,
         snapshots: Vec::new(),
+        motion: None,
         films: Vec::new(),
         impactors: vec![],
         rates: RateHistogram::default(),
@@ -197,8 +198,15 @@ fn reference(rows: impl Fn(f64) -> String, header: &str) -> (tempfile::TempDir, 
     let rows = (0..=1100).map(|i| rows(f64::from(i) * 1e-4));
     fs::write(&signals, format!("{header}\n{}", rows.collect::<String>())).unwrap();
     let window = Window::Loading;
-    let reference =
-        Some(Reference { impactor: 0, signals, acceleration: None, displacement: None, drop_height: None, window });
+    let reference = Some(Reference {
+        impactor: 0,
+        signals: Some(signals),
+        acceleration: None,
+        displacement: None,
+        drop_height: None,
+        window,
+        field: None,
+    });
     (folder, Model { reference, ..model() })
 }
 

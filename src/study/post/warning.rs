@@ -4,8 +4,10 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::remedies::with_remedy;
+use crate::field::NoComparison;
 use base::finding::Finding;
 use base::findings;
+use base::number::{duration, significant};
 use lab::experiment;
 use lab::signal::VIRTUAL_RECORDING;
 use lab::signal::norm::NormError;
@@ -23,6 +25,45 @@ findings! {
             meaning "the error of a channel against the reference cannot be computed";
             remedy "check that the reference covers the window of the comparison and is not zero in it";
             message "no {channel} error: {reason}";
+        NoFieldError {
+            reason: NoComparison, "why";
+        } = "no-field-error", Warning;
+            meaning "the run cannot be compared with the displacement field of its reference";
+            remedy "check that the times of the field are those of the run, and that the run reaches them";
+            message "no errors against the field: {reason}";
+        FieldNotReached {
+            count: usize, "files within the window" => "files";
+            first: f64, "time of the first of them, s" => "first_s";
+        } = "field-not-reached", Warning;
+            meaning "the run ended before some files of the displacement field were recorded, which are not compared";
+            remedy "let the run last longer, or look why it ended early";
+            message "the run does not reach {count} files of the field, the first at {}", duration(*first);
+        FieldOffFilm {
+            count: usize, "points off the film, of all times" => "points";
+            of: usize, "points that were matched" => "of";
+        } = "field-off-film", Warning;
+            meaning "points of the displacement field lie farther from the film than an element is long, and are not \
+                compared";
+            remedy "check the unit of the field, its `align`, and the size of the specimen; leave out what was measured \
+                beside the film";
+            message "{count} of {of} points of the field do not lie on the film";
+        FieldMotionUncertain {
+            least_known: f64, "standard deviation of a place at the edge of the field, m" => "uncertainty_m";
+            radius: f64, "radius of gyration of the field, m" => "radius_m";
+        } = "field-motion-uncertain", Warning;
+            meaning "places and displacements of the field do not determine the rigid motion between its axes and those of \
+                the run: some motion changes them by less than their noise, as a turn of a round film about its axis";
+            remedy "give `align.markers`, or measure in the axes of the run and say `align = \"none\"`";
+            message "the motion of the field is not determined: some place is known to {} mm only",
+                significant(least_known * 1e3, 3);
+        FieldMotionAmbiguous {
+            others: usize, "other motions" => "others";
+            apart: f64, "smallest angle to one of them, degrees" => "apart_deg";
+        } = "field-motion-ambiguous", Warning;
+            meaning "other rigid motions bring the field as close to the run as the one that was taken, the smallest \
+                turn; of a film with symmetries they are as right, of another one they may be the true one";
+            remedy "give `align.markers` where MD and TD must not be taken for each other";
+            message "{others} other motions of the field fit as well, the nearest turned by {} degrees", significant(*apart, 3);
         /// The recording was computed.
         VirtualReference {
             note: String, "what the recording says of itself";

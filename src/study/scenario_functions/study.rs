@@ -113,7 +113,8 @@ impl Study {
             session.add_input(path);
         }
         if let Some(reference) = &model.reference {
-            session.add_recording_files(&reference.signals);
+            reference.signals.iter().for_each(|path| session.add_recording_files(path));
+            reference.field.iter().flat_map(|field| &field.files).for_each(|path| session.add_input(path));
         }
         session.report(model::warnings(&document, &model).iter().map(Finding::new));
         let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
@@ -121,7 +122,11 @@ impl Study {
             None => Plan::prepare(&model).map_err(refuse)?,
         };
         if let (Some(reference), Some(comparison)) = (&model.reference, plan.comparison()) {
-            session.add_recording(&reference.signals, comparison.is_virtual());
+            let field = comparison.field.as_ref();
+            reference.signals.iter().for_each(|path| session.add_recording(path, comparison.annotations.is_virtual()));
+            if let Some((field, first)) = field.and_then(|field| Some((field, field.states.first()?))) {
+                session.add_recording(&first.path, field.annotations.is_virtual());
+            }
         }
         let _claim = session.budget().claim(MODEL_SIZE + document.size());
         Ok(Study(Arc::new(Parts { document, model, plan, evaluations, _claim })))
@@ -447,6 +452,12 @@ pub const ENTRIES: &[Entry] = &[
                 one, and the figures of its reduction as of `reduce_drop`, else ()) and the window of the errors, s",
         example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 \
                   && t.reference.energy_absorption != 1",
+    },
+    Entry {
+        call: "scenario.reference.field",
+        gives: "the displacement field it is compared with: program, points (of all files), times (s); () where there is none",
+        example: r#"scenario("scenarios/inflation/field.toml").reference.field.times.len() == 4
+                    && scenario(args.scenario).reference.field == ()"#,
     },
     Entry {
         call: "scenario.material_text()",

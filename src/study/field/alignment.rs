@@ -1,0 +1,150 @@
+//! The rigid motion from the axes of a field to those of a run, found from places and displacements together.
+
+use std::f64::consts::PI;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::normal_equations::Problem;
+use super::pair::Pair;
+use super::starts::starts;
+use super::surface::FilmSurface;
+use lab::field::{Field, RigidMotion};
+
+/// How the field was brought into the axes of the run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alignment {
+    /// From the axes of the field to those of the run.
+    pub motion: RigidMotion,
+    /// Of a motion that was found, how well it is known.
+    pub found: Option<FoundMotion>,
+}
+
+/// How well a motion that was found is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundMotion {
+    /// Standard deviation of its residuals, m: of measurement and run together.
+    pub deviation: f64,
+    /// Standard deviation of the place to which it brings a point at the radius of gyration of the field, in the direction in which
+    /// it is known least, m; for residuals that do not depend on each other.
+    pub least_known: f64,
+    /// Radius of gyration of the field, m.
+    pub radius: f64,
+    /// Number of other motions that fit as well, as of a square film that is loaded in its centre.
+    pub others: usize,
+    /// Smallest angle between one of them and this one, rad; zero where there are none.
+    pub apart: f64,
+}
+
+impl FoundMotion {
+    /// Whether some part of the motion is not determined.
+    pub fn is_uncertain(&self) -> bool {
+        !(self.least_known <= UNCERTAIN * self.radius)
+    }
+}
+
+/// Standard deviation over the radius of the field above which a motion counts as not determined.
+const UNCERTAIN: f64 = 0.01;
+/// Points and states of the first search, from all starts, and of the last.
+const COARSE: [usize; 2] = [120, 2];
+const FINE: [usize; 2] = [1500, 10];
+/// Steps of both.
+const STEPS: [usize; 2] = [12, 40];
+/// Starts that are followed to their end.
+const FOLLOWED: usize = 4;
+/// Share of the deviation by which another motion may fit worse than the best and still as well.
+const AS_WELL: f64 = 0.02;
+/// 2³² over the golden ratio: multiples of it fill the range of a `u32` evenly (Knuth 1973, section 6.4).
+const GOLDEN: u32 = 2_654_435_769;
+/// Angle from which on motions are different, rad.
+const DIFFERENT: f64 = 0.05;
+
+/// Finds the motion of `field` onto the film, of whose states each is beside a state of the field; none without a state.
+pub fn find(surface: &FilmSurface<'_>, field: &Field, states: &[Pair<'_>]) -> Option<Alignment> {
+    let size = |pair: &Pair<'_>| pair.field.points.iter().map(|(_, u)| Vector3::from(*u).norm_squared()).sum::<f64>();
+    let most = (0..states.len()).max_by(|a, b| size(&states[*a]).total_cmp(&size(&states[*b])))?;
+    let [coarse, fine] = [COARSE, FINE].map(|sizes| problem(surface, field, states, sizes, most));
+    let starts = starts(surface, &field.places, &states[most]);
+    let mut found: Vec<(f64, RigidMotion)> = starts.iter().map(|start| fit(&coarse, *start, STEPS[0])).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Of equal motions only one is followed.
+    let mut followed: Vec<(f64, RigidMotion)> = Vec::new();
+    for (_, motion) in found {
+        let is_new = followed.iter().all(|(_, known)| known.rotation.angle_to(&motion.rotation) > DIFFERENT);
+        if is_new && followed.len() < FOLLOWED {
+            followed.push(fit(&fine, motion, STEPS[1]));
+        }
+    }
+    let least = followed.iter().map(|(deviation, _)| *deviation).reduce(f64::min)?;
+    let as_well = followed.iter().filter(|(deviation, _)| *deviation <= (1.0 + AS_WELL) * least);
+    let mut alike: Vec<RigidMotion> = as_well.map(|(_, motion)| *motion).collect();
+    // Of motions that fit alike the smallest turn: the axes of a field are often about those of the run.
+    alike.sort_by(|a, b| a.rotation.angle().total_cmp(&b.rotation.angle()));
+    let (motion, others) = alike.split_first()?;
+    let apart = |other: &RigidMotion| other.rotation.angle_to(&motion.rotation);
+    // Both mirror planes of a film together are half a turn, which is as right.
+    let half_turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI) * motion.rotation;
+    let is_image =
+        |other: &&RigidMotion| surface.mirrored() == [true, true] && other.rotation.angle_to(&half_turn) < DIFFERENT;
+    let others = others.iter().filter(|other| !is_image(other)).map(apart);
+    let others: Vec<f64> = others.filter(|angle| *angle > DIFFERENT).collect();
+    let linearized = fine.linearized(motion);
+    let deviation = linearized.deviation();
+    let found = FoundMotion {
+        deviation,
+        least_known: linearized.normal_equations(deviation).least_known(deviation),
+        radius: fine.radius,
+        others: others.len(),
+        apart: others.into_iter().reduce(f64::min).unwrap_or(0.0),
+    };
+    Some(Alignment { motion: *motion, found: Some(found) })
+}
+
+/// The root mean loss of the residuals and the motion at which Levenberg and Marquardt's method ends.
+fn fit(problem: &Problem<'_>, start: RigidMotion, steps: usize) -> (f64, RigidMotion) {
+    let (mut motion, mut damping) = (start, 1e-3);
+    let mut linearized = problem.linearized(&motion);
+    for _ in 0..steps {
+        let deviation = linearized.deviation();
+        let now = linearized.normal_equations(deviation);
+        let Some(step) = now.step(damping) else { break };
+        let trial = problem.stepped(&motion, &step);
+        let next = problem.linearized(&trial);
+        if next.normal_equations(deviation).cost < now.cost {
+            (motion, linearized) = (trial, next);
+            damping *= 0.1;
+            if step.norm() < 1e-9 * problem.radius {
+                break;
+            }
+        } else if damping > 1e8 {
+            break;
+        } else {
+            damping *= 10.0;
+        }
+    }
+    (linearized.root_mean_loss(), motion)
+}
+
+/// At most so many points of at most so many states, `most` among them, spread evenly.
+fn problem<'a>(
+    surface: &'a FilmSurface<'a>,
+    field: &'a Field,
+    states: &[Pair<'a>],
+    [points, count]: [usize; 2],
+    most: usize,
+) -> Problem<'a> {
+    let stride = field.places.len().div_ceil(points).max(1);
+    let spaced = states.len().div_ceil(count).max(1);
+    // Every so many-th point of a grid would be a column of it.
+    let is_taken = |place: u32| place.wrapping_mul(GOLDEN) <= u32::MAX / stride as u32;
+    let chosen = (0..states.len()).filter(|place| *place == most || (place + 1) % spaced == 0);
+    let of_state = |place: usize| {
+        let Pair { film, field } = states[place];
+        (film, field.points.iter().filter(|(place, _)| is_taken(*place)).copied().collect())
+    };
+    let places = || field.places.iter().map(|place| Vector3::from(*place));
+    let count = field.places.len().max(1) as f64;
+    let centre = places().sum::<Vector3<f64>>() / count;
+    let square = places().map(|place| (place - centre).norm_squared()).sum::<f64>() / count;
+    let radius = square.sqrt().max(f64::MIN_POSITIVE);
+    Problem { surface, places: &field.places, states: chosen.map(of_state).collect(), centre, radius }
+}

@@ -1,0 +1,14 @@
+//! Comparison of a run with a displacement field: the nearest point of the film for each measured point, the rigid motion
+//! between their axes, and the errors.
+
+mod alignment;
+mod comparison;
+mod normal_equations;
+mod pair;
+mod starts;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+pub use alignment::{Alignment, FoundMotion};
+pub use comparison::{ErrorNorms, FieldComparison, NoComparison, PointError, StateErrors};
