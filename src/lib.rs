@@ -45,7 +45,7 @@ pub use card;
 #[doc(inline)]
 pub use cli;
 #[doc(inline)]
-pub use lab::{confidence, experiment, signal};
+pub use lab::{confidence, experiment, field, signal};
 #[doc(inline)]
 pub use membrane::{engine, lane, material};
 #[doc(inline)]
@@ -58,7 +58,8 @@ pub use report;
 pub use scene::{digitize, expectation, mesh, model, scenario, simulate};
 #[doc(inline)]
 pub use study::{
-    calibrate, cluster, evaluate, functions, identify, post, reference, scenario_functions, script, store, sweep,
+    calibrate, cluster, evaluate, field_comparison, functions, identify, post, reference, scenario_functions, script,
+    store, sweep,
 };
 #[doc(inline)]
 pub use uncertainty;

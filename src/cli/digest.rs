@@ -26,6 +26,7 @@ pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String
         Measures::Inflation(measures) => inflation(measures),
     };
     text += &steadiness(results.measures.audit());
+    text += &field(results.measures.audit());
     if let Some(time) = outcome.rupture_time {
         let _ = writeln!(text, "  the film ruptured at {}", duration(time));
     }
@@ -75,6 +76,21 @@ fn cost(audit: &Audit) -> String {
         number::figure(audit.time_step_s * 1e6, DIGITS),
         audit.wall_s,
         audit.ns_per_element_step,
+    )
+}
+
+/// The errors against a displacement field; empty without one.
+fn field(audit: &Audit) -> String {
+    let Some(field) = &audit.field else { return String::new() };
+    let millimetres = |length: f64| format!("{} mm", number::figure(length * 1e3, DIGITS));
+    format!(
+        "  against the field   {} (rms), {} at most, {} of what was measured; {} of {} points at {} times\n",
+        field.rms_m.map_or("-".into(), millimetres),
+        millimetres(field.largest_m),
+        audit.field_error.map_or("-".into(), percent),
+        field.compared,
+        field.points,
+        field.times.len()
     )
 }
 

@@ -40,6 +40,12 @@ pub(super) fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, St
     files.write(run_files::ENERGIES, recording(&outcome.energies)?)?;
     files.parquet(run_files::SIGNALS_PARQUET, || signals.columns())?;
     files.parquet(run_files::ENERGIES_PARQUET, || outcome.energies.columns())?;
+    if let Some(field) = results.and_then(|results| results.field.as_ref()) {
+        let columns = field.columns();
+        let failed = |error| StoreError::write(draft.path().join(run_files::FIELD), error);
+        files.write(run_files::FIELD, table::to_csv(&columns).map_err(failed)?)?;
+        files.parquet(run_files::FIELD_PARQUET, || columns)?;
+    }
     if let Some(results) = results {
         files.write(run_files::SUMMARY, json(&results.summary(model))?)?;
         files.script_output(&results.script_output)?;

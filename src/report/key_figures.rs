@@ -111,6 +111,10 @@ pub(super) fn of_drop(figures: &Map<String, Value>) -> String {
     if cards.is_empty() { cards } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
 }
 
+/// Of a run that is compared with a displacement field.
+const FIELD: [Key; 2] =
+    [key("field error, rms", "field_rms_m", 1e3, "mm"), key("field error", "field_error", 100.0, "%")];
+
 /// Cards of the key figures in `summary`, that of `results`, and whether the film held; `failed` tells whether the run
 /// did.
 pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: bool) -> String {
@@ -132,9 +136,10 @@ pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: boo
         .chain([""])
         .flat_map(|prefix| keys(prefix).iter().filter_map(move |key| card(key, prefix, summary)))
         .collect();
+    let field = FIELD.iter().filter_map(|key| card(key, "", summary)).collect::<String>();
     let unmet: String =
         bodies.iter().filter(|body| !body.had_film_contact && !failed).map(|body| not_met(&body.prefix)).collect();
-    format!("<ul class=\"cards\">\n{cards}{unmet}{}</ul>\n", film(summary, failed))
+    format!("<ul class=\"cards\">\n{cards}{field}{unmet}{}</ul>\n", film(summary, failed))
 }
 
 /// The card of an impactor that never met the film; `prefix` begins the names of its figures.

@@ -13,6 +13,7 @@ mod html;
 mod key_figures;
 mod drawn;
 pub mod drop_page;
+mod error_maps;
 mod panes;
 #[cfg(feature = "rerun")]
 pub mod recording;

@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 use super::html::{self, escape};
 use super::script_output::Fold;
-use super::{drawn, figure, film, key_figures, run_plots, script_output};
+use super::{drawn, error_maps, figure, film, key_figures, run_plots, script_output};
 use base::diagnostic::shown_path;
 use base::number::{duration, significant};
 use lab::experiment::drop::Figures;
@@ -44,6 +44,7 @@ pub fn run_page(run: &RunPage) -> String {
         findings(run),
         key_figures::cards(results, &summary, run.failure.is_some()),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
+        html::section("Field", &error_maps::section(run)),
         html::section("Signals", &drawn::figures(&thinned(run_plots::signals(results), MOST_POINTS[0]))),
         script_output::sections(&results.script_output, MOST_POINTS[2], Fold::Long),
         html::section("Figures", &figures(&summary)),
@@ -124,12 +125,13 @@ fn reference(run: &RunPage) -> String {
         Window::All => "the whole recording",
         Window::Range(_) => "as given",
     };
-    let over = format!(
-        "{}; errors are taken from {} to {} ({window}).",
-        shown_path(reference.files().next().map_or(std::path::Path::new(""), |path| path)),
-        duration(from),
-        duration(to)
-    );
+    let mut files = reference.files();
+    let first = files.next().map_or_else(String::new, |path| shown_path(path));
+    let more = match files.count() {
+        0 => String::new(),
+        more => format!(" and {more} more files"),
+    };
+    let over = format!("{first}{more}; errors are taken from {} to {} ({window}).", duration(from), duration(to));
     let notes = comparison.notes();
     let reduced = comparison.drop.as_ref().map_or_else(String::new, reduced);
     format!("<p>{}</p>\n{reduced}{}", escape(&over), html::list(&notes))

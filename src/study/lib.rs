@@ -4,7 +4,7 @@
 pub mod store;
 pub mod script;
 pub mod functions;
-pub mod field;
+pub mod field_comparison;
 pub mod post;
 pub mod evaluate;
 pub mod scenario_functions;

@@ -25,6 +25,8 @@ pub struct Scene {
     pub films: Vec<FilmTrack>,
     /// The impactors, in the order by which their poses name them.
     pub bodies: Vec<BodyTrack>,
+    /// Points that move beside the films.
+    pub points: Vec<PointTrack>,
     /// Signals that the charts show.
     pub signals: Vec<SignalTrack>,
     /// Charts beside the films, from top to bottom.
@@ -89,6 +91,28 @@ pub struct Pose {
     pub position: [f32; 3],
     /// Unit quaternion i, j, k, w.
     pub rotation: [f32; 4],
+}
+
+/// Points that move, such as measured ones.
+#[derive(Clone, Debug, Default)]
+pub struct PointTrack {
+    /// Name in entity paths, e.g. `field`.
+    pub name: String,
+    /// Radius as which they are drawn, m.
+    pub radius: f32,
+    /// Their states in ascending time.
+    pub states: Vec<PointState>,
+}
+
+/// Points at one time.
+#[derive(Clone, Debug, Default)]
+pub struct PointState {
+    /// Time, s.
+    pub time: f64,
+    /// Positions, m.
+    pub positions: Vec<[f32; 3]>,
+    /// Colour of each, sRGB.
+    pub colours: Vec<[u8; 3]>,
 }
 
 /// A text of the recording.

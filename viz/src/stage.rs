@@ -14,7 +14,7 @@ use crate::film::Film;
 use crate::live::Address;
 use crate::scene::{Document, Event, FilmSnapshot, Pose, Scene, Severity};
 use crate::series::{Moment, Places, SignalTrack};
-use crate::{VizError, blueprint, body, diagram};
+use crate::{VizError, blueprint, body, diagram, points};
 
 /// Name of the application in the viewer, which stores one layout for all its recordings.
 const APPLICATION: &str = "droptower";
@@ -133,6 +133,7 @@ impl Stage {
             body::log_shape(&stage.stream, body)?;
             body.poses.iter().try_for_each(|pose| stage.pose(index, pose))?;
         }
+        stage.scene.points.iter().try_for_each(|track| points::log(&stage.stream, track))?;
         stage.log_lists()?;
         Ok(stage)
     }

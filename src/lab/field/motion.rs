@@ -12,6 +12,12 @@ pub struct RigidMotion {
 }
 
 impl RigidMotion {
+    /// The motion with a translation (m) after a rotation, an axis times an angle (rad).
+    pub fn new(translation: [f64; 3], rotation: [f64; 3]) -> RigidMotion {
+        let rotation = UnitQuaternion::from_scaled_axis(Vector3::from(rotation));
+        RigidMotion { rotation, translation: translation.into() }
+    }
+
     /// No motion.
     pub fn identity() -> RigidMotion {
         RigidMotion { rotation: UnitQuaternion::identity(), translation: Vector3::zeros() }

@@ -5,6 +5,7 @@ mod comparison;
 mod diagram;
 mod events;
 mod film;
+mod points;
 mod live;
 mod script_output;
 mod signals;
@@ -20,6 +21,7 @@ use viz::{Document, Scene, Stage, VizError};
 
 use super::film::is_finite;
 use super::{RunPage, StudyPage, figure};
+use base::number::significant;
 pub use comparison::write_comparison;
 pub use live::{Live, LiveError};
 use scene::simulate::Snapshot;
@@ -76,6 +78,7 @@ fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
         quantities: film::quantities(snapshots),
         films: film::tracks(&outcome.films),
         bodies: body::tracks(model, &outcome.impactors, snapshots),
+        points: points::tracks(results.field.as_deref()),
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
@@ -109,8 +112,17 @@ fn documents(run: &RunPage) -> Vec<Document> {
     let warnings: String =
         findings.map(|found| format!("- {} \\[{}\\]\n", text::escaped(&found.message), found.code)).collect();
     let figures = figure::markdown(&results.summary(model));
-    let summary =
-        format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&model.subject()));
+    let field = results.field.as_deref().map_or(String::new(), |field| {
+        let largest = significant(points::range(field) * 1e3, 3);
+        format!(
+            "Points are those of the field, moved as measured; their colours are errors from 0 to {largest} mm.\n\n"
+        )
+    });
+    let summary = format!(
+        "# {}\n\n{}\n\n{field}{warnings}\n{figures}",
+        text::escaped(&model.title),
+        text::escaped(&model.subject())
+    );
     let summary = Text { title: SUMMARY.to_owned(), markdown: summary };
     let texts = std::iter::once(summary)
         .chain(Text::tables(&results.script_output))

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{ReferenceComparison, Warning};
-use crate::field::{FieldComparison, FoundMotion, NoComparison, StateErrors};
+use crate::field_comparison::{FieldComparison, FoundMotion, NoComparison, StateErrors};
 use base::number::clean_time;
 use scene::model::Model;
 use scene::simulate::Outcome;

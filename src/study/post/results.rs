@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::field::{FieldFigures, compare, warnings};
 use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, RunFindings, Stretch};
-use crate::field::FieldComparison;
+use crate::field_comparison::FieldComparison;
 use crate::script::{Fault, ScriptOutput};
 use lab::signal::filter::{self, FilterError, Standard};
 use lab::signal::resample::{self, ResampleError};

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::figures::SUMMARY;
 use super::{ReferenceComparison, Results};
-use crate::field::FieldComparison;
+use crate::field_comparison::FieldComparison;
 use crate::script::{Entry, Fields, HostResult, Session, from_json, numerical_failure, refuse};
 use base::budget::{Budget, Claim};
 use lab::field::Field;

@@ -4,7 +4,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::remedies::with_remedy;
-use crate::field::NoComparison;
+use crate::field_comparison::NoComparison;
 use base::finding::Finding;
 use base::findings;
 use base::number::{duration, significant};

@@ -13,6 +13,10 @@ pub const SIGNALS_PARQUET: &str = "signals.parquet";
 pub const ENERGIES_PARQUET: &str = "energies.parquet";
 /// The figures of the runs of a comparison.
 pub const FIGURES_PARQUET: &str = "figures.parquet";
+/// Measured and simulated displacements of the points of a field.
+pub const FIELD: &str = "field.csv";
+/// [`FIELD`] as Apache Parquet.
+pub const FIELD_PARQUET: &str = "field.parquet";
 /// The figures and findings.
 pub const SUMMARY: &str = "summary.json";
 /// The resolved scenario.
@@ -51,11 +55,13 @@ pub const STUDY_FOLDER: &str = "folder";
 
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
-pub const RUN_FILES: [(&str, &str); 19] = [
+pub const RUN_FILES: [(&str, &str); 21] = [
     (SIGNALS, "all channels over time, SI"),
     (ENERGIES, "the energy audit over time"),
     (SIGNALS_PARQUET, "the channels for Polars, pandas and R"),
     (ENERGIES_PARQUET, "the energy audit for Polars, pandas and R"),
+    (FIELD, "measured and simulated displacements of the points of the field"),
+    (FIELD_PARQUET, "the same for Polars, pandas and R"),
     (FIGURES_PARQUET, "the figures of each run for Polars, pandas and R"),
     (SUMMARY, "the figures, for other programs"),
     (SCENARIO, "the scenario with everything that it takes from elsewhere"),

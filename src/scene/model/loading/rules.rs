@@ -109,7 +109,7 @@ pub(super) fn gas_time(ramp: f64) -> f64 {
 
 /// Keys that are allowed under an impact alone, and why.
 pub(super) const OF_IMPACTS: [(&str, &str); 2] = [
-    ("reference", "only an impact is compared with a recording"),
+    ("reference.signals", "only an impact is compared with recorded signals"),
     ("output.filter", "only an impact has a filtered channel"),
 ];
 

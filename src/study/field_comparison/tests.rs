@@ -185,8 +185,9 @@ fn a_motion_that_is_not_determined_is_called_so() {
         let r2 = (x * x + y * y) / 0.0225;
         [0.0, 0.0, -0.04 * time * (1.0 - r2).max(0.0)]
     };
+    // Measured of a finer film: the corners of elements do not give the turn away.
+    let field = measured(&film(96, &[1.0], round), &camera([0.1, 0.0, 0.5]), 2e-4, |_| true);
     let film = film(24, &[1.0], round);
-    let field = measured(&film, &camera([0.1, 0.0, 0.5]), 1e-4, |_| true);
     let found = FieldComparison::new(&film, &field, &Align::Rigid, [0.0, 1.0]).unwrap().alignment.found.unwrap();
     assert!(found.is_uncertain() || found.others > 0, "{found:?}");
 }

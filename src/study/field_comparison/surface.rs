@@ -78,6 +78,11 @@ impl<'m> FilmSurface<'m> {
         })
     }
 
+    /// The displacement (m) of the point of the film that is nearest to `point` (m), in a state.
+    pub fn displacement(&self, point: [f64; 3], state: &FaceState) -> [f64; 3] {
+        self.nearest(Vector3::from(point)).displacement(state).into()
+    }
+
     /// The point of the film that is nearest to `point` (m). Of a film with mirror planes it is on the image on whose side the point
     /// lies.
     pub fn nearest(&self, point: Vector3<f64>) -> Nearest {

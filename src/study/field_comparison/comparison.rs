@@ -6,9 +6,14 @@ use thiserror::Error;
 use super::alignment::{self, Alignment};
 use super::pair::Pair;
 use super::surface::FilmSurface;
+use base::number::{clean_time, rounded};
+use base::table::Column;
 use lab::field::{Field, FieldState, RigidMotion};
 use scene::model::Align;
 use scene::simulate::{FaceMotion, FaceState};
+
+/// Significant digits of the table of errors: finer than any measurement.
+const DIGITS: usize = 7;
 
 /// A run beside a displacement field, in the axes of the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -172,6 +177,29 @@ impl FieldComparison {
     /// Points of all times: matched, and of these on the film.
     pub fn counts(&self) -> [usize; 2] {
         [self.states.iter().map(|state| state.points.len()).sum(), self.norms().points]
+    }
+
+    /// A row a point and time: where it was in the undeformed film, its measured and its simulated displacement, and the error, none of a
+    /// point off the film; in the axes of the run.
+    pub fn columns(&self) -> Vec<Column> {
+        let rows = || self.states.iter().flat_map(|state| state.points.iter().map(move |point| (state, point)));
+        let place = |point: &PointError| self.places[point.place as usize];
+        let is_on = |point: &PointError| self.on_film[point.place as usize];
+        let number = |value: f64| rounded(value, DIGITS);
+        let mut columns = vec![Column::of_numbers("time_s", rows().map(|(state, _)| clean_time(state.time)))];
+        for (axis, name) in ["x_m", "y_m", "z_m"].into_iter().enumerate() {
+            columns.push(Column::of_numbers(name, rows().map(|(_, point)| number(place(point)[axis]))));
+        }
+        for (axis, name) in ["u_m", "v_m", "w_m"].into_iter().enumerate() {
+            columns.push(Column::of_numbers(name, rows().map(|(_, point)| number(point.measured[axis]))));
+        }
+        for (axis, name) in ["simulated_u_m", "simulated_v_m", "simulated_w_m"].into_iter().enumerate() {
+            let simulated = |point: &PointError| if is_on(point) { number(point.simulated[axis]) } else { f64::NAN };
+            columns.push(Column::of_numbers(name, rows().map(|(_, point)| simulated(point))));
+        }
+        let error = |point: &PointError| if is_on(point) { number(point.size()) } else { f64::NAN };
+        columns.push(Column::of_numbers("error_m", rows().map(|(_, point)| error(point))));
+        columns
     }
 
     /// Simulated less measured displacements, m: x, y, z of every point that was matched, time by time; zero for points off the film. Their

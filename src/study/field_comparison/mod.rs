@@ -12,3 +12,4 @@ mod tests;
 
 pub use alignment::{Alignment, FoundMotion};
 pub use comparison::{ErrorNorms, FieldComparison, NoComparison, PointError, StateErrors};
+pub use surface::{FilmSurface, Nearest};
