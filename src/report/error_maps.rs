@@ -45,10 +45,12 @@ fn millimetres(length: f64) -> String {
 
 /// What was measured, and how far the run is from it.
 fn measured(run: &RunPage, field: &FieldComparison) -> String {
-    let program = run.results.comparison.as_ref().and_then(|known| known.field.as_ref()).map(|known| {
-        let columns: Vec<String> = known.columns.iter().map(|label| format!("`{label}`")).collect();
-        format!("Columns as of {}: {}. ", known.program, columns.join(", "))
-    });
+    let program = run
+        .results
+        .comparison
+        .as_ref()
+        .and_then(|known| known.field.as_ref())
+        .map(|known| format!("The columns {} are those of {}. ", known.columns.join(", "), known.program));
     let ([points, compared], norms) = (field.counts(), field.norms());
     let of_measured = norms
         .relative()

@@ -65,7 +65,9 @@ fn lead(run: &RunPage) -> String {
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
     let against = model.reference.as_ref().and_then(|reference| file(reference.files().next()?));
     let is_virtual = results.comparison.as_ref().is_some_and(ReferenceComparison::is_virtual);
-    let kind = if is_virtual { "the virtual recording" } else { "the recording" };
+    let has_signals = model.reference.as_ref().is_some_and(|reference| reference.signals.is_some());
+    let kind = if has_signals { "recording" } else { "field" };
+    let kind = if is_virtual { format!("the virtual {kind}") } else { format!("the {kind}") };
     let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
     format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, model.subject())))
 }

@@ -16,6 +16,7 @@ mod digitized;
 mod documents;
 mod drop_pages;
 mod examples;
+mod field;
 mod files;
 mod gltf;
 mod golden;

@@ -66,8 +66,10 @@ fn scenarios_and_their_resolved_copies_check() {
 /// The model without what depends on the folder of its file.
 fn without_folder(mut model: Model) -> Model {
     model.name.clear();
-    let recording = model.reference.as_mut().map(|reference| &mut reference.signals);
-    for path in model.post.iter_mut().chain(recording) {
+    let reference = model.reference.iter_mut().flat_map(|reference| {
+        reference.signals.iter_mut().chain(reference.field.iter_mut().flat_map(|field| &mut field.files))
+    });
+    for path in model.post.iter_mut().chain(reference) {
         *path = fs::canonicalize(&path).expect("a file");
     }
     model

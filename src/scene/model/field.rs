@@ -129,7 +129,8 @@ fn times(written: &FieldTimes, files: usize, mistakes: &mut ModelDiagnostics<'_>
         }
     };
     if times.len() != files {
-        mistakes.report(TIMES, format!("{} times for {files} files", times.len()));
+        let word = if files == 1 { "file" } else { "files" };
+        mistakes.report(TIMES, format!("{} times for {files} {word}", times.len()));
         return None;
     }
     if let Some(place) = times.windows(2).position(|pair| pair[1] <= pair[0]) {

@@ -11,7 +11,7 @@ use base::units::{Frequency, Length, Time};
 /// A displacement field over time, measured by digital image correlation.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FieldReference {
-    /// Its files, one an image, in the order of the numbers in their names: a folder, a pattern such as `"dic/*.csv"`, or a
+    /// Its files, one per image, in the order of the numbers in their names: a folder, a pattern such as `"dic/*.csv"`, or a
     /// list. Exports of VIC-3D, MatchID, ARAMIS and DICe with undeformed places and displacements in space.
     pub files: FieldFiles,
     /// When they were recorded, on the time axis of the run: a table with a column of time, a list, or a rate.

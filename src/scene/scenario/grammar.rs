@@ -335,6 +335,7 @@ fn plural(rule: &Rule) -> String {
         Rule::Table(_) => "tables".to_owned(),
         Rule::Number { .. } => "numbers".to_owned(),
         Rule::Text { path: false, .. } => "strings".to_owned(),
+        Rule::Text { path: true, .. } => "paths".to_owned(),
         Rule::Quantity(dimension, _) => {
             let name = dimension.name;
             let noun = name.split_once(' ').map_or(name, |(_, noun)| noun);
