@@ -86,7 +86,7 @@ fn field(audit: &Audit) -> String {
     format!(
         "  against the field   {} (rms), {} at most, {} of what was measured; {} of {} points at {} times\n",
         field.rms_m.map_or("-".into(), millimetres),
-        millimetres(field.largest_m),
+        field.largest_m.map_or("-".into(), millimetres),
         audit.field_error.map_or("-".into(), percent),
         field.compared,
         field.points,

@@ -32,7 +32,7 @@ pub(super) fn section(run: &RunPage) -> String {
         [TIME, "error (mm)"],
         vec![
             Curve::line("root mean square", over_time(field, |state| state.norms.rms().unwrap_or(f64::NAN))),
-            Curve::line("largest", over_time(field, |state| state.norms.largest)).dashed(),
+            Curve::line("largest", over_time(field, |state| state.norms.largest().unwrap_or(f64::NAN))).dashed(),
         ],
     );
     let plots = if field.states.len() > 1 { drawn::figures(&[plot]) } else { String::new() };
@@ -63,7 +63,7 @@ fn measured(run: &RunPage, field: &FieldComparison) -> String {
         field.face + 1,
         norms.rms().map_or("-".into(), millimetres),
         of_measured.unwrap_or_default(),
-        millimetres(norms.largest),
+        norms.largest().map_or("-".into(), millimetres),
     )
 }
 
@@ -93,7 +93,9 @@ fn gaps(field: &FieldComparison) -> String {
     match (field.outside, field.not_reached.len()) {
         (0, 0) => String::new(),
         (outside, not_reached) => {
-            format!("Not compared: {outside} files outside of the window, {not_reached} that the run did not reach.")
+            format!(
+                "Files that are not compared: {outside} outside of the window, {not_reached} that the run did not reach."
+            )
         }
     }
 }
@@ -110,7 +112,7 @@ fn rows(field: &FieldComparison) -> String {
             state.norms.points.to_string(),
             state.missing.to_string(),
             state.norms.rms().map_or(String::new(), |rms| significant(rms * 1e3, DIGITS)),
-            significant(state.norms.largest * 1e3, DIGITS),
+            state.norms.largest().map_or(String::new(), |largest| significant(largest * 1e3, DIGITS)),
         ]
     };
     let rows = table("rows", &header, &field.states.iter().map(row).collect::<Vec<_>>());
@@ -216,7 +218,7 @@ fn figure(frame: &Frame, state: &StateErrors, cells: &[Cell], largest: f64) -> S
     let words = format!(
         "Errors at {time}: root mean square {}, largest {}",
         state.norms.rms().map_or("-".into(), millimetres),
-        millimetres(state.norms.largest)
+        state.norms.largest().map_or("-".into(), millimetres)
     );
     let [width, height] = frame.size.map(|length| length + side);
     format!(

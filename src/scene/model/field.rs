@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::{Align, Face, FieldReference, ModelDiagnostics, Motion};
 use crate::scenario::{self, FieldFiles, FieldTimes, Marker};
 use base::diagnostic::{shown_path, tidy_path};
-use base::units::Time;
+use base::number::duration;
 use lab::field::{RigidMotion, in_order, read_times};
 
 const FILES: &str = "reference.field.files";
@@ -31,7 +31,7 @@ pub fn check(
     if let Some(run_time) = run_time
         && times.iter().all(|time| *time > run_time || *time < 0.0)
     {
-        let message = format!("no file was recorded during the run, which takes {}", Time(run_time));
+        let message = format!("no file was recorded during the run, which takes {}", duration(run_time));
         mistakes.report_with(
             TIMES,
             message,

@@ -1,5 +1,5 @@
 //! What a measured signal may differ by from the simulated one of a true parameter: noise of the sensor, roughness of the
-//! simulation, and an error of the model that is correlated along the signal (docs/theory.md, section 27).
+//! simulation, and an error of the model that is correlated along the signal (docs/theory.md, section 28).
 //!
 //! Signals are compared by their means over bins, so that noise that is faster than a bin counts once. In the
 //! eigenvectors of the correlation of the model's error, noise and error are independent whatever the size of the error.

@@ -67,8 +67,7 @@ pub struct ErrorNorms {
     squares: f64,
     /// Sum of the squares of the measured displacements, m².
     measured: f64,
-    /// Largest error, m.
-    pub largest: f64,
+    largest: f64,
 }
 
 /// Why a run cannot be compared with a field.
@@ -98,6 +97,11 @@ impl ErrorNorms {
     /// Root mean square of the sizes of the errors, m.
     pub fn rms(&self) -> Option<f64> {
         (self.points > 0).then(|| (self.squares / self.points as f64).sqrt())
+    }
+
+    /// Largest error, m.
+    pub fn largest(&self) -> Option<f64> {
+        (self.points > 0).then_some(self.largest)
     }
 
     /// ‖u − u_m‖/‖u_m‖ over all points and times, as of signals (paper, equation 15); none where nothing has moved.

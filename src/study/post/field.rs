@@ -19,7 +19,7 @@ pub struct FieldFigures {
     /// Root mean square of the errors.
     pub rms_m: Option<f64>,
     /// Largest error.
-    pub largest_m: f64,
+    pub largest_m: Option<f64>,
     /// Translation from the axes of the field to those of the run, after the rotation.
     pub translation_m: [f64; 3],
     /// The rotation: an axis times an angle.
@@ -44,7 +44,7 @@ pub struct FieldTime {
     /// Root mean square of the errors.
     pub rms_m: Option<f64>,
     /// Largest error.
-    pub largest_m: f64,
+    pub largest_m: Option<f64>,
 }
 
 impl FieldFigures {
@@ -56,13 +56,13 @@ impl FieldFigures {
             compared: state.norms.points,
             missing: state.missing,
             rms_m: state.norms.rms(),
-            largest_m: state.norms.largest,
+            largest_m: state.norms.largest(),
         };
         FieldFigures {
             points,
             compared,
             rms_m: norms.rms(),
-            largest_m: norms.largest,
+            largest_m: norms.largest(),
             translation_m: field.alignment.motion.translation.into(),
             rotation_rad: field.alignment.motion.rotation_vector(),
             alignment_deviation_m: found.map(|found| found.deviation),

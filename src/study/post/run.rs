@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::figures::SUMMARY;
 use super::{ReferenceComparison, Results};
 use crate::field_comparison::FieldComparison;
-use crate::script::{Entry, Fields, HostResult, Session, from_json, numerical_failure, refuse};
+use crate::script::{Entry, Fields, HostResult, Session, from_json, number, numerical_failure, refuse};
 use base::budget::{Budget, Claim};
 use lab::field::Field;
 use lab::signal::{Recording, Series, column};
@@ -110,12 +110,12 @@ impl Columns {
 impl FieldErrors {
     fn get(&mut self, name: ImmutableString) -> HostResult<Dynamic> {
         let (norms, [points, compared]) = (self.0.norms(), self.0.counts());
-        let number = |value: Option<f64>| value.map_or(Dynamic::UNIT, Dynamic::from);
+        let given = |value: Option<f64>| value.map_or(Dynamic::UNIT, Dynamic::from);
         let count = |count: usize| Dynamic::from(count as INT);
         match name.as_str() {
-            "rms" => Ok(number(norms.rms())),
-            "largest" => Ok(norms.largest.into()),
-            "relative" => Ok(number(norms.relative())),
+            "rms" => Ok(given(norms.rms())),
+            "largest" => Ok(given(norms.largest())),
+            "relative" => Ok(given(norms.relative())),
             "points" => Ok(count(points)),
             "compared" => Ok(count(compared)),
             name => Err(unknown("field", name, ["rms", "largest", "relative", "points", "compared", "residuals()"])),
@@ -207,7 +207,9 @@ pub(crate) fn register(engine: &mut Engine) {
         .register_type_with_name::<FieldErrors>("field")
         .register_indexer_get(FieldErrors::get)
         .register_fn("residuals", |field: &mut FieldErrors| field.residuals(1.0))
-        .register_fn("residuals", |field: &mut FieldErrors, deviation: f64| field.residuals(deviation))
+        .register_fn("residuals", |field: &mut FieldErrors, deviation: Dynamic| {
+            field.residuals(number(&deviation, "a standard deviation")?)
+        })
         .register_fn("relative_residuals", FieldErrors::relative_residuals)
         .register_type_with_name::<ReferenceSignals>("reference")
         .register_indexer_get(ReferenceSignals::get);
