@@ -33,12 +33,11 @@ pub(super) fn reading(error: &ReadError) -> Vec<Diagnostic> {
 pub(super) fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
-        PrepareError::Reference(ReferenceError::Read(error) | ReferenceError::Field(FieldError::Read(error))) => {
-            vec![recording(error)]
-        }
-        PrepareError::Reference(ReferenceError::Field(error)) => {
-            vec![Diagnostic { hint: error.hint(), ..Diagnostic::new(error.to_string()) }]
-        }
+        PrepareError::Reference(ReferenceError::Read(error)) => vec![recording(error)],
+        PrepareError::Reference(ReferenceError::Field(error)) => match &**error {
+            FieldError::Read(error) => vec![recording(error)],
+            other => vec![Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) }],
+        },
         other => vec![Diagnostic::new(other.to_string())],
     }
 }

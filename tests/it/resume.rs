@@ -10,7 +10,7 @@ use serde_json::Value as Json;
 use tempfile::TempDir;
 
 use droptower::diagnostic;
-use droptower::model::{self, Model};
+use droptower::model::{self, Model, Motion};
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
 use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunError, RunOptions};
@@ -342,7 +342,9 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
             ],
         ),
     ] {
-        let model = golden(case, changes);
+        let mut model = golden(case, changes);
+        let times = (0..8).map(|part| model.run_time() * f64::from(part) / 8.0).collect();
+        model.output.motion = Some(Motion { face: 0, times });
         let every = 0.22 * model.run_time();
         let detailed = RunOptions { detailed: true, ..RunOptions::default() };
         let through = simulate::run_with(&model, detailed, &mut |_| {});

@@ -5,7 +5,8 @@ use std::time::Duration;
 use droptower_viz::playback::Playback;
 use droptower_viz::{
     Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmSnapshot, FilmTrack, ITERATION, Look, Moment,
-    Places, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError, Window, write,
+    Places, PointState, PointTrack, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError,
+    Window, write,
 };
 use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Points2D, Transform3D};
 use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, PlaybackSpeed, TimelineName, ViewClass};
@@ -55,6 +56,21 @@ fn state(n: u32, index: usize, snapshots: usize) -> FilmSnapshot {
 fn quantity(key: &'static str) -> Quantity {
     let colours = &[[68, 1, 84], [33, 145, 140], [253, 231, 37]];
     Quantity { key, title: key.to_owned(), words: key.to_owned(), range: [0.0, 0.1], colours }
+}
+
+#[test]
+fn points_are_at_every_one_of_their_times() {
+    let state = |time: f64| PointState {
+        time,
+        positions: vec![[0.0, 0.0, time as f32], [0.1, 0.0, 0.0]],
+        colours: vec![[68, 1, 84], [253, 231, 37]],
+    };
+    let track = PointTrack { name: "field".into(), radius: 1e-3, states: vec![state(0.0), state(0.5)] };
+    let played = written(Scene { points: vec![track], ..scene(&[], vec![]) }, &[]);
+    let marks = played.marks("/scene/field");
+    let ends: Vec<[f32; 3]> = marks.iter().map(|(_, points)| points[0]).collect();
+    assert_eq!(ends, [[0.0, 0.0, 0.0], [0.0, 0.0, 0.5]]);
+    assert!(marks[0].0 < marks[1].0, "{marks:?}");
 }
 
 fn signal(name: &str, samples: usize) -> SignalTrack {

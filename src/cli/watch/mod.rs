@@ -207,7 +207,10 @@ fn names(path: &Path, changes: &[Assignment]) -> Vec<PathBuf> {
     let read = Document::read(path).map(|document| document.with(changes));
     if let Ok(document) = read {
         names.extend(document.files().iter().cloned());
-        names.extend(document.named());
+        // Those of a field may be a pattern.
+        let named = document.named();
+        let files = named.iter().filter_map(|path| scenarios::expanded(&path.display().to_string()).ok());
+        names.extend(files.flatten());
     }
     names
 }

@@ -29,7 +29,7 @@ pub fn read_times(path: &Path) -> Result<Vec<f64>, FieldError> {
         found.map(|column| column.values.clone()).ok_or_else(|| refused(FileFault::NoTime { found: labels() }))?;
     let mut latest = f64::NEG_INFINITY;
     for (place, time) in times.iter().enumerate() {
-        if !(*time > latest) {
+        if time.is_nan() || *time <= latest {
             return Err(refused(FileFault::TimeNotIncreasing { number: place + 1 }));
         }
         latest = *time;

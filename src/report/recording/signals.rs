@@ -168,6 +168,7 @@ mod tests {
             drop: None,
             annotations: Annotations::new(vec!["VIRTUAL drop test".to_owned()]),
             reduction_warnings: vec![],
+            field: None,
         };
         let Signals { tracks, charts, .. } =
             charted(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison), 0.1);
@@ -191,6 +192,7 @@ mod tests {
             drop: None,
             annotations: Annotations::default(),
             reduction_warnings: vec![],
+            field: None,
         };
         let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];
         let tracks = charted(&recording(&names), &recording(&[]), Some(&comparison), 0.1).tracks;

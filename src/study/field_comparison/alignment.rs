@@ -38,7 +38,7 @@ pub struct FoundMotion {
 impl FoundMotion {
     /// Whether some part of the motion is not determined.
     pub fn is_uncertain(&self) -> bool {
-        !(self.least_known <= UNCERTAIN * self.radius)
+        self.least_known.is_nan() || self.least_known > UNCERTAIN * self.radius
     }
 }
 

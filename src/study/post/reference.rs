@@ -59,7 +59,7 @@ pub enum ReferenceError {
     Read(#[from] file::ReadError),
     /// The field cannot be read.
     #[error(transparent)]
-    Field(#[from] FieldError),
+    Field(Box<FieldError>),
     /// A raw recording lacks a channel, or has several that could be it.
     #[error("{}: {source}; {RAW}", path.display())]
     Channels {
@@ -116,7 +116,8 @@ impl ReferenceComparison {
             return Ok(None);
         };
         let signals = reference.signals.as_deref().map(|path| Signals::read(path, model, reference)).transpose()?;
-        let field = reference.field.as_ref().map(read_field).transpose()?.flatten().map(Arc::new);
+        let field = reference.field.as_ref().map(read_field).transpose();
+        let field = field.map_err(|error| ReferenceError::Field(Box::new(error)))?.flatten().map(Arc::new);
         let (signals, annotations) = signals.unwrap_or_default();
         let Signals {
             raw,
