@@ -77,7 +77,7 @@ fn timed(sweep: &Sweep, folder: &Path, stop_after: Option<usize>) -> Timed {
     let (computed, early, taken_up) = (AtomicUsize::new(0), Mutex::new(0.0), Mutex::new(None));
     let begin = Instant::now();
     let observer = |event: Event<'_>| {
-        let Event::Computed(evaluation) = event else { return };
+        let Event::Computed(_, evaluation) = event else { return };
         let count = computed.fetch_add(1, Ordering::Relaxed) + 1;
         let since = begin.elapsed().as_secs_f64() - evaluation.wall_s;
         taken_up.lock().expect("a lock").get_or_insert(since);
@@ -85,7 +85,7 @@ fn timed(sweep: &Sweep, folder: &Path, stop_after: Option<usize>) -> Timed {
             *early.lock().expect("a lock") = resident();
         }
         if stop_after.is_some_and(|most| count >= most) {
-            stop.requested.cancel();
+            stop.given_up.cancel();
         }
     };
     let done = work.run(&observer).expect("a sweep");

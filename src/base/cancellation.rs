@@ -15,22 +15,32 @@ struct Cancelled;
 
 /// Whether a run is cancelled, shared between its caller and the run. Cheap to clone.
 #[derive(Clone, Debug, Default)]
-pub struct Cancellation(Arc<AtomicBool>);
+pub struct Cancellation {
+    own: Arc<AtomicBool>,
+    /// That of the work that the run is a part of.
+    whole: Option<Arc<AtomicBool>>,
+}
 
 impl Cancellation {
-    /// Cancels the run.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
+    /// The cancellation of a run that is a part of the work that `whole` cancels.
+    pub fn within(&self, whole: &Cancellation) -> Cancellation {
+        Cancellation { own: Arc::clone(&self.own), whole: Some(Arc::clone(&whole.own)) }
     }
 
-    /// Whether the run was cancelled.
+    /// Cancels the run.
+    pub fn cancel(&self) {
+        self.own.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the run was cancelled, alone or with the work that it is a part of.
     pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        let is_set = |flag: &AtomicBool| flag.load(Ordering::Relaxed);
+        is_set(&self.own) || self.whole.as_deref().is_some_and(is_set)
     }
 
     /// Whether both are of the same run.
     pub fn is(&self, other: &Cancellation) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        Arc::ptr_eq(&self.own, &other.own)
     }
 
     /// Does `work` on this thread, which ends at its next [`stop_if_cancelled`] once this is cancelled; `None` then.
@@ -79,6 +89,18 @@ mod tests {
         });
         assert_eq!((ended, steps), (Some((None, "outer")), 1));
         stop_if_cancelled();
+    }
+
+    #[test]
+    fn a_part_is_cancelled_with_the_whole_and_not_the_other_way_round() {
+        let (part, whole) = (Cancellation::default(), Cancellation::default());
+        let within = part.within(&whole);
+        assert!(within.is(&part) && !within.is_cancelled());
+        part.cancel();
+        assert!(within.is_cancelled() && !whole.is_cancelled());
+        let other = Cancellation::default().within(&whole);
+        whole.cancel();
+        assert!(other.is_cancelled());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::Failure;
+use super::failure::ExitStatus;
 use base::cancellation::Cancellation;
 use base::diagnostic::{Diagnostic, Source, Span};
 use base::periodic;
@@ -27,11 +28,6 @@ pub(super) struct ShardArgs {
 }
 
 impl ShardArgs {
-    /// Whether the process must end in good order.
-    pub(super) fn is_given(&self) -> bool {
-        self.shard.is_some() || self.stop_after.is_some()
-    }
-
     /// The part of the runs.
     pub(super) fn share(&self) -> Result<Share, Vec<Diagnostic>> {
         let Some(text) = &self.shard else { return Ok(Share::WHOLE) };
@@ -57,11 +53,71 @@ impl ShardArgs {
     }
 }
 
-/// Cancels the runs of this process on SIGTERM, SIGINT and SIGHUP.
-pub(super) fn cancel_on_termination(cancellation: &Cancellation) -> Result<(), Failure> {
-    let cancellation = cancellation.clone();
-    let handled = ctrlc::set_handler(move || cancellation.cancel());
-    handled.map_err(|error| Failure::output(Diagnostic::new(format!("cannot handle signals: {error}"))))
+/// What signals of the operating system end.
+pub(super) struct Ends {
+    /// Nothing begins any more, and what has begun ends.
+    pub stop: Cancellation,
+    /// What has begun is given up, too.
+    pub given_up: Cancellation,
+}
+
+impl Ends {
+    /// Takes a signal: Ctrl-C stops, and a second one gives up; any other signal gives up at once. Whether the program must
+    /// end here, since it was given up before.
+    fn take(&self, is_interrupt: bool) -> bool {
+        let is_second = self.stop.is_cancelled();
+        let is_late = self.given_up.is_cancelled();
+        self.stop.cancel();
+        if is_second || !is_interrupt {
+            self.given_up.cancel();
+        }
+        is_late
+    }
+
+    /// Whether it was stopped or given up.
+    pub(super) fn is_over(&self) -> bool {
+        self.stop.is_cancelled() || self.given_up.is_cancelled()
+    }
+}
+
+/// Handles signals from now on. `told` is called once what has begun is to end.
+#[cfg(unix)]
+pub(super) fn end_on_signals(ends: Ends, told: impl Fn() + Send + 'static) -> Result<(), Failure> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let found = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]);
+    let mut found = found.map_err(|error| unhandled(&error))?;
+    let watch = move || {
+        for signal in found.forever() {
+            let was_over = ends.is_over();
+            if ends.take(signal == SIGINT) {
+                std::process::exit(ExitStatus::OutputFailed as i32);
+            }
+            if !was_over && !ends.given_up.is_cancelled() {
+                told();
+            }
+        }
+    };
+    let started = std::thread::Builder::new().name("signals".into()).spawn(watch);
+    started.map(drop).map_err(|error| unhandled(&error))
+}
+
+/// Handles Ctrl-C from now on. `told` is called once what has begun is to end.
+#[cfg(not(unix))]
+pub(super) fn end_on_signals(ends: Ends, told: impl Fn() + Send + 'static) -> Result<(), Failure> {
+    let handle = move || {
+        let was_over = ends.is_over();
+        if ends.take(true) {
+            std::process::exit(ExitStatus::OutputFailed as i32);
+        }
+        if !was_over {
+            told();
+        }
+    };
+    ctrlc::set_handler(handle).map_err(|error| unhandled(&error))
+}
+
+fn unhandled(error: &impl std::fmt::Display) -> Failure {
+    Failure::output(Diagnostic::new(format!("cannot handle signals: {error}")))
 }
 
 /// Runs `work` while other processes are shown that this one is at work; cancels it at the deadline.
@@ -79,4 +135,24 @@ pub(super) fn watched<T>(
         let _ = evaluations.store().keep_alive();
     };
     periodic::during(TICK, watch, work)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_first_interrupt_lets_what_has_begun_end() {
+        let ends = Ends { stop: Cancellation::default(), given_up: Cancellation::default() };
+        assert!(!ends.is_over());
+        assert!(!ends.take(true) && ends.is_over() && !ends.given_up.is_cancelled());
+        assert!(!ends.take(true) && ends.given_up.is_cancelled());
+        assert!(ends.take(true), "a third one ends the program");
+    }
+
+    #[test]
+    fn termination_gives_up_at_once() {
+        let ends = Ends { stop: Cancellation::default(), given_up: Cancellation::default() };
+        assert!(!ends.take(false) && ends.stop.is_cancelled() && ends.given_up.is_cancelled());
+    }
 }

@@ -235,7 +235,8 @@ fn recording(recording: &Recording) -> Result<Vec<u8>, StoreError> {
     Ok(text)
 }
 
-fn json(summary: &Map<String, Value>) -> Result<Vec<u8>, StoreError> {
+/// A summary as the text of its file.
+pub(super) fn json(summary: &Map<String, Value>) -> Result<Vec<u8>, StoreError> {
     let text = serde_json::to_vec_pretty(summary);
     let mut text = text.map_err(|error| StoreError::write(run_files::SUMMARY, error.into()))?;
     text.push(b'\n');

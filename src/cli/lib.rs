@@ -29,6 +29,7 @@ mod list;
 mod man;
 #[cfg_attr(not(feature = "rerun"), path = "live_off.rs")]
 mod live;
+mod live_page;
 mod new;
 mod output;
 mod picture;

@@ -33,13 +33,23 @@ static SCRIPTS: LazyLock<[String; 6]> = LazyLock::new(|| {
     ]
 });
 
-/// Nothing is loaded from anywhere, and no script runs but those of [`SCRIPTS`].
-static POLICY: LazyLock<String> = LazyLock::new(|| {
-    // By hashes instead of `unsafe-inline`: a script that slipped through an escape would not run.
-    let hash = |script: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)));
-    let scripts = SCRIPTS.each_ref().map(|script| hash(script)).join(" ");
-    format!("default-src 'none'; style-src 'unsafe-inline'; script-src {scripts}; base-uri 'none'; form-action 'none'")
+static POLICY: LazyLock<String> = LazyLock::new(|| policy(&SCRIPTS.each_ref().map(String::as_str)));
+
+/// The scripts of a page that renews itself: those of every page but for the film, and its own.
+static LIVING: LazyLock<[&str; 5]> = LazyLock::new(|| {
+    let [library, page, tables, plots, ..] = SCRIPTS.each_ref().map(String::as_str);
+    [library, page, tables, plots, include_str!("page/progress.js")]
 });
+
+static LIVING_POLICY: LazyLock<String> = LazyLock::new(|| policy(&*LIVING));
+
+/// The policy of a page: nothing is loaded from anywhere, and no script runs but these.
+fn policy(scripts: &[&str]) -> String {
+    // By hashes instead of `unsafe-inline`: a script that slipped through an escape would not run.
+    let hash = |script: &&str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)));
+    let scripts = scripts.iter().map(hash).collect::<Vec<_>>().join(" ");
+    format!("default-src 'none'; style-src 'unsafe-inline'; script-src {scripts}; base-uri 'none'; form-action 'none'")
+}
 
 /// `text` with everything that HTML would read as markup escaped.
 pub(super) fn escape(text: &str) -> String {
@@ -68,9 +78,32 @@ pub(super) fn unescape(html: &str) -> String {
 
 /// A whole page: `title` is text, `body` is HTML. It loads nothing and runs only its own scripts.
 pub fn page(title: &str, body: &str) -> String {
+    whole(title, body, &POLICY, &STYLES.concat(), &SCRIPTS.each_ref().map(String::as_str))
+}
+
+/// A whole page that renews itself while what it shows goes on.
+pub(super) fn living_page(title: &str, body: &str) -> String {
+    let styles = [&STYLES[..], &[include_str!("page/progress.css")]].concat().concat();
+    whole(title, body, &LIVING_POLICY, &styles, &*LIVING)
+}
+
+/// A page that leads at once to the one at `address`, which is relative and needs no escape.
+pub(super) fn leading_page(title: &str, address: &str) -> String {
+    let (title, address) = (escape(title), escape(address));
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; base-uri 'none'; form-action 'none'\">\n\
+         <meta http-equiv=\"refresh\" content=\"0; url={address}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>{title}</title>\n</head>\n<body>\n<main><h1>{title}</h1>\n<p><a href=\"{address}\">The study has ended: \
+         its report</a></p></main>\n</body>\n</html>\n"
+    )
+}
+
+fn whole(title: &str, body: &str, policy: &str, styles: &str, scripts: &[&str]) -> String {
     let title = escape(title);
-    let (policy, styles) = (POLICY.as_str(), STYLES.concat());
-    let scripts = SCRIPTS.each_ref().map(|script| format!("<script>{script}</script>\n")).concat();
+    let scripts: String = scripts.iter().map(|script| format!("<script>{script}</script>\n")).collect();
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
@@ -237,6 +270,13 @@ mod tests {
             html.contains("<script>const VIRIDIS = [[68,1,84],[71,45,123],"),
             "the colours stand before the page's parts"
         );
+    }
+
+    #[test]
+    fn a_page_that_renews_itself_allows_its_own_scripts_and_nothing_else() {
+        let html = living_page("a < b", "");
+        assert_eq!(html.matches("'sha256-").count(), LIVING.len());
+        assert!(LIVING.iter().all(|script| !script.contains("</script") && html.contains(script)));
     }
 
     #[test]

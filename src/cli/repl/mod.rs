@@ -93,7 +93,7 @@ impl<'a> Repl<'a> {
         };
         let collector = OutputCollector::new(Vec::new()).with_listener(move |message| tell(&message.to_string()));
         let host = SearchHost::new(None, move |event| match event {
-            SearchEvent::Progress(progress) => tell(&progress.to_string()),
+            SearchEvent::Progress(_, progress) => tell(&progress.to_string()),
             SearchEvent::Warning(warning) => tell(&Message::Finding(&base::finding::Finding::new(warning)).to_string()),
             _ => {}
         });

@@ -13,9 +13,10 @@ use rhai::{Dynamic, Engine, Scope};
 use serde_json::{Map, Value, json};
 
 use super::complete;
-use super::farm::{self, ShardArgs};
+use super::farm::{self, Ends, ShardArgs};
 use super::faults::{reading, script, storing};
 use super::given::Given;
+use super::live_page::LivePage;
 use super::scenarios::both;
 use super::{Failure, Shared, digest, folder, print_figures, table};
 use base::diagnostic::{Diagnostic, printable, shown_path};
@@ -29,10 +30,11 @@ use study::functions;
 use study::identify::{self, Identity, SearchEvent, SearchHost};
 use study::scenario_functions::{self, Scenarios};
 use study::script::{
-    About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
+    About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, stop_beyond,
+    to_json,
 };
 use study::store::evaluations::Share;
-use study::store::{self, Draft, Origin, StoreError, run_files};
+use study::store::{self, Draft, Origin, ProgressFolder, STOPPED, StoreError, run_files};
 use study::sweep;
 
 #[derive(Debug, Args)]
@@ -114,15 +116,30 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     if args.check {
         return check(args, &place, shared);
     }
+    let page = LivePage::new(&name, ProgressFolder::new(&place, share), {
+        let quiet = shared.quiet;
+        move |line| tell(&format!("note: {line}"), quiet)
+    });
+    let runs = page.clone();
     let evaluations = Evaluations::open(&args.store).map_err(|error| unkept(&error))?.with_share(share);
-    let evaluations = Arc::new(evaluations);
-    let ran = run_script(args, name, &place, (&evaluations, deadline), shared.quiet);
-    evaluations.store().close().map_err(|error| unkept(&evaluations.failed(error)))?;
-    let Some(run) = ran? else { return unfinished(args, &evaluations, shared) };
-    if share != Share::WHOLE {
-        return part(args, &evaluations, shared);
-    }
-    let files = store_results(&run, args, &place, origin).map_err(|error| Failure::output(storing(&error)))?;
+    let evaluations = Arc::new(evaluations.with_observer(move |event| runs.note_run(&event)));
+    let stored = || -> Result<Option<(ScriptRun, Vec<String>)>, Failure> {
+        let ran = run_script(args, name, &place, (&evaluations, deadline), (&page, shared.quiet));
+        evaluations.store().close().map_err(|error| unkept(&evaluations.failed(error)))?;
+        let (run, is_stopped) = ran?;
+        if is_stopped {
+            return unfinished(&run, args, &evaluations, &page, shared).map(|()| None);
+        }
+        if share != Share::WHOLE {
+            page.discard();
+            return part(args, &evaluations, shared).map(|()| None);
+        }
+        let files = store_results(&run, args, &place, origin).map_err(|error| Failure::output(storing(&error)))?;
+        page.ended(&run.name);
+        Ok(Some((run, files)))
+    };
+    let stored = stored().inspect_err(|failure| page.failed(failure))?;
+    let Some((run, files)) = stored else { return Ok(()) };
     print_figures(shared, &summary(&run), || {
         let ScriptRun { name, output, .. } = &run;
         format!("{name}\n{}{}", table::script_output(output), digest::folder(&place, &files))
@@ -150,44 +167,75 @@ fn part(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result
     print_figures(shared, &figures, || format!("{}: {computed} runs computed here", shown_path(args.path())))
 }
 
-/// A study that was stopped by a signal or its deadline: one of several processes has done its work, another one has not.
-fn unfinished(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result<(), Failure> {
+/// A study that was stopped by a signal or its deadline: one of several processes has done its work, another one has not,
+/// and leaves what it knows.
+fn unfinished(
+    run: &ScriptRun,
+    args: &ScriptArgs,
+    evaluations: &Evaluations,
+    page: &LivePage,
+    shared: &Shared,
+) -> Result<(), Failure> {
     if evaluations.share() != Share::WHOLE {
+        page.stopped();
         return part(args, evaluations, shared);
     }
+    let mut summary_so_far = Map::from_iter([("stopped".to_owned(), Value::Bool(true))]);
+    summary_so_far.extend(page.summary());
+    summary_so_far.extend(summary(run));
+    let folder = page.folder();
+    let written = folder::json(&summary_so_far).and_then(|text| folder.write(STOPPED, &text));
+    page.stopped();
+    written.map_err(|error| Failure::output(storing(&error)))?;
     let mistake = Diagnostic::new(format!("{} was stopped before its end", shown_path(args.path())));
-    Err(Failure::output(mistake.hint("its runs are kept: the same command goes on from there")))
+    let hint = "its runs are kept, and the same command goes on from there";
+    Err(Failure::output(mistake.hint(format!("{hint}; {} has the best so far", shown_path(folder.path())))))
 }
+
+/// Prints a line on standard error, unless `quiet`.
+fn tell(line: &str, quiet: bool) {
+    if !quiet {
+        // The report has every message, so one that cannot be printed is dropped.
+        let _ = writeln!(io::stderr(), "{}", printable(line));
+    }
+}
+
+/// Words of scripts that compute runs, which have a page from their beginning; others from their first run on.
+const RUNNING: [&str; 6] = ["simulate", "minimize", "sweep", "screening", "threshold", "calibrate"];
 
 pub(super) fn unkept(error: &EvaluationError) -> Failure {
     Failure::output(Diagnostic::new(error.to_string()))
 }
 
-/// Runs the script, whose results go to `place`; its messages are printed at once. None where it was stopped.
+/// Runs the script, whose results go to `place`; its messages are printed at once. With it, whether it was stopped.
 fn run_script(
     args: &ScriptArgs,
     name: String,
     place: &Path,
     (evaluations, deadline): (&Arc<Evaluations>, Option<Instant>),
-    quiet: bool,
-) -> Result<Option<ScriptRun>, Failure> {
-    let print_line = move |line: &str| {
-        if !quiet {
-            // The report has every message, so one that cannot be printed is dropped.
-            let _ = writeln!(io::stderr(), "{}", printable(line));
-        }
-    };
+    (page, quiet): (&LivePage, bool),
+) -> Result<(ScriptRun, bool), Failure> {
+    let print_line = move |line: &str| tell(line, quiet);
     let collector = OutputCollector::new(RESERVED.map(String::from).into());
-    let collector = collector.with_listener(move |message| print_line(&message.to_string()));
-    let searches = collector.clone();
+    let messages = page.clone();
+    let collector = collector.with_listener(move |message| {
+        let message = message.to_string();
+        print_line(&message);
+        messages.note_message(&message);
+    });
+    let (searches, shown) = (collector.clone(), page.clone());
     // Processes that compute a study together cannot share one history.
     let history = (evaluations.share() == Share::WHOLE).then(|| store::history_of(place));
-    let host = SearchHost::new(history, move |event| match event {
-        SearchEvent::Progress(progress) => print_line(&progress.to_string()),
-        SearchEvent::OpenPoints(open) => print_line(&format!("note: profiles: {open} points remain")),
-        SearchEvent::Warning(warning) => print_line(&Message::Finding(&Finding::new(warning)).to_string()),
-        SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
-        SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
+    let host = SearchHost::new(history, move |event| {
+        shown.note_search(&event);
+        match event {
+            SearchEvent::Progress(_, progress) => print_line(&progress.to_string()),
+            SearchEvent::OpenPoints(open) => print_line(&format!("note: profiles: {open} points remain")),
+            SearchEvent::Warning(warning) => print_line(&Message::Finding(&Finding::new(warning)).to_string()),
+            SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
+            SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
+            SearchEvent::Begun(_) | SearchEvent::Trial(..) | SearchEvent::Ended(_) => {}
+        }
     });
     let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector);
     let profile = (args.trace || args.profile).then(|| profile::watch(&mut engine, args));
@@ -198,19 +246,29 @@ fn run_script(
         false if fault.may_pass => Failure::output(script(&fault)),
         false => Failure::from(script(&fault)),
     };
-    let cancellation = Session::of_engine(&engine).cancellation().clone();
-    if args.farm.is_given() {
-        farm::cancel_on_termination(&cancellation)?;
+    let session = Session::of_engine(&engine);
+    let (stop, given_up) = (session.stop().clone(), session.cancellation().clone());
+    stop_beyond(&mut engine, Limits::STUDY, &given_up);
+    let ends = || Ends { stop: stop.clone(), given_up: given_up.clone() };
+    let told = page.clone();
+    farm::end_on_signals(ends(), move || {
+        tell("note: stops once what runs has ended; Ctrl-C again gives it up", quiet);
+        told.stopping();
+    })?;
+    let text = program.whole_text();
+    if RUNNING.iter().any(|word| text.contains(word)) {
+        page.begin();
     }
-    let ran = farm::watched(evaluations, &cancellation, deadline, || program.run(&engine, scope));
+    let run = || page.during(|| program.run(&engine, scope));
+    let ran = farm::watched(evaluations, &given_up, deadline, run);
     if let Some(profile) = profile.filter(|_| args.profile) {
         // Where the time went is asked of a script that failed, too.
         let _ = writeln!(io::stderr(), "{}", printable(&profile::table(&profile.lines(), &program)));
     }
-    match ran {
-        Err(_) if cancellation.is_cancelled() => return Ok(None),
-        ran => ran.map_err(stopped)?,
-    }
+    let is_stopped = match ran {
+        Err(_) if ends().is_over() => true,
+        ran => ran.map(|_| false).map_err(stopped)?,
+    };
     let [cache_hits, computed] = evaluations.counts();
     if cache_hits > 0 {
         let all = cache_hits + computed;
@@ -223,7 +281,7 @@ fn run_script(
     }
     let mut output = collector.output();
     output.findings.splice(..0, virtual_recordings.clone());
-    Ok(Some(ScriptRun { name, call, program, output, virtual_recordings }))
+    Ok((ScriptRun { name, call, program, output, virtual_recordings }, is_stopped))
 }
 
 /// The interpreter with all functions of studies, whose scenarios have these changes.

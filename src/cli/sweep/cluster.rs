@@ -124,6 +124,7 @@ impl Watch<'_> {
         loop {
             let done = self.done()?;
             self.progress.reached(done, before);
+            self.task.page.note_reached(self.keys.len(), done, before);
             if done == self.keys.len() {
                 return Ok(before);
             }

@@ -4,25 +4,29 @@ mod cluster;
 mod progress;
 mod results;
 
+use std::io::{self, Write};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
 use super::changes::Changes;
 use super::complete;
-use super::farm::{self, ShardArgs};
+use super::farm::{self, Ends, ShardArgs};
 use super::faults::{preparing, storing};
+use super::live_page::LivePage;
 use super::scenarios::both;
 use super::{Failure, Shared, print_figures};
-use base::diagnostic::{Diagnostic, shown_path};
+use base::diagnostic::{Diagnostic, printable, printable_json, shown_path};
 use cluster::Cluster;
 use progress::Progress;
 use results::Keep;
 use scene::scenario::Document;
 use study::evaluate::{EvaluationError, Evaluations};
+use study::post::ranking_figure;
 use study::store::evaluations::Share;
-use study::store::{self, Origin};
+use study::store::{self, Origin, ProgressFolder};
 use study::sweep::{Done, Stop, Sweep, SweepError, SweepResults, Work};
 
 #[derive(Debug, Args)]
@@ -85,33 +89,64 @@ struct Task {
     keep: Keep,
     stop: Stop,
     cluster: Option<Cluster>,
+    page: LivePage,
+    /// Whether the results are stored.
+    is_stored: AtomicBool,
+}
+
+impl Task {
+    /// What signals end.
+    fn ends(&self) -> Ends {
+        Ends { stop: self.stop.requested.clone(), given_up: self.stop.given_up.clone() }
+    }
 }
 
 pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     let begin = Instant::now();
-    let task = task(args, begin)?;
-    let Task { sweep, evaluations, stop, cluster, .. } = &task;
-    farm::cancel_on_termination(&stop.requested)?;
-    let before = cluster.as_ref().map(|cluster| cluster.compute(&task, args, shared)).transpose()?;
+    let task = task(args, shared, begin)?;
+    let page = &task.page;
+    let (ends, told) = (task.ends(), page.clone());
+    farm::end_on_signals(ends, move || told.stopping())?;
+    let swept = page.during(|| swept(&task, args, shared, begin));
+    if let Err(failure) = &swept
+        && !task.ends().is_over()
+        && !task.is_stored.load(Ordering::Relaxed)
+    {
+        page.failed(failure);
+    }
+    swept
+}
+
+/// Computes the runs, and stores the results.
+fn swept(task: &Task, args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<(), Failure> {
+    let Task { sweep, evaluations, stop, cluster, page, .. } = task;
+    if !args.merge {
+        page.begin_sweep(sweep, args.figure.as_deref().unwrap_or(ranking_figure(sweep.model())));
+    }
+    let before = cluster.as_ref().map(|cluster| cluster.compute(task, args, shared)).transpose()?;
     let progress = Progress::new(sweep.len(), shared);
     let is_part = evaluations.share() != Share::WHOLE;
     let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge || cluster.is_some() };
-    let done = work.run(&|event| progress.show(&event));
+    let done = work.run(&|event| {
+        progress.show(&event);
+        page.note_sweep(&event, sweep, evaluations);
+    });
     progress.finish();
     let mut done = done.map_err(|error| failed(&error))?;
     done.cache_hits = before.unwrap_or(done.cache_hits);
     if done.len() < sweep.len() {
-        return unfinished(&task, &done, args, shared);
+        return unfinished(task, &done, args, shared);
     }
     if is_part {
+        page.discard();
         return print_figures(shared, &partly(&done, sweep), || shard_text(&done, sweep));
     }
     let found = SweepResults::from_evaluations(sweep, &done, evaluations).map_err(|error| failed(&error))?;
-    results::store(&task, &found, args, shared, begin.elapsed().as_secs_f64())
+    results::store(task, &found, args, shared, begin.elapsed().as_secs_f64())
 }
 
 /// All arguments checked, or all their mistakes.
-fn task(args: &SweepArgs, begin: Instant) -> Result<Task, Failure> {
+fn task(args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<Task, Failure> {
     let ((keep, share), (deadline, assignments)) =
         both(both(keep(args), args.farm.share()), both(args.farm.deadline(begin), args.changes.assignments()))?;
     let document = Document::read(&args.scenario)?.with(&assignments);
@@ -122,9 +157,29 @@ fn task(args: &SweepArgs, begin: Instant) -> Result<Task, Failure> {
     let place = place(args, &sweep.model().name)?;
     same_study(args, &sweep)?;
     let cluster = args.on.map(|on| Cluster::read(on, &args.cluster)).transpose()?;
+    let page = page(&sweep.model().name, ProgressFolder::new(&place, share), shared);
+    let runs = page.clone();
     let evaluations = Evaluations::open(&args.store).map_err(|error| failed(&error))?.with_share(share);
+    let evaluations = evaluations.with_observer(move |event| runs.note_run(&event));
     let stop = Stop { deadline, ..Stop::default() };
-    Ok(Task { sweep, document, evaluations, place, keep, stop, cluster })
+    Ok(Task { sweep, document, evaluations, place, keep, stop, cluster, page, is_stored: AtomicBool::new(false) })
+}
+
+/// The page of the sweep; where it is, is a note, or an event for a program.
+fn page(name: &str, folder: ProgressFolder, shared: &Shared) -> LivePage {
+    let (events, quiet, path) = (shared.json, shared.quiet, folder.page().display().to_string());
+    LivePage::new(name, folder, move |line| {
+        let line = match events {
+            true => {
+                printable_json(&serde_json::json!({ "event": "page", "path": path, "text": line }).to_string()).into()
+            }
+            false => printable(&format!("note: {line}")).to_string(),
+        };
+        if !quiet {
+            // Whoever follows may have gone.
+            let _ = writeln!(io::stderr(), "{line}");
+        }
+    })
 }
 
 /// Refuses to change a key that varies: each run would give it another value.
@@ -212,18 +267,26 @@ fn shard_text(done: &Done, sweep: &Sweep) -> String {
 
 /// A sweep that has runs left is not stored: a table of a part would be taken for the whole.
 fn unfinished(task: &Task, done: &Done, args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
-    let Task { sweep, evaluations, .. } = task;
+    let Task { sweep, evaluations, page, .. } = task;
     let (name, missing) = (&sweep.model().name, sweep.len() - done.len());
     if evaluations.share() != Share::WHOLE {
+        page.stopped();
         return print_figures(shared, &partly(done, sweep), || {
             format!("{name}: {} runs computed here, {missing} of {} are not done yet", done.computed, sweep.len())
         });
     }
+    if !args.merge {
+        results::store_stopped(task, done)?;
+        page.stopped();
+    }
     print_figures(shared, &partly(done, sweep), String::new)?;
     let mistake = Diagnostic::new(format!("{name}: {missing} of {} runs are not done", sweep.len()));
     let hint = match args.merge {
-        true => "run `droptower sweep` without --merge: it computes what is missing",
-        false => "what is done stays: the same command goes on from there",
+        true => "run `droptower sweep` without --merge: it computes what is missing".to_owned(),
+        false => format!(
+            "what is done stays, and the same command goes on from there; {} has it so far",
+            shown_path(page.folder().path())
+        ),
     };
     Err(Failure::output(mistake.hint(hint)))
 }

@@ -96,13 +96,13 @@ impl Progress {
     pub(super) fn show(&self, event: &Event<'_>) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         match event {
-            Event::Taken => {
+            Event::Taken(..) => {
                 state.cache_hits += 1;
                 if state.computed == 0 {
                     state.began = Instant::now();
                 }
             }
-            Event::Computed(evaluation) => {
+            Event::Computed(_, evaluation) => {
                 state.computed += 1;
                 state.failed += usize::from(evaluation.failure.is_some());
             }
@@ -110,7 +110,7 @@ impl Progress {
                 state.left = Some([*left, state.computed]);
                 state.elsewhere = *elsewhere;
             }
-            Event::Refused(cause) => {
+            Event::Refused(_, cause) => {
                 state.refused += 1;
                 if state.refused == 1 && !self.quiet && !self.events {
                     let text = format!("warning: a run has no result: {cause}");

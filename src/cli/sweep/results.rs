@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
-use super::{SweepArgs, Task};
+use super::{SweepArgs, Task, failed};
 use crate::faults::storing;
 use crate::{Failure, Shared, digest, findings, folder, print_figures, run, scenarios};
 use base::diagnostic::Diagnostic;
@@ -12,8 +13,8 @@ use base::shell::quoted;
 use base::written::{Reading, digits};
 use report::SweepPage;
 use study::post::ranking_figure;
-use study::store::{Draft, Origin, StoreError};
-use study::sweep::{Effects, Sweep, SweepResults};
+use study::store::{Draft, Origin, STOPPED, STOPPED_TABLE, StoreError};
+use study::sweep::{Done, Effects, Sweep, SweepResults};
 
 /// Which runs have folders of their own.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,12 +98,30 @@ pub(super) fn store(
         Ok(files)
     };
     let files = write().map_err(|error| Failure::output(storing(&error)))?;
+    task.is_stored.store(true, Ordering::Relaxed);
+    task.page.ended(&sweep.model().name);
     let checked = |run| Ok((scenarios::of_document(sweep.document(run))?, run_place(place, run)));
     let runs = kept.into_iter().map(checked).collect::<Result<Vec<_>, Vec<Diagnostic>>>()?;
     let failure = run::all(runs, shared);
     let printed = print_figures(shared, &summary, || text(sweep, found, seconds, &digest::folder(place, &files)));
     let failed = failed_runs(sweep, found);
     Failure::all([failure, failed].into_iter().flatten()).map_or(printed, Err)
+}
+
+/// Writes what is known of a sweep that was stopped: counts, statistics, and the table of the runs that are done.
+pub(super) fn store_stopped(task: &Task, done: &Done) -> Result<(), Failure> {
+    let Task { sweep, evaluations, page, .. } = task;
+    let found = SweepResults::from_evaluations(sweep, done, evaluations).map_err(|error| failed(&error))?;
+    let mut summary = serde_json::Map::from_iter([("stopped".to_owned(), true.into())]);
+    summary.extend(found.summary(sweep, 0.0).into_iter().filter(|(name, _)| name != "seconds"));
+    let folder = page.folder();
+    let write = || -> Result<(), StoreError> {
+        folder.write(STOPPED, &folder::json(&summary)?)?;
+        let table = base::table::to_csv(&found.table.columns);
+        folder
+            .write(STOPPED_TABLE, &table.map_err(|error| StoreError::write(folder.path().join(STOPPED_TABLE), error))?)
+    };
+    write().map_err(|error| Failure::output(storing(&error)))
 }
 
 /// The folder of a run of a sweep in `place`.

@@ -66,5 +66,5 @@ const page = (() => {
     return VIRIDIS[below].map((part, channel) => part + (place - below) * (VIRIDIS[below + 1][channel] - part));
   };
 
-  return { make, viridis, rgb: (parts) => `rgb(${parts.map(Math.round).join()})` };
+  return { make, isDark, viridis, rgb: (parts) => `rgb(${parts.map(Math.round).join()})` };
 })();

@@ -551,5 +551,6 @@
     }
   }
 
-  for (const element of document.querySelectorAll("figure.plot")) new Figure(element);
+  // Other scripts find the figure at its element.
+  for (const element of document.querySelectorAll("figure.plot")) element.plot = new Figure(element);
 })();

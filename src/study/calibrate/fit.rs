@@ -88,7 +88,7 @@ impl Fit {
         let objective = CalibrationObjective::new(plan, share, session);
         let search = plan.search_from(values.clone(), false, true)?;
         let labels = labels(plan, None);
-        let own = [HostSearch { search: &search, labels: &labels, objective: &objective }];
+        let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective: &objective }];
         let linear = host.run(session, &own, |evaluator, _| linearize_at_start(&search, evaluator))?;
         let linear = linear.map_err(|(_, error): (_, LinearizationError)| failure(&error, ""))?.remove(0);
         let mut jacobian = linear.jacobian;
@@ -119,7 +119,7 @@ fn searched(
         return Err(refuse("there are fewer numbers to compare than parameters: compare signals, or more of them"));
     }
     let labels = labels(plan, stage);
-    let own = [HostSearch { search: &search, labels: &labels, objective }];
+    let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective }];
     let found = host.minimize_all(&objective.session, &own)?;
     let mut found = found.map_err(|(_, error)| failure(&error, ""))?;
     found.pop().ok_or_else(|| refuse("the search has no result"))

@@ -1,5 +1,6 @@
 //! Evaluations: runs that leave figures instead of a folder, each computed once.
 
+use std::fmt;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -37,8 +38,53 @@ const MOST_BYTES: u64 = 1 << 30;
 pub struct Evaluations {
     store: EvaluationStore,
     share: Share,
+    observer: Observer,
     cache_hits: AtomicUsize,
     computed: AtomicUsize,
+}
+
+/// What becomes of the runs that are asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum RunEvent<'a> {
+    /// So many more are asked for.
+    Wanted(usize),
+    /// One was computed before.
+    Taken,
+    /// One is computed from now on.
+    Begun {
+        /// Its key.
+        run: Key,
+        /// Name of its scenario.
+        name: &'a str,
+    },
+    /// It has ended.
+    Ended {
+        /// Its key.
+        run: Key,
+    },
+    /// It failed.
+    Failed {
+        /// Its key.
+        run: Key,
+        /// Why.
+        cause: &'a str,
+    },
+    /// It was given up, and nothing is known of it.
+    GivenUp {
+        /// Its key.
+        run: Key,
+    },
+    /// The values of one make no valid scenario, for this cause.
+    Refused(&'a str),
+}
+
+/// Who is told of runs.
+struct Observer(Box<dyn Fn(RunEvent<'_>) + Send + Sync>);
+
+impl fmt::Debug for Observer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Observer")
+    }
 }
 
 /// The identity of an evaluation.
@@ -210,12 +256,43 @@ impl Evaluations {
     }
 
     fn from_store(store: EvaluationStore) -> Evaluations {
-        Evaluations { store, share: Share::WHOLE, cache_hits: AtomicUsize::new(0), computed: AtomicUsize::new(0) }
+        let observer = Observer(Box::new(|_| {}));
+        let (cache_hits, computed) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        Evaluations { store, share: Share::WHOLE, observer, cache_hits, computed }
     }
 
     /// The evaluations for a process that takes this part of the runs first.
     pub fn with_share(self, share: Share) -> Evaluations {
         Evaluations { share, ..self }
+    }
+
+    /// The evaluations that tell `observer` of every run, by several threads and without a lock.
+    pub fn with_observer(self, observer: impl Fn(RunEvent<'_>) + Send + Sync + 'static) -> Evaluations {
+        Evaluations { observer: Observer(Box::new(observer)), ..self }
+    }
+
+    /// Tells the observer of a run.
+    pub(crate) fn tell(&self, event: RunEvent<'_>) {
+        (self.observer.0)(event);
+    }
+
+    /// Counts a run that is taken from what is known.
+    fn count_hit(&self) {
+        self.cache_hits.fetch_add(1, Ordering::Relaxed);
+        self.tell(RunEvent::Taken);
+    }
+
+    /// Runs `model`, of which the observer is told.
+    fn run(&self, model: &Model, run: Key, cancellation: &Cancellation) -> Result<Outcome, RunError> {
+        self.tell(RunEvent::Begun { run, name: &model.name });
+        let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+        let ran = simulate::run_with(model, options, &mut |_| {});
+        match &ran {
+            Ok(_) => self.tell(RunEvent::Ended { run }),
+            Err(RunError::Cancelled) => self.tell(RunEvent::GivenUp { run }),
+            Err(error) => self.tell(RunEvent::Failed { run, cause: &NoOutcome::from_error(error, model).cause }),
+        }
+        ran
     }
 
     /// The part of the runs that this process takes first.
@@ -281,7 +358,7 @@ impl Evaluations {
         cancellation: &Cancellation,
     ) -> Result<Evaluated, EvaluationError> {
         if let Some(evaluation) = self.record(keys)? {
-            self.cache_hits.fetch_add(1, Ordering::Relaxed);
+            self.count_hit();
             return Ok(Evaluated { evaluation, is_new: false });
         }
         let begin = std::time::Instant::now();
@@ -291,10 +368,7 @@ impl Evaluations {
         let is_kept = kept.is_some();
         let ran = match kept {
             Some(outcome) => Ok(outcome),
-            None => {
-                let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
-                simulate::run_with(model, options, &mut |_| {})
-            }
+            None => self.run(model, keys.run, cancellation),
         };
         let evaluation = match ran {
             Ok(outcome) => {
@@ -322,8 +396,11 @@ impl Evaluations {
             Err(error) => Evaluation::failed(NoOutcome::from_error(&error, model).cause),
         };
         self.add(keys, &evaluation)?;
-        let count = if is_kept { &self.cache_hits } else { &self.computed };
-        count.fetch_add(1, Ordering::Relaxed);
+        if is_kept {
+            self.count_hit();
+        } else {
+            self.computed.fetch_add(1, Ordering::Relaxed);
+        }
         Ok(Evaluated { evaluation, is_new: !is_kept })
     }
 
@@ -342,12 +419,11 @@ impl Evaluations {
         // Before the look for what is known: a claim that ends in between still holds, and the next look finds the run.
         self.store.refresh().map_err(|source| self.failed(source))?;
         if let Some(known) = self.known(run)? {
-            self.cache_hits.fetch_add(1, Ordering::Relaxed);
+            self.count_hit();
             return Ok(Some(known));
         }
         let Some(claim) = self.store.claim(run).map_err(|source| self.failed(source))? else { return Ok(None) };
-        let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
-        let found = simulate::run_with(&model, options, &mut |_| {});
+        let found = self.run(&model, run, cancellation);
         match &found {
             Ok(outcome) => self.keep(run, outcome)?,
             Err(error) if may_pass(error, &model, run) => {}

@@ -6,5 +6,5 @@ pub(crate) mod trial;
 
 pub use build_name::build_name;
 pub use evaluations::{
-    Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, NoOutcome, is_cost,
+    Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, Figure, NoOutcome, RunEvent, is_cost,
 };

@@ -1,9 +1,11 @@
 //! The convergence history of a search, thinned for plots.
 
+use std::sync::Arc;
+
 use super::iteration::Iteration;
 use super::pool::trial_pool::Evaluator;
 use super::result::{SearchResult, StartResult};
-use crate::script::{ConvergenceHistory, FitHistory, Improvement, Iterate, Over};
+use crate::script::{ConvergenceHistory, FitHistory, Improvement, Iterate, Over, Target};
 use base::units::{Pressure, Unit};
 
 /// Largest number of iterations in a plot.
@@ -13,17 +15,25 @@ const MAX_ITERATIONS: usize = 500;
 const MAX_IMPROVEMENTS: usize = 200;
 
 /// Title of a search, and names of its signals.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Labels {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Labels {
     /// Title of the search.
-    pub(crate) title: Option<String>,
+    pub title: Option<String>,
     /// The signals that the objective compares, as many as are given.
-    pub(crate) signals: Vec<SignalLabel>,
+    pub signals: Vec<SignalLabel>,
+}
+
+impl Labels {
+    /// The fit, without improvements, to the reference that the objective compares with as number `index`.
+    pub fn fit(&self, index: usize, target: &Arc<Target>) -> FitHistory {
+        let SignalLabel { quantity, unit } = SignalLabel::for_signal(self, index, target.over);
+        FitHistory { quantity, unit, target: Arc::clone(target), improvements: vec![] }
+    }
 }
 
 /// The label of a signal: its quantity and its unit.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SignalLabel {
+pub struct SignalLabel {
     quantity: String,
     unit: Option<Unit>,
 }
@@ -31,7 +41,7 @@ pub(crate) struct SignalLabel {
 impl SignalLabel {
     /// The label that a script writes, such as `acceleration (m/s²)`. What ends with no unit in parentheses is a
     /// quantity as a whole.
-    pub(crate) fn parse(text: &str) -> SignalLabel {
+    pub fn parse(text: &str) -> SignalLabel {
         let parts = text.strip_suffix(')').and_then(|text| text.rsplit_once('('));
         match parts.and_then(|(quantity, symbol)| Some((quantity.trim_end(), Unit::parse(symbol).ok()?))) {
             Some((quantity, unit)) if !quantity.is_empty() => {
@@ -97,8 +107,8 @@ fn fits(result: &StartResult, labels: &Labels, evaluator: &Evaluator<'_, '_>) ->
                 Some(fit) if fit.target == compared.target => fit.improvements.push(improvement),
                 Some(_) => {}
                 None => {
-                    let SignalLabel { quantity, unit } = SignalLabel::for_signal(labels, index, compared.target.over);
-                    fits.push(FitHistory { quantity, unit, target: compared.target, improvements: vec![improvement] });
+                    let fit = labels.fit(index, &compared.target);
+                    fits.push(FitHistory { improvements: vec![improvement], ..fit });
                 }
             }
         }

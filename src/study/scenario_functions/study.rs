@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::coupon_material;
 use super::modules;
-use crate::evaluate::{EvaluationError, Evaluations, NoOutcome, trial};
+use crate::evaluate::{EvaluationError, Evaluations, NoOutcome, RunEvent, trial};
 use crate::post::run::{self, ReferenceSignals};
 use crate::post::{Plan, ReferenceComparison, Run};
 use crate::script::{
@@ -140,6 +140,14 @@ impl Study {
     }
 
     pub(crate) fn simulate(&self, session: &Session) -> HostResult<Run> {
+        if let Some(evaluations) = &self.0.evaluations {
+            evaluations.tell(RunEvent::Wanted(1));
+        }
+        self.simulate_or_wait(session)
+    }
+
+    /// The run, which was asked for, also where another process computes it.
+    fn simulate_or_wait(&self, session: &Session) -> HostResult<Run> {
         match self.simulate_with(session, Evaluations::outcome_of)? {
             Some(run) => Ok(run),
             None => Err(refuse("the run was cancelled")),
@@ -160,6 +168,9 @@ impl Study {
         let cut = session.is_trial().then(|| trial::cut(model, plan.comparison()));
         let model = cut.as_ref().unwrap_or(model);
         let cancellation = session.cancellation();
+        if !session.is_trial() {
+            session.check_stop()?;
+        }
         let found = match evaluations {
             Some(evaluations) => outcome(evaluations, model, cancellation).map_err(refuse)?.into(),
             None => {
@@ -309,11 +320,14 @@ fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Arra
     };
     let studies = scenarios.into_iter().map(study).collect::<HostResult<Vec<_>>>()?;
     let share = studies.iter().find_map(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
+    if let Some(evaluations) = studies.iter().find_map(|study| study.0.evaluations.as_ref()) {
+        evaluations.tell(RunEvent::Wanted(studies.len()));
+    }
     let first = in_order(&share.order(studies.len()), |place| studies[place].simulate_unless_claimed(&session));
     // What other processes compute comes last.
     let runs = first.into_par_iter().zip(&studies).map(|(run, study)| match run? {
         Some(run) => Ok(run),
-        None => study.simulate(&session),
+        None => study.simulate_or_wait(&session),
     });
     runs.map(|run| run.map(Dynamic::from)).collect()
 }

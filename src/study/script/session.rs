@@ -6,10 +6,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rhai::{Dynamic, Engine, NativeCallContext, Position};
+use rhai::{Dynamic, Engine, EvalAltResult, NativeCallContext, Position};
 
 use super::module::{Programs, ShippedModule};
-use super::{Compared, OutputCollector};
+use super::panic::STOPPED;
+use super::{Compared, HostResult, OutputCollector};
 use base::budget::Budget;
 use base::cancellation::Cancellation;
 use base::file::{Digest, FileError};
@@ -34,6 +35,7 @@ pub struct Session {
     recordings: Arc<Mutex<BTreeMap<PathBuf, bool>>>,
     trial: Option<Arc<Mutex<Trial>>>,
     cancellation: Cancellation,
+    stop: Cancellation,
     budget: Budget,
     last_call: Arc<Mutex<Position>>,
     fields: Arc<Mutex<Vec<Fields>>>,
@@ -134,6 +136,22 @@ impl Session {
     /// Cancels the simulations of an evaluation whose result is no longer needed.
     pub fn cancellation(&self) -> &Cancellation {
         &self.cancellation
+    }
+
+    /// Stops the script before its next run or trial; those that have begun end.
+    pub fn stop(&self) -> &Cancellation {
+        &self.stop
+    }
+
+    /// Checks that a run or a trial may begin.
+    ///
+    /// # Errors
+    /// The script was stopped; no `try` of it catches that.
+    pub fn check_stop(&self) -> HostResult<()> {
+        match self.stop.is_cancelled() || self.cancellation.is_cancelled() {
+            true => Err(Box::new(EvalAltResult::ErrorTerminated(STOPPED.into(), Position::NONE))),
+            false => Ok(()),
+        }
     }
 
     /// What the values of the host that the script holds count towards.

@@ -4,6 +4,7 @@ mod origin;
 mod stored_run;
 pub mod checkpoints;
 pub mod evaluations;
+mod progress;
 pub mod run_files;
 
 use std::collections::HashSet;
@@ -22,6 +23,7 @@ use base::scratch::ScratchFolder;
 pub use checkpoints::CheckpointStore;
 pub use evaluations::EvaluationStore;
 pub use origin::{Origin, path_from};
+pub use progress::{ProgressFolder, STOPPED, STOPPED_TABLE};
 pub use stored_run::{StoredRun, StoredRunError};
 
 /// Why results cannot be stored; nothing that was there before is lost.

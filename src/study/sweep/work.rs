@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::remaining::{Estimator, Position, RemainingWork};
 use super::{Case, CaseError, Sweep};
-use crate::evaluate::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations};
+use crate::evaluate::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, RunEvent};
 use base::cancellation::Cancellation;
 use base::periodic;
 
@@ -21,8 +21,10 @@ const LOOK: Duration = Duration::from_millis(500);
 /// When a process stops before all runs are done.
 #[derive(Clone, Debug, Default)]
 pub struct Stop {
-    /// Cancelled by a signal; runs that have begun are then given up.
+    /// Cancelled where no run is to begin any more; those that have begun end.
     pub requested: Cancellation,
+    /// Cancelled where runs that have begun are given up, too.
+    pub given_up: Cancellation,
     /// Latest time at which a run may end.
     pub deadline: Option<Instant>,
 }
@@ -30,12 +32,12 @@ pub struct Stop {
 /// An event in the course of a sweep's run.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
-    /// It was evaluated before.
-    Taken,
-    /// It was evaluated now.
-    Computed(&'a Evaluation),
-    /// Its values make no valid scenario, or it failed for a cause that may pass.
-    Refused(&'a str),
+    /// The run at this place was evaluated before, under these keys.
+    Taken(usize, EvaluationKeys),
+    /// The run at this place was evaluated now.
+    Computed(usize, &'a Evaluation),
+    /// The values of the run at this place make no valid scenario, or it failed for a cause that may pass.
+    Refused(usize, &'a str),
     /// So much is left; told from time to time where there are records of other sweeps or processes.
     Left(RemainingWork),
 }
@@ -84,7 +86,7 @@ impl Done {
 
 impl Stop {
     fn is_requested(&self) -> bool {
-        self.requested.is_cancelled()
+        self.requested.is_cancelled() || self.given_up.is_cancelled()
     }
 }
 
@@ -133,6 +135,7 @@ impl Work<'_> {
             has_panicked: AtomicBool::new(false),
             observer,
         };
+        self.evaluations.tell(RunEvent::Wanted(self.sweep.len()));
         let mut estimator = Estimator::new(self.evaluations);
         let estimate = || state.estimate_remaining(&mut estimator);
         let threads = 0..rayon::current_num_threads();
@@ -154,7 +157,7 @@ impl State<'_> {
     fn watch(&self) {
         let _guard = PanicGuard(&self.has_panicked);
         if self.work.stop.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-            self.work.stop.requested.cancel();
+            self.work.stop.given_up.cancel();
         }
         if !self.work.gather {
             // What cannot be written shows in the next record.
@@ -232,6 +235,7 @@ impl State<'_> {
             Ok(case) => case,
             Err(CaseError::Evaluation(error)) => return Err(error),
             Err(CaseError::Refused(cause)) => {
+                evaluations.tell(RunEvent::Refused(&cause));
                 self.refuse(place, cause);
                 return Ok(());
             }
@@ -247,7 +251,8 @@ impl State<'_> {
             done.keys.insert(place, keys);
             // The observer may be slow: no other thread waits for it at this lock.
             drop(done);
-            (self.observer)(Event::Taken);
+            evaluations.tell(RunEvent::Taken);
+            (self.observer)(Event::Taken(place, keys));
             return Ok(());
         }
         if gather {
@@ -262,7 +267,7 @@ impl State<'_> {
             return Ok(());
         };
         let begin = Instant::now();
-        let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.requested) {
+        let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.given_up) {
             Err(EvaluationError::Cancelled) => {
                 // Else others would wait for a run that nobody computes.
                 return claim.release().map_err(|error| evaluations.failed(error));
@@ -283,7 +288,7 @@ impl State<'_> {
 impl State<'_> {
     /// Notes a run without an evaluation.
     fn refuse(&self, place: usize, cause: String) {
-        (self.observer)(Event::Refused(&cause));
+        (self.observer)(Event::Refused(place, &cause));
         lock(&self.done).refused.insert(place, cause);
     }
 
@@ -299,7 +304,7 @@ impl State<'_> {
             done.cache_hits += 1;
         }
         drop(done);
-        (self.observer)(if *is_new { Event::Computed(evaluation) } else { Event::Taken });
+        (self.observer)(if *is_new { Event::Computed(place, evaluation) } else { Event::Taken(place, keys) });
     }
 }
 
@@ -337,7 +342,7 @@ mod tests {
             let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
             let (computed, panics) = (AtomicUsize::new(0), AtomicBool::new(true));
             let observer = |event: Event<'_>| {
-                if let Event::Computed(_) = event {
+                if let Event::Computed(..) = event {
                     computed.fetch_add(1, Ordering::Relaxed);
                     assert!(!panics.swap(false, Ordering::Relaxed), "the observer panics once");
                     // A panic takes a while to be printed before its thread ends.

@@ -19,7 +19,7 @@ use crate::identify::iteration::Iteration;
 use crate::identify::objective::{FatalError, Objective};
 use crate::identify::options::{Search, Starts};
 use crate::identify::pool::history::{History, Identity};
-use crate::identify::pool::trial_pool::{Evaluator, PoolError, Problem, TrialPool};
+use crate::identify::pool::trial_pool::{Evaluator, PoolError, Problem, TrialEvent, TrialPool};
 use crate::identify::progress::{Progress, ProgressEstimator};
 use crate::identify::result::SearchResult;
 use crate::identify::search::minimize;
@@ -38,16 +38,39 @@ pub struct SearchHost {
 
 /// A search, its labels and its objective.
 pub(crate) struct HostSearch<'a> {
+    /// The function that the script calls.
+    pub(crate) function: &'a str,
     pub(crate) search: &'a Search,
     pub(crate) labels: &'a Labels,
     pub(crate) objective: &'a dyn Objective,
 }
 
+/// What asks for the trials of an objective: a search, or an estimate about its result.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchStart<'a> {
+    /// Its number among those of the script, from zero.
+    pub number: usize,
+    /// The function that the script calls, such as `minimize`.
+    pub function: &'a str,
+    /// Title and names of the signals that are compared.
+    pub labels: &'a Labels,
+    /// Names of the unknowns.
+    pub unknowns: &'a [String],
+    /// Whether all references are virtual recordings.
+    pub is_virtual: bool,
+}
+
 /// An event during the searches of a script.
 #[derive(Clone, Copy, Debug)]
 pub enum SearchEvent<'a> {
-    /// An iteration has ended.
-    Progress(&'a Progress),
+    /// Trials of an objective are asked for from now on.
+    Begun(SearchStart<'a>),
+    /// What becomes of a trial of the search of this number.
+    Trial(usize, TrialEvent<'a>),
+    /// No more trials are asked for by the search of this number.
+    Ended(usize),
+    /// An iteration of the search of this number has ended.
+    Progress(usize, &'a Progress),
     /// So many points of profiles have no value yet.
     OpenPoints(usize),
     /// The history of a search reports this.
@@ -92,8 +115,9 @@ impl SearchHost {
             let HostSearch { search, labels, .. } = &searches[number];
             let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
             let mut progress = ProgressEstimator::new(search, name);
-            let mut observer =
-                |iteration: &Iteration| (self.observer)(SearchEvent::Progress(&progress.update(iteration)));
+            let mut observer = |iteration: &Iteration| {
+                (self.observer)(SearchEvent::Progress(begun + number, &progress.update(iteration)));
+            };
             let result = minimize(search, evaluator, &mut observer)?;
             let title = labels.title.clone().unwrap_or_else(|| format!("search {}", begun + number + 1));
             let history =
@@ -114,6 +138,7 @@ impl SearchHost {
         search: &ScriptSearch,
         options: &ProfileOptions,
     ) -> HostResult<Refinement> {
+        let own_number = self.searches.load(Ordering::Relaxed);
         let ScriptSearch { search: from, labels, .. } = search;
         let found =
             self.script_run::<_, ProfileError>(context, std::slice::from_ref(search), |evaluator, session| {
@@ -121,7 +146,9 @@ impl SearchHost {
                 let mut progress = ProgressEstimator::new(&continued, labels.title.clone());
                 let mut observer = |event: ProfileEvent<'_>| match event {
                     ProfileEvent::OpenPoints(open) => (self.observer)(SearchEvent::OpenPoints(open)),
-                    ProfileEvent::Iteration(at) => (self.observer)(SearchEvent::Progress(&progress.update(at))),
+                    ProfileEvent::Iteration(at) => {
+                        (self.observer)(SearchEvent::Progress(own_number, &progress.update(at)));
+                    }
                 };
                 let refinement = Refinement::run(from, options, evaluator, &mut observer)?;
                 let title = |number: usize| {
@@ -172,7 +199,7 @@ impl SearchHost {
         let objectives: Vec<ScriptObjective<'_>> = searches.iter().map(objective).collect();
         let with_objective = |(own, objective)| {
             let ScriptSearch { search, labels, .. }: &ScriptSearch = own;
-            HostSearch { search, labels, objective }
+            HostSearch { function: context.fn_name(), search, labels, objective }
         };
         let searches: Vec<HostSearch<'_>> =
             searches.iter().zip(objectives.iter().map(|own| own as &dyn Objective)).map(with_objective).collect();
@@ -196,14 +223,30 @@ impl SearchHost {
             let refused = |error| refuse(format!("{}{error}", prefix(number, searches.len())));
             search.check().map_err(refused)?;
         }
+        let begun = self.searches.load(Ordering::Relaxed);
         let histories = searches.iter().map(|_| self.history(session.inputs()));
         let mut histories = histories.collect::<HostResult<Vec<_>>>()?;
+        for (number, HostSearch { function, search, labels, .. }) in searches.iter().enumerate() {
+            (self.observer)(SearchEvent::Begun(SearchStart {
+                number: begun + number,
+                function,
+                labels,
+                unknowns: &search.names,
+                is_virtual: session.is_all_virtual(),
+            }));
+        }
         let problems = searches.iter().zip(&mut histories).map(|(own, history)| Problem {
             objective: own.objective,
             on_failure: own.search.on_failure,
             history: history.as_mut(),
         });
-        Ok(TrialPool::new(problems.collect(), rayon::current_num_threads()).with_stack(STACK).run(job))
+        let pool = TrialPool::new(problems.collect(), rayon::current_num_threads()).with_stack(STACK);
+        let pool = pool.with_observer(|number, event| (self.observer)(SearchEvent::Trial(begun + number, event)));
+        Ok(pool.run(|evaluator, number| {
+            let found = job(evaluator, number);
+            (self.observer)(SearchEvent::Ended(begun + number));
+            found
+        }))
     }
 
     /// Reports the correlation of parameters.

@@ -11,7 +11,7 @@ use rhai::Engine;
 
 use crate::script::Chapter;
 pub(crate) use host::{HostSearch, failure};
-pub use host::{SearchEvent, SearchHost};
+pub use host::{SearchEvent, SearchHost, SearchStart};
 
 /// Registers `minimize`, `minimize_all`, `confidence` and `profiles`, whose searches `host` runs.
 pub fn register(engine: &mut Engine, host: &SearchHost) {

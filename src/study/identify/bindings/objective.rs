@@ -128,11 +128,15 @@ impl Objective for ScriptObjective<'_> {
     }
 
     fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
+        if let Err(stopped) = self.session.check_stop() {
+            return fatal(stopped).into();
+        }
+        let session = self.session.with_trial(&cancellation.within(self.session.cancellation()));
+        let returned = self.call(x, &session);
         if self.session.cancellation().is_cancelled() {
+            // Whatever came of it: a run that was given up is not the failure of this point.
             return fatal(refuse("the study was stopped")).into();
         }
-        let session = self.session.with_trial(cancellation);
-        let returned = self.call(x, &session);
         let evaluation = self.evaluation(returned, &session);
         Trial { evaluation, compared: session.trial().compared }
     }

@@ -134,6 +134,11 @@ impl<'a> Schedule<'a> {
         Ok(points.iter().map(|point| state.cache.evaluation(point)).collect())
     }
 
+    /// Requested trials of a search that no thread has started.
+    pub(super) fn waiting(&self, search: usize) -> usize {
+        self.requested.iter().filter(|(other, _)| *other == search).count()
+    }
+
     /// Ends a search: its requested and speculative trials are not started, its running trials are cancelled.
     pub(super) fn finish(&mut self, search: usize) {
         self.searches[search].is_finished = true;

@@ -49,6 +49,11 @@ impl<'a> TrialCache<'a> {
         self.trials.contains_key(point)
     }
 
+    /// The trials of the history, in its order.
+    pub(super) fn known(&self) -> Vec<(Vec<f64>, Trial)> {
+        self.history.iter().flat_map(|history| history.trials()).cloned().collect()
+    }
+
     pub(super) fn get(&self, point: &Point) -> Option<&Trial> {
         self.trials.get(point)
     }

@@ -30,9 +30,41 @@ const STACK: usize = 8 << 20;
 pub struct TrialPool<'a> {
     threads: usize,
     stack: usize,
+    observer: Observer<'a>,
     rules: Vec<Rule<'a>>,
     schedule: Mutex<Schedule<'a>>,
     changed: Condvar,
+}
+
+/// Called with the number of a search and what becomes of one of its trials, by several threads.
+type Observer<'a> = Box<dyn Fn(usize, TrialEvent<'_>) + Send + Sync + 'a>;
+
+/// What becomes of a trial of a search.
+#[derive(Clone, Copy, Debug)]
+pub enum TrialEvent<'a> {
+    /// Its outcome was known before the search began.
+    Known {
+        /// The point.
+        x: &'a [f64],
+        /// The outcome.
+        trial: &'a Trial,
+    },
+    /// A thread has started it.
+    Begun {
+        /// The point.
+        x: &'a [f64],
+        /// Requested trials that no thread has started.
+        waiting: usize,
+    },
+    /// It has ended.
+    Ended {
+        /// The point.
+        x: &'a [f64],
+        /// The outcome; none of a trial that was cancelled.
+        trial: Option<&'a Trial>,
+        /// Requested trials that no thread has started.
+        waiting: usize,
+    },
 }
 
 /// The problem of one search: an objective and what surrounds its trials.
@@ -114,7 +146,12 @@ impl<'a> TrialPool<'a> {
         let rules = problems.iter().map(rule).collect();
         let schedule = Schedule::new(problems.into_iter().map(|problem| problem.history));
         let (schedule, changed) = (Mutex::new(schedule), Condvar::new());
-        TrialPool { threads: threads.max(1), stack: STACK, rules, schedule, changed }
+        TrialPool { threads: threads.max(1), stack: STACK, observer: Box::new(|_, _| {}), rules, schedule, changed }
+    }
+
+    /// The pool that tells `observer` of every trial, known ones first. No lock is held meanwhile.
+    pub fn with_observer(self, observer: impl Fn(usize, TrialEvent<'_>) + Send + Sync + 'a) -> TrialPool<'a> {
+        TrialPool { observer: Box::new(observer), ..self }
     }
 
     /// The pool with stacks of `bytes`.
@@ -162,6 +199,8 @@ impl<'a> TrialPool<'a> {
         search: &impl Fn(&Evaluator<'_, 'a>, usize) -> Result<T, E>,
     ) -> Result<T, E> {
         let evaluator = Evaluator { pool: self, number };
+        let known = self.schedule().cache(number).known();
+        known.iter().for_each(|(x, trial)| (self.observer)(number, TrialEvent::Known { x, trial }));
         let mut guard = SearchGuard { evaluator, succeeded: false };
         let result = search(&evaluator, number);
         // The search itself saw only that it was closed; the error of its history is the cause.
@@ -176,11 +215,20 @@ impl<'a> TrialPool<'a> {
         let _guard = WorkerGuard(self);
         while let Some(running) = self.next() {
             let rule = &self.rules[running.search];
+            let (search, x) = (running.search, running.point.x());
+            let waiting = self.schedule().waiting(search);
+            (self.observer)(search, TrialEvent::Begun { x: &x, waiting });
             let start = Instant::now();
-            let trial = rule.trial(&running.point.x(), &running.cancellation);
+            let trial = rule.trial(&x, &running.cancellation);
             let seconds = start.elapsed().as_secs_f64();
-            self.schedule().end(running, trial, seconds, rule.objective);
+            let ended = (!running.cancellation.is_cancelled()).then(|| trial.clone());
+            let waiting = {
+                let mut schedule = self.schedule();
+                schedule.end(running, trial, seconds, rule.objective);
+                schedule.waiting(search)
+            };
             self.changed.notify_all();
+            (self.observer)(search, TrialEvent::Ended { x: &x, trial: ended.as_ref(), waiting });
         }
     }
 

@@ -25,10 +25,15 @@ impl Host<'_> {
     }
 
     fn done(&self, sweep: &Sweep) -> HostResult<Done> {
-        let stop = Stop { requested: self.session.cancellation().clone(), deadline: None };
+        let (requested, given_up) = (self.session.stop().clone(), self.session.cancellation().clone());
+        let stop = Stop { requested, given_up, deadline: None };
         let work = Work { sweep, evaluations: self.evaluations, waits: true, stop: &stop, gather: false };
         let done = work.run(&|_| {}).map_err(refuse)?;
-        if done.len() < sweep.len() { Err(refuse("the sweep was cancelled")) } else { Ok(done) }
+        if done.len() < sweep.len() {
+            self.session.check_stop()?;
+            return Err(refuse("the sweep was cancelled"));
+        }
+        Ok(done)
     }
 }
 

@@ -1,0 +1,311 @@
+//! `progress.html`: the page of a study while it runs, written beside its results.
+
+use std::io;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use super::failure::Failure;
+use base::diagnostic::shown_path;
+use base::periodic;
+use base::shell::quoted;
+use report::{PageTime, StudyCall, StudyProgress, StudyState};
+use study::evaluate::{Evaluations, RunEvent};
+use study::identify::SearchEvent;
+use study::store::ProgressFolder;
+use study::sweep::{self, Sweep};
+
+/// Time between two looks whether there is news.
+const TICK: Duration = Duration::from_millis(250);
+
+/// Least time between two writes.
+const EVERY: Duration = Duration::from_secs(2);
+
+/// Time after which the page is written without news: whoever reads it learns that the process lives.
+const SILENCE: Duration = Duration::from_secs(10);
+
+/// The page of a study. Cheap to clone.
+#[derive(Clone)]
+pub(super) struct LivePage(Arc<Parts>);
+
+struct Parts {
+    folder: ProgressFolder,
+    began: Instant,
+    progress: Mutex<StudyProgress>,
+    /// Whether there is news since the last write.
+    is_news: AtomicBool,
+    beat: AtomicU64,
+    written: Mutex<Written>,
+    /// Prints a line about the page.
+    tell: Box<dyn Fn(&str) + Send + Sync>,
+}
+
+/// What was written.
+#[derive(Default)]
+struct Written {
+    last: Option<Instant>,
+    has_failed: bool,
+}
+
+impl LivePage {
+    /// The page of a study of this name in `folder`. Nothing is written before it [begins](LivePage::begin), or runs or
+    /// trials are asked for; `tell` prints where it is then.
+    pub(super) fn new(name: &str, folder: ProgressFolder, tell: impl Fn(&str) + Send + Sync + 'static) -> LivePage {
+        let call = StudyCall {
+            name: name.to_owned(),
+            command: command(),
+            folder: std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default(),
+            stop: cfg!(unix).then(|| format!("kill -INT {}", std::process::id())),
+        };
+        LivePage(Arc::new(Parts {
+            folder,
+            began: Instant::now(),
+            progress: Mutex::new(StudyProgress::new(call)),
+            is_news: AtomicBool::new(true),
+            beat: AtomicU64::new(0),
+            written: Mutex::default(),
+            tell: Box::new(tell),
+        }))
+    }
+
+    /// Writes the page for the first time, and prints where it is.
+    pub(super) fn begin(&self) {
+        if self.has_begun() {
+            return;
+        }
+        // What cannot be removed shows where the page is written.
+        let _ = self.0.folder.forget_stop();
+        (self.0.tell)(&format!("{} shows how far it is", shown_path(self.0.folder.page())));
+        self.write();
+    }
+
+    /// Does `work` while the page is written whenever there is news.
+    pub(super) fn during<T>(&self, work: impl FnOnce() -> T) -> T {
+        periodic::during(TICK, || self.renew(), work)
+    }
+
+    fn renew(&self) {
+        if !self.has_begun() {
+            if self.progress().has_begun() {
+                self.begin();
+            }
+            return;
+        }
+        let silence = self.written().last.map_or(SILENCE, |last| last.elapsed());
+        let is_due = silence >= SILENCE || (silence >= EVERY && self.0.is_news.load(Ordering::Relaxed));
+        if is_due {
+            self.write();
+        }
+    }
+
+    fn has_begun(&self) -> bool {
+        self.written().last.is_some()
+    }
+
+    fn write(&self) {
+        self.0.is_news.store(false, Ordering::Relaxed);
+        let time = PageTime {
+            elapsed: self.elapsed(),
+            written_ms: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_millis() as u64),
+            beat: self.0.beat.fetch_add(1, Ordering::Relaxed),
+            silence: SILENCE.as_secs_f64(),
+        };
+        // A copy, so that nobody who has news waits for the page.
+        let progress = self.progress().clone();
+        let written = self.0.folder.write_page(&progress.page(time));
+        self.written().last = Some(Instant::now());
+        self.check(written);
+    }
+
+    /// The page is no result: that it cannot be written is told once, and the study goes on.
+    fn check(&self, written: io::Result<()>) {
+        let Err(error) = written else { return };
+        if !std::mem::replace(&mut self.written().has_failed, true) {
+            (self.0.tell)(&format!("cannot write {}: {error}", shown_path(self.0.folder.page())));
+        }
+    }
+
+    fn elapsed(&self) -> f64 {
+        self.0.began.elapsed().as_secs_f64()
+    }
+
+    fn change(&self, change: impl FnOnce(&mut StudyProgress)) {
+        change(&mut self.progress());
+        self.0.is_news.store(true, Ordering::Relaxed);
+    }
+
+    /// Takes note of a run.
+    pub(super) fn note_run(&self, event: &RunEvent<'_>) {
+        let elapsed = self.elapsed();
+        self.change(|progress| progress.note_run(event, elapsed));
+    }
+
+    /// Takes note of a search.
+    pub(super) fn note_search(&self, event: &SearchEvent<'_>) {
+        self.change(|progress| progress.note_search(event));
+    }
+
+    /// Takes note of a message.
+    pub(super) fn note_message(&self, message: &str) {
+        self.change(|progress| progress.note_message(message));
+    }
+
+    /// Begins the page of a sweep whose runs are ranked by a figure.
+    pub(super) fn begin_sweep(&self, sweep: &Sweep, ranked: &str) {
+        self.change(|progress| progress.begin_sweep(sweep, ranked));
+        self.begin();
+    }
+
+    /// Takes note of a run of a sweep.
+    pub(super) fn note_sweep(&self, event: &sweep::Event<'_>, sweep: &Sweep, evaluations: &Evaluations) {
+        let figures = |place: usize, evaluation: &study::evaluate::Evaluation| {
+            let inputs = sweep.inputs(place).collect();
+            self.change(|progress| progress.note_figures(place, inputs, evaluation));
+        };
+        match event {
+            sweep::Event::Computed(place, evaluation) => figures(*place, evaluation),
+            sweep::Event::Taken(place, keys) => {
+                // A record that cannot be read is a failure of the sweep, which reads it in the end.
+                if let Ok(Some(evaluation)) = evaluations.record(*keys) {
+                    figures(*place, &evaluation);
+                }
+            }
+            sweep::Event::Left(remaining) => self.change(|progress| progress.set_left(remaining.left)),
+            sweep::Event::Refused(..) => {}
+        }
+    }
+
+    /// Takes note that tasks of a cluster have brought a sweep so far.
+    pub(super) fn note_reached(&self, wanted: usize, done: usize, before: usize) {
+        let elapsed = self.elapsed();
+        self.change(|progress| progress.reach(wanted, done, before, elapsed));
+        self.renew();
+    }
+
+    /// Says that nothing begins any more.
+    pub(super) fn stopping(&self) {
+        self.change(|progress| progress.set_state(StudyState::Stopping));
+        if self.has_begun() {
+            self.write();
+        }
+    }
+
+    /// Ends the page of a study that was stopped.
+    pub(super) fn stopped(&self) {
+        self.end(StudyState::Stopped);
+    }
+
+    /// Ends the page of a study without results; one that had asked for nothing leaves none.
+    pub(super) fn failed(&self, failure: &Failure) {
+        let causes: Vec<&str> = failure.diagnostics.iter().map(|one| one.message.as_str()).collect();
+        if self.progress().has_begun() {
+            self.end(StudyState::Failed(causes.join("; ")));
+        } else {
+            self.discard();
+        }
+    }
+
+    fn end(&self, state: StudyState) {
+        self.change(|progress| progress.set_state(state));
+        if self.has_begun() {
+            self.write();
+        }
+    }
+
+    /// Makes the page lead to the results, which are stored; one of a study that asked for nothing is removed.
+    pub(super) fn ended(&self, name: &str) {
+        let is_empty = self.has_begun() && !self.progress().has_begun();
+        let ended = match is_empty {
+            true => self.0.folder.discard(),
+            false => self.0.folder.end(|address| report::ended_page(name, address)),
+        };
+        self.check(ended);
+    }
+
+    /// Removes the page of one of several processes.
+    pub(super) fn discard(&self) {
+        if self.has_begun() {
+            self.check(self.0.folder.discard());
+        }
+    }
+
+    /// The folder of the page.
+    pub(super) fn folder(&self) -> &ProgressFolder {
+        &self.0.folder
+    }
+
+    /// What is known so far, for a program.
+    pub(super) fn summary(&self) -> serde_json::Map<String, serde_json::Value> {
+        self.progress().summary()
+    }
+
+    fn progress(&self) -> MutexGuard<'_, StudyProgress> {
+        // Every change is complete before the next statement that may panic.
+        self.0.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn written(&self) -> MutexGuard<'_, Written> {
+        self.0.written.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The command that started this process, which goes on after a stop.
+fn command() -> String {
+    let words = std::env::args().skip(1).map(|word| quoted(&word));
+    std::iter::once("droptower".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use study::store::evaluations::Share;
+
+    fn page(folder: &std::path::Path) -> (LivePage, Arc<Mutex<Vec<String>>>) {
+        let told = Arc::new(Mutex::new(vec![]));
+        let lines = Arc::clone(&told);
+        let folder = ProgressFolder::new(&folder.join("a"), Share::WHOLE);
+        (LivePage::new("a", folder, move |line| lines.lock().unwrap().push(line.to_owned())), told)
+    }
+
+    #[test]
+    fn a_page_begins_with_the_first_run_and_is_told_once() {
+        let root = tempfile::tempdir().unwrap();
+        let (page, told) = page(root.path());
+        page.renew();
+        assert!(!page.folder().path().exists(), "nothing was asked for");
+        page.note_run(&RunEvent::Wanted(2));
+        [(); 3].iter().for_each(|()| page.renew());
+        assert_eq!(told.lock().unwrap().len(), 1);
+        let text = || fs::read_to_string(page.folder().page()).unwrap();
+        assert!(text().contains("a: running") && text().contains("runs waiting</span><span class=\"value\">2<"));
+        page.stopping();
+        assert!(text().contains("a: stopping"));
+        page.ended("a");
+        assert!(text().contains("../a/report.html"));
+    }
+
+    #[test]
+    fn a_study_that_asks_for_nothing_leaves_no_page() {
+        let root = tempfile::tempdir().unwrap();
+        for end in [|page: &LivePage| page.ended("a"), |page| page.failed(&Failure::quiet())] {
+            let (page, _) = page(root.path());
+            page.begin();
+            assert!(page.folder().page().exists());
+            end(&page);
+            assert!(!page.folder().path().exists());
+        }
+    }
+
+    #[test]
+    fn a_page_that_cannot_be_written_is_told_once_and_ends_nothing() {
+        let root = tempfile::tempdir().unwrap();
+        let (page, told) = page(root.path());
+        fs::write(page.folder().path(), "a file in its place").unwrap();
+        page.begin();
+        page.stopped();
+        let told = told.lock().unwrap();
+        assert!(told.len() == 2 && told[1].starts_with("cannot write "), "{told:?}");
+    }
+}

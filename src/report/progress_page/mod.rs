@@ -1,0 +1,442 @@
+//! The page of a study, a sweep or a search while it runs.
+//!
+//! [`StudyProgress`] takes note of what happens, and shows it as a page that renews itself. It knows no files and no clock:
+//! times are given to it.
+
+mod points;
+mod runs;
+mod search;
+mod sweep;
+
+use base::number::{significant, wall_time};
+use plot::thinned;
+use scene::model::Input;
+use serde_json::{Map, Value, json};
+use study::evaluate::{Evaluation, RunEvent};
+use study::identify::SearchEvent;
+use study::sweep::Sweep;
+
+use super::drawn;
+use super::html::{self, escape};
+use super::table::{self, Cell, folded};
+use runs::{Counts, Runs};
+use search::Search;
+use sweep::SweepRuns;
+
+/// Most points of all plots of a page, which is written again and again.
+const MOST_POINTS: usize = 40_000;
+
+/// Most searches that are shown, the last ones.
+const MOST_SHOWN: usize = 12;
+
+/// Most messages that are shown, the last ones.
+const MOST_MESSAGES: usize = 30;
+
+/// Digits of the error and of unknowns.
+const DIGITS: usize = 5;
+
+/// What became of a study.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum StudyState {
+    /// It runs.
+    Running,
+    /// It was told to stop, and ends once what runs has ended.
+    Stopping,
+    /// It was stopped before its end.
+    Stopped,
+    /// It ended without results, for this cause.
+    Failed(String),
+}
+
+/// The surroundings of a study that its page names.
+#[derive(Clone, Debug)]
+pub struct StudyCall {
+    /// Its name.
+    pub name: String,
+    /// The command that starts it, and goes on after a stop.
+    pub command: String,
+    /// The folder in which it was started.
+    pub folder: String,
+    /// The command that stops it, where there is one besides Ctrl-C.
+    pub stop: Option<String>,
+}
+
+/// When a page is written.
+#[derive(Clone, Copy, Debug)]
+pub struct PageTime {
+    /// Time since the study began, s.
+    pub elapsed: f64,
+    /// Now, ms since 1970.
+    pub written_ms: u64,
+    /// How often the page was written before.
+    pub beat: u64,
+    /// Longest time between two writes of a process that lives, s.
+    pub silence: f64,
+}
+
+/// A study as far as it is.
+#[derive(Clone, Debug)]
+pub struct StudyProgress {
+    call: StudyCall,
+    state: StudyState,
+    runs: Runs,
+    searches: Vec<Search>,
+    sweep: Option<SweepRuns>,
+    messages: Vec<String>,
+    open_points: Option<usize>,
+}
+
+impl StudyProgress {
+    /// A study that begins now.
+    pub fn new(call: StudyCall) -> StudyProgress {
+        let (runs, searches, messages) = (Runs::default(), vec![], vec![]);
+        StudyProgress { call, state: StudyState::Running, runs, searches, sweep: None, messages, open_points: None }
+    }
+
+    /// Sets what became of the study.
+    pub fn set_state(&mut self, state: StudyState) {
+        self.state = state;
+    }
+
+    /// Whether runs or trials were asked for.
+    pub fn has_begun(&self) -> bool {
+        self.runs.wanted() > 0 || !self.searches.is_empty()
+    }
+
+    /// Takes note of a run, at this time since the study began, s.
+    pub fn note_run(&mut self, event: &RunEvent<'_>, elapsed: f64) {
+        self.runs.note(event, elapsed);
+    }
+
+    /// So many runs of a sweep are left to compute, by an estimate.
+    pub fn set_left(&mut self, left: usize) {
+        self.runs.set_left(left);
+    }
+
+    /// Takes note that other processes have brought a sweep so far: `done` of `wanted` runs, `before` of them earlier.
+    pub fn reach(&mut self, wanted: usize, done: usize, before: usize, elapsed: f64) {
+        self.runs.reach(wanted, done, before, elapsed);
+    }
+
+    /// Takes note of a search.
+    pub fn note_search(&mut self, event: &SearchEvent<'_>) {
+        match event {
+            SearchEvent::Begun(start) => self.searches.push(Search::new(start)),
+            SearchEvent::Trial(number, event) => self.with_search(*number, |search| search.note(event)),
+            SearchEvent::Ended(number) => {
+                self.open_points = None;
+                self.with_search(*number, |search| search.is_active = false);
+            }
+            SearchEvent::Progress(number, progress) => {
+                self.with_search(*number, |search| search.progress = Some((*progress).clone()));
+            }
+            SearchEvent::OpenPoints(open) => self.open_points = Some(*open),
+            SearchEvent::Warning(_) | SearchEvent::Finished(_) | SearchEvent::Correlation(_) => {}
+        }
+    }
+
+    fn with_search(&mut self, number: usize, change: impl FnOnce(&mut Search)) {
+        if let Some(search) = self.searches.iter_mut().rev().find(|search| search.number == number) {
+            change(search);
+        }
+    }
+
+    /// Begins a sweep whose runs are ranked by a figure.
+    pub fn begin_sweep(&mut self, sweep: &Sweep, ranked: &str) {
+        self.sweep = Some(SweepRuns::new(sweep, ranked));
+    }
+
+    /// Takes note of the figures of a run of the sweep.
+    pub fn note_figures(&mut self, place: usize, inputs: Vec<Input>, evaluation: &Evaluation) {
+        if let Some(sweep) = &mut self.sweep {
+            sweep.add(place, inputs, evaluation);
+        }
+    }
+
+    /// Takes note of a message.
+    pub fn note_message(&mut self, message: &str) {
+        if self.messages.len() == MOST_MESSAGES {
+            self.messages.remove(0);
+        }
+        self.messages.push(message.to_owned());
+    }
+
+    /// What is known, for a program: counts, and the best of each search.
+    pub fn summary(&self) -> Map<String, Value> {
+        let counts = |Counts { waiting, running, done, known, failed }: Counts| json!({ "waiting": waiting + running, "done": done, "known_before": known, "failed": failed });
+        let search = |search: &Search| {
+            let x =
+                |best: &search::Best| search.unknowns.iter().cloned().zip(best.x.iter().map(|x| json!(x))).collect();
+            json!({
+                "title": search.title(),
+                "error": search.best().map(|best| best.f),
+                "best": search.best().map(|best| Value::Object(x(best))),
+                "trials": counts(search.counts()),
+            })
+        };
+        let entries = [("runs", counts(self.runs.counts())), ("searches", self.searches.iter().map(search).collect())];
+        entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
+    /// The active search, or the last one.
+    fn current(&self) -> Option<&Search> {
+        self.searches.iter().find(|search| search.is_active).or(self.searches.last())
+    }
+
+    /// Trials of the searches that ask for some, or runs.
+    fn counts(&self) -> (Counts, &'static str) {
+        let mut active = self.searches.iter().filter(|search| search.is_active).peekable();
+        if active.peek().is_none() {
+            return (self.runs.counts(), "runs");
+        }
+        let add = |sum: Counts, other: Counts| Counts {
+            waiting: sum.waiting + other.waiting,
+            running: sum.running + other.running,
+            done: sum.done + other.done,
+            known: sum.known + other.known,
+            failed: sum.failed + other.failed,
+        };
+        let none = Counts { waiting: 0, running: 0, done: 0, known: 0, failed: 0 };
+        (active.map(Search::counts).fold(none, add), "trials")
+    }
+
+    /// How long it takes, in words.
+    fn remaining(&self, elapsed: f64) -> Option<String> {
+        if !matches!(self.state, StudyState::Running) {
+            return None;
+        }
+        let Some(search) = self.searches.iter().find(|search| search.is_active) else {
+            return self.runs.to_go(elapsed).map(|seconds| format!("about {} to go", wall_time(seconds)));
+        };
+        let progress = search.progress.as_ref()?;
+        let whole = if progress.starts == 1 {
+            "to go".to_owned()
+        } else {
+            format!("to the end of start {} of {}", progress.iteration.start + 1, progress.starts)
+        };
+        Some(match progress.remaining {
+            Some(time) => format!("about {} {whole}", wall_time(time.as_secs_f64())),
+            None => {
+                let left = progress.max_evaluations.saturating_sub(progress.iteration.evaluations);
+                format!("at most {left} more trials {whole}")
+            }
+        })
+    }
+
+    /// `progress.html`.
+    pub fn page(&self, time: PageTime) -> String {
+        let title = format!("{}: {}", self.call.name, self.state.word());
+        let body = [
+            format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&title), escape(&self.sentence(time.elapsed))),
+            self.renewal(time),
+            self.cards(),
+            self.bar(),
+            self.best(),
+            self.search_sections(),
+            self.sweep_section(),
+            self.runs.sections(time.elapsed),
+            html::section("Messages", &html::list(&self.messages)),
+            html::section("Stop and go on", &self.commands()),
+            format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
+        ];
+        html::living_page(&title, &body.concat())
+    }
+
+    fn sentence(&self, elapsed: f64) -> String {
+        let (counts, what) = self.counts();
+        let so_far = format!("{} {what} done in {}", counts.done + counts.failed, wall_time(elapsed));
+        match &self.state {
+            StudyState::Running => {
+                let open = self.open_points.map(|open| format!("{open} points of profiles without a value"));
+                [Some(so_far), open, self.remaining(elapsed)].into_iter().flatten().collect::<Vec<_>>().join(", ")
+            }
+            StudyState::Stopping => format!("{so_far}; no {what} begin any more, and {} under way end", counts.running),
+            StudyState::Stopped => {
+                format!("Stopped after {}: {so_far}. The same command goes on from here.", wall_time(elapsed))
+            }
+            StudyState::Failed(cause) => format!("Failed after {}: {cause}", wall_time(elapsed)),
+        }
+    }
+
+    /// What the page's script needs to renew it, and what is seen without a script.
+    fn renewal(&self, time: PageTime) -> String {
+        let lives = matches!(self.state, StudyState::Running | StudyState::Stopping);
+        format!(
+            "<p class=\"renewal note\" data-lives=\"{lives}\" data-beat=\"{}\" data-written=\"{}\" data-silence=\"{}\">\
+             </p>\n",
+            time.beat, time.written_ms, time.silence
+        )
+    }
+
+    fn cards(&self) -> String {
+        let (counts, what) = self.counts();
+        let Counts { waiting, running, done, known, failed } = counts;
+        let taken = if known > 0 { format!("{known} of them known before") } else { String::new() };
+        let card = |words: &str, count: usize, beside: &str| {
+            let beside =
+                if beside.is_empty() { String::new() } else { format!("<span class=\"beside\">{beside}</span>") };
+            format!(
+                "<li><span class=\"words\">{what} {words}</span><span class=\"value\">{count}</span>{beside}</li>\n"
+            )
+        };
+        let cards = [
+            card("waiting", waiting, ""),
+            card("running", running, ""),
+            card("done", done, &taken),
+            card("failed", failed, ""),
+        ];
+        format!("<ul class=\"cards\">\n{}</ul>\n", cards.concat())
+    }
+
+    /// How far all runs are, where their number is known.
+    fn bar(&self) -> String {
+        let counts = self.runs.counts();
+        let wanted = self.runs.wanted();
+        if wanted == 0 || !self.searches.is_empty() {
+            return String::new();
+        }
+        let done = counts.done + counts.failed;
+        format!(
+            "<progress class=\"bar\" max=\"{wanted}\" value=\"{done}\" aria-label=\"runs done\">{done} of {wanted}\
+             </progress>\n"
+        )
+    }
+
+    /// The best of each search, and the worst run of a sweep.
+    fn best(&self) -> String {
+        let searches = self.searches.iter().rev().filter(|search| search.function.starts_with("minimize"));
+        let row = |search: &Search| {
+            let best = search.best()?;
+            let x = search.unknowns.iter().zip(&best.x).map(|(name, x)| format!("{name} {}", significant(*x, DIGITS)));
+            let state = if search.is_active { "searching" } else { "ended" };
+            Some(vec![
+                Cell::text(search.title()),
+                Cell::number(best.f, significant(best.f, DIGITS)),
+                Cell::text(x.collect::<Vec<_>>().join(", ")),
+                Cell::number(best.number as f64, best.number.to_string()),
+                Cell::text(state),
+            ])
+        };
+        let rows: Vec<Vec<Cell>> = searches.filter_map(row).take(MOST_SHOWN).collect();
+        let head = ["search", "error", "parameters", "trial", "state"].map(Cell::text);
+        let worst =
+            self.sweep.as_ref().and_then(SweepRuns::worst).map_or_else(String::new, |(number, words, value)| {
+                format!("<p>Largest {} so far: {}, of run {number}.</p>\n", escape(&words), escape(&value))
+            });
+        html::section("Best so far", &[table::table(&head, &rows), worst].concat())
+    }
+
+    /// The searches: the active ones and the last open, those before folded.
+    fn search_sections(&self) -> String {
+        let shown = self.searches.iter().rev().take(MOST_SHOWN).collect::<Vec<_>>();
+        let current = self.current().map(|search| search.number);
+        let section = |search: &&Search| {
+            let plots = thinned(search.plots(), MOST_POINTS / shown.len().max(1));
+            let failed = search.causes.table("trials");
+            let failed = if failed.is_empty() { failed } else { format!("<h3>Failed trials</h3>\n{failed}") };
+            let title = search.title();
+            let content = [drawn::figures(&plots), search.points().figures(&title), failed].concat();
+            if search.is_active || Some(search.number) == current {
+                html::section(&title, &content)
+            } else {
+                html::section(&title, &folded("curves and trials", &content))
+            }
+        };
+        shown.iter().map(section).collect()
+    }
+
+    fn sweep_section(&self) -> String {
+        let Some(sweep) = &self.sweep else { return String::new() };
+        html::section("Runs", &sweep.points().figures("Runs"))
+    }
+
+    fn commands(&self) -> String {
+        let StudyCall { command, folder, stop, .. } = &self.call;
+        let stopping = match stop {
+            Some(stop) => format!(
+                "<p>To stop it once what runs has ended, press Ctrl-C in its terminal, or:</p>\n{}",
+                html::verbatim(stop)
+            ),
+            None => "<p>To stop it once what runs has ended, press Ctrl-C in its terminal.</p>\n".to_owned(),
+        };
+        let going = format!("<p>What is done stays. To go on, in {}:</p>\n", escape(folder));
+        let lives = matches!(self.state, StudyState::Running | StudyState::Stopping);
+        [if lives { stopping } else { String::new() }, going, html::verbatim(command)].concat()
+    }
+}
+
+impl StudyState {
+    /// In one word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            StudyState::Running => "running",
+            StudyState::Stopping => "stopping",
+            StudyState::Stopped => "stopped",
+            StudyState::Failed(_) => "failed",
+        }
+    }
+}
+
+/// `progress.html` of a study that has ended: it leads to its report, at this address relative to the page.
+pub fn ended_page(name: &str, report: &str) -> String {
+    html::leading_page(&format!("{name}: report"), report)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use study::store::evaluations::Key;
+
+    fn progress() -> StudyProgress {
+        StudyProgress::new(StudyCall {
+            name: "a <b>".into(),
+            command: "droptower sweep a.toml".into(),
+            folder: "/home/x".into(),
+            stop: Some("kill -INT 12".into()),
+        })
+    }
+
+    const TIME: PageTime = PageTime { elapsed: 12.0, written_ms: 1000, beat: 7, silence: 10.0 };
+
+    #[test]
+    fn a_page_says_how_far_a_study_is_and_how_to_stop_it() {
+        let mut progress = progress();
+        assert!(!progress.has_begun());
+        progress.note_run(&RunEvent::Wanted(3), 0.0);
+        progress.note_run(&RunEvent::Begun { run: Key([1; 16]), name: "drop" }, 0.0);
+        progress.note_run(&RunEvent::Ended { run: Key([1; 16]) }, 6.0);
+        progress.note_message("<script>");
+        let html = progress.page(TIME);
+        for part in [
+            "<h1>a &lt;b&gt;: running</h1>",
+            "1 runs done in 12 s, about 24 s to go",
+            "data-lives=\"true\" data-beat=\"7\" data-written=\"1000\" data-silence=\"10\"",
+            "runs waiting</span><span class=\"value\">2</span>",
+            "max=\"3\" value=\"1\"",
+            "<li>&lt;script&gt;</li>",
+            "<pre>kill -INT 12</pre>",
+            "<pre>droptower sweep a.toml</pre>",
+        ] {
+            assert!(html.contains(part), "{part} is not in {html}");
+        }
+        assert!(progress.has_begun());
+    }
+
+    #[test]
+    fn a_stopped_study_renews_nothing_and_says_so() {
+        let mut progress = progress();
+        progress.set_state(StudyState::Stopped);
+        let html = progress.page(TIME);
+        assert!(html.contains("data-lives=\"false\"") && html.contains("a &lt;b&gt;: stopped"), "{html}");
+        assert!(!html.contains("kill -INT"), "what has stopped cannot be stopped");
+        progress.set_state(StudyState::Failed("no disk".into()));
+        assert!(progress.page(TIME).contains("Failed after 12 s: no disk"));
+    }
+
+    #[test]
+    fn the_page_of_an_ended_study_leads_to_its_report() {
+        let html = ended_page("a <b>", "../a%20b/report.html");
+        assert!(html.contains("<meta http-equiv=\"refresh\" content=\"0; url=../a%20b/report.html\">"), "{html}");
+        assert!(html.contains("<a href=\"../a%20b/report.html\">") && !html.contains("<b>"), "{html}");
+    }
+}

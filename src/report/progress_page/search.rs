@@ -1,0 +1,307 @@
+//! A search while it runs: its trials, the best so far, and its curves.
+
+use plot::{Axis as PlotAxis, Curve, Plot, Scale};
+use study::identify::{Evaluation, Labels, Progress, SearchStart, TrialEvent};
+use study::script::{Compared, ConvergenceHistory, FitHistory, Improvement, Iterate};
+
+use super::super::convergence::{simulated, target};
+use super::points::{Axis, Points};
+use super::runs::{Causes, Counts};
+
+/// Most trials whose points are stored.
+const MOST_TRIALS: usize = 20_000;
+
+/// A search, or an estimate about its result, as far as it is.
+#[derive(Clone, Debug)]
+pub(super) struct Search {
+    /// Its number among those of the script, from zero.
+    pub(super) number: usize,
+    /// The function that the script called.
+    pub(super) function: String,
+    labels: Labels,
+    pub(super) unknowns: Vec<String>,
+    is_virtual: bool,
+    /// Whether it asks for trials.
+    pub(super) is_active: bool,
+    trials: Vec<Trial>,
+    best: Option<Best>,
+    counts: Counts,
+    pub(super) causes: Causes,
+    running: Vec<Vec<f64>>,
+    fits: Vec<Fit>,
+    /// Its last iteration.
+    pub(super) progress: Option<Progress>,
+}
+
+/// A trial that has ended.
+#[derive(Clone, Debug)]
+struct Trial {
+    /// Its number among all, from one.
+    number: usize,
+    x: Vec<f64>,
+    f: Option<f64>,
+    /// The error of each curve: root mean square of the difference over that of the reference.
+    errors: Vec<f64>,
+}
+
+/// The best trial so far.
+#[derive(Clone, Debug)]
+pub(super) struct Best {
+    /// Number of the trial, from one.
+    pub(super) number: usize,
+    /// The point.
+    pub(super) x: Vec<f64>,
+    /// The value of the objective.
+    pub(super) f: f64,
+}
+
+/// A reference, and the simulated curves that are compared with it.
+#[derive(Clone, Debug)]
+struct Fit {
+    history: FitHistory,
+    best: Vec<f32>,
+    current: Vec<f32>,
+}
+
+impl Search {
+    pub(super) fn new(start: &SearchStart<'_>) -> Search {
+        Search {
+            number: start.number,
+            function: start.function.to_owned(),
+            labels: start.labels.clone(),
+            unknowns: start.unknowns.to_vec(),
+            is_virtual: start.is_virtual,
+            is_active: true,
+            trials: vec![],
+            best: None,
+            counts: Counts { waiting: 0, running: 0, done: 0, known: 0, failed: 0 },
+            causes: Causes::default(),
+            running: vec![],
+            fits: vec![],
+            progress: None,
+        }
+    }
+
+    /// Takes note of a trial.
+    pub(super) fn note(&mut self, event: &TrialEvent<'_>) {
+        match event {
+            TrialEvent::Known { x, trial } => {
+                self.counts.known += 1;
+                self.end(x, trial);
+            }
+            TrialEvent::Begun { x, waiting } => {
+                self.counts.waiting = *waiting;
+                self.running.push(x.to_vec());
+            }
+            TrialEvent::Ended { x, trial, waiting } => {
+                self.counts.waiting = *waiting;
+                if let Some(place) = self.running.iter().position(|other| other == x) {
+                    self.running.swap_remove(place);
+                }
+                if let Some(trial) = trial {
+                    self.end(x, trial);
+                }
+            }
+        }
+    }
+
+    fn end(&mut self, x: &[f64], trial: &study::identify::Trial) {
+        let f = match &trial.evaluation {
+            Evaluation::Value(value) => Some(value.value()),
+            Evaluation::Failed { cause, .. } => {
+                self.causes.add(cause);
+                None
+            }
+            // The search ends; this is no trial.
+            Evaluation::Fatal(_) => return,
+        };
+        self.counts.done += usize::from(f.is_some());
+        let number = self.counts.done + self.causes.total();
+        let is_better = f.is_some_and(|f| self.best.as_ref().is_none_or(|best| f < best.f));
+        if let Some(f) = f.filter(|_| is_better) {
+            self.best = Some(Best { number, x: x.to_vec(), f });
+        }
+        self.compare(&trial.compared, is_better);
+        let errors = trial.compared.iter().map(relative_error).collect();
+        if self.trials.len() == MOST_TRIALS && is_better {
+            // The last one makes room.
+            self.trials.pop();
+        }
+        if self.trials.len() < MOST_TRIALS {
+            self.trials.push(Trial { number, x: x.to_vec(), f, errors });
+        }
+    }
+
+    /// Takes note of the curves of the last trial.
+    fn compare(&mut self, compared: &[Compared], is_better: bool) {
+        for (index, Compared { target, values }) in compared.iter().enumerate() {
+            if index == self.fits.len() {
+                let history = self.labels.fit(index, target);
+                self.fits.push(Fit { history, best: vec![], current: vec![] });
+            }
+            // An objective that chooses its reference by its unknowns has no curves.
+            let Some(fit) = self.fits.get_mut(index).filter(|fit| fit.history.target == *target) else { continue };
+            fit.current.clone_from(values);
+            if is_better {
+                fit.best.clone_from(values);
+            }
+        }
+    }
+
+    /// Title of the search, and what it does where it is no search.
+    pub(super) fn title(&self) -> String {
+        let title = self.labels.title.clone().unwrap_or_else(|| format!("search {}", self.number + 1));
+        if self.function.starts_with("minimize") { title } else { format!("{title}, {}", self.function) }
+    }
+
+    pub(super) fn best(&self) -> Option<&Best> {
+        self.best.as_ref()
+    }
+
+    pub(super) fn counts(&self) -> Counts {
+        Counts { running: self.running.len(), failed: self.causes.total(), ..self.counts }
+    }
+
+    /// The reference, the best and the current curve of each test, and the error of all trials.
+    pub(super) fn plots(&self) -> Vec<Plot> {
+        self.fits.iter().map(|fit| self.curves(fit)).chain(self.errors()).collect()
+    }
+
+    fn curves(&self, fit: &Fit) -> Plot {
+        let titled = ConvergenceHistory {
+            title: self.title(),
+            unknowns: vec![],
+            objectives: vec![],
+            history: vec![],
+            fits: vec![],
+            is_virtual: self.is_virtual,
+        };
+        let curve = |(name, values): (&str, &Vec<f32>)| {
+            let at = Iterate { iteration: 0, f: 0.0, x: vec![] };
+            simulated(name, &fit.history, &Improvement { at, values: values.clone() })
+        };
+        let own = [("best so far", &fit.best), ("current", &fit.current)].into_iter();
+        let mut plot = target(&titled, &fit.history);
+        plot.curves.splice(..0, own.filter(|(_, values)| !values.is_empty()).map(curve));
+        plot
+    }
+
+    /// The error of every trial, and the least so far; none before the first has ended.
+    fn errors(&self) -> Option<Plot> {
+        let points: Vec<[f64; 2]> = self.trials.iter().filter_map(|at| Some([at.number as f64, at.f?])).collect();
+        let mut least = f64::INFINITY;
+        let falling: Vec<[f64; 2]> = points
+            .iter()
+            .map(|[number, f]| {
+                least = least.min(*f);
+                [*number, least]
+            })
+            .collect();
+        let [_, _, ..] = &points[..] else { return None };
+        let is_positive = points.iter().all(|[_, f]| *f > 0.0);
+        let mut trials = Curve::line("trials", points);
+        trials.look = plot::Look::Points;
+        let curves = vec![Curve::line("best so far", falling), trials];
+        let mut plot = Plot::new(format!("{}: error", self.title()), ["trial", "error"], curves);
+        if is_positive {
+            plot.y = PlotAxis { scale: Scale::Logarithmic, ..plot.y };
+        }
+        Some(plot)
+    }
+
+    /// The trials in the space of the unknowns; with several tests, the error of each.
+    pub(super) fn points(&self) -> Points {
+        let tests: &[Fit] = if self.fits.len() > 1 { &self.fits } else { &[] };
+        let of_test =
+            |(place, fit): (usize, &Fit)| Axis::outcome(format!("error {}: {}", place + 1, fit.history.quantity));
+        let inputs = self.unknowns.iter().map(Axis::input);
+        let axes = inputs.chain([Axis::outcome("error")]).chain(tests.iter().enumerate().map(of_test));
+        let row = |trial: &Trial| {
+            let errors = (0..tests.len()).map(|place| trial.errors.get(place).copied());
+            trial.x.iter().map(|x| Some(*x)).chain([trial.f]).chain(errors).collect()
+        };
+        let best = self.best.as_ref().map(|best| best.number);
+        Points {
+            axes: axes.collect(),
+            rows: self.trials.iter().map(row).collect(),
+            best: self.trials.iter().position(|trial| Some(trial.number) == best),
+            of: "trials",
+        }
+    }
+}
+
+/// Root mean square of the difference over that of the reference, where both have values.
+fn relative_error(Compared { target, values }: &Compared) -> f64 {
+    let both = target.values.iter().zip(values).filter(|(a, b)| a.is_finite() && b.is_finite());
+    let (difference, reference) = both.fold((0.0, 0.0), |(difference, reference), (a, b)| {
+        let (a, b) = (f64::from(*a), f64::from(*b));
+        (difference + (b - a).powi(2), reference + a.powi(2))
+    });
+    (difference / reference).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use study::identify::{ObjectiveValue, SignalLabel};
+    use study::script::{Over, Target};
+
+    fn trial(f: f64, compared: &[(&Arc<Target>, [f32; 2])]) -> study::identify::Trial {
+        let compared =
+            compared.iter().map(|(target, values)| Compared { target: Arc::clone(target), values: values.to_vec() });
+        study::identify::Trial { evaluation: ObjectiveValue::Scalar(f).into(), compared: compared.collect() }
+    }
+
+    fn search() -> Search {
+        let signals = ["acceleration (m/s²)", "force (kN)"].map(SignalLabel::parse).to_vec();
+        let labels = Labels { title: Some("1008".into()), signals };
+        let unknowns = ["k1".to_owned(), "ke".to_owned()];
+        Search::new(&SearchStart {
+            number: 0,
+            function: "minimize",
+            labels: &labels,
+            unknowns: &unknowns,
+            is_virtual: true,
+        })
+    }
+
+    #[test]
+    fn a_search_shows_its_reference_its_best_and_its_current_curve() {
+        let target = |last| Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, last] });
+        let (first, second) = (target(10.0), target(2.0));
+        let mut search = search();
+        for (f, height) in [(0.5, 5.0), (0.1, 9.0), (0.3, 13.0)] {
+            let x = [f, 1.0];
+            search.note(&TrialEvent::Begun { x: &x, waiting: 1 });
+            assert_eq!(search.counts().running, 1);
+            let trial = trial(f, &[(&first, [0.0, height]), (&second, [0.0, 2.0])]);
+            search.note(&TrialEvent::Ended { x: &x, trial: Some(&trial), waiting: 0 });
+        }
+        let plots = search.plots();
+        let titles: Vec<&str> = plots.iter().map(|plot| plot.title.as_str()).collect();
+        assert_eq!(titles, ["1008: acceleration", "1008: force", "1008: error"]);
+        let shown: Vec<(&str, f64)> =
+            plots[0].curves.iter().map(|curve| (curve.name.as_str(), curve.points[1][1])).collect();
+        assert_eq!(shown, [("best so far", 9.0), ("current", 13.0), ("reference (virtual)", 10.0)]);
+        assert_eq!(plots[2].curves[0].points, [[1.0, 0.5], [2.0, 0.1], [3.0, 0.1]]);
+        assert_eq!((search.best().unwrap().number, &search.best().unwrap().x[..]), (2, &[0.1, 1.0][..]));
+        let points = search.points();
+        assert_eq!((points.best, points.axes.len()), (Some(1), 5), "two unknowns, the error, and that of each test");
+        assert!((points.rows[0][3].unwrap() - 0.5).abs() < 1e-6 && points.rows[0][4] == Some(0.0));
+    }
+
+    #[test]
+    fn trials_that_were_known_or_failed_are_told_apart() {
+        let mut search = search();
+        search.note(&TrialEvent::Known { x: &[1.0, 1.0], trial: &trial(1.0, &[]) });
+        let failed = study::identify::Trial::from(Evaluation::failed("the film broke"));
+        search.note(&TrialEvent::Begun { x: &[2.0, 1.0], waiting: 3 });
+        search.note(&TrialEvent::Ended { x: &[2.0, 1.0], trial: Some(&failed), waiting: 2 });
+        search.note(&TrialEvent::Begun { x: &[3.0, 1.0], waiting: 1 });
+        search.note(&TrialEvent::Ended { x: &[3.0, 1.0], trial: None, waiting: 1 });
+        assert_eq!(search.counts(), Counts { waiting: 1, running: 0, done: 1, known: 1, failed: 1 });
+        assert!(search.causes.table("trials").contains("the film broke"));
+    }
+}

@@ -1,0 +1,191 @@
+//! The folder of a study that is not complete: its page, and the result of one that was stopped.
+//!
+//! It stands beside the results, which are complete or not at all. What it holds belongs to droptower and is replaced.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::evaluations::Share;
+use super::{StoreError, sibling_name};
+use base::file;
+
+/// The page of a study while it runs; afterwards it leads to the report.
+const PAGE: &str = "progress.html";
+
+/// Beginning and end of the name of the page of one of several processes.
+const PART: [&str; 2] = ["progress-", ".html"];
+
+/// The result of a study that was stopped.
+pub const STOPPED: &str = "stopped.json";
+
+/// The runs that are done of a sweep that was stopped.
+pub const STOPPED_TABLE: &str = "table.csv";
+
+/// The folder `<results>.progress`, of one process.
+#[derive(Clone, Debug)]
+pub struct ProgressFolder {
+    results: PathBuf,
+    folder: PathBuf,
+    page: PathBuf,
+}
+
+impl ProgressFolder {
+    /// The folder of a process with this share of the study whose results go to `results`.
+    pub fn new(results: &Path, share: Share) -> ProgressFolder {
+        let folder = sibling_name(results, ".progress");
+        let [first, last] = PART;
+        let name = match share {
+            Share::WHOLE => PAGE.to_owned(),
+            Share { number, of } => format!("{first}{number}-of-{of}{last}"),
+        };
+        ProgressFolder { results: results.into(), page: folder.join(name), folder }
+    }
+
+    /// Path of the page.
+    pub fn page(&self) -> &Path {
+        &self.page
+    }
+
+    /// Path of the folder.
+    pub fn path(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Writes the page in one piece.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_page(&self, html: &str) -> io::Result<()> {
+        file::own_folder(&self.folder)?;
+        file::replace(&self.page, html.as_bytes())
+    }
+
+    /// Writes a file of the result of a study that was stopped.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&self, name: &str, content: &[u8]) -> Result<(), StoreError> {
+        let path = self.folder.join(name);
+        let written = file::own_folder(&self.folder).and_then(|()| file::replace(&path, content));
+        written.map_err(|source| StoreError::write(path, source))
+    }
+
+    /// Removes the result of an earlier stop.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn forget_stop(&self) -> io::Result<()> {
+        [STOPPED, STOPPED_TABLE].iter().try_for_each(|name| remove(&self.folder.join(name)))
+    }
+
+    /// Replaces the page by one that leads to the results, which are stored now, where there is a page; pages of parts
+    /// and the result of an earlier stop are removed. `leads` makes the page of the address of the report.
+    ///
+    /// # Errors
+    /// Something cannot be written or removed.
+    pub fn end(&self, leads: impl FnOnce(&str) -> String) -> io::Result<()> {
+        self.forget_stop()?;
+        let Some(names) = self.names()? else { return Ok(()) };
+        for name in names.iter().filter(|name| is_part(name)) {
+            remove(&self.folder.join(name))?;
+        }
+        let name = self.results.file_name().unwrap_or_default();
+        self.write_page(&leads(&format!("../{}/{}", address(name), super::run_files::REPORT)))
+    }
+
+    /// Removes the page, and the folder where nothing else is in it.
+    ///
+    /// # Errors
+    /// The page cannot be removed.
+    pub fn discard(&self) -> io::Result<()> {
+        remove(&self.page)?;
+        // What else is in it stays.
+        let _ = fs::remove_dir(&self.folder);
+        Ok(())
+    }
+
+    /// Names of the files in the folder; none where there is no folder.
+    fn names(&self) -> io::Result<Option<Vec<String>>> {
+        let entries = match fs::read_dir(&self.folder) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        let names = entries.map(|entry| Ok(entry?.file_name().into_string().ok()));
+        names.filter_map(Result::transpose).collect::<io::Result<_>>().map(Some)
+    }
+}
+
+fn is_part(name: &str) -> bool {
+    let [first, last] = PART;
+    let part = name.strip_prefix(first).and_then(|rest| rest.strip_suffix(last));
+    let share = part.and_then(|part| part.split_once("-of-"));
+    share.is_some_and(|(number, of)| number.parse::<usize>().is_ok() && of.parse::<usize>().is_ok())
+}
+
+fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// A name as a part of a relative address.
+fn address(name: &OsStr) -> String {
+    let letter = |byte: u8| match byte {
+        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' => char::from(byte).to_string(),
+        other => format!("%{other:02X}"),
+    };
+    name.as_encoded_bytes().iter().copied().map(letter).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn the_page_of_an_ended_study_leads_to_its_results_and_nothing_else_is_left() {
+        let root = tempfile::tempdir().unwrap();
+        let results = root.path().join("a b%");
+        let whole = ProgressFolder::new(&results, Share::WHOLE);
+        whole.write_page("runs").unwrap();
+        ProgressFolder::new(&results, Share { number: 2, of: 3 }).write_page("a part").unwrap();
+        whole.write(STOPPED, b"{}").unwrap();
+        fs::write(whole.path().join("progress-of-mine.html"), "a user's").unwrap();
+        assert_eq!(fs::read_to_string(whole.page()).unwrap(), "runs");
+        whole.end(|address| format!("to {address}")).unwrap();
+        assert_eq!(names(whole.path()), ["progress-of-mine.html", "progress.html"]);
+        assert_eq!(fs::read_to_string(whole.page()).unwrap(), "to ../a%20b%25/report.html");
+    }
+
+    #[test]
+    fn without_a_page_there_is_no_folder() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = ProgressFolder::new(&root.path().join("a"), Share::WHOLE);
+        folder.end(|_| "to".into()).unwrap();
+        assert_eq!(names(root.path()), Vec::<String>::new());
+        folder.write_page("runs").unwrap();
+        folder.discard().unwrap();
+        assert_eq!(names(root.path()), Vec::<String>::new());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_in_place_of_the_folder_is_not_followed() {
+        let root = tempfile::tempdir().unwrap();
+        let elsewhere = tempfile::tempdir().unwrap();
+        let folder = ProgressFolder::new(&root.path().join("a"), Share::WHOLE);
+        std::os::unix::fs::symlink(elsewhere.path(), folder.path()).unwrap();
+        assert!(folder.write_page("runs").is_err());
+        assert_eq!(names(elsewhere.path()), Vec::<String>::new());
+    }
+}
