@@ -79,7 +79,7 @@ pub(super) fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
 }
 
 /// The scenario at `path` with `assignments` applied.
-fn changed(path: &Path, assignments: &[Assignment]) -> Result<Document, Vec<Diagnostic>> {
+pub(super) fn changed(path: &Path, assignments: &[Assignment]) -> Result<Document, Vec<Diagnostic>> {
     let document = Document::read(path)?;
     if document.is_material() {
         return Err(vec![material(path)]);

@@ -1,13 +1,13 @@
 //! The header of a checkpoint: the run that it belongs to.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 
 use serde::{Deserialize, Serialize};
 
 use scene::model::{Identity, Model};
 use scene::scenario::{self, Document};
-use study::evaluate::build_name;
+use study::evaluate::{self, build_name};
 
 /// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever
 /// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's
@@ -23,9 +23,6 @@ const AFTER_THE_RUN: [&str; 3] = ["title", "reference", "post"];
 
 /// Most differing keys that a refusal names.
 const MOST_KEYS: usize = 3;
-
-/// Characters beyond which a refusal does not print a value.
-const LONGEST_VALUE: usize = 60;
 
 /// The run that a checkpoint belongs to; it precedes the state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -106,19 +103,7 @@ impl CheckpointHeader {
 /// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, worded for a
 /// message.
 fn differences(then: &str, now: &str) -> Vec<String> {
-    let (then, now) = (leaves(then), leaves(now));
-    let paths: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
-    let difference = |path: &String| match (then.get(path), now.get(path)) {
-        (Some(then), Some(now)) if then == now => None,
-        (Some(then), Some(now)) if then.len().max(now.len()) > LONGEST_VALUE => {
-            Some(format!("there `{path}` is another one"))
-        }
-        (Some(then), Some(now)) => Some(format!("there `{path}` is {then}, here it is {now}")),
-        (None, Some(_)) => Some(format!("there it has no `{path}`")),
-        (Some(_), None) => Some(format!("there it has `{path}`, here it has none")),
-        (None, None) => None,
-    };
-    paths.into_iter().filter_map(difference).collect()
+    evaluate::differences(&leaves(then), &leaves(now)).iter().map(ToString::to_string).collect()
 }
 
 /// The values of a resolved scenario that determine the run, as TOML, by the paths of their keys.

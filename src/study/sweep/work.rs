@@ -267,7 +267,8 @@ impl State<'_> {
             return Ok(());
         };
         let begin = Instant::now();
-        let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.given_up) {
+        let describe = || sweep.description(place, &model, &plan);
+        let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.given_up, &describe) {
             Err(EvaluationError::Cancelled) => {
                 // Else others would wait for a run that nobody computes.
                 return claim.release().map_err(|error| evaluations.failed(error));

@@ -1,5 +1,7 @@
 //! `droptower store`: the evaluations that are never computed twice.
 
+mod why;
+
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
@@ -19,6 +21,8 @@ pub(super) enum StoreCommand {
     List(Folder),
     /// Remove evaluations of other builds of droptower, which this one does not use, or others
     Prune(PruneArgs),
+    /// Tell whether a scenario would be computed, and what differs from the nearest evaluation that is stored
+    Why(why::WhyArgs),
 }
 
 #[derive(Debug, Args)]
@@ -47,6 +51,7 @@ pub(super) fn run(command: &StoreCommand, shared: &Shared) -> Result<(), Failure
     match command {
         StoreCommand::List(folder) => list(folder, shared),
         StoreCommand::Prune(args) => prune(args, shared),
+        StoreCommand::Why(args) => why::run(args, shared),
     }
 }
 
