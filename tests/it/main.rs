@@ -33,6 +33,7 @@ mod picture;
 #[cfg(feature = "rerun")]
 mod playback;
 mod polygon_mesh;
+mod progress;
 mod recordings;
 mod repl;
 mod restraint;

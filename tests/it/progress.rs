@@ -1,0 +1,269 @@
+//! The page of a study while it runs, what a stop leaves, and why an evaluation would be computed again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+use crate::workbench::{command, droptower, error, figures, printed, root};
+
+/// A short drop on a coarse film, whose mass and friction vary, in a folder of its own.
+fn scene() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let base = root().join("scenarios/drop/1008.toml");
+    let text = format!(
+        "extends = {base:?}\nunset = [\"reference\", \"post\"]\nspecimen.mesh.size = \"80 mm\"\n\
+         loading.impact.duration = \"10 ms\"\n[variation]\nsamples = 6\n\
+         \"impactor.mass\" = {{ uniform = [\"10 kg\", \"12 kg\"] }}\n\"impactor.friction\" = {{ uniform = [0.1, 0.5] }}\n"
+    );
+    fs::write(folder.path().join("drop.toml"), text).expect("a scenario");
+    folder
+}
+
+fn start(folder: &Path, arguments: &[&str]) -> Child {
+    command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
+}
+
+/// Waits for a file of a process that runs.
+fn wait_for(child: &mut Child, what: impl Fn() -> bool) {
+    let begin = Instant::now();
+    while !what() {
+        assert!(child.try_wait().expect("a state").is_none(), "the process ended before it could be stopped");
+        assert!(begin.elapsed() < Duration::from_secs(600), "nothing within ten minutes");
+        sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(unix)]
+fn interrupt(child: Child) -> Output {
+    let killed = std::process::Command::new("kill").args(["-INT".to_owned(), child.id().to_string()]).status();
+    assert!(killed.expect("kill starts").success());
+    child.wait_with_output().expect("it ends")
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut names: Vec<String> = entries.map(|entry| entry.expect("an entry").file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn the_page_of_a_sweep_becomes_its_report() {
+    let scene = scene();
+    let folder = scene.path();
+    let output = droptower(folder, &["sweep", "drop.toml"]);
+    let told = error(&output);
+    assert_eq!(told.lines().next(), Some("note: runs/drop.sweep.progress/progress.html shows how far it is"), "{told}");
+    assert_eq!(names(&folder.join("runs/drop.sweep.progress")), ["progress.html"]);
+    let page = read(&folder.join("runs/drop.sweep.progress/progress.html"));
+    assert!(page.contains("content=\"0; url=../drop.sweep/report.html\""), "{page}");
+    assert!(folder.join("runs/drop.sweep.progress/../drop.sweep/report.html").is_file());
+    let events = droptower(folder, &["sweep", "drop.toml", "--json"]);
+    let first: Json = serde_json::from_str(error(&events).lines().next().expect("an event")).expect("JSON");
+    assert_eq!([&first["event"], &first["path"]], ["page", "runs/drop.sweep.progress/progress.html"]);
+    let part = droptower(folder, &["sweep", "drop.toml", "--shard", "1/2", "--quiet"]);
+    assert!(part.status.success() && error(&part).is_empty());
+    assert_eq!(names(&folder.join("runs/drop.sweep.progress")), ["progress.html"], "a part that has ended leaves no page");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
+    let scene = scene();
+    let folder = scene.path();
+    let mut child = start(folder, &["sweep", "drop.toml", "-n", "100000"]);
+    let progress = folder.join("runs/drop.sweep.progress");
+    let has_records = || {
+        let listed = figures(&droptower(folder, &["store", "list", "--json"]));
+        listed.as_array().expect("a list").iter().any(|segment| segment["evaluations"].as_u64() > Some(3))
+    };
+    wait_for(&mut child, || progress.join("progress.html").is_file() && has_records());
+    assert!(read(&progress.join("progress.html")).contains("data-lives=\"true\""));
+    let output = interrupt(child);
+    assert_eq!(output.status.code(), Some(1), "{}", error(&output));
+    assert!(error(&output).contains("runs/drop.sweep.progress has it so far"), "{}", error(&output));
+    let stopped: Json = serde_json::from_str(&read(&progress.join("stopped.json"))).expect("JSON");
+    let listed = figures(&droptower(folder, &["store", "list", "--json"]));
+    assert_eq!(stopped["stopped"], true);
+    assert_eq!(stopped["runs"], listed[0]["evaluations"], "every run that had begun has ended");
+    let rows = read(&progress.join("table.csv")).lines().count() as u64 - 1;
+    assert_eq!(Some(rows), stopped["runs"].as_u64());
+    let page = read(&progress.join("progress.html"));
+    assert!(page.contains(": stopped</h1>") && page.contains("data-lives=\"false\""), "the page says that it was stopped");
+    assert!(page.contains("<pre>droptower sweep drop.toml -n 100000</pre>"), "the page says how it goes on");
+    assert!(page.contains("Runs: parallel coordinates") && page.contains("Runs: two outcomes"));
+    assert!(!folder.join("runs/drop.sweep").exists(), "a part is not stored as the whole");
+    printed(&droptower(folder, &["sweep", "drop.toml"]));
+    assert_eq!(names(&progress), ["progress.html"], "nothing of the stop is left");
+}
+
+/// A search of some ten milliseconds a trial, which compares with two signals.
+const SEARCH: &str = r#"
+let test = scenario(args.scenario);
+let options = #{ max_evaluations: 5000, max_iterations: 5000, tol_x: 1e-12, tol_f: 1e-15, names: ["k1", "<ke>"],
+    title: "drop & film", signals: ["acceleration (m/s²)"] };
+log("begins");
+let best = minimize("cma-es", [2.0, 3.0], options, |k| {
+    let run = test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: 1.0 } }).simulate();
+    try { relative_error(run.acceleration, test.reference.acceleration, [0, 0.008]) } catch (cause) { throw cause }
+});
+table("best", #{ k1: best.x[0], f: best.f });
+"#;
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_search_lets_trials_end_and_leaves_the_best_so_far() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("search.rhai"), SEARCH).expect("a script");
+    let scenario = root().join("scenarios/drop/1008.toml").display().to_string();
+    let set = ["--set", "specimen.mesh.size=80 mm", "--set", "loading.impact.duration=10 ms"];
+    let arguments = [&["script", "search.rhai", "--scenario", &scenario][..], &set].concat();
+    let mut child = start(folder, &arguments);
+    let progress = folder.join("runs/search.progress");
+    let trials = || -> Vec<PathBuf> {
+        fs::read_dir(folder.join("runs/search.history")).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
+    };
+    let count = || -> usize {
+        let texts = trials().into_iter().map(|path| fs::read_to_string(path).unwrap_or_default());
+        texts.map(|text| text.lines().filter(|line| line.contains("\"seconds\"")).count()).sum()
+    };
+    wait_for(&mut child, || progress.join("progress.html").is_file() && count() >= 4);
+    let output = interrupt(child);
+    let told = error(&output);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert_eq!(told.lines().next(), Some("note: runs/search.progress/progress.html shows how far it is"), "{told}");
+    assert!(told.contains("note: stops once what runs has ended; Ctrl-C again gives it up"), "{told}");
+    assert!(told.contains("search.rhai was stopped before its end"), "{told}");
+    let stopped: Json = serde_json::from_str(&read(&progress.join("stopped.json"))).expect("JSON");
+    let search = &stopped["searches"][0];
+    assert_eq!([&stopped["stopped"], &search["title"]], [&Json::from(true), &"drop & film".into()]);
+    assert_eq!(search["trials"]["done"].as_u64(), Some(count() as u64), "every trial that had begun has ended: {search}");
+    let error_at = |trial: &str| -> f64 {
+        let (_, rest) = trial.split_once("\"f\":").expect("a value");
+        rest.split(',').next().expect("a value").parse().expect("a number")
+    };
+    let texts: String = trials().iter().map(|path| read(path)).collect();
+    let least = texts.lines().filter(|line| line.contains("\"seconds\"")).map(error_at).fold(f64::INFINITY, f64::min);
+    assert_eq!(search["error"].as_f64(), Some(least), "{search}");
+    let page = read(&progress.join("progress.html"));
+    for part in [": stopped</h1>", "<h2>Best so far</h2>", "drop &amp; film: acceleration", "\"best so far\"", "\"current\""] {
+        assert!(page.contains(part), "{part} is not on the page");
+    }
+    assert!(page.contains("<li>begins</li>") && page.contains("drop &amp; film: pairs"));
+    assert!(!folder.join("runs/search").exists(), "a part is not stored as the whole");
+    let again = [&arguments[..], &["--stop-after", "1 s", "--quiet"]].concat();
+    let before = count();
+    assert_eq!(droptower(folder, &again).status.code(), Some(1));
+    assert!(count() >= before, "trials of a stopped search stay");
+}
+
+#[test]
+fn a_script_without_runs_has_no_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("sum.rhai"), "measure(\"sum\", 1 + 1);").expect("a script");
+    let output = droptower(folder.path(), &["script", "sum.rhai"]);
+    assert!(printed(&output).contains("runs/sum: summary.json") && !error(&output).contains("progress.html"));
+    assert_eq!(names(&folder.path().join("runs")), ["sum"]);
+    // Nor does one that fails by a mistake before its first run.
+    fs::write(folder.path().join("none.rhai"), "scenario(\"none.toml\").simulate();").expect("a script");
+    assert_eq!(droptower(folder.path(), &["script", "none.rhai"]).status.code(), Some(2));
+    assert_eq!(names(&folder.path().join("runs")), ["sum"]);
+}
+
+fn why(folder: &Path, more: &[&str]) -> Json {
+    figures(&droptower(folder, &[&["store", "why", "drop.toml", "--json"], more].concat()))
+}
+
+/// The keys in which the nearest evaluation differs.
+fn keys(found: &Json) -> Vec<&str> {
+    let differences = found["nearest"]["differences"].as_array().expect("differences");
+    differences.iter().map(|difference| difference["key"].as_str().expect("a key")).collect()
+}
+
+#[test]
+fn a_difference_from_the_nearest_evaluation_is_named() {
+    let scene = scene();
+    let folder = scene.path();
+    let nothing = why(folder, &[]);
+    assert_eq!([&nothing["sweep"], &nothing["nearest"]], [&Json::from("computed"), &Json::Null]);
+    let one = ["--set", "variation={\"impactor.mass\" = [\"11 kg\", \"12 kg\"]}"];
+    printed(&droptower(folder, &[&["sweep", "drop.toml", "--quiet"], &one[..]].concat()));
+    let known = why(folder, &["--set", "impactor.mass=11 kg"]);
+    assert_eq!([&known["sweep"], &known["simulate"]], ["stored", "computed"], "a sweep keeps no signals where none need them");
+    let other = why(folder, &["--set", "impactor.mass=11.5 kg"]);
+    assert_eq!((keys(&other), &other["described"]), (vec!["impactor.mass"], &Json::from(2)), "{other}");
+    // Another unit and a default that is written out decide nothing.
+    let same = ["--set", "impactor.mass=11000 g", "--set", "layers.settle=true"];
+    assert_eq!(why(folder, &same)["sweep"], "stored");
+    let two = why(folder, &[&same[..], &["--set", "layers.count=9", "--set", "title=\"other\""]].concat());
+    assert_eq!(keys(&two), ["layers.count"], "{two}");
+    let text = printed(&droptower(folder, &["store", "why", "drop.toml", "--set", "impactor.mass=11 kg", "--set", "layers.count=9"]));
+    assert!(text.starts_with("drop: would be computed\n"), "{text}");
+    assert!(text.contains("there `layers.count` is 8, here it is 9"), "{text}");
+}
+
+#[test]
+fn a_file_that_has_changed_and_another_build_are_named() {
+    let scene = scene();
+    let folder = scene.path();
+    fs::write(folder.join("a.rhai"), "measure(\"early_m_s\", run.velocity.at(0.001));").expect("a script");
+    let one = ["--set", "variation={\"impactor.mass\" = [\"11 kg\"]}", "--set", "post.script=\"a.rhai\""];
+    printed(&droptower(folder, &[&["sweep", "drop.toml", "--quiet"], &one[..]].concat()));
+    let own = ["--set", "impactor.mass=11 kg", "--set", "post.script=\"a.rhai\""];
+    assert_eq!([&why(folder, &own)["sweep"], &why(folder, &own)["simulate"]], ["stored"; 2]);
+    fs::write(folder.join("a.rhai"), "measure(\"late_m_s\", run.velocity.at(0.002));").expect("a script");
+    let changed = why(folder, &own);
+    assert_eq!([&changed["sweep"], &changed["simulate"]], ["evaluated", "stored"]);
+    assert_eq!(keys(&changed), ["post.script"], "{changed}");
+    let text = printed(&droptower(folder, &[&["store", "why", "drop.toml"], &own[..]].concat()));
+    assert!(text.contains("its run is stored, only its figures would be evaluated again"), "{text}");
+    assert!(text.contains("the file of `post.script` has changed"), "{text}");
+    // A segment says by its first entry which build wrote it; its checksum is that of the rest of the entry.
+    let segment = fs::read_dir(folder.join("runs/.evaluations")).expect("a folder").flatten().map(|entry| entry.path());
+    let segment = segment.filter(|path| path.extension().is_some()).next().expect("a segment");
+    let mut bytes = fs::read(&segment).expect("a segment");
+    let magic = b"droptower evaluations 01\n".len();
+    let length = u32::from_le_bytes(bytes[magic..magic + 4].try_into().unwrap()) as usize;
+    let end = magic + 8 + 17 + length;
+    bytes[end - 1] = if bytes[end - 1] == b'0' { b'1' } else { b'0' };
+    let sum = crc32fast::hash(&bytes[magic + 8..end]);
+    bytes[magic + 4..magic + 8].copy_from_slice(&sum.to_le_bytes());
+    fs::write(&segment, bytes).expect("writable");
+    fs::write(folder.join("a.rhai"), "measure(\"early_m_s\", run.velocity.at(0.001));").expect("a script");
+    let other = why(folder, &own);
+    assert_eq!((&other["nearest"]["build_differs"][0], keys(&other)), (&"mathematical library".into(), vec![]), "{other}");
+}
+
+#[test]
+fn runs_of_scripts_and_checkpoints_are_told_too() {
+    let scene = scene();
+    let folder = scene.path();
+    fs::write(folder.join("one.rhai"), "scenario(args.scenario).simulate();").expect("a script");
+    printed(&droptower(folder, &["script", "one.rhai", "--scenario", "drop.toml"]));
+    let known = why(folder, &[]);
+    assert_eq!([&known["sweep"], &known["simulate"], &known["checkpoint"]], [&"evaluated".into(), &"stored".into(), &Json::Null]);
+    assert_eq!(keys(&why(folder, &["--set", "impactor.friction=0.25"])), ["impactor.friction"]);
+    // A run that is killed after a checkpoint: the checkpoint is what a failed run leaves as well.
+    let mut child = start(folder, &["run", "drop.toml", "--checkpoint-every", "1 ms", "--set", "specimen.mesh.size=4 mm"]);
+    let checkpoints = folder.join("runs/drop.checkpoint");
+    let has_one = || fs::read_dir(&checkpoints).into_iter().flatten().flatten().any(|entry| entry.path().extension().is_some_and(|end| end == "state"));
+    wait_for(&mut child, has_one);
+    child.kill().expect("killed");
+    child.wait().expect("gone");
+    let resumed = why(folder, &["--set", "specimen.mesh.size=4 mm"]);
+    let path = resumed["checkpoint"]["resumes_from"].as_str().expect("a checkpoint");
+    assert!(path.starts_with("runs/drop.checkpoint/"), "{resumed}");
+    let refused = why(folder, &["--set", "specimen.mesh.size=4 mm", "--set", "layers.count=9"]);
+    let cause = refused["checkpoint"]["refused"].as_str().expect("a cause");
+    assert!(cause.contains("there `layers.count` is 8, here it is 9"), "{refused}");
+}
