@@ -40,11 +40,12 @@ struct Parts {
     tell: Box<dyn Fn(&str) + Send + Sync>,
 }
 
-/// What was written.
+/// What was written. Whoever writes holds its lock, so that nothing is written after the end.
 #[derive(Default)]
 struct Written {
     last: Option<Instant>,
     has_failed: bool,
+    has_ended: bool,
 }
 
 impl LivePage {
@@ -70,13 +71,14 @@ impl LivePage {
 
     /// Writes the page for the first time, and prints where it is.
     pub(super) fn begin(&self) {
-        if self.has_begun() {
+        let mut written = self.written();
+        if written.last.is_some() || written.has_ended {
             return;
         }
         // What cannot be removed shows where the page is written.
         let _ = self.0.folder.forget_stop();
         (self.0.tell)(&format!("{} shows how far it is", shown_path(self.0.folder.page())));
-        self.write();
+        self.write(&mut written);
     }
 
     /// Does `work` while the page is written whenever there is news.
@@ -91,10 +93,11 @@ impl LivePage {
             }
             return;
         }
-        let silence = self.written().last.map_or(SILENCE, |last| last.elapsed());
+        let mut written = self.written();
+        let silence = written.last.map_or(SILENCE, |last| last.elapsed());
         let is_due = silence >= SILENCE || (silence >= EVERY && self.0.is_news.load(Ordering::Relaxed));
-        if is_due {
-            self.write();
+        if is_due && !written.has_ended {
+            self.write(&mut written);
         }
     }
 
@@ -102,7 +105,7 @@ impl LivePage {
         self.written().last.is_some()
     }
 
-    fn write(&self) {
+    fn write(&self, written: &mut Written) {
         self.0.is_news.store(false, Ordering::Relaxed);
         let time = PageTime {
             elapsed: self.elapsed(),
@@ -112,15 +115,15 @@ impl LivePage {
         };
         // A copy, so that nobody who has news waits for the page.
         let progress = self.progress().clone();
-        let written = self.0.folder.write_page(&progress.page(time));
-        self.written().last = Some(Instant::now());
-        self.check(written);
+        let page = self.0.folder.write_page(&progress.page(time));
+        written.last = Some(Instant::now());
+        self.check(written, page);
     }
 
     /// The page is no result: that it cannot be written is told once, and the study goes on.
-    fn check(&self, written: io::Result<()>) {
-        let Err(error) = written else { return };
-        if !std::mem::replace(&mut self.written().has_failed, true) {
+    fn check(&self, written: &mut Written, done: io::Result<()>) {
+        let Err(error) = done else { return };
+        if !std::mem::replace(&mut written.has_failed, true) {
             (self.0.tell)(&format!("cannot write {}: {error}", shown_path(self.0.folder.page())));
         }
     }
@@ -185,47 +188,55 @@ impl LivePage {
     /// Says that nothing begins any more.
     pub(super) fn stopping(&self) {
         self.change(|progress| progress.set_state(StudyState::Stopping));
-        if self.has_begun() {
-            self.write();
+        let mut written = self.written();
+        if written.last.is_some() && !written.has_ended {
+            self.write(&mut written);
         }
     }
 
-    /// Ends the page of a study that was stopped.
+    /// Ends the page of a study that was stopped. Of several ends the first counts.
     pub(super) fn stopped(&self) {
         self.end(StudyState::Stopped);
     }
 
     /// Ends the page of a study without results; one that had asked for nothing leaves none.
     pub(super) fn failed(&self, failure: &Failure) {
-        let causes: Vec<&str> = failure.diagnostics.iter().map(|one| one.message.as_str()).collect();
-        if self.progress().has_begun() {
-            self.end(StudyState::Failed(causes.join("; ")));
-        } else {
-            self.discard();
+        if !self.progress().has_begun() {
+            return self.discard();
         }
+        let causes: Vec<&str> = failure.diagnostics.iter().map(|one| one.message.as_str()).collect();
+        self.end(StudyState::Failed(causes.join("; ")));
     }
 
     fn end(&self, state: StudyState) {
+        let mut written = self.written();
+        if std::mem::replace(&mut written.has_ended, true) {
+            return;
+        }
         self.change(|progress| progress.set_state(state));
-        if self.has_begun() {
-            self.write();
+        if written.last.is_some() {
+            self.write(&mut written);
         }
     }
 
     /// Makes the page lead to the results, which are stored; one of a study that asked for nothing is removed.
     pub(super) fn ended(&self, name: &str) {
-        let is_empty = self.has_begun() && !self.progress().has_begun();
-        let ended = match is_empty {
-            true => self.0.folder.discard(),
-            false => self.0.folder.end(|address| report::ended_page(name, address)),
-        };
-        self.check(ended);
+        if self.has_begun() && !self.progress().has_begun() {
+            return self.discard();
+        }
+        let mut written = self.written();
+        if !std::mem::replace(&mut written.has_ended, true) {
+            let ended = self.0.folder.end(|address| report::ended_page(name, address));
+            self.check(&mut written, ended);
+        }
     }
 
     /// Removes the page of one of several processes.
     pub(super) fn discard(&self) {
-        if self.has_begun() {
-            self.check(self.0.folder.discard());
+        let mut written = self.written();
+        if !std::mem::replace(&mut written.has_ended, true) && written.last.is_some() {
+            let removed = self.0.folder.discard();
+            self.check(&mut written, removed);
         }
     }
 

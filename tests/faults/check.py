@@ -264,7 +264,7 @@ def full_disk(desk, _):
                 check(status in (0, 1), f"{arguments} on a full disk: {status}\n{said}")
                 if status == 1:
                     # A schema is replaced the next time.
-                    kept = (".checkpoint", "store", ".schema.json")
+                    kept = (".checkpoint", "store", ".schema.json", ".progress")
                     left = [path for path in place.iterdir() if not path.name.endswith(kept)]
                     check(not left, f"{arguments} left {left}")
                 subprocess.run(["find", place, "-mindepth", "1", "-delete"], check=True)

@@ -51,7 +51,8 @@ fn read(path: &Path) -> String {
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let mut names: Vec<String> = entries.map(|entry| entry.expect("an entry").file_name().into_string().unwrap()).collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.expect("an entry").file_name().into_string().unwrap()).collect();
     names.sort();
     names
 }
@@ -72,7 +73,11 @@ fn the_page_of_a_sweep_becomes_its_report() {
     assert_eq!([&first["event"], &first["path"]], ["page", "runs/drop.sweep.progress/progress.html"]);
     let part = droptower(folder, &["sweep", "drop.toml", "--shard", "1/2", "--quiet"]);
     assert!(part.status.success() && error(&part).is_empty());
-    assert_eq!(names(&folder.join("runs/drop.sweep.progress")), ["progress.html"], "a part that has ended leaves no page");
+    assert_eq!(
+        names(&folder.join("runs/drop.sweep.progress")),
+        ["progress.html"],
+        "a part that has ended leaves no page"
+    );
 }
 
 #[cfg(unix)]
@@ -98,7 +103,10 @@ fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
     let rows = read(&progress.join("table.csv")).lines().count() as u64 - 1;
     assert_eq!(Some(rows), stopped["runs"].as_u64());
     let page = read(&progress.join("progress.html"));
-    assert!(page.contains(": stopped</h1>") && page.contains("data-lives=\"false\""), "the page says that it was stopped");
+    assert!(
+        page.contains(": stopped</h1>") && page.contains("data-lives=\"false\""),
+        "the page says that it was stopped"
+    );
     assert!(page.contains("<pre>droptower sweep drop.toml -n 100000</pre>"), "the page says how it goes on");
     assert!(page.contains("Runs: parallel coordinates") && page.contains("Runs: two outcomes"));
     assert!(!folder.join("runs/drop.sweep").exists(), "a part is not stored as the whole");
@@ -131,7 +139,12 @@ fn an_interrupted_search_lets_trials_end_and_leaves_the_best_so_far() {
     let mut child = start(folder, &arguments);
     let progress = folder.join("runs/search.progress");
     let trials = || -> Vec<PathBuf> {
-        fs::read_dir(folder.join("runs/search.history")).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
+        fs::read_dir(folder.join("runs/search.history"))
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path())
+            .collect()
     };
     let count = || -> usize {
         let texts = trials().into_iter().map(|path| fs::read_to_string(path).unwrap_or_default());
@@ -147,7 +160,11 @@ fn an_interrupted_search_lets_trials_end_and_leaves_the_best_so_far() {
     let stopped: Json = serde_json::from_str(&read(&progress.join("stopped.json"))).expect("JSON");
     let search = &stopped["searches"][0];
     assert_eq!([&stopped["stopped"], &search["title"]], [&Json::from(true), &"drop & film".into()]);
-    assert_eq!(search["trials"]["done"].as_u64(), Some(count() as u64), "every trial that had begun has ended: {search}");
+    assert_eq!(
+        search["trials"]["done"].as_u64(),
+        Some(count() as u64),
+        "every trial that had begun has ended: {search}"
+    );
     let error_at = |trial: &str| -> f64 {
         let (_, rest) = trial.split_once("\"f\":").expect("a value");
         rest.split(',').next().expect("a value").parse().expect("a number")
@@ -156,7 +173,9 @@ fn an_interrupted_search_lets_trials_end_and_leaves_the_best_so_far() {
     let least = texts.lines().filter(|line| line.contains("\"seconds\"")).map(error_at).fold(f64::INFINITY, f64::min);
     assert_eq!(search["error"].as_f64(), Some(least), "{search}");
     let page = read(&progress.join("progress.html"));
-    for part in [": stopped</h1>", "<h2>Best so far</h2>", "drop &amp; film: acceleration", "\"best so far\"", "\"current\""] {
+    for part in
+        [": stopped</h1>", "<h2>Best so far</h2>", "drop &amp; film: acceleration", "\"best so far\"", "\"current\""]
+    {
         assert!(page.contains(part), "{part} is not on the page");
     }
     assert!(page.contains("<li>begins</li>") && page.contains("drop &amp; film: pairs"));
@@ -199,7 +218,11 @@ fn a_difference_from_the_nearest_evaluation_is_named() {
     let one = ["--set", "variation={\"impactor.mass\" = [\"11 kg\", \"12 kg\"]}"];
     printed(&droptower(folder, &[&["sweep", "drop.toml", "--quiet"], &one[..]].concat()));
     let known = why(folder, &["--set", "impactor.mass=11 kg"]);
-    assert_eq!([&known["sweep"], &known["simulate"]], ["stored", "computed"], "a sweep keeps no signals where none need them");
+    assert_eq!(
+        [&known["sweep"], &known["simulate"]],
+        ["stored", "computed"],
+        "a sweep keeps no signals where none need them"
+    );
     let other = why(folder, &["--set", "impactor.mass=11.5 kg"]);
     assert_eq!((keys(&other), &other["described"]), (vec!["impactor.mass"], &Json::from(2)), "{other}");
     // Another unit and a default that is written out decide nothing.
@@ -207,7 +230,10 @@ fn a_difference_from_the_nearest_evaluation_is_named() {
     assert_eq!(why(folder, &same)["sweep"], "stored");
     let two = why(folder, &[&same[..], &["--set", "layers.count=9", "--set", "title=\"other\""]].concat());
     assert_eq!(keys(&two), ["layers.count"], "{two}");
-    let text = printed(&droptower(folder, &["store", "why", "drop.toml", "--set", "impactor.mass=11 kg", "--set", "layers.count=9"]));
+    let text = printed(&droptower(
+        folder,
+        &["store", "why", "drop.toml", "--set", "impactor.mass=11 kg", "--set", "layers.count=9"],
+    ));
     assert!(text.starts_with("drop: would be computed\n"), "{text}");
     assert!(text.contains("there `layers.count` is 8, here it is 9"), "{text}");
 }
@@ -236,12 +262,16 @@ fn a_file_that_has_changed_and_another_build_are_named() {
     let length = u32::from_le_bytes(bytes[magic..magic + 4].try_into().unwrap()) as usize;
     let end = magic + 8 + 17 + length;
     bytes[end - 1] = if bytes[end - 1] == b'0' { b'1' } else { b'0' };
-    let sum = crc32fast::hash(&bytes[magic + 8..end]);
+    let sum = droptower::file::checksum(&bytes[magic + 8..end]);
     bytes[magic + 4..magic + 8].copy_from_slice(&sum.to_le_bytes());
     fs::write(&segment, bytes).expect("writable");
     fs::write(folder.join("a.rhai"), "measure(\"early_m_s\", run.velocity.at(0.001));").expect("a script");
     let other = why(folder, &own);
-    assert_eq!((&other["nearest"]["build_differs"][0], keys(&other)), (&"mathematical library".into(), vec![]), "{other}");
+    assert_eq!(
+        (&other["nearest"]["build_differs"][0], keys(&other)),
+        (&"mathematical library".into(), vec![]),
+        "{other}"
+    );
 }
 
 #[test]
@@ -251,12 +281,22 @@ fn runs_of_scripts_and_checkpoints_are_told_too() {
     fs::write(folder.join("one.rhai"), "scenario(args.scenario).simulate();").expect("a script");
     printed(&droptower(folder, &["script", "one.rhai", "--scenario", "drop.toml"]));
     let known = why(folder, &[]);
-    assert_eq!([&known["sweep"], &known["simulate"], &known["checkpoint"]], [&"evaluated".into(), &"stored".into(), &Json::Null]);
+    assert_eq!(
+        [&known["sweep"], &known["simulate"], &known["checkpoint"]],
+        [&"evaluated".into(), &"stored".into(), &Json::Null]
+    );
     assert_eq!(keys(&why(folder, &["--set", "impactor.friction=0.25"])), ["impactor.friction"]);
     // A run that is killed after a checkpoint: the checkpoint is what a failed run leaves as well.
-    let mut child = start(folder, &["run", "drop.toml", "--checkpoint-every", "1 ms", "--set", "specimen.mesh.size=4 mm"]);
+    let mut child =
+        start(folder, &["run", "drop.toml", "--checkpoint-every", "1 ms", "--set", "specimen.mesh.size=4 mm"]);
     let checkpoints = folder.join("runs/drop.checkpoint");
-    let has_one = || fs::read_dir(&checkpoints).into_iter().flatten().flatten().any(|entry| entry.path().extension().is_some_and(|end| end == "state"));
+    let has_one = || {
+        fs::read_dir(&checkpoints)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .any(|entry| entry.path().extension().is_some_and(|end| end == "state"))
+    };
     wait_for(&mut child, has_one);
     child.kill().expect("killed");
     child.wait().expect("gone");

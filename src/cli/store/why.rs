@@ -48,7 +48,8 @@ pub(super) fn run(args: &WhyArgs, shared: &Shared) -> Result<(), Failure> {
         true => Nearest::default(),
         false => Nearest::find(folder, &here).map_err(|error| failed(&evaluations.failed(error)))?,
     };
-    let differences = nearest.found.as_ref().map(|found| decisive(&checked, keys, found)).unwrap_or_default();
+    let decided = nearest.found.iter().map(|found| (found, decisive(&checked, keys, found)));
+    let decided = decided.min_by_key(|(found, differences)| (differences.len(), found.build != build_name()));
     let resumed = resumed(&checked);
     let figures = json!({
         "scenario": checked.model.name,
@@ -56,7 +57,7 @@ pub(super) fn run(args: &WhyArgs, shared: &Shared) -> Result<(), Failure> {
         "simulate": if known.run { "stored" } else { "computed" },
         "described": nearest.described,
         "undescribed": nearest.undescribed,
-        "nearest": nearest.found.as_ref().map(|found| of_found(found, &differences)),
+        "nearest": decided.as_ref().map(|(found, differences)| of_found(found, differences)),
         "checkpoint": resumed.as_ref().map(|verdict| match verdict {
             Ok(path) => json!({ "resumes_from": path }),
             Err(why) => json!({ "refused": why }),
@@ -66,7 +67,7 @@ pub(super) fn run(args: &WhyArgs, shared: &Shared) -> Result<(), Failure> {
         let name = &checked.model.name;
         let mut lines = verdict(name, known);
         if !(known.figures && known.run) {
-            lines.extend(nearest_lines(&nearest, &differences, folder));
+            lines.extend(nearest_lines(&nearest, decided.as_ref(), folder));
         }
         lines.extend(resumed.iter().map(|verdict| match verdict {
             Ok(path) => format!("  `droptower run --resume` continues from {}", shown_path(path)),
@@ -101,11 +102,11 @@ fn verdict(name: &str, known: KnownParts) -> Vec<String> {
 }
 
 /// What differs from the nearest evaluation.
-fn nearest_lines(nearest: &Nearest, differences: &[Difference], folder: &Path) -> Vec<String> {
-    let Nearest { described, undescribed, found } = nearest;
+fn nearest_lines(nearest: &Nearest, decided: Option<&(&Found, Vec<Difference>)>, folder: &Path) -> Vec<String> {
+    let Nearest { described, undescribed, .. } = nearest;
     let mut lines = vec![];
-    match found {
-        Some(found) => {
+    match decided {
+        Some((found, differences)) => {
             let age = wall_time(found.age_s);
             let count = grouped(*described as u64);
             lines.push(format!("  the nearest of {count} in {} ({age} old):", shown_path(&found.segment)));

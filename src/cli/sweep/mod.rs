@@ -6,7 +6,6 @@ mod results;
 
 use std::io::{self, Write};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -90,8 +89,6 @@ struct Task {
     stop: Stop,
     cluster: Option<Cluster>,
     page: LivePage,
-    /// Whether the results are stored.
-    is_stored: AtomicBool,
 }
 
 impl Task {
@@ -108,11 +105,9 @@ pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     let (ends, told) = (task.ends(), page.clone());
     farm::end_on_signals(ends, move || told.stopping())?;
     let swept = page.during(|| swept(&task, args, shared, begin));
-    if let Err(failure) = &swept
-        && !task.ends().is_over()
-        && !task.is_stored.load(Ordering::Relaxed)
-    {
-        page.failed(failure);
+    if let Err(failure) = &swept {
+        // No more than the first end of a page counts: results may be stored, and runs have failed.
+        if task.ends().is_over() { page.stopped() } else { page.failed(failure) }
     }
     swept
 }
@@ -162,7 +157,7 @@ fn task(args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<Task, Failu
     let evaluations = Evaluations::open(&args.store).map_err(|error| failed(&error))?.with_share(share);
     let evaluations = evaluations.with_observer(move |event| runs.note_run(&event));
     let stop = Stop { deadline, ..Stop::default() };
-    Ok(Task { sweep, document, evaluations, place, keep, stop, cluster, page, is_stored: AtomicBool::new(false) })
+    Ok(Task { sweep, document, evaluations, place, keep, stop, cluster, page })
 }
 
 /// The page of the sweep; where it is, is a note, or an event for a program.

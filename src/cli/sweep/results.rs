@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 use super::{SweepArgs, Task, failed};
 use crate::faults::storing;
@@ -98,7 +97,6 @@ pub(super) fn store(
         Ok(files)
     };
     let files = write().map_err(|error| Failure::output(storing(&error)))?;
-    task.is_stored.store(true, Ordering::Relaxed);
     task.page.ended(&sweep.model().name);
     let checked = |run| Ok((scenarios::of_document(sweep.document(run))?, run_place(place, run)));
     let runs = kept.into_iter().map(checked).collect::<Result<Vec<_>, Vec<Diagnostic>>>()?;

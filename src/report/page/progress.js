@@ -58,8 +58,8 @@
         if (figure.dataset.draw === "front") {
           const choices = this.outcomes.map((at) => [at, this.axes[at].words]);
           const bar = make("p", { className: "choices" });
-          this.across = this.choice("across", `${key} across`, choices, 0, bar);
-          this.up = this.choice("up", `${key} up`, choices, 1, bar);
+          this.across = this.choice("across", `${key} across`, choices, data.front[0], bar);
+          this.up = this.choice("up", `${key} up`, choices, data.front[1], bar);
           figure.append(bar);
         }
         const canvas = make("canvas");
@@ -258,7 +258,7 @@
     }
   }
 
-  for (const element of document.querySelectorAll(".points")) element.points = new Points(element);
+  for (const element of document.querySelectorAll(".scatter")) element.points = new Points(element);
 
   // ---- What the reader chose stays in the address, since a file has no other memory in every browser.
 

@@ -183,10 +183,13 @@ impl StudyProgress {
         self.searches.iter().find(|search| search.is_active).or(self.searches.last())
     }
 
-    /// Trials of the searches that ask for some, or runs.
+    /// Trials of the searches that ask for some, or did when the study ended; or runs.
     fn counts(&self) -> (Counts, &'static str) {
-        let mut active = self.searches.iter().filter(|search| search.is_active).peekable();
-        if active.peek().is_none() {
+        let mut active: Vec<&Search> = self.searches.iter().filter(|search| search.is_active).collect();
+        if active.is_empty() && self.state != StudyState::Running {
+            active.extend(self.searches.last());
+        }
+        if active.is_empty() {
             return (self.runs.counts(), "runs");
         }
         let add = |sum: Counts, other: Counts| Counts {
@@ -197,7 +200,7 @@ impl StudyProgress {
             failed: sum.failed + other.failed,
         };
         let none = Counts { waiting: 0, running: 0, done: 0, known: 0, failed: 0 };
-        (active.map(Search::counts).fold(none, add), "trials")
+        (active.into_iter().map(Search::counts).fold(none, add), "trials")
     }
 
     /// How long it takes, in words.
@@ -251,9 +254,7 @@ impl StudyProgress {
                 [Some(so_far), open, self.remaining(elapsed)].into_iter().flatten().collect::<Vec<_>>().join(", ")
             }
             StudyState::Stopping => format!("{so_far}; no {what} begin any more, and {} under way end", counts.running),
-            StudyState::Stopped => {
-                format!("Stopped after {}: {so_far}. The same command goes on from here.", wall_time(elapsed))
-            }
+            StudyState::Stopped => format!("Stopped: {so_far}. The same command goes on from here."),
             StudyState::Failed(cause) => format!("Failed after {}: {cause}", wall_time(elapsed)),
         }
     }

@@ -30,6 +30,8 @@ pub(super) struct Points {
     pub(super) best: Option<usize>,
     /// What a point is, in the plural.
     pub(super) of: &'static str,
+    /// The two outcomes whose front is shown first, by their places among the outcomes.
+    pub(super) front: [usize; 2],
 }
 
 impl Axis {
@@ -67,7 +69,7 @@ impl Points {
             if outcomes > 1 { figure("front", "two outcomes, and their front", &front) } else { String::new() },
         ];
         format!(
-            "<div class=\"points\" data-key=\"{}\">\n{}{}</div>\n",
+            "<div class=\"scatter\" data-key=\"{}\">\n{}{}</div>\n",
             escape(title),
             data(&self.content()),
             figures.concat()
@@ -86,6 +88,7 @@ impl Points {
             "of": self.of,
             "axes": self.axes.iter().map(axis).collect::<Vec<_>>(),
             "rows": shown.iter().map(row).collect::<Vec<_>>(),
+            "front": self.front,
             "best": self.best.and_then(|best| shown.iter().position(|place| *place == best)),
             "all": self.rows.len(),
         })
@@ -107,7 +110,7 @@ mod tests {
     fn points(count: usize) -> Points {
         let axes = vec![Axis::input("k1"), Axis::input("<ke>"), Axis::outcome("error")];
         let row = |place: usize| vec![Some(place as f64), Some(1.0 / 3.0), (place > 0).then_some(f64::NAN)];
-        Points { axes, rows: (0..count).map(row).collect(), best: Some(1), of: "trials" }
+        Points { axes, rows: (0..count).map(row).collect(), best: Some(1), of: "trials", front: [0, 1] }
     }
 
     #[test]

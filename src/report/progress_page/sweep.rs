@@ -95,7 +95,7 @@ impl SweepRuns {
             columns.push(column.into_iter().map(|value| value.map(|value| reading.value(value))).collect());
         }
         let rows = (0..self.rows.len()).map(|row| columns.iter().map(|column| column[row]).collect());
-        Points { axes, rows: rows.collect(), best: None, of: "runs" }
+        Points { axes, rows: rows.collect(), best: None, of: "runs", front: [0, 1] }
     }
 }
 

@@ -140,7 +140,12 @@ fn values(document: &Document, model: &Model) -> BTreeMap<String, String> {
         values.insert(mesh.key, digest(mesh.path));
     }
     if let Some(reference) = &model.reference {
-        values.insert("reference.signals".into(), digest(&reference.signals));
+        if let Some(signals) = &reference.signals {
+            values.insert("reference.signals".into(), digest(signals));
+        }
+        for (place, file) in reference.field.iter().flat_map(|field| &field.files).enumerate() {
+            values.insert(format!("reference.field.files.{place}"), digest(file));
+        }
     }
     values
 }

@@ -19,9 +19,12 @@ pub struct Nearest {
     pub described: usize,
     /// Evaluations without one: of older versions, or of very large scenarios.
     pub undescribed: usize,
-    /// The nearest one.
-    pub found: Option<Found>,
+    /// The nearest ones, the nearest first, at most [`MOST`].
+    pub found: Vec<Found>,
 }
+
+/// Most evaluations that are found: keys that differ may decide nothing, so that the first need not be the nearest.
+pub const MOST: usize = 16;
 
 /// A stored evaluation, and how it differs.
 #[derive(Clone, Debug)]
@@ -64,13 +67,14 @@ impl OfBuild {
 }
 
 impl Nearest {
-    /// The nearest of the evaluations in `folder` to that of `here`: of those that differ in the same number of keys one of
-    /// this build, and of those the newest.
+    /// The nearest of the evaluations in `folder` to that of `here`: of those that differ in the same number of keys those of
+    /// this build first, and of these the newest.
     ///
     /// # Errors
     /// The folder or a segment in it cannot be read.
     pub fn find(folder: &Path, here: &Description) -> io::Result<Nearest> {
-        let (mut nearest, mut least) = (Nearest::default(), None);
+        let mut nearest = Nearest::default();
+        let mut ranks: Vec<(usize, bool, f64)> = vec![];
         let run = here.clone().without_figures();
         for figures in EvaluationStore::list(folder)? {
             let Some(descriptions) = EvaluationStore::descriptions(&figures.path)? else { continue };
@@ -90,14 +94,18 @@ impl Nearest {
                 let (compared, of_base) = if stored.has_figures() { (here, *of_figures) } else { (&run, *of_run) };
                 let distance = stored.distance(compared, base, of_base);
                 let rank = (distance, is_other, figures.age_s);
-                if least.is_some_and(|least| rank >= least) {
+                let place = ranks.partition_point(|other| *other <= rank);
+                if place >= MOST {
                     continue;
                 }
-                least = Some(rank);
                 let description = stored.description(base);
                 let differences = compared.differences(&description);
                 let (build, segment) = (build.clone(), figures.path.clone());
-                nearest.found = Some(Found { description, build, segment, age_s: figures.age_s, differences });
+                let found = Found { description, build, segment, age_s: figures.age_s, differences };
+                ranks.insert(place, rank);
+                nearest.found.insert(place, found);
+                ranks.truncate(MOST);
+                nearest.found.truncate(MOST);
             }
         }
         Ok(nearest)

@@ -59,7 +59,10 @@ impl ProgressFolder {
     /// It cannot be written.
     pub fn write_page(&self, html: &str) -> io::Result<()> {
         file::own_folder(&self.folder)?;
-        file::replace(&self.page, html.as_bytes())
+        file::replace(&self.page, html.as_bytes()).inspect_err(|_| {
+            // Of a full disk no empty folder is left.
+            let _ = fs::remove_dir(&self.folder);
+        })
     }
 
     /// Writes a file of the result of a study that was stopped.

@@ -196,7 +196,9 @@ impl Sweep {
         // A number takes the place of one: the scenario need not be written out for every run.
         let base = self.described.get_or_init(|| Description::of_figures(&self.base, &self.model, &self.plan));
         let levels = self.variation.factors.iter().zip(point.levels);
-        levels.fold(base.clone(), |described, (factor, level)| described.with(&factor.path, level.node.to_toml().to_string()))
+        levels.fold(base.clone(), |described, (factor, level)| {
+            described.with(&factor.path, level.node.to_toml().to_string())
+        })
     }
 
     /// The run at `place`, checked.

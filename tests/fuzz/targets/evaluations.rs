@@ -8,14 +8,17 @@ use libfuzzer_sys::fuzz_target;
 
 use base::file::checksum;
 use droptower_fuzz::with_files;
-use study::evaluate::{EvaluationKeys, Evaluations, build_name};
+use study::evaluate::{Description, EvaluationKeys, Evaluations, Nearest, build_name};
 use study::store::EvaluationStore;
 use study::store::evaluations::Key;
 
 const MAGIC: &[u8] = b"droptower evaluations 01\n";
 
-/// The kind of the entries that hold records, which are packed.
-const RECORD: u8 = 1;
+/// The kinds of the entries that hold records and descriptions, which are packed.
+const PACKED: [u8; 3] = [1, 10, 11];
+
+/// Number of kinds of entries.
+const KINDS: u8 = 12;
 
 const RUN: &str = "runs/00/00000000000000000000000000000000.run";
 
@@ -29,6 +32,7 @@ fuzz_target!(|input: &[u8]| {
     };
     with_files(&[(name, &content)], |folder| {
         drop(EvaluationStore::list(folder));
+        drop(Nearest::find(folder, &Description::default()));
         let Ok(evaluations) = Evaluations::open(folder) else { return };
         for byte in 0..4 {
             let key = Key([byte; 16]);
@@ -45,8 +49,9 @@ fn segment(input: &[u8]) -> Vec<u8> {
     let mut rest = input;
     while let [kind, key, length, after @ ..] = rest {
         let (content, after) = after.split_at(after.len().min(4 * usize::from(*length)));
-        let content = if *kind == RECORD { packed(content) } else { content.to_vec() };
-        append(&mut segment, kind % 10, key % 4, &content);
+        let kind = kind % KINDS;
+        let content = if PACKED.contains(&kind) { packed(content) } else { content.to_vec() };
+        append(&mut segment, kind, key % 4, &content);
         rest = after;
     }
     segment
