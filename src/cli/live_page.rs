@@ -300,7 +300,8 @@ mod tests {
     #[test]
     fn a_study_that_asks_for_nothing_leaves_no_page() {
         let root = tempfile::tempdir().unwrap();
-        for end in [|page: &LivePage| page.ended("a"), |page| page.failed(&Failure::quiet())] {
+        let ends: [fn(&LivePage); 2] = [|page| page.ended("a"), |page| page.failed(&Failure::quiet())];
+        for end in ends {
             let (page, _) = page(root.path());
             page.begin();
             assert!(page.folder().page().exists());

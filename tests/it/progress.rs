@@ -11,14 +11,16 @@ use tempfile::TempDir;
 
 use crate::workbench::{command, droptower, error, figures, printed, root};
 
-/// A short drop on a coarse film, whose mass and friction vary, in a folder of its own.
-fn scene() -> TempDir {
+const VARIATION: &str = "[variation]\nsamples = 6\n\"impactor.mass\" = { uniform = [\"10 kg\", \"12 kg\"] }\n\
+                         \"impactor.friction\" = { uniform = [0.1, 0.5] }\n";
+
+/// A short drop on a coarse film, in a folder of its own.
+fn scene(variation: &str) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let base = root().join("scenarios/drop/1008.toml");
     let text = format!(
         "extends = {base:?}\nunset = [\"reference\", \"post\"]\nspecimen.mesh.size = \"80 mm\"\n\
-         loading.impact.duration = \"10 ms\"\n[variation]\nsamples = 6\n\
-         \"impactor.mass\" = {{ uniform = [\"10 kg\", \"12 kg\"] }}\n\"impactor.friction\" = {{ uniform = [0.1, 0.5] }}\n"
+         loading.impact.duration = \"10 ms\"\n{variation}"
     );
     fs::write(folder.path().join("drop.toml"), text).expect("a scenario");
     folder
@@ -59,7 +61,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 #[test]
 fn the_page_of_a_sweep_becomes_its_report() {
-    let scene = scene();
+    let scene = scene(VARIATION);
     let folder = scene.path();
     let output = droptower(folder, &["sweep", "drop.toml"]);
     let told = error(&output);
@@ -83,7 +85,7 @@ fn the_page_of_a_sweep_becomes_its_report() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
-    let scene = scene();
+    let scene = scene(VARIATION);
     let folder = scene.path();
     let mut child = start(folder, &["sweep", "drop.toml", "-n", "100000"]);
     let progress = folder.join("runs/drop.sweep.progress");
@@ -211,7 +213,7 @@ fn keys(found: &Json) -> Vec<&str> {
 
 #[test]
 fn a_difference_from_the_nearest_evaluation_is_named() {
-    let scene = scene();
+    let scene = scene("");
     let folder = scene.path();
     let nothing = why(folder, &[]);
     assert_eq!([&nothing["sweep"], &nothing["nearest"]], [&Json::from("computed"), &Json::Null]);
@@ -240,7 +242,7 @@ fn a_difference_from_the_nearest_evaluation_is_named() {
 
 #[test]
 fn a_file_that_has_changed_and_another_build_are_named() {
-    let scene = scene();
+    let scene = scene("");
     let folder = scene.path();
     fs::write(folder.join("a.rhai"), "measure(\"early_m_s\", run.velocity.at(0.001));").expect("a script");
     let one = ["--set", "variation={\"impactor.mass\" = [\"11 kg\"]}", "--set", "post.script=\"a.rhai\""];
@@ -276,7 +278,7 @@ fn a_file_that_has_changed_and_another_build_are_named() {
 
 #[test]
 fn runs_of_scripts_and_checkpoints_are_told_too() {
-    let scene = scene();
+    let scene = scene("");
     let folder = scene.path();
     fs::write(folder.join("one.rhai"), "scenario(args.scenario).simulate();").expect("a script");
     printed(&droptower(folder, &["script", "one.rhai", "--scenario", "drop.toml"]));

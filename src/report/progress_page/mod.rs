@@ -324,7 +324,7 @@ impl StudyProgress {
             self.sweep.as_ref().and_then(SweepRuns::worst).map_or_else(String::new, |(number, words, value)| {
                 format!("<p>Largest {} so far: {}, of run {number}.</p>\n", escape(&words), escape(&value))
             });
-        html::section("Best so far", &[table::table(&head, &rows), worst].concat())
+        [html::section("Best so far", &table::table(&head, &rows)), html::section("Worst so far", &worst)].concat()
     }
 
     /// The searches: the active ones and the last open, those before folded.

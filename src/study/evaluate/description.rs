@@ -4,7 +4,7 @@
 //! scenario by their keys, and of files that it names what they hold. Descriptions of many runs of one scenario differ in a
 //! few keys: each is stored as its difference from one of the first.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,10 @@ pub struct Difference {
 pub(super) struct Stored {
     pub(super) base: [u8; 16],
     has_figures: bool,
-    changes: Vec<(String, Option<String>)>,
+    /// Values of keys of the other one, by their places there; none of a key that it alone has.
+    changes: Vec<(u32, Option<String>)>,
+    /// Values of further keys.
+    added: Vec<(String, String)>,
 }
 
 /// The descriptions that a process has stored whole.
@@ -117,6 +120,11 @@ impl Description {
         let is_other = |(key, value): &(&String, &String)| other.values.get(*key) != Some(value);
         let missing = other.values.keys().filter(|key| !self.values.contains_key(*key)).count();
         self.values.iter().filter(is_other).count() + missing
+    }
+
+    /// Its keys, in their order.
+    pub(super) fn keys(&self) -> Vec<String> {
+        self.values.keys().cloned().collect()
     }
 
     fn size(&self) -> usize {
@@ -204,9 +212,17 @@ impl Bases {
 
 impl Stored {
     fn new(description: &Description, base_key: Key, base: &Description) -> Stored {
-        let differences = differences(&base.values, &description.values);
-        let changes = differences.into_iter().map(|one| (one.key, one.here)).collect();
-        Stored { base: base_key.0, has_figures: description.has_figures, changes }
+        let changes = base.values.iter().zip(0..).filter_map(|((key, value), place)| {
+            let own = description.values.get(key);
+            (own != Some(value)).then(|| (place, own.cloned()))
+        });
+        let added = description.values.iter().filter(|(key, _)| !base.values.contains_key(*key));
+        Stored {
+            base: base_key.0,
+            has_figures: description.has_figures,
+            changes: changes.collect(),
+            added: added.map(|(key, value)| (key.clone(), value.clone())).collect(),
+        }
     }
 
     /// Whether it has the reference and the post script.
@@ -216,23 +232,28 @@ impl Stored {
 
     /// The description, where `base` is the one that it is stored as a difference from.
     pub(super) fn description(self, base: &Description) -> Description {
-        let mut values = base.values.clone();
-        for (key, value) in self.changes {
-            match value {
-                Some(value) => drop(values.insert(key, value)),
-                None => drop(values.remove(&key)),
-            }
-        }
-        Description { has_figures: self.has_figures, values }
+        let mut changes: HashMap<u32, Option<String>> = self.changes.into_iter().collect();
+        let own = base.values.iter().zip(0..).filter_map(|((key, value), place)| {
+            let value = changes.remove(&place).unwrap_or_else(|| Some(value.clone()))?;
+            Some((key.clone(), value))
+        });
+        let values = own.collect::<BTreeMap<_, _>>();
+        Description { has_figures: self.has_figures, values: values.into_iter().chain(self.added).collect() }
     }
 
-    /// The number of keys in which it differs from a description that differs from its base in `of_base`.
-    pub(super) fn distance(&self, here: &Description, base: &Description, of_base: usize) -> usize {
+    /// The number of keys in which it differs from `here`, which differs from its base in `of_base`; `keys` are those of the
+    /// base in their order.
+    pub(super) fn distance(&self, here: &Description, base: &Description, keys: &[String], of_base: usize) -> usize {
         let is_same = |value: Option<&String>, key: &String| here.values.get(key) == value;
         let mut distance = of_base;
-        for (key, value) in &self.changes {
+        for (place, value) in &self.changes {
+            let Some(key) = keys.get(*place as usize) else { continue };
             distance += usize::from(!is_same(value.as_ref(), key));
-            distance -= usize::from(!is_same(base.values.get(key), key)).min(distance);
+            distance = distance.saturating_sub(usize::from(!is_same(base.values.get(key), key)));
+        }
+        for (key, value) in &self.added {
+            distance += usize::from(!is_same(Some(value), key));
+            distance = distance.saturating_sub(usize::from(here.values.contains_key(key)));
         }
         distance
     }
@@ -276,9 +297,10 @@ mod tests {
         assert_eq!((stored.base, stored.changes.len()), (key.0, 0));
         for other in [&second, &third] {
             let (stored, whole) = bases.stored(other).unwrap();
-            assert!(whole.is_none() && stored.changes.len() <= 2 && stored.base == key.0);
+            assert!(whole.is_none() && stored.changes.len() == 1 && stored.base == key.0);
+            let keys = base.keys();
             for here in [&first, &second, &third] {
-                assert_eq!(stored.distance(here, &base, here.distance(&base)), here.distance(other));
+                assert_eq!(stored.distance(here, &base, &keys, here.distance(&base)), here.distance(other));
             }
             assert_eq!(stored.description(&base), *other);
         }

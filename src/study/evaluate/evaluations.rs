@@ -362,7 +362,7 @@ impl Evaluations {
             if let Some((key, whole)) = whole {
                 self.store.put_whole_description(key, &packed(&whole)?)?;
             }
-            self.store.put_description(key, &packed(&stored)?)
+            self.store.put_description(key, &encoded(&stored)?)
         };
         put().map_err(|source| self.failed(source))
     }

@@ -66,6 +66,14 @@ impl OfBuild {
     }
 }
 
+/// A description that others are stored as differences from.
+struct Base {
+    description: Description,
+    keys: Vec<String>,
+    /// The number of keys in which the figures and the run that are asked for differ from it.
+    distances: [usize; 2],
+}
+
 impl Nearest {
     /// The nearest of the evaluations in `folder` to that of `here`: of those that differ in the same number of keys those of
     /// this build first, and of these the newest.
@@ -81,18 +89,18 @@ impl Nearest {
             let SegmentDescriptions { build, wholes, of_records, undescribed } = descriptions;
             nearest.described += of_records.len();
             nearest.undescribed += undescribed;
-            let mut bases: HashMap<Key, Option<(Description, [usize; 2])>> = HashMap::new();
+            let mut bases: HashMap<Key, Option<Base>> = HashMap::new();
             let is_other = build != build_name();
             for content in of_records {
-                let Some(stored) = unpacked::<Stored>(&content) else { continue };
+                let Ok(stored) = postcard::from_bytes::<Stored>(&content) else { continue };
                 let base = bases.entry(Key(stored.base)).or_insert_with(|| {
                     let base: Description = unpacked(wholes.get(&Key(stored.base))?)?;
                     let distances = [here.distance(&base), run.distance(&base)];
-                    Some((base, distances))
+                    Some(Base { keys: base.keys(), description: base, distances })
                 });
-                let Some((base, [of_figures, of_run])) = base else { continue };
+                let Some(Base { description: base, keys, distances: [of_figures, of_run] }) = base else { continue };
                 let (compared, of_base) = if stored.has_figures() { (here, *of_figures) } else { (&run, *of_run) };
-                let distance = stored.distance(compared, base, of_base);
+                let distance = stored.distance(compared, base, keys, of_base);
                 let rank = (distance, is_other, figures.age_s);
                 let place = ranks.partition_point(|other| *other <= rank);
                 if place >= MOST {

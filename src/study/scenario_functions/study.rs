@@ -14,7 +14,7 @@ use crate::evaluate::{Description, EvaluationError, Evaluations, NoOutcome, RunE
 use crate::post::run::{self, ReferenceSignals};
 use crate::post::{Plan, ReferenceComparison, Run};
 use crate::script::{
-    Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, refuse_key, to_json,
+    Entry, HostResult, Options, Session, check_stop, from_json, number, numerical_failure, refuse, refuse_key, to_json,
 };
 use crate::store::evaluations::Share;
 use base::budget::Claim;
@@ -169,7 +169,7 @@ impl Study {
         let model = cut.as_ref().unwrap_or(model);
         let cancellation = session.cancellation();
         if !session.is_trial() {
-            session.check_stop()?;
+            check_stop(session)?;
         }
         let found = match evaluations {
             Some(evaluations) => {

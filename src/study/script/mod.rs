@@ -41,6 +41,7 @@ pub use module::{SHIPPED, ShippedModule, SourceText};
 pub use options::Options;
 pub use output::{Message, OutputCollector, OutputError, Row, ScriptOutput};
 pub(crate) use panic::catch as catch_panics;
+pub(crate) use panic::check_stop;
 pub use panic::silence_panics;
 pub use plots::PlotError;
 pub use profile::{Line, LineUse, Profile};

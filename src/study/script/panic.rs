@@ -6,7 +6,7 @@ use std::panic::{self, AssertUnwindSafe};
 
 use rhai::{EvalAltResult, Position};
 
-use super::HostResult;
+use super::{HostResult, Session};
 use base::cancellation::Cancellation;
 
 thread_local! {
@@ -27,6 +27,17 @@ pub fn silence_panics() {
 
 /// What ends a script that was cancelled.
 pub(crate) const STOPPED: &str = "stopped";
+
+/// Checks that a run or a trial of a script may begin.
+///
+/// # Errors
+/// The script was stopped; no `try` of it catches that.
+pub(crate) fn check_stop(session: &Session) -> HostResult<()> {
+    match session.is_stopped() {
+        true => Err(EvalAltResult::ErrorTerminated(STOPPED.into(), Position::NONE).into()),
+        false => Ok(()),
+    }
+}
 
 /// Does `work`, which interprets a script; that `cancellation` stopped it, or a panic in it, is an error at `place`.
 pub(crate) fn catch<T>(

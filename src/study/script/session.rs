@@ -6,11 +6,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rhai::{Dynamic, Engine, EvalAltResult, NativeCallContext, Position};
+use rhai::{Dynamic, Engine, NativeCallContext, Position};
 
 use super::module::{Programs, ShippedModule};
-use super::panic::STOPPED;
-use super::{Compared, HostResult, OutputCollector};
+use super::{Compared, OutputCollector};
 use base::budget::Budget;
 use base::cancellation::Cancellation;
 use base::file::{Digest, FileError};
@@ -143,15 +142,9 @@ impl Session {
         &self.stop
     }
 
-    /// Checks that a run or a trial may begin.
-    ///
-    /// # Errors
-    /// The script was stopped; no `try` of it catches that.
-    pub fn check_stop(&self) -> HostResult<()> {
-        match self.stop.is_cancelled() || self.cancellation.is_cancelled() {
-            true => Err(Box::new(EvalAltResult::ErrorTerminated(STOPPED.into(), Position::NONE))),
-            false => Ok(()),
-        }
+    /// Whether no run or trial may begin any more.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.is_cancelled() || self.cancellation.is_cancelled()
     }
 
     /// What the values of the host that the script holds count towards.

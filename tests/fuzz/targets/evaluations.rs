@@ -14,8 +14,8 @@ use study::store::evaluations::Key;
 
 const MAGIC: &[u8] = b"droptower evaluations 01\n";
 
-/// The kinds of the entries that hold records and descriptions, which are packed.
-const PACKED: [u8; 3] = [1, 10, 11];
+/// The kinds of the entries that hold records and whole descriptions, which are packed.
+const PACKED: [u8; 2] = [1, 10];
 
 /// Number of kinds of entries.
 const KINDS: u8 = 12;

@@ -7,7 +7,7 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, Map
 use thiserror::Error;
 
 use crate::identify::objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
-use crate::script::{HostResult, Session, catch_panics, is_numerical, key_mistake, number, refuse, thrown};
+use crate::script::{HostResult, Session, catch_panics, check_stop, is_numerical, key_mistake, number, refuse, thrown};
 use base::cancellation::Cancellation;
 use lab::signal::Series;
 
@@ -128,7 +128,7 @@ impl Objective for ScriptObjective<'_> {
     }
 
     fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
-        if let Err(stopped) = self.session.check_stop() {
+        if let Err(stopped) = check_stop(&self.session) {
             return fatal(stopped).into();
         }
         let session = self.session.with_trial(&cancellation.within(self.session.cancellation()));

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use crate::evaluate::Evaluations;
 use crate::scenario_functions::Study;
-use crate::script::{HostResult, Options, Session, from_json, refuse, to_json};
+use crate::script::{HostResult, Options, Session, check_stop, from_json, refuse, to_json};
 use crate::sweep::work::{Done, Stop, Work};
 use crate::sweep::{Sweep, SweepError, SweepResults};
 use scene::model;
@@ -30,7 +30,7 @@ impl Host<'_> {
         let work = Work { sweep, evaluations: self.evaluations, waits: true, stop: &stop, gather: false };
         let done = work.run(&|_| {}).map_err(refuse)?;
         if done.len() < sweep.len() {
-            self.session.check_stop()?;
+            check_stop(&self.session)?;
             return Err(refuse("the sweep was cancelled"));
         }
         Ok(done)
