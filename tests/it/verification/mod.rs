@@ -10,6 +10,7 @@ mod tower;
 
 mod absorption;
 mod air;
+mod bending;
 mod bodies;
 mod contact;
 mod convergence;
@@ -23,6 +24,7 @@ mod gradient;
 mod guide_friction;
 mod indentation;
 mod inflation;
+mod instability;
 mod oscillation;
 mod patch;
 mod plastic;
