@@ -13,6 +13,7 @@ mod language;
 mod law_fits;
 mod decks;
 mod digitized;
+mod digitized_styles;
 mod documents;
 mod drop_pages;
 mod examples;

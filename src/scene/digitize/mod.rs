@@ -6,13 +6,15 @@
 
 mod axes;
 mod colour;
+mod extremes;
+mod grid;
 mod spec;
 mod table;
 mod trace;
 mod warning;
 
 pub use axes::Axes;
-pub use colour::Ink;
+pub use colour::{Fidelity, Ink};
 pub use spec::{Figure, PictureError};
 pub use table::{Digitized, digitize};
 pub use trace::{Trace, TraceError};

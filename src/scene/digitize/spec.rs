@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, GenericImageView, ImageDecoder, ImageFormat, ImageReader, Limits, Rgb, RgbImage, Rgba};
 use thiserror::Error;
 
-use super::Ink;
 use super::axes::{Axes, Axis};
+use super::{Fidelity, Ink};
 use crate::scenario::{self, Amount, Document};
 use base::diagnostic::{Diagnostic, Diagnostics, shown_path};
 use base::file::{self, FileError};
@@ -102,8 +102,8 @@ impl Figure {
     }
 }
 
-/// The picture, and the least deviation of a line in it.
-fn read(path: &Path) -> Result<(RgbImage, f64), PictureError> {
+/// The picture, and whether its format is one with loss.
+fn read(path: &Path) -> Result<(RgbImage, bool), PictureError> {
     let opened = file::open(path).and_then(|file| {
         // The content tells the format, not the name.
         Ok(ImageReader::new(BufReader::new(file)).with_guessed_format()?)
@@ -112,7 +112,7 @@ fn read(path: &Path) -> Result<(RgbImage, f64), PictureError> {
     let mut limits = Limits::default();
     limits.max_alloc = Some(MOST_BYTES);
     reader.limits(limits);
-    let least_scatter = if reader.format() == Some(ImageFormat::Jpeg) { LEAST_SCATTER_JPEG } else { LEAST_SCATTER };
+    let is_jpeg = reader.format() == Some(ImageFormat::Jpeg);
     let damaged = |source| PictureError::Decode { path: path.to_owned(), source };
     let decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
@@ -128,7 +128,7 @@ fn read(path: &Path) -> Result<(RgbImage, f64), PictureError> {
     };
     let has_paper = picture.color().has_alpha();
     let picture = if has_paper { RgbImage::from_fn(width, height, on_paper) } else { picture.into_rgb8() };
-    Ok((picture, least_scatter))
+    Ok((picture, is_jpeg))
 }
 
 struct Check<'a> {
@@ -156,13 +156,16 @@ impl Check<'_> {
             colour
         });
         let picture = self.document.file_of(&["picture"]).and_then(|path| match read(&path) {
-            Ok((picture, least_scatter)) => Some((path, picture, least_scatter)),
+            Ok((picture, is_jpeg)) => Some((path, picture, is_jpeg)),
             Err(error) => {
                 self.report(&["picture"], error.to_string(), "pictures are PNG or JPEG");
                 None
             }
         });
-        let ink = Ink::new(colour?, background?, curve.tolerance);
+        let is_jpeg = picture.as_ref().is_some_and(|(_, _, is_jpeg)| *is_jpeg);
+        let (fidelity, least_scatter) =
+            if is_jpeg { (Fidelity::JPEG, LEAST_SCATTER_JPEG) } else { (Fidelity::EXACT, LEAST_SCATTER) };
+        let ink = Ink::new(colour?, background?, curve.tolerance, fidelity);
         if ink.is_none() {
             self.report(&["curve", "colour"], "the curve and what is behind it have nearly the same colour", "");
         }
@@ -172,7 +175,7 @@ impl Check<'_> {
             let hint = "each axis needs two points apart in picture and value; a logarithmic one values above 0";
             self.report(&["x", "points"], "the points of the axes do not span a plane", hint);
         }
-        let (axes, (path, picture, least_scatter)) = (axes?, picture?);
+        let (axes, (path, picture, _)) = (axes?, picture?);
         let size = [picture.width() as usize, picture.height() as usize];
         let [left, top, right, bottom] = curve.area.unwrap_or_else(|| axes.area());
         let within = |value: f64, most: usize| (value.max(0.0) as usize).min(most);

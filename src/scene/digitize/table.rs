@@ -75,7 +75,7 @@ fn scatter(points: &[[f64; 2]]) -> f64 {
 
 /// Half the width of the interval of a value up: from the scatter of the trace, and from the points of the axes, whose error
 /// grows beyond them; an error across counts by the slope of the curve. Where another curve hides a part of the line, its
-/// middle is uncertain by half of what is hidden.
+/// middle is uncertain by half of what is hidden, and where it turns within its width, by a part of that.
 fn error(figure: &Figure, trace: &Trace, place: usize, scatter: f64) -> f64 {
     let points = &trace.points;
     let hidden = 0.5 * (trace.thickness - trace.covered[place]).max(0.0);
@@ -95,7 +95,7 @@ fn error(figure: &Figure, trace: &Trace, place: usize, scatter: f64) -> f64 {
     let across = of_axis(0) * length(0) * steep;
     let up = of_axis(1) * length(1);
     let deviation = (across.powi(2) + up.powi(2) + (scatter * slopes[1][1]).powi(2)).sqrt();
-    2.0 * deviation + hidden * slopes[1][1].abs()
+    2.0 * deviation + (hidden + trace.doubts[place]) * slopes[1][1].abs()
 }
 
 fn warnings(figure: &Figure, found: &Trace) -> Vec<Warning> {

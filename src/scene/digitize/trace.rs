@@ -3,9 +3,12 @@
 //! A column may show the colour in several places: a legend, letters, noise. Of all ways through the columns, that is
 //! taken which covers most and jumps least, by dynamic programming.
 
+use std::ops::Range;
+
 use thiserror::Error;
 
-use super::Ink;
+use super::grid::Grid;
+use super::{Ink, extremes};
 
 /// Least coverage of a pixel that belongs to a run.
 const LEAST: f64 = 0.2;
@@ -29,13 +32,15 @@ const MOST_RUNS: usize = 20;
 /// Most columns that a dash or another curve may interrupt it for, as a share of all.
 const LONGEST_GAP: f64 = 0.08;
 
-/// A curve in pixels: the middle of what it covers in each column that has it.
+/// A curve in pixels: the middle of what it covers in each column that has it, at extremes by its outer edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     /// Middles of pixels across and down, in rising order across.
     pub points: Vec<[f64; 2]>,
     /// How much of each of their columns the curve covers, pixels.
     pub covered: Vec<f64>,
+    /// By how much each middle is uncertain where the line turns within its width, pixels.
+    pub doubts: Vec<f64>,
     /// Thickness of the line: the median of what it covers, pixels.
     pub thickness: f64,
     /// Numbers of columns between points where the curve is missing.
@@ -66,11 +71,14 @@ struct Run {
     bottom: usize,
     middle: f64,
     sum: f64,
+    /// Largest coverage of a pixel.
+    most: f64,
 }
 
 impl Run {
+    /// Of lines as wide that one counts more that is covered wholly: another colour may be half of the curve's.
     fn score(&self) -> f64 {
-        self.sum.min(MOST_SUM)
+        self.sum.min(MOST_SUM) * self.most * self.most
     }
 
     /// Pixels up or down to another run.
@@ -83,53 +91,70 @@ impl Run {
 /// Traces the curve in `columns` and `rows`, of which `pixel(column, row)` is the colour and `has(column, row)` says whether
 /// it is looked at.
 pub(super) fn trace(
-    [columns, rows]: [std::ops::Range<usize>; 2],
+    [columns, rows]: [Range<usize>; 2],
     ink: &Ink,
     pixel: impl Fn(usize, usize) -> Option<[u8; 3]>,
 ) -> Result<Trace, TraceError> {
     let width = columns.len();
     let longest = ((LONGEST_GAP * width as f64) as usize).max(3);
-    let runs: Vec<Run> = columns.flat_map(|column| column_runs(column, rows.clone(), ink, &pixel)).collect();
+    let coverage = |column: usize, row: usize| pixel(column, row).map_or(0.0, |colour| ink.coverage(colour));
+    let grid = Grid::new([columns.clone(), rows.clone()], coverage);
+    let runs: Vec<Run> = columns.flat_map(|column| column_runs(column, rows.clone(), &grid, &coverage)).collect();
     let all: f64 = runs.iter().map(|run| run.sum).sum();
     if runs.len() > MOST_RUNS * width {
         return Err(TraceError::Scattered { runs: runs.len() / width });
     }
-    let path = best(&runs, longest).ok_or(TraceError::Nothing)?;
-    let points = path.iter().map(|run| [run.column as f64 + 0.5, run.middle]).collect();
+    let path = without_jumps(best(&runs, longest).ok_or(TraceError::Nothing)?);
     let gaps = path.windows(2).filter(|pair| pair[1].column > pair[0].column + 1);
     let gaps = gaps.map(|pair| [pair[0].column as f64 + 0.5, pair[1].column as f64 + 0.5]).collect();
     let covered: Vec<f64> = path.iter().map(|run| run.sum).collect();
     let on_it: f64 = covered.iter().sum();
     let mut sorted = covered.clone();
     sorted.sort_unstable_by(f64::total_cmp);
-    Ok(Trace { points, covered, thickness: sorted[sorted.len() / 2], gaps, elsewhere: 1.0 - on_it / all })
+    let middles: Vec<[f64; 2]> = path.iter().map(|run| [run.column as f64 + 0.5, run.middle]).collect();
+    let (points, doubts) = extremes::at_extremes(&middles, &covered);
+    Ok(Trace { points, covered, doubts, thickness: sorted[sorted.len() / 2], gaps, elsewhere: 1.0 - on_it / all })
 }
 
-fn column_runs(
-    column: usize,
-    rows: std::ops::Range<usize>,
-    ink: &Ink,
-    pixel: &impl Fn(usize, usize) -> Option<[u8; 3]>,
-) -> Vec<Run> {
-    let coverage: Vec<f64> =
-        rows.clone().map(|row| pixel(column, row).map_or(0.0, |colour| ink.coverage(colour))).collect();
+/// The way without columns in which it covers far more, up and down, than in both columns beside, or far more faintly: a line
+/// across it.
+fn without_jumps(path: Vec<Run>) -> Vec<Run> {
+    let crosses = |at: usize| {
+        let (Some(before), Some(after)) = (at.checked_sub(1).and_then(|at| path.get(at)), path.get(at + 1)) else {
+            return false;
+        };
+        let (run, height) = (&path[at], |run: &Run| run.bottom - run.top + 1);
+        let most = height(before).max(height(after));
+        let [top, bottom] = [before.top.min(after.top), before.bottom.max(after.bottom)];
+        let is_faint = height(run) > 3 * most && run.sum < 0.75 * height(run) as f64;
+        is_faint || (bottom - top < 2 * most && run.top + most < top && run.bottom > bottom + most)
+    };
+    let keep: Vec<bool> = (0..path.len()).map(|at| !crosses(at)).collect();
+    path.into_iter().zip(keep).filter(|(_, keep)| *keep).map(|(run, _)| run).collect()
+}
+
+fn column_runs(column: usize, rows: Range<usize>, grid: &Grid, covered: &impl Fn(usize, usize) -> f64) -> Vec<Run> {
+    let mut coverage: Vec<f64> = rows.clone().map(|row| covered(column, row)).collect();
+    grid.remove(&mut coverage);
     let mut runs = Vec::new();
-    let mut at = 0;
-    while at < coverage.len() {
-        if coverage[at] < LEAST {
-            at += 1;
+    let mut next = 0;
+    while next < coverage.len() {
+        if coverage[next] < LEAST {
+            next += 1;
             continue;
         }
-        let end = at + coverage[at..].iter().take_while(|share| **share >= LEAST).count();
+        let start = next;
+        next = start + coverage[start..].iter().take_while(|share| **share >= LEAST).count();
+        let end = next;
         // The faint edges of the line count too: without them its middle would jump by half pixels.
-        let (from, to) = (at.saturating_sub(1), (end + 1).min(coverage.len()));
+        let (from, to) = (start.saturating_sub(1), (end + 1).min(coverage.len()));
         let sum: f64 = coverage[from..to].iter().sum();
         let moment: f64 = (from..to).map(|row| coverage[row] * (row as f64 + 0.5)).sum();
         if sum >= LEAST_SUM {
-            let [top, bottom] = [at, end - 1].map(|row| row + rows.start);
-            runs.push(Run { column, top, bottom, middle: moment / sum + rows.start as f64, sum });
+            let most = coverage[start..end].iter().copied().fold(0.0, f64::max);
+            let [top, bottom] = [start, end - 1].map(|row| row + rows.start);
+            runs.push(Run { column, top, bottom, middle: moment / sum + rows.start as f64, sum, most });
         }
-        at = end;
     }
     runs
 }
