@@ -257,8 +257,9 @@ fn a_file_that_has_changed_and_another_build_are_named() {
     assert!(text.contains("its run is stored, only its figures would be evaluated again"), "{text}");
     assert!(text.contains("the file of `post.script` has changed"), "{text}");
     // A segment says by its first entry which build wrote it; its checksum is that of the rest of the entry.
-    let segment = fs::read_dir(folder.join("runs/.evaluations")).expect("a folder").flatten().map(|entry| entry.path());
-    let segment = segment.filter(|path| path.extension().is_some()).next().expect("a segment");
+    let files = fs::read_dir(folder.join("runs/.evaluations")).expect("a folder");
+    let mut files = files.flatten().map(|entry| entry.path());
+    let segment = files.find(|path| path.extension().is_some()).expect("a segment");
     let mut bytes = fs::read(&segment).expect("a segment");
     let magic = b"droptower evaluations 01\n".len();
     let length = u32::from_le_bytes(bytes[magic..magic + 4].try_into().unwrap()) as usize;

@@ -160,7 +160,7 @@ impl Sweep {
     /// The changes of the scenario that give the run at `place`, as arguments of `--set`.
     pub fn changes(&self, place: usize) -> Vec<String> {
         let levels = self.variation.factors.iter().zip(self.point(place).levels);
-        levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml().to_string())).collect()
+        levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml())).collect()
     }
 
     /// The identity of the study: the build of droptower, the scenario with its files, and the values of its runs.
