@@ -262,7 +262,7 @@ mod tests {
         // 120 bins of 8.3 samples; white noise of 1.5 at samples: about 1.5/√8.3.
         assert!((found / (1.5 / 8.33_f64.sqrt()) - 1.0).abs() < 0.2, "{found}");
         let exact = model(&half_wave(0.0, 3), Correlation::Share(0.03)).noise();
-        assert!(exact < 0.011 && exact >= 0.0099 * 0.99, "{exact}");
+        assert!((0.0098..0.011).contains(&exact), "{exact}");
     }
 
     /// The residuals are C^(−1/2) times the difference: their squares sum to dᵀ C⁻¹ d with C written out.

@@ -120,7 +120,7 @@ pub fn sample(
         return Err(EnsembleError::NoCoordinate);
     }
     let walkers = options.walkers.unwrap_or_else(|| (4 * dimensions).max(32));
-    if walkers % 2 != 0 || walkers < 2 * dimensions {
+    if !walkers.is_multiple_of(2) || walkers < 2 * dimensions {
         return Err(EnsembleError::Walkers { walkers, dimensions });
     }
     let starts = starts(log_density, &mut start, ENSEMBLES * walkers)?;

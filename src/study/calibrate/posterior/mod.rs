@@ -68,6 +68,9 @@ pub(super) struct Posterior {
 /// The runs of one test: unknowns that act on it, and differences.
 type Runs = Vec<(Vec<f64>, Vec<f64>)>;
 
+/// A run of a test: its index, the unknowns, and the differences or why there are none.
+type Computed<'a> = (usize, &'a Vec<f64>, Result<Vec<f64>, String>);
+
 /// What stays the same over all rounds.
 struct Sampling<'a> {
     plan: &'a Plan,
@@ -241,7 +244,7 @@ impl Sampling<'_> {
             .enumerate()
             .flat_map(|(test, points)| points.iter().map(move |point| (test, point)))
             .collect();
-        let found: Vec<(usize, &Vec<f64>, Result<Vec<f64>, String>)> =
+        let found: Vec<Computed<'_>> =
             all.into_par_iter().map(|(test, point)| (test, point, self.differences(test, point))).collect();
         if self.session.cancellation().is_cancelled() {
             return Err(refuse("the study was stopped"));
