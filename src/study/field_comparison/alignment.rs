@@ -49,6 +49,9 @@ const COARSE: [usize; 2] = [120, 2];
 const FINE: [usize; 2] = [1500, 10];
 /// Steps of both.
 const STEPS: [usize; 2] = [12, 40];
+/// Step over the radius of the field, and share of the cost by which it falls, below which a search ends.
+const SHORT: f64 = 1e-8;
+const LITTLE: f64 = 1e-9;
 /// Starts that are followed to their end.
 const FOLLOWED: usize = 4;
 /// Share of the deviation by which another motion may fit worse than the best and still as well.
@@ -109,13 +112,14 @@ fn fit(problem: &Problem<'_>, start: RigidMotion, steps: usize) -> (f64, RigidMo
         let Some(step) = now.step(damping) else { break };
         let trial = problem.stepped(&motion, &step);
         let next = problem.linearized(&trial);
-        if next.normal_equations(deviation).cost < now.cost {
+        let cost = next.cost(deviation);
+        if cost < now.cost {
             (motion, linearized) = (trial, next);
             damping *= 0.1;
-            if step.norm() < 1e-9 * problem.radius {
+            if step.norm() < SHORT * problem.radius || now.cost - cost < LITTLE * now.cost {
                 break;
             }
-        } else if damping > 1e8 {
+        } else if damping > 1e4 || step.norm() < SHORT * problem.radius {
             break;
         } else {
             damping *= 10.0;

@@ -112,22 +112,38 @@ impl Linearized {
 
     /// Root of the mean loss of a residual times two, m: the standard deviation where the loss is that of least squares.
     pub fn root_mean_loss(&self) -> f64 {
-        (2.0 * self.normal_equations(self.deviation()).cost / self.0.len().max(1) as f64).sqrt()
+        (2.0 * self.cost(self.deviation()) / self.0.len().max(1) as f64).sqrt()
+    }
+
+    /// Sum of their losses for residuals of this standard deviation (m), m².
+    pub fn cost(&self, deviation: f64) -> f64 {
+        let bound = bound(deviation);
+        self.0.iter().map(|(residual, _)| loss(residual.abs(), bound)).sum()
     }
 
     /// Their normal equations under the loss of Huber, for residuals of this standard deviation (m).
     pub fn normal_equations(&self, deviation: f64) -> NormalEquations {
-        let bound = (HUBER * deviation).max(f64::MIN_POSITIVE);
+        let bound = bound(deviation);
         let (mut matrix, mut gradient, mut cost) = (Matrix6::zeros(), Vector6::zeros(), 0.0);
         for (residual, row) in &self.0 {
             let size = residual.abs();
             let weight = if size <= bound { 1.0 } else { bound / size };
-            cost += if size <= bound { 0.5 * size * size } else { bound * (size - 0.5 * bound) };
+            cost += loss(size, bound);
             matrix += weight * row * row.transpose();
             gradient += weight * *residual * row;
         }
         NormalEquations { matrix, gradient, cost }
     }
+}
+
+/// The bound of the loss for residuals of this standard deviation.
+fn bound(deviation: f64) -> f64 {
+    (HUBER * deviation).max(f64::MIN_POSITIVE)
+}
+
+/// The loss of Huber of a residual of this size.
+fn loss(size: f64, bound: f64) -> f64 {
+    if size <= bound { 0.5 * size * size } else { bound * (size - 0.5 * bound) }
 }
 
 impl NormalEquations {
