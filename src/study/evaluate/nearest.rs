@@ -19,12 +19,12 @@ pub struct Nearest {
     pub described: usize,
     /// Evaluations without one: of older versions, or of very large scenarios.
     pub undescribed: usize,
-    /// The nearest ones, the nearest first, at most [`MOST`].
+    /// The nearest ones, the nearest first, at most 16.
     pub found: Vec<Found>,
 }
 
 /// Most evaluations that are found: keys that differ may decide nothing, so that the first need not be the nearest.
-pub const MOST: usize = 16;
+const MOST: usize = 16;
 
 /// A stored evaluation, and how it differs.
 #[derive(Clone, Debug)]
