@@ -40,8 +40,8 @@ pub use plastic::{
     RateTableError, Voce,
 };
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
-pub(crate) use rupture::{AT_TIP, Densities, OPEN, Tear};
 pub use rupture::{Criterion, Limit, Rupture};
+pub(crate) use rupture::{Densities, OPEN, STIFFNESS_AT_TIP, Tear};
 pub use tension_field::TensionField;
 pub use viscous::{
     Arrhenius, GAS_CONSTANT, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousLaw, ViscousStep, Wlf, Written,
@@ -248,6 +248,15 @@ pub enum Law {
 }
 
 impl Law {
+    /// Whether it is a fabric whose MD and TD do not know of each other's strain.
+    pub fn is_uncoupled(&self) -> bool {
+        match self {
+            Law::Fabric(law) => !law.has_biaxial(),
+            Law::RateFabric(law) => !law.has_biaxial(),
+            Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) | Law::Plastic(_) => false,
+        }
+    }
+
     /// Strains at which the MD and TD fibres break when they are strained slowly.
     pub fn break_strains(&self) -> [f64; 2] {
         self.break_range()[0]

@@ -81,10 +81,10 @@ fn interpolated(points: &[[f64; 2]], x: f64) -> f64 {
     points.get(after).map_or(value, |[to, next]| value + (next - value) * (x - from) / (to - from))
 }
 
-/// Share of the fracture energy of an element that is stored in it when it starts to tear at the tip of a tear: the
-/// mean over an element of the field of a crack has it when the crack grows, whatever the size of the element
-/// (theory.md, equation 304).
-pub(crate) const AT_TIP: f64 = 0.25;
+/// Stiffness of a square element over that of the film around it, at the tip of a tear: as the element softens by itself, it
+/// releases 1 + 3 times the energy that it stored before, whatever its size, and in proportion to its length along the tear over
+/// its width where it is no square (theory.md, equation 304).
+pub(crate) const STIFFNESS_AT_TIP: f64 = 3.0;
 
 /// Share of its fracture energy that an element has spent when the elements around it are at the tip.
 pub(crate) const OPEN: f64 = 0.5;

@@ -5,7 +5,7 @@ use super::block::{Block, BlockEnergies, Blocks};
 use super::kernel::{block_energies, gather};
 use super::tearing::TooWide;
 use crate::lane::{Lane, Width, at_width, lanes, larger, splat};
-use crate::material::{AT_TIP, Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
+use crate::material::{Criterion, Densities, MembraneLaw, OPEN, Rupture, STIFFNESS_AT_TIP, Tear};
 
 at_width! {
     /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was
@@ -151,8 +151,9 @@ impl<B> Element<'_, B> {
             return None;
         }
         // Kept from now on: across the largest stretch at this moment, whatever the element does later.
-        let width = width(&self.block.gradients().map(|of| of.map(|b| b[self.lane])), self.metric);
-        (reaches || tear.stored * width >= AT_TIP * energy).then_some(width)
+        let gradients = self.block.gradients().map(|of| of.map(|b| b[self.lane]));
+        let [width, length] = across_and_along(&gradients, self.metric);
+        (reaches || tear.stored * (width + STIFFNESS_AT_TIP * length) >= energy).then_some(width)
     }
 }
 
@@ -183,10 +184,10 @@ fn triaxiality([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> f64 {
     if equivalent > 0.0 { sum / (3.0 * equivalent) } else { 1.0 / 3.0 }
 }
 
-/// Width (m) of an element with these gradients of the shape functions (1/m) along the largest stretch, 2/Σ|n·∇N_a|
-/// (theory.md, equation 300; Oliver, Int. J. Numer. Meth. Engng 28, 1989).
+/// Width and length (m) of an element with these gradients of the shape functions (1/m), across a tear, along the largest
+/// stretch, and along it: 2/Σ|n·∇N_a| (theory.md, equation 300; Oliver, Int. J. Numer. Meth. Engng 28, 1989).
 #[inline(always)]
-fn width<const NODES: usize>(gradients: &[[f64; 2]; NODES], metric: [f64; 3]) -> f64 {
+fn across_and_along<const NODES: usize>(gradients: &[[f64; 2]; NODES], metric: [f64; 3]) -> [f64; 2] {
     let [c11, c22, c12] = metric;
     let eigenvalue = largest(metric);
     // Of the two columns of C − λ₂ the longer.
@@ -197,7 +198,8 @@ fn width<const NODES: usize>(gradients: &[[f64; 2]; NODES], metric: [f64; 3]) ->
     let [a, b] = if squared[0] >= squared[1] { candidates[0] } else { candidates[1] };
     let length = (a * a + b * b).sqrt();
     let n = if length > 0.0 { [a / length, b / length] } else { [1.0, 0.0] };
-    2.0 / gradients.iter().map(|g| (n[0] * g[0] + n[1] * g[1]).abs()).sum::<f64>()
+    let extent = |n: [f64; 2]| 2.0 / gradients.iter().map(|g| (n[0] * g[0] + n[1] * g[1]).abs()).sum::<f64>();
+    [extent(n), extent([-n[1], n[0]])]
 }
 
 #[cfg(test)]
@@ -208,10 +210,21 @@ mod tests {
     fn the_width_of_a_square_and_of_one_at_45_degrees() {
         let half = 0.5 / 0.01;
         let square = [[-half, -half], [half, -half], [half, half], [-half, half]];
+        let width = |gradients: &[[f64; 2]; 4], metric| across_and_along(gradients, metric)[0];
         assert!((width(&square, [1.44, 1.0, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
         assert!((width(&square, [1.0, 1.44, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
         assert!((width(&square, [1.2, 1.2, 0.2]) / (2.0_f64.sqrt() * 0.01) - 1.0).abs() < 1e-12);
         assert!((width(&square, [1.44, 1.44, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_length_of_a_rectangle_is_across_its_width() {
+        let (b1, b2) = (0.5 / 0.01, 0.5 / 0.02);
+        let rectangle = [[-b1, -b2], [b1, -b2], [b1, b2], [-b1, b2]];
+        for (metric, expected) in [([1.44, 1.0, 0.0], [0.01, 0.02]), ([1.0, 1.44, 0.0], [0.02, 0.01])] {
+            let found = across_and_along(&rectangle, metric);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{found:?}");
+        }
     }
 
     #[test]
