@@ -153,6 +153,8 @@ impl<B> Element<'_, B> {
         // Kept from now on: across the largest stretch at this moment, whatever the element does later.
         let gradients = self.block.gradients().map(|of| of.map(|b| b[self.lane]));
         let [width, length] = across_and_along(&gradients, self.metric);
+        // Of triangles, two of which share a quadrilateral, the length by (300) changes with the least turn of the stretch.
+        let length = if NODES == 3 { width } else { length };
         (reaches || tear.stored * (width + STIFFNESS_AT_TIP * length) >= energy).then_some(width)
     }
 }
