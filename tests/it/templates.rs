@@ -158,5 +158,18 @@ fn the_failure_mass_of_a_dart_is_found() {
         }
         close(figure(&summary, "failure_mass_kg"), mass, 0.08);
         assert_eq!(summary["tables"]["drops"].as_array().map(Vec::len), Some(20));
+        // Specimens that are alike tell no deviation; friction and coupling move the mass all the same.
+        assert!(summary["probit_mass_kg"].is_null(), "{summary}");
+        let [low, high] = ["threshold_low_kg", "threshold_high_kg"].map(|name| figure(&summary, name));
+        assert!(low < 0.97 * mass && high > 1.3 * mass, "{kind}: {low} and {high} kg about {mass} kg");
+        assert_eq!(summary["tables"]["range"].as_array().map(Vec::len), Some(4));
     }
+    let scattered = ["script", "failure-mass.rhai", "--scenario", "d1709-a.toml", "--arg", "range=0", "--force"];
+    printed(&droptower(folder.path(), &[&scattered[..], &["--set", "specimen.mesh.size=8mm"]].concat()));
+    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
+    let summary: Json = serde_json::from_slice(&summary).expect("JSON");
+    close(figure(&summary, "probit_mass_kg"), figure(&summary, "failure_mass_kg"), 0.1);
+    let [low, deviation] = ["probit_deviation_low_kg", "probit_deviation_kg"].map(|name| figure(&summary, name));
+    assert!(low > 0.0 && low < deviation, "{summary}");
+    assert!(summary["threshold_low_kg"].is_null(), "{summary}");
 }

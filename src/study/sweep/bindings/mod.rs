@@ -7,7 +7,7 @@ mod sweeping;
 
 use std::sync::Arc;
 
-use rhai::{Dynamic, Engine, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
 
 use crate::evaluate::Evaluations;
 use crate::scenario_functions::Study;
@@ -36,6 +36,7 @@ pub fn register(engine: &mut Engine, evaluations: &Arc<Evaluations>) {
             function(study, &Options { of: name, map: &options }, &host)
         });
     }
+    engine.register_fn("probit", |levels: Array, failed: Array| reliability::probit_of(&levels, &failed));
 }
 
 /// The reference of sweeps in scripts.

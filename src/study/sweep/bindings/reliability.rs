@@ -1,6 +1,6 @@
 //! Probabilities of failure and the staircase in scripts.
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::{Array, Dynamic, EvalAltResult};
 use serde_json::{Value, json};
 use uncertainty::normal;
 use uncertainty::random::Stream;
@@ -8,11 +8,11 @@ use uncertainty::reliability::{
     FormOptions, Probability, SamplingOptions, SubsetOptions, design_point, importance_sampling, monte_carlo,
     subset_simulation,
 };
-use uncertainty::staircase::{Outcome, Staircase, probit};
+use uncertainty::staircase::{Counts, Outcome, ProbitFit, Staircase, probit};
 
 use super::common::{Host, assignment, refused, varied, whole};
 use crate::scenario_functions::Study;
-use crate::script::{Entry, HostResult, Options, from_json, refuse};
+use crate::script::{Entry, HostResult, Options, from_json, number, refuse};
 use crate::sweep::{Sweep, SweepError};
 use scene::model;
 use scene::scenario::Document;
@@ -151,14 +151,33 @@ pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -
         "interval": reduction.interval.map(|interval| [interval.low, interval.high]),
         "levels": stairs.levels(&outcomes),
         "failed": failed,
-        "probit": fit.map(|fit| json!({
-            "level": fit.mean.value,
-            "interval": fit.mean.interval.map(|interval| [interval.low, interval.high]),
-            "deviation": fit.deviation.value,
-            "deviation_interval": fit.deviation.interval.map(|interval| [interval.low, interval.high]),
-        })),
+        "probit": fit.as_ref().map(fitted),
     });
     Ok(from_json(&found))
+}
+
+/// A fit as scripts see it; ends of intervals that are infinite are ().
+fn fitted(fit: &ProbitFit) -> Value {
+    json!({
+        "level": fit.mean.value,
+        "interval": fit.mean.interval.map(|interval| [interval.low, interval.high]),
+        "deviation": fit.deviation.value,
+        "deviation_interval": fit.deviation.interval.map(|interval| [interval.low, interval.high]),
+    })
+}
+
+/// `probit(levels, failed)`: () where the outcomes have no fit.
+pub(super) fn probit_of(levels: &Array, failed: &Array) -> HostResult<Dynamic> {
+    if levels.len() != failed.len() {
+        return Err(refuse(format!("{} levels, but {} outcomes", levels.len(), failed.len())));
+    }
+    let specimen = |(level, failed): (&Dynamic, &Dynamic)| {
+        let failed =
+            failed.as_bool().map_err(|found| refuse(format!("expected a Boolean, found a value of type {found}")))?;
+        Ok(Counts { level: number(level, "a level")?, trials: 1, failures: u64::from(failed) })
+    };
+    let counts = levels.iter().zip(failed).map(specimen).collect::<HostResult<Vec<Counts>>>()?;
+    Ok(probit(&counts, CONFIDENCE).map_or(Dynamic::UNIT, |fit| from_json(&fitted(&fit))))
 }
 
 /// The reference of reliability in scripts.
@@ -175,10 +194,18 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "staircase(scenario, #{ key, start, step, specimens, vary, seed })",
         gives: "the level of a key (SI) at which half of the specimens rupture, by the up-and-down method (Dixon and Mood; 20 specimens where \
-                none are given): `level`, `deviation`, `interval`, `levels`, `failed`, `probit`; with `figure` and `above` \
+                none are given): `level`, `deviation`, `interval`, `levels`, `failed`, and the fit of `probit`; with `figure` and `above` \
                 or `below`, what else counts as failure",
         example: "let found = staircase(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
                   #{ key: \"loading.impact.velocity\", start: 4.0, step: 0.05, specimens: 8, figure: \"peak_displacement_m\", below: -4.1e-3, \
                   vary: #{ \"impactor.friction\": #{ uniform: [0.1, 0.3] } } }); found.level > 3.9 && found.levels.len() == 8",
+    },
+    Entry {
+        call: "probit(levels, failed)",
+        gives: "the normal distribution of the strength by maximum likelihood from specimens that each failed (true) or not at a level: \
+                `level` at which half fail, `deviation`, and their 95 % intervals `interval` and `deviation_interval` by the profile \
+                likelihood, of which an end that the outcomes leave open is (); () where the levels of both outcomes do not overlap",
+        example: "let fit = probit([1.0, 2.0, 3.0, 2.0, 3.0, 4.0, 3.0, 2.0], [false, false, true, false, false, true, true, true]); \
+                  fit.level > 2.0 && fit.level < 3.0 && fit.deviation_interval[0] < fit.deviation && probit([1, 2], [false, true]) == ()",
     },
 ];
