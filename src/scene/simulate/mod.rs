@@ -1,5 +1,6 @@
 //! One run: from a checked model to its outcome.
 
+mod biaxial;
 mod build;
 mod channels;
 mod check;
@@ -23,6 +24,7 @@ mod rates;
 mod rise;
 mod rows;
 mod snapshot;
+mod thinning;
 mod tracks;
 mod warning;
 

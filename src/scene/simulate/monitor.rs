@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::biaxial::biaxial_share;
 use super::channels::Sample;
 use super::film::Film;
+use super::thinning::thins_from;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::model::{Model, SNAPSHOT_MEMORY};
 use membrane::engine::{self, AddedMass, ContactState, ElementStrain, FilmContactState, Relaxation, TooWide, View};
@@ -38,6 +40,8 @@ pub(super) struct Figures<'a> {
 pub(super) struct Monitor {
     contacts: Vec<ContactMonitor>,
     localised: Option<(f64, f64, usize)>,
+    /// Time (s), share and face of the largest part of an uncoupled fabric under biaxial load.
+    biaxial: Option<(f64, f64, usize)>,
     crossed: Option<(f64, f64)>,
     lost: Option<(f64, u64)>,
     /// Steps in which the impulses between faces did not converge, and all steps.
@@ -127,6 +131,7 @@ impl Monitor {
         Monitor {
             contacts,
             localised: None,
+            biaxial: None,
             crossed: None,
             lost: None,
             unresolved: [0; 2],
@@ -216,6 +221,16 @@ impl Monitor {
         }
     }
 
+    /// Looks for biaxial load of fabric whose directions are not coupled.
+    pub(super) fn biaxial(&mut self, time: f64, strains: &[Vec<ElementStrain>], model: &Model) {
+        for (place, (face, strains)) in model.faces.iter().zip(strains).enumerate() {
+            let share = if face.material.law.is_uncoupled() { biaxial_share(strains) } else { 0.0 };
+            if share > bounds::BIAXIAL && self.biaxial.is_none_or(|(_, largest, _)| share > largest) {
+                self.biaxial = Some((time, share, place + 1));
+            }
+        }
+    }
+
     /// The warnings of a run of `model` on `films` that ended with `figures`.
     pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film], model: &Model) -> Vec<Warning> {
         let Figures {
@@ -257,6 +272,7 @@ impl Monitor {
         out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));
         out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
+        out.extend(self.biaxial.map(|(time, share, face)| Warning::UncoupledBiaxial { time, share, face }));
         out.extend(self.too_wide.map(|TooWide { width, ratio }| Warning::ElementsTooWide { width, ratio }));
         out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
         out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
@@ -276,6 +292,12 @@ impl Monitor {
             let end = law.hardening().end();
             // Those of snapshots have single precision.
             (strain > end + 1e-6).then_some(Warning::HardeningExceeded { face: place + 1, strain, end })
+        }));
+        out.extend(plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
+            let (Some(strain), Law::Plastic(law)) = (*strain, &face.material.law) else { return None };
+            face.material.rupture.as_ref()?;
+            let from = thins_from(law.hardening(), strain)?;
+            Some(Warning::ThinningBeforeBreak { face: place + 1, strain, from })
         }));
         out.extend(kinetic.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),

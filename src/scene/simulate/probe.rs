@@ -256,6 +256,7 @@ impl<'a> Probe<'a> {
             return Err(not_finite(view, faces));
         }
         self.record.monitor.strain(view, faces);
+        self.record.monitor.biaxial(view.time, faces, self.model);
         for (body, (state, size)) in view.contact_states().enumerate() {
             self.record.monitor.contact(body, view.time, size, &state);
             if body < self.model.impactors.len() {

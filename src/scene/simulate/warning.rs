@@ -252,6 +252,34 @@ findings! {
             message "strain localisation: at {} one element of face {face} is strained to {}, over {} times its \
                 neighbours; the result depends on the mesh from there on",
                 number::duration(*time), number::figure(*strain, 2), number::figure(bounds::LOCALISATION, 2);
+        UncoupledBiaxial {
+            time: f64, "when the share was largest, s" => "time_s";
+            share: f64, "share of the face under biaxial load" => "share";
+            face: usize, "its face" => "face";
+        } = "uncoupled-biaxial", Warning;
+            meaning "MD and TD of the fabric do not know of each other's strain, but are strained at once over a part of \
+                the film: real film is stiffer there, as much as isotropic film or less, which uniaxial coupons do not \
+                tell; in a drop on near-isotropic film the peak is a quarter low and the travel a quarter long";
+            remedy "run once more with `--set specimen.material.fabric.biaxial=0.79`, the coupling of isotropic film with \
+                Poisson's ratio 0.44, and compare both with `droptower compare`; the film lies between. A bulge test or a \
+                wide coupon tells the coupling";
+            message "uncoupled biaxial load: at {} {} % of face {face} is stretched in both directions, which \
+                `biaxial = 0` does not couple",
+                number::duration(*time), percent(share);
+        ThinningBeforeBreak {
+            face: usize, "its face" => "face";
+            strain: f64, "largest equivalent plastic strain" => "plastic_strain";
+            from: f64, "strain from which it thins by itself" => "thins_from";
+        } = "thinning-before-break", Warning;
+            meaning "plastic film that can tear was strained beyond the strain from which its flow stress rises too slowly to \
+                spread strain: it thins in a row of elements before it reaches its limit. A fracture energy does not \
+                regularise what precedes it, so that strain, travel and energy up to the break fall with the element \
+                size, without an end";
+            remedy "compare two sizes of `specimen.mesh.size`, and give no figure at the break without its size; a limit that \
+                is found on elements of a size by a coupon holds for that size alone";
+            message "thinning before the break: face {face} was strained plastically to {}, but thins by itself from {} on; \
+                figures at its break depend on the element size",
+                number::figure(*strain, 2), number::figure(*from, 2);
         ElementsTooWide {
             width: f64, "its width across the tear, m" => "width_m";
             ratio: f64, "what it stored over what its tear takes" => "stored_over_fracture_energy";
@@ -374,6 +402,8 @@ pub(super) mod bounds {
     pub(in crate::simulate) const UNRESOLVED: f64 = 0.01;
     /// Strain below which localisation is not looked for.
     pub(in crate::simulate) const LOCALISED_STRAIN: f64 = 0.5;
+    /// Share of a face under biaxial load.
+    pub(in crate::simulate) const BIAXIAL: f64 = 0.05;
     /// Error of the energy balance.
     pub(in crate::simulate) const BALANCE: f64 = 0.01;
     /// Share of the strain increments outside the measured rates.

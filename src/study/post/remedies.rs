@@ -29,6 +29,8 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::FilmContactLost { .. }
         | Warning::FilmContactUnresolved { .. }
         | Warning::StrainLocalisation { .. }
+        | Warning::UncoupledBiaxial { .. }
+        | Warning::ThinningBeforeBreak { .. }
         | Warning::EnergyBalance { .. }
         | Warning::ElementsTooWide { .. }
         | Warning::HardeningExceeded { .. }

@@ -18,11 +18,19 @@ fn runs_outside_the_valid_range_have_warnings() {
     let drop = "drop/1008.toml";
     let md = "stretch/md-0.02.toml";
     let shipped_mesh = "specimen.mesh.size=10mm";
-    let cases: [(&str, &str, &[&str], bool); 8] = [
+    let cases: [(&str, &str, &[&str], bool); 11] = [
         ("coarse-contact", drop, &["specimen.mesh.size=40mm"], true),
         ("coarse-contact", drop, &[shipped_mesh, "loading.impact.duration=40ms"], false),
         ("strain-localisation", drop, &[&flat_td[..], &[shipped_mesh]].concat(), true),
         ("strain-localisation", drop, &["specimen.mesh.size=20mm"], false),
+        ("uncoupled-biaxial", drop, &["specimen.mesh.size=40mm"], true),
+        ("uncoupled-biaxial", drop, &["specimen.mesh.size=40mm", "specimen.material.fabric.biaxial=0.79"], false),
+        (
+            "uncoupled-biaxial",
+            "stretch/45deg-0.02.toml",
+            &["specimen.mesh.size=1mm", "loading.stretch.until=0.2"],
+            false,
+        ),
         ("strain-rate-outside", md, &["loading.stretch.velocity=0.00002", "output.sample_rate=2"], true),
         ("strain-rate-outside", md, &["loading.stretch.velocity=2", "output.sample_rate=200kHz"], true),
         ("strain-rate-outside", md, &[], false),
