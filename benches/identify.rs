@@ -143,7 +143,7 @@ fn run(args: Map) -> Outcome<ScriptOutput> {
     let mut engine = functions::engine(Limits::STUDY);
     let collector = OutputCollector::new(Vec::new());
     functions::register_output(&mut engine, &collector);
-    scenario_functions::register(&mut engine, vec![], None);
+    scenario_functions::register(&mut engine, &scenario_functions::Scenarios::default());
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     Arguments::register(&mut engine);
     let mut scope = Scope::new();

@@ -29,7 +29,7 @@ impl Shape {
     fn mesh(&self, [length, height]: [f64; 2]) -> Mesh {
         let Shape { edges: [along, across], turned, skew, uneven } = *self;
         let reach = length + height;
-        let [columns, rows] = [along, across].map(|edge| 2 * (reach / edge).ceil() as u32 | 1);
+        let [columns, rows] = [along, across].map(|edge| (2 * (reach / edge).ceil() as u32) | 1);
         let mut seed = 1_u64;
         let mut random = || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
