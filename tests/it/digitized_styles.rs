@@ -77,9 +77,9 @@ impl Style {
 
     fn drawing(&self) -> String {
         let [left, top, right, bottom] = FRAME;
-        let mut out = format!(
+        let mut out = String::from(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"480\" height=\"300\">\
-             <rect width=\"480\" height=\"300\" fill=\"white\"/>"
+             <rect width=\"480\" height=\"300\" fill=\"white\"/>",
         );
         let mut line = |points: &str, colour: &str, width: f64, dashes: &str| {
             write!(
