@@ -1,9 +1,9 @@
 //! Calibration: the parameters for which several tests and their recordings agree, what the tests tell of each, and what
 //! follows for other scenarios (docs/theory.md, section 28).
 //!
-//! A script lists tests and parameters; [`register`] offers it `calibrate`. A [`Plan`](plan::Plan) is that list, checked. The
+//! A script lists tests and parameters; [`register`] offers it `calibrate`. A `Plan` is that list, checked. The
 //! objective of its search has independent residuals of unit variance, because each signal is compared through its
-//! [`ErrorModel`](error_model::ErrorModel). Its linearization gives a verdict on each parameter, its posterior is sampled on
+//! `ErrorModel`. Its linearization gives a verdict on each parameter, its posterior is sampled on
 //! surrogates of the tests, and predictions take their parameters from that.
 
 mod bindings;
