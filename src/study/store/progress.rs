@@ -29,6 +29,8 @@ pub struct ProgressFolder {
     results: PathBuf,
     folder: PathBuf,
     page: PathBuf,
+    /// The folder above, where there was none before.
+    made: Option<PathBuf>,
 }
 
 impl ProgressFolder {
@@ -40,7 +42,8 @@ impl ProgressFolder {
             Share::WHOLE => PAGE.to_owned(),
             Share { number, of } => format!("{first}{number}-of-{of}{last}"),
         };
-        ProgressFolder { results: results.into(), page: folder.join(name), folder }
+        let made = folder.parent().filter(|above| !above.as_os_str().is_empty() && !above.exists()).map(Path::to_owned);
+        ProgressFolder { results: results.into(), page: folder.join(name), folder, made }
     }
 
     /// Path of the page.
@@ -98,14 +101,17 @@ impl ProgressFolder {
         self.write_page(&leads(&format!("../{}/{}", address(name), super::run_files::REPORT)))
     }
 
-    /// Removes the page, and the folder where nothing else is in it.
+    /// Removes the page, the folder where nothing else is in it, and the one above where that was made for it.
     ///
     /// # Errors
     /// The page cannot be removed.
     pub fn discard(&self) -> io::Result<()> {
         remove(&self.page)?;
-        // What else is in it stays.
+        // What else is in them stays.
         let _ = fs::remove_dir(&self.folder);
+        if let Some(above) = &self.made {
+            let _ = fs::remove_dir(above);
+        }
         Ok(())
     }
 
