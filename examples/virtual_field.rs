@@ -1,5 +1,5 @@
 //! Makes the virtual displacement field of `scenarios/inflation/field.toml`:
-//! `cargo run --release --example virtual_field -- data/virtual/field`.
+//! `cargo run --release --example virtual_field -- data/virtual_field`.
 
 use std::error::Error;
 use std::fmt::Write;

@@ -23,10 +23,10 @@ fn read(path: &std::path::Path) -> FieldFile {
 fn the_shipped_field_is_that_of_the_example() {
     let folder = tempfile::tempdir().expect("a folder");
     let files = virtual_field::files("2.5mm").expect("a run");
-    assert_eq!(files.len(), fs::read_dir(data("virtual/field")).expect("a folder").count());
+    assert_eq!(files.len(), fs::read_dir(data("virtual_field")).expect("a folder").count());
     for (name, content) in files {
         fs::write(folder.path().join(&name), content).expect("writable");
-        let [made, shipped] = [folder.path().join(&name), data("virtual/field").join(&name)].map(|path| read(&path));
+        let [made, shipped] = [folder.path().join(&name), data("virtual_field").join(&name)].map(|path| read(&path));
         assert!(shipped.annotations.is_virtual());
         assert_eq!((made.places.len(), made.missing), (shipped.places.len(), shipped.missing));
         let numbers = |file: &FieldFile| [&file.places[..], &file.displacements].concat().concat();

@@ -257,7 +257,7 @@ findings! {
             share: f64, "share of the face under biaxial load" => "share";
             face: usize, "its face" => "face";
         } = "uncoupled-biaxial", Warning;
-            meaning "MD and TD of the fabric do not know of each other's strain, but are strained at once over a part of \
+            meaning "the directions of the fabric do not know of each other's strain, but are strained at once over a part of \
                 the film: real film is stiffer there, as much as isotropic film or less, which uniaxial coupons do not \
                 tell; in a drop on near-isotropic film the peak is a quarter low and the travel a quarter long";
             remedy "run once more with `--set specimen.material.fabric.biaxial=0.79`, the coupling of isotropic film with \
