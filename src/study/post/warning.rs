@@ -53,7 +53,7 @@ findings! {
         } = "field-motion-uncertain", Warning;
             meaning "places and displacements of the field do not determine the rigid motion between its axes and those of \
                 the run: some motion changes them by less than their noise, as a turn of a round film about its axis";
-            remedy "give `align.markers`, or measure in the axes of the run and say `align = \"none\"`";
+            remedy "give markers by `reference.field.align`, or measure in the axes of the run and say \"none\" there";
             message "the motion of the field is not determined: some place is known to {} mm only",
                 significant(least_known * 1e3, 3);
         FieldMotionAmbiguous {
@@ -62,7 +62,7 @@ findings! {
         } = "field-motion-ambiguous", Warning;
             meaning "other rigid motions bring the field as close to the run as the one that was taken, the smallest \
                 turn; of a film with symmetries they are as right, of another one they may be the true one";
-            remedy "give `align.markers` where MD and TD must not be taken for each other";
+            remedy "give markers by `reference.field.align` where MD and TD must not be taken for each other";
             message "{others} other motions of the field fit as well, the nearest turned by {} degrees", significant(*apart, 3);
         /// The recording was computed.
         VirtualReference {
