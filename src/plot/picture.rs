@@ -367,7 +367,7 @@ fn legend<'a>(plot: &'a Plot, layout: &Layout<'_>) -> Vec<Entry<'a>> {
 
 /// Width of a text.
 fn width_of(text: &str, layout: &Layout<'_>) -> i32 {
-    // Letters of a sans-serif font are narrower than 0.57 of their height on average.
+    // Characters of a sans-serif font are narrower than 0.57 of their height on average.
     (text.chars().count() as f64 * 0.57 * f64::from(layout.letters)) as i32
 }
 

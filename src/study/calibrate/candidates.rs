@@ -82,8 +82,8 @@ fn derivatives(test: &Test, plan: &Plan, fit: &Fit, session: &Session) -> HostRe
         let run = test.study.with(plan.shared_changes(&values), session)?.simulate(session)?;
         let mut residuals = vec![values[*index]];
         for signal in &test.signals {
-            let own = signal.differences(&signal.simulated(&run)?).map_err(refuse)?;
-            residuals.extend(own.iter().zip(signal.variances(fit.share)).map(|(own, variance)| own / variance.sqrt()));
+            let variances = signal.variances(fit.share);
+            residuals.extend(signal.residuals(&signal.simulated(&run)?, &variances).map_err(refuse)?);
         }
         Ok(residuals)
     };

@@ -49,7 +49,8 @@ impl Fit {
     /// The roughness of the simulated signals, at the start and after each search, becomes noise of the plan's signals.
     pub(super) fn search(plan: &mut Plan, host: &SearchHost, session: &Session) -> HostResult<Fit> {
         let mut values = plan.start();
-        add_roughness(plan, &values, session)?;
+        let simulated = simulated_at(plan, &values, session)?;
+        add_roughness(plan, &simulated);
         let mut share = plan.discrepancy.first();
         let mut evaluations = 0;
         let mut findings = Vec::new();
@@ -63,22 +64,23 @@ impl Fit {
             values = found.best.x;
         }
         let mut rounds = 0;
-        let result = loop {
+        let (result, simulated) = loop {
             let objective = CalibrationObjective::new(plan, share, session);
             let found = searched(plan, host, &objective, values, false, None)?;
             evaluations += total(&found);
             values = found.best.x.clone();
             rounds += 1;
             let before = noises(plan);
-            add_roughness(plan, &values, session)?;
+            let simulated = simulated_at(plan, &values, session)?;
+            add_roughness(plan, &simulated);
             let mut is_same = noises(plan).iter().zip(&before).all(|(now, before)| (now / before).ln().abs() < SAME);
             if plan.discrepancy == Discrepancy::Estimated {
-                let estimated = most_likely_share(&left(plan, &values, session)?);
+                let estimated = most_likely_share(&left(plan, &simulated)?);
                 is_same &= (estimated.max(1e-4) / share.max(1e-4)).ln().abs() < SAME;
                 share = estimated;
             }
             if is_same || rounds == ROUNDS {
-                break found;
+                break (found, simulated);
             }
         };
         findings.extend(result.warnings.iter().map(Finding::new));
@@ -98,7 +100,6 @@ impl Fit {
         let x = plan.coordinates(&values);
         let (covariance, known) = verdict::linear(plan, &x, &jacobian, &search.bounds.active(&values));
         findings.extend(doubts(plan, &known).map(|warning| Finding::new(&warning)));
-        let simulated = simulated_at(plan, &values, session)?;
         Ok(Fit { result, evaluations, values, x, share, jacobian, covariance, known, simulated, findings })
     }
 }
@@ -139,11 +140,11 @@ fn total(found: &SearchResult) -> usize {
     found.starts.iter().map(|start| start.evaluations).sum()
 }
 
-/// What the signals that are compared along their length leave with these values, in the eigenvectors of the model's error.
-fn left<'p>(plan: &'p Plan, values: &[f64], session: &Session) -> HostResult<Vec<(&'p ErrorModel, Vec<f64>)>> {
+/// What these simulated signals, of those that are compared along their length, leave, in the eigenvectors of the model's error.
+fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>]) -> HostResult<Vec<(&'p ErrorModel, Vec<f64>)>> {
     let mut found = Vec::new();
-    for (test, simulated) in plan.tests.iter().zip(simulated_at(plan, values, session)?) {
-        let along = test.signals.iter().zip(&simulated).filter(|(signal, _)| signal.distance.is_residuals());
+    for (test, simulated) in plan.tests.iter().zip(simulated) {
+        let along = test.signals.iter().zip(simulated).filter(|(signal, _)| signal.distance.is_residuals());
         for (signal, simulated) in along {
             let rotated =
                 signal.errors.rotated(simulated).map_err(|error| refuse(format!("{}: {error}", test.name)))?;
@@ -160,16 +161,14 @@ fn simulated_at(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Ve
     (0..plan.tests.len()).map(|test| objective.run(test, values, &trial).map(|(_, signals)| signals)).collect()
 }
 
-/// Takes the roughness of the simulated signals with these values as noise; a signal that ends before its window has none
+/// Takes the roughness of the simulated signals as noise; a signal that ends before its window has none
 /// yet.
-fn add_roughness(plan: &mut Plan, values: &[f64], session: &Session) -> HostResult<()> {
-    let simulated = simulated_at(plan, values, session)?;
+fn add_roughness(plan: &mut Plan, simulated: &[Vec<Series>]) {
     for (test, simulated) in plan.tests.iter_mut().zip(simulated) {
-        for (signal, simulated) in test.signals.iter_mut().zip(&simulated) {
+        for (signal, simulated) in test.signals.iter_mut().zip(simulated) {
             drop(signal.errors.add_roughness(simulated));
         }
     }
-    Ok(())
 }
 
 fn noises(plan: &Plan) -> Vec<f64> {

@@ -23,28 +23,24 @@ pub(super) struct CalibrationObjective<'a> {
     /// the unknowns than those between neighbouring bins, and lead to the neighbourhood of the minimum.
     pub(super) is_plain: bool,
     pub(super) session: Session,
-    /// Indices of the tests that count.
-    pub(super) counted: Vec<usize>,
 }
 
 impl<'a> CalibrationObjective<'a> {
     /// Of all tests as they are.
     pub(super) fn new(plan: &'a Plan, share: f64, session: &Session) -> CalibrationObjective<'a> {
         let studies = plan.tests.iter().map(|test| test.study.clone()).collect();
-        let counted = (0..plan.tests.len()).collect();
-        CalibrationObjective { plan, studies, share, is_plain: false, session: session.clone(), counted }
+        CalibrationObjective { plan, studies, share, is_plain: false, session: session.clone() }
     }
 
     /// The residuals of a test, each signal's after the other's, by its simulated signals.
     fn residuals_of(&self, test: &Test, simulated: &[Series]) -> Result<Vec<f64>, String> {
         let mut residuals = Vec::new();
         for (signal, simulated) in test.signals.iter().zip(simulated) {
-            let differences = signal.differences(simulated)?;
             let variances = match self.is_plain {
                 true => signal.plain_variances(self.share),
                 false => signal.variances(self.share),
             };
-            let own = differences.iter().zip(variances).map(|(own, variance)| own / variance.sqrt());
+            let own = signal.residuals(simulated, &variances)?.into_iter();
             residuals.extend(own.map(|residual| test.weight.sqrt() * residual));
         }
         Ok(residuals)
@@ -60,8 +56,7 @@ impl<'a> CalibrationObjective<'a> {
 
     fn evaluated(&self, x: &[f64], session: &Session) -> Evaluation {
         let mut residuals = Vec::new();
-        for &test in &self.counted {
-            let own = &self.plan.tests[test];
+        for (test, own) in self.plan.tests.iter().enumerate() {
             let (_, simulated) = match self.run(test, x, session) {
                 Ok(found) => found,
                 Err(error) => return self.failed(own, error),
@@ -101,11 +96,19 @@ impl<'a> CalibrationObjective<'a> {
     pub(super) fn ends(&self) -> Vec<usize> {
         let length = |signal: &Signal| signal.variances(self.share).len();
         let mut ends = vec![0];
-        for &test in &self.counted {
-            let own: usize = self.plan.tests[test].signals.iter().map(length).sum();
+        for test in &self.plan.tests {
+            let own: usize = test.signals.iter().map(length).sum();
             ends.push(ends[ends.len() - 1] + own);
         }
         ends
+    }
+}
+
+/// Why a run has no value, in words.
+pub(super) fn cause(error: &EvalAltResult) -> String {
+    match error {
+        EvalAltResult::ErrorRuntime(value, _) => thrown(value),
+        other => other.to_string(),
     }
 }
 

@@ -161,7 +161,7 @@ fn quantity(given: &Dynamic) -> Result<(f64, Option<String>), String> {
 
 /// A text, or a list of texts.
 pub(super) fn texts(given: &Dynamic, what: &str) -> Result<Vec<String>, String> {
-    let wrong = |found: &Dynamic| format!("`{what}` is a text or a list of texts, not {found}");
+    let wrong = |found: &Dynamic| format!("`{what}` is a string or a list of strings, not {found}");
     if let Some(list) = given.read_lock::<Array>() {
         return list.iter().map(|item| item.clone().into_string().map_err(|_| wrong(item))).collect();
     }
@@ -219,7 +219,7 @@ mod tests {
             (r#"#{ key: "a", start: 5, within: [1, 2] }"#, "parameter `p`: `start` 5 does not lie within [1, 2]"),
             (r#"#{ key: "a", start: 1, within: [0, 2], log: true }"#, "`log` needs `within` above zero"),
             (r#"#{ key: "a", start: "1 mm", within: [0, 2] }"#, "`within` has the unit none and `start` mm"),
-            (r#"#{ key: 3, start: 1, within: [0, 2] }"#, "`key` is a text or a list of texts, not 3"),
+            (r#"#{ key: 3, start: 1, within: [0, 2] }"#, "`key` is a string or a list of strings, not 3"),
             (r#"#{ key: "a", start: 1, within: 2 }"#, "`within` is a list of two values"),
             (r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ gauss: 1 } }"#, "`prior` is a distribution such as"),
             (r#"#{ key: "a", begin: 1 }"#, "has no option `begin`"),

@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::objective::cause;
 use super::plan::Plan;
 use super::posterior::Posterior;
 use super::rows::object;
 use super::warning::Warning;
 use crate::post::Run;
 use crate::scenario_functions::Study;
-use crate::script::{HostResult, Row, Session, refuse, thrown};
+use crate::script::{HostResult, Row, Session, refuse};
 use lab::signal::Series;
 use plot::{Axis, Curve, Look, Plot};
 use uncertainty::statistics::{mean, quantiles, variance, wilson};
@@ -89,11 +90,10 @@ impl Prediction {
 
 /// The run of a scenario with the shared unknowns of a draw.
 fn run(study: &Study, plan: &Plan, x: &[f64], session: &Session) -> Result<Run, String> {
-    let text = |error: Box<rhai::EvalAltResult>| match &*error {
-        rhai::EvalAltResult::ErrorRuntime(value, _) => thrown(value),
-        other => other.to_string(),
-    };
-    study.with(plan.shared_changes(&plan.values(x)), session).and_then(|own| own.simulate(session)).map_err(text)
+    study
+        .with(plan.shared_changes(&plan.values(x)), session)
+        .and_then(|own| own.simulate(session))
+        .map_err(|error| cause(&error))
 }
 
 /// The number of a figure in a run; whether something is so counts as one or zero.

@@ -288,6 +288,12 @@ impl Signal {
         found.map_err(|error| format!("{}: {error}", self.name))
     }
 
+    /// These differences over the deviations of their errors.
+    pub(super) fn residuals(&self, simulated: &Series, variances: &[f64]) -> Result<Vec<f64>, String> {
+        let differences = self.differences(simulated)?;
+        Ok(differences.iter().zip(variances).map(|(own, variance)| own / variance.sqrt()).collect())
+    }
+
     /// Variances of the errors of these coordinates, with a model's error of `share`.
     pub(super) fn variances(&self, share: f64) -> Vec<f64> {
         match self.distance.is_residuals() {

@@ -10,11 +10,11 @@ use uncertainty::random::Stream;
 use uncertainty::statistics::quantiles;
 
 use super::fit::Fit;
-use super::objective::CalibrationObjective;
+use super::objective::{CalibrationObjective, cause};
 use super::plan::Plan;
 use super::verdict;
 use super::warning::Warning;
-use crate::script::{HostResult, Session, refuse, thrown};
+use crate::script::{HostResult, Session, refuse};
 use density::{Density, Layout};
 use nalgebra::DMatrix;
 use surrogate::{Region, TestSurrogate};
@@ -209,7 +209,16 @@ impl Sampling<'_> {
                 true => fit.covariance.clone(),
                 false => {
                     let rows = fit.jacobian.rows(ends[test], ends[test + 1] - ends[test]).clone_owned();
-                    verdict::inverse(&verdict::information(self.plan, &rows))
+                    let mut information = verdict::information(self.plan, &rows);
+                    // These rows are without those of distributions, so that nothing else is known of what the test does not
+                    // depend on.
+                    for (index, unknown) in self.plan.unknowns.iter().enumerate() {
+                        let parameter = self.plan.of(unknown);
+                        if parameter.prior.is_some() {
+                            information[(index, index)] += parameter.prior_deviation().powi(-2);
+                        }
+                    }
+                    verdict::inverse(&information)
                 }
             };
             let side = |sign: f64| {
@@ -271,11 +280,7 @@ impl Sampling<'_> {
             values[*index] = self.plan.of(&self.plan.unknowns[*index]).value(*coordinate);
         }
         let session = self.session.with_trial(self.session.cancellation());
-        let text = |error: Box<rhai::EvalAltResult>| match &*error {
-            rhai::EvalAltResult::ErrorRuntime(value, _) => thrown(value),
-            other => other.to_string(),
-        };
-        let (_, simulated) = self.objective.run(test, &values, &session).map_err(text)?;
+        let (_, simulated) = self.objective.run(test, &values, &session).map_err(|error| cause(&error))?;
         if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
             return Err(rupture.clone());
         }
@@ -325,7 +330,6 @@ impl Sampling<'_> {
         stream: &mut Stream,
     ) -> HostResult<Samples> {
         let density = Density { plan: self.plan, layout: &self.layout, acting: &self.acting, surrogates };
-        // Few steps tell where to refine; the last round is the one that counts, and may be any.
         let options = ensemble::Options {
             seed: self.options.seed.wrapping_add(round as u64),
             most_steps: self.options.steps,
@@ -376,7 +380,7 @@ impl Sampling<'_> {
         if squares.is_empty() { f64::INFINITY } else { (squares.iter().sum::<f64>() / squares.len() as f64).sqrt() }
     }
 
-    /// Ranges of the samples in a test, and what lies within 1 % of the ends.
+    /// Ranges of 99.8 % of the samples in a test.
     fn ranges(&self, samples: &Samples, test: usize) -> Vec<[f64; 2]> {
         let columns: Vec<Vec<f64>> = samples.points.iter().map(|state| self.layout.in_test(state, test)).collect();
         let range = |index: &usize| {
