@@ -105,6 +105,8 @@ struct Written<'a> {
     yield_strains: Option<[f64; 2]>,
     /// Its multipliers.
     scale: Scaling,
+    /// Its break strain over that which these leave.
+    break_factor: f64,
 }
 
 /// Multipliers as written.
@@ -130,13 +132,15 @@ fn fibre(
     let Some(rates) = &written.rates else {
         let Fibre { yield_points, break_point, curve, yield_strains, .. } = written;
         let (yield_points, break_point, yield_strains) = (*yield_points, *break_point, *yield_strains);
-        let written = Written { yield_points, break_point, curve: curve.as_deref(), yield_strains, scale };
+        let (curve, break_factor) = (curve.as_deref(), written.break_factor);
+        let written = Written { yield_points, break_point, curve, yield_strains, scale, break_factor };
         return self::written(&written, path, mistakes).map(Curves::One);
     };
     if written.yield_strains.is_some() {
         mistakes.out_of_place(&format!("{path}.yield_strains"), "each of `rates` has its own");
     }
-    by_rate(rates, fabric.rate_memory.unwrap_or(RATE_MEMORY), &scale, path, mistakes).map(Curves::ByRate)
+    let memory = fabric.rate_memory.unwrap_or(RATE_MEMORY);
+    by_rate(rates, memory, &scale, written.break_factor, path, mistakes).map(Curves::ByRate)
 }
 
 /// Growth of the largest strain over which the rate is averaged; assumed. At the 5 to 25 1/s of a drop test that is 0.4
@@ -148,6 +152,7 @@ fn by_rate(
     written: &[RateCurve],
     memory: f64,
     scale: &Scaling,
+    break_factor: f64,
     path: &str,
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<RateCurves> {
@@ -158,7 +163,8 @@ fn by_rate(
         let (yield_points, break_point, yield_strains) = (*yield_points, *break_point, *yield_strains);
         let own = own.map(|multipliers| Scaling { multipliers, path: format!("{path}.scale"), ..*scale });
         let scale = own.unwrap_or_else(|| scale.clone());
-        let written = Written { yield_points, break_point, curve: curve.as_deref(), yield_strains, scale };
+        let curve = curve.as_deref();
+        let written = Written { yield_points, break_point, curve, yield_strains, scale, break_factor };
         curves.push(self::written(&written, &path, mistakes).map(|curve| (rate.0, curve)));
     }
     let error = match RateCurves::new(curves.into_iter().collect::<Option<_>>()?, memory) {
@@ -202,7 +208,13 @@ fn written(written: &Written<'_>, path: &str, mistakes: &mut ModelDiagnostics<'_
         }
         _ => return None,
     };
-    scaled(curve, yields, &written.scale, path, mistakes)
+    let curve = scaled(curve, yields, &written.scale, path, mistakes)?;
+    let factor = written.break_factor;
+    match factor {
+        1.0 => Some(curve),
+        // The range was checked before.
+        _ => (factor > 0.0).then(|| curve.ending_at(factor * curve.end())),
+    }
 }
 
 /// A curve of any points; its yield strains must ascend within it.

@@ -146,6 +146,11 @@ pub struct Fibre {
     pub yield_strains: Option<[f64; 2]>,
     /// Multipliers of these fibres alone, in place of all three of the fabric; one that is left out is 1.
     pub scale: Option<Scale>,
+    /// Break strain over that of the curve with its multipliers, of all curves by rate alike: up to it a curve goes on along
+    /// its last line, or it is cut there.
+    #[serde(default = "unchanged")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.1, 10.0]))]
+    pub break_factor: f64,
     /// Curves by strain rate, at least two, the slowest first: interpolated in the logarithm of the rate, constant
     /// below the lowest and above the highest.
     #[schemars(length(min = 2))]
