@@ -166,3 +166,104 @@ fn mistakes_are_named_before_any_search() {
         assert!(error.contains(expected), "{call}: {error}");
     }
 }
+
+/// A drop whose film is on the verge of breaking, on coarse elements: `demand` is its largest strain along MD over that at which
+/// fibres break, in film that does not break.
+const DROP: &str = r#"
+    let md = "specimen.material.fabric.md.break_factor";
+    let drop = scenario("scenarios/drop/1508.toml").with(#{ "specimen.mesh.size": "50 mm", "loading.impact.velocity": "4.5 m/s",
+        "loading.impact.duration": "80 ms", "output.frames": (), post: () });
+    let broken_at = |factor| { let own = #{}; own[md] = factor; drop.with(own).simulate() };
+    let whole = broken_at.call(5);
+    let demand = whole.max_strain_md.values().reduce(|most, strain| max(most, strain), 0.0) / (whole.summary.break_strain_md / 5);
+    let parameter = #{ key: md, start: 1, within: [0.2, 5], scatter: 0.1 };
+"#;
+
+/// Film holds exactly where its break strain is above what the drop demands of film that does not break.
+#[test]
+fn a_drop_breaks_film_whose_break_strain_its_demand_exceeds() {
+    let text =
+        r#"[broken_at.call(0.99 * demand).summary.ruptured, broken_at.call(1.01 * demand).summary.ruptured, demand]"#;
+    let (found, _) = run(&format!("{DROP}{text}")).unwrap_or_else(|error| panic!("{error}"));
+    let found = found.into_array().unwrap();
+    assert_eq!([found[0].as_bool(), found[1].as_bool()], [Ok(true), Ok(false)], "{found:?}");
+}
+
+/// Of ten specimens with a known scatter seven break: the posterior of the break strain is that of a probit, by quadrature.
+#[test]
+fn outcomes_have_the_posterior_of_a_probit() {
+    let text = r#"
+        let found = calibrate(#{
+            tests: [#{ scenario: drop, outcome: ["broke", "held", "broke", "broke", "broke", "held", "broke", "broke", "held", "broke"] }],
+            parameters: #{ md: parameter } });
+        let after = found.posterior()[0];
+        [demand, found.x.md, after.lower_95, after.median, after.upper_95, found.outcomes.len() * 1.0]"#;
+    let found = numbers(&format!("{DROP}{text}"));
+    let cumulative = uncertainty::normal::cumulative;
+    let grid: Vec<f64> = (0..20_000).map(|place| -0.5 + 5e-5 * f64::from(place)).collect();
+    let density = |x: &f64| cumulative(-x / 0.1).powi(7) * cumulative(x / 0.1).powi(3);
+    let total: f64 = grid.iter().map(density).sum();
+    let quantile = |probability: f64| {
+        let mut sum = 0.0;
+        let place = grid.iter().find(|x| {
+            sum += density(x) / total;
+            sum >= probability
+        });
+        found[0] * place.unwrap().exp()
+    };
+    for (own, probability) in [(found[2], 0.025), (found[3], 0.5), (found[4], 0.975)] {
+        assert!(
+            (own / quantile(probability) - 1.0).abs() < 0.02,
+            "{found:?}: {} at {probability}",
+            quantile(probability)
+        );
+    }
+    // Most likely where three of ten hold: z = −0.5244.
+    assert!((found[1] / (found[0] * (-0.052_44_f64).exp()) - 1.0).abs() < 5e-3, "{found:?}");
+    assert_eq!(found[5], 2.0, "two outcomes");
+}
+
+/// A time of rupture and a failure mass of film that breaks at 0.7 of its curve's strain lead back to that.
+#[test]
+fn a_time_of_rupture_and_a_failure_mass_lead_to_the_break_strain() {
+    let text = r#"
+        let truth = #{}; truth[md] = 0.7;
+        let weak = drop.with(truth);
+        let breaks = |mass| weak.with(#{ "impactor.mass": mass }).simulate().summary.ruptured;
+        let ends = threshold(1.0, 10.72, 0.02, breaks);
+        let mass = (ends[0] + ends[1]) / 2;
+        let found = |known| calibrate(#{
+            tests: [#{ scenario: drop.with(if "failure_mass" in known { #{ "impactor.mass": mass } } else { #{} }) } + known],
+            parameters: #{ md: parameter + #{ start: 0.8 } }, method: "nelder-mead", max_evaluations: 60 }).x.md;
+        [found.call(#{ rupture_time: `${weak.simulate().summary.rupture_time_s} s` }), found.call(#{ failure_mass: `${mass} kg` }), mass]"#;
+    let found = numbers(&format!("{DROP}{text}"));
+    assert!((found[0] / 0.7 - 1.0).abs() < 0.01, "{found:?}");
+    assert!((found[1] / 0.7 - 1.0).abs() < 0.02, "{found:?}");
+}
+
+#[test]
+fn mistakes_about_outcomes_are_named() {
+    for (tests, expected) in [
+        (
+            r#"[#{ scenario: drop, outcome: "burst" }]"#,
+            "`outcome` is \"held\", \"broke\" or a list of them, not \"burst\"",
+        ),
+        (
+            r#"[#{ scenario: drop, compare: "acceleration", recordings: #{ acceleration: whole.acceleration } }]"#,
+            "parameter `k` is a break strain, of which signals tell nothing",
+        ),
+        (r#"[#{ scenario: strip("MD"), outcome: "held" }]"#, "are of drop tests: `[loading.impact]`"),
+        (r#"[#{ scenario: drop, failure_mass: 0.1 }]"#, "`failure_mass` is a text such as \"10.72 kg\""),
+        (r#"[#{ scenario: drop, rupture_time: #{ time: "2 ms", error: "1 mm" } }]"#, "expected a time, found \"1 mm\""),
+        (r#"[#{ scenario: drop, rupture_time: "0 ms" }]"#, "`rupture_time` and its error are above zero"),
+        (
+            r#"[#{ scenario: drop.with(#{ "specimen.material.fabric.break_scatter": 0.05 }), outcome: "held" }]"#,
+            "layers that break one after another",
+        ),
+        (r#"[#{ scenario: drop, outcome: "held", own: ["k", "l"] }]"#, "own `l`, which is no parameter"),
+    ] {
+        let text = format!("{DROP} calibrate(#{{ tests: {tests}, parameters: #{{ k: parameter }} }})");
+        let error = run(&text).err().unwrap_or_else(|| panic!("{tests} is accepted"));
+        assert!(error.contains(expected), "{tests}: {error}");
+    }
+}

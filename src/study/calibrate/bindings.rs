@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::candidates;
 use super::fit::Fit;
-use super::parameter::texts;
+use super::parameter::{Role, texts};
 use super::plan::Plan;
 use super::posterior::{Posterior, PosteriorOptions};
 use super::prediction::{Asked, Prediction};
@@ -54,6 +54,10 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_get("evaluations", |own: &mut Calibration| own.0.fit.evaluations as rhai::INT)
         .register_get("parameters", |own: &mut Calibration| listed(&own.parameters()))
         .register_get("tests", |own: &mut Calibration| listed(&rows::tests(&own.0.plan, &own.0.fit)))
+        .register_get("posterior_runs", |own: &mut Calibration| {
+            own.asked().posterior.as_ref().map_or(0, |found| found.runs) as rhai::INT
+        })
+        .register_get("outcomes", |own: &mut Calibration| listed(&rows::outcomes(&own.0.plan, &own.0.fit)))
         .register_get("findings", |own: &mut Calibration| from_json(&json!(own.0.fit.findings)))
         .register_fn("test", |context: NativeCallContext, own: &mut Calibration, name: &str| {
             own.test(name, &Session::from_context(&context))
@@ -99,7 +103,11 @@ impl Calibration {
     fn report(&self) -> HostResult<()> {
         let Parts { plan, fit, collector, .. } = &*self.0;
         collector.table(&plan.table("parameters"), self.parameters()).map_err(refuse)?;
-        collector.table(&plan.table("tests"), rows::tests(plan, fit)).map_err(refuse)?;
+        for (name, rows) in [("tests", rows::tests(plan, fit)), ("outcomes", rows::outcomes(plan, fit))] {
+            if !rows.is_empty() {
+                collector.table(&plan.table(name), rows).map_err(refuse)?;
+            }
+        }
         fit.findings.iter().try_for_each(|finding| collector.report(finding.clone())).map_err(refuse)
     }
 
@@ -206,7 +214,8 @@ fn posterior_options(plan: &Plan, options: &Options<'_>) -> HostResult<Posterior
         Some(given) if given.as_bool() == Ok(false) => Vec::new(),
         Some(given) if given.as_bool() == Ok(true) => {
             let shared = |unknown: &&super::parameter::Unknown| {
-                unknown.test.is_none() && plan.sharing(unknown.parameter).count() > 1
+                let is_key = plan.of(unknown).role == Role::Key;
+                is_key && unknown.test.is_none() && plan.sharing(unknown.parameter).count() > 1
             };
             plan.unknowns.iter().filter(shared).map(|unknown| unknown.name.clone()).collect()
         }
@@ -220,6 +229,9 @@ fn posterior_options(plan: &Plan, options: &Options<'_>) -> HostResult<Posterior
         let index = plan.unknowns.iter().position(|unknown| unknown.name == *name && unknown.test.is_none());
         let index = index.ok_or_else(|| refuse(format!("`hierarchy` names `{name}`, which no two tests share")))?;
         let parameter = plan.of(&plan.unknowns[index]);
+        if parameter.role != Role::Key {
+            return Err(refuse(format!("`hierarchy` names `{name}`: give that its `scatter`")));
+        }
         let [low, high] = parameter.ends();
         // Assumed: 30 % of a value, or a tenth of the bounds.
         let usual = if parameter.is_logarithmic { 0.3 } else { 0.1 * (high - low) };
@@ -294,12 +306,14 @@ const ENTRIES: &[Entry] = &[
     Entry {
         call: "calibrate(#{ tests, parameters, noise, discrepancy, stages, … })",
         gives: "the parameters with which all tests agree with their recordings, and what the tests tell of each. A test is \
-                #{ scenario, compare, over, window, recordings, own, weight, noise, distance, error, set, name }: its signals \
-                (`acceleration` of an impact, else `force` or `pressure`) over time, travel or depth; `recordings` beside the \
+                #{ scenario, compare, over, window, recordings, own, weight, noise, distance, error, set, name, outcome, \
+                failure_mass, rupture_time }: its signals (`acceleration` of an impact, else `force` or `pressure`) over time, travel or depth; `recordings` beside the \
                 [reference] of an impact are files or maps of signals; `own` names parameters that have a value of their own \
-                there; `distance` is \"residuals\", \"error-norm\", \"rating\", \"warping\" or \"features\". A parameter is \
-                #{ key, start, within, log, prior, tests }: one key or several that are tied, bounds, a search along the \
-                logarithm, a distribution as of [variation]. `noise` is \"from the recordings\" or a share of the signal; \
+                there; `distance` is \"residuals\", \"error-norm\", \"rating\", \"warping\" or \"features\"; of a drop `outcome` is \
+                \"held\", \"broke\" or a list of them, a specimen each, `failure_mass` and `rupture_time` a text such as \"104 g\" \
+                or a map with its `error`. A parameter is #{ key, start, within, log, prior, tests, scatter }: one key or several that are tied, bounds, a search along the \
+                logarithm, a distribution as of [variation]; `scatter` is that of break strains between specimens, a number or the \
+                ends between which it is estimated. `noise` is \"from the recordings\" or a share of the signal; \
                 `discrepancy` the error of the model, #{ share, correlation }, of which a share \"estimated\" follows from \
                 what the best parameters leave; `stages` are changes of the tests for searches at less cost, the last #{}; \
                 further method, starts, max_evaluations, tol_x, tol_f, difference, seed, precision (relative half width up to \
@@ -314,10 +328,10 @@ const ENTRIES: &[Entry] = &[
                     film.converged && film.parameters[0].verdict == "determined" && film.tests[0].relative_error < 0.01"#,
     },
     Entry {
-        call: "calibration.x, .parameters, .tests, .findings, .error, .converged, .reason, .model_error, .evaluations",
-        gives: "the best values by name; rows of parameters (interval of 95 %, verdict, the numbers behind it) and of signals; \
-                the findings; the norm of the residuals; whether and why the search stopped; the model's error as a share of \
-                each signal",
+        call: "calibration.x, .parameters, .tests, .outcomes, .findings, .error, .converged, .reason, .model_error, .evaluations, .posterior_runs",
+        gives: "the best values by name; rows of parameters (interval of 95 %, verdict, the numbers behind it), of signals and of \
+                outcomes (their probability, or the failure mass that follows); the findings; the norm of the residuals; whether and why the search stopped; the model's error as a share of \
+                each signal; runs of the search and of the posterior",
         example: calibrated!(
             r#"found.x.thickness > 5 && found.parameters[0].unit == "um" && found.tests[0].test == "md" && found.evaluations > 3"#
         ),

@@ -54,12 +54,16 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
     if map.contains_key("recordings") {
         return Err(refuse("a candidate has no recordings yet: its own simulation stands for them"));
     }
+    if let Some(key) = ["outcome", "failure_mass", "rupture_time"].into_iter().find(|key| map.contains_key(*key)) {
+        return Err(refuse(format!("a candidate is compared by signals: what `{key}` would tell is not computed")));
+    }
     let mut study =
         scenarios.named(map.get("scenario").ok_or_else(|| refuse("a candidate needs its `scenario`"))?, session)?;
     if let Some(changes) = map.get("set").and_then(|changes| changes.read_lock::<Map>().map(|map| map.clone())) {
         study = study.with(changes, session)?;
     }
-    let best = study.with(plan.shared_changes(&fit.values), session)?.simulate(session)?;
+    let best =
+        study.with(plan.shared_changes(&fit.values, &plan.taken_by(&study, session)), session)?.simulate(session)?;
     let signals = super::test::as_recorded(&map, &study, &best)?;
     map.insert("recordings".into(), signals.into());
     let tolerances = Tolerances { noise: Noise::Share(ASSUMED_NOISE), correlation: plan.correlation };
@@ -75,11 +79,12 @@ fn derivatives(test: &Test, plan: &Plan, fit: &Fit, session: &Session) -> HostRe
         (plan.search.difference * size).min(0.25 * (high - low))
     };
     let points: Vec<(usize, f64)> = shared.iter().flat_map(|index| [(*index, 1.0), (*index, -1.0)]).collect();
+    let taken = plan.taken_by(&test.study, session);
     let at = |(index, sign): &(usize, f64)| -> HostResult<Vec<f64>> {
         let mut values = fit.values.clone();
         let [low, high] = plan.of(&plan.unknowns[*index]).within;
         values[*index] = (values[*index] + sign * step(*index)).clamp(low, high);
-        let run = test.study.with(plan.shared_changes(&values), session)?.simulate(session)?;
+        let run = test.study.with(plan.shared_changes(&values, &taken), session)?.simulate(session)?;
         let mut residuals = vec![values[*index]];
         for signal in &test.signals {
             let variances = signal.variances(fit.share);

@@ -4,11 +4,11 @@ use nalgebra::DMatrix;
 
 use super::error_model::{Correlation, ErrorModel, most_likely_share};
 use super::objective::CalibrationObjective;
-use super::plan::{Discrepancy, Plan};
+use super::plan::Plan;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
 use crate::identify::{
-    HostSearch, Labels, LinearizationError, Method, SearchHost, SearchResult, SignalLabel, failure, linearize_at_start,
+    HostSearch, Labels, LinearizationError, Method, SearchHost, SearchResult, SignalLabel, failure, weigh_at_start,
 };
 use crate::script::{HostResult, Session, refuse};
 use base::finding::Finding;
@@ -36,10 +36,11 @@ pub(super) struct Fit {
     pub(super) share: f64,
     /// Derivatives of the residuals by the coordinates.
     pub(super) jacobian: DMatrix<f64>,
-    pub(super) covariance: DMatrix<f64>,
     pub(super) known: Vec<Knowledge>,
     /// Simulated signals of every test at the best point.
     pub(super) simulated: Vec<Vec<Series>>,
+    /// What every test demands of its film there.
+    pub(super) demands: Vec<Vec<f64>>,
     pub(super) findings: Vec<Finding>,
 }
 
@@ -54,10 +55,9 @@ impl Fit {
         let mut share = plan.discrepancy.first();
         let mut evaluations = 0;
         let mut findings = Vec::new();
-        let own = plan.tests.iter().map(|test| test.study.clone()).collect();
-        for (number, studies) in plan.stages.clone().into_iter().chain([own]).enumerate() {
+        for (number, stage) in plan.stages.clone().into_iter().chain([plan.last_stage()]).enumerate() {
             let smooth = CalibrationObjective::new(plan, plan.discrepancy.first().max(LEAST_SMOOTH), session);
-            let objective = CalibrationObjective { studies, is_plain: true, ..smooth };
+            let objective = CalibrationObjective { stage, is_plain: true, ..smooth };
             let found = searched(plan, host, &objective, values, number == 0, Some(number + 1))?;
             evaluations += total(&found);
             findings.extend(found.warnings.iter().map(Finding::new));
@@ -74,7 +74,7 @@ impl Fit {
             let simulated = simulated_at(plan, &values, session)?;
             add_roughness(plan, &simulated);
             let mut is_same = noises(plan).iter().zip(&before).all(|(now, before)| (now / before).ln().abs() < SAME);
-            if plan.discrepancy == Discrepancy::Estimated {
+            if plan.estimates_share() {
                 let estimated = most_likely_share(&left(plan, &simulated)?);
                 is_same &= (estimated.max(1e-4) / share.max(1e-4)).ln().abs() < SAME;
                 share = estimated;
@@ -84,23 +84,26 @@ impl Fit {
             }
         };
         findings.extend(result.warnings.iter().map(Finding::new));
-        if plan.discrepancy == Discrepancy::Estimated {
+        if plan.estimates_share() {
             findings.push(Finding::new(&Warning::ModelError { share, correlation: correlation(plan) }));
         }
         let objective = CalibrationObjective::new(plan, share, session);
         let search = plan.search_from(values.clone(), false, true)?;
         let labels = labels(plan, None);
         let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective: &objective }];
-        let linear = host.run(session, &own, |evaluator, _| linearize_at_start(&search, evaluator))?;
+        let linear = host.run(session, &own, |evaluator, _| weigh_at_start(&search, evaluator))?;
         let linear = linear.map_err(|(_, error): (_, LinearizationError)| failure(&error, ""))?.remove(0);
         let mut jacobian = linear.jacobian;
         for (index, unknown) in plan.unknowns.iter().enumerate() {
             jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(values[index]));
         }
         let x = plan.coordinates(&values);
-        let (covariance, known) = verdict::linear(plan, &x, &jacobian, &search.bounds.active(&values));
+        let known = verdict::linear(plan, &x, &jacobian, &search.bounds.active(&values));
+        let trial = session.with_trial(session.cancellation());
+        let demands = (0..plan.tests.len()).map(|test| objective.demands(test, &values, &trial));
+        let demands = demands.collect::<HostResult<Vec<_>>>()?;
         findings.extend(doubts(plan, &known).map(|warning| Finding::new(&warning)));
-        Ok(Fit { result, evaluations, values, x, share, jacobian, covariance, known, simulated, findings })
+        Ok(Fit { result, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
     }
 }
 
@@ -114,8 +117,9 @@ fn searched(
     stage: Option<usize>,
 ) -> HostResult<SearchResult> {
     let search = plan.search_from(start, is_first, stage.is_none())?;
+    let priors = plan.unknowns.iter().filter(|unknown| plan.of(unknown).prior.is_some()).count();
     if search.method == Method::LevenbergMarquardt
-        && objective.ends().last().is_some_and(|end| *end < search.start.len())
+        && objective.ends().last().is_some_and(|end| end + priors < search.start.len())
     {
         return Err(refuse("there are fewer numbers to compare than parameters: compare signals, or more of them"));
     }
@@ -158,7 +162,7 @@ fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>]) -> HostResult<Vec<(&'p Er
 fn simulated_at(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Vec<Series>>> {
     let objective = CalibrationObjective::new(plan, 0.0, session);
     let trial = session.with_trial(session.cancellation());
-    (0..plan.tests.len()).map(|test| objective.run(test, values, &trial).map(|(_, signals)| signals)).collect()
+    (0..plan.tests.len()).map(|test| objective.signals(test, values, &trial)).collect()
 }
 
 /// Takes the roughness of the simulated signals as noise; a signal that ends before its window has none

@@ -12,6 +12,7 @@ mod distance;
 mod error_model;
 mod fit;
 mod objective;
+mod outcome;
 mod parameter;
 mod plan;
 mod posterior;

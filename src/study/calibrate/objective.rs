@@ -2,11 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::plan::Plan;
-use super::test::{Signal, Test};
+use super::plan::{Plan, Stage};
+use super::test::Test;
 use crate::identify::{Evaluation, FatalError, Objective, Trial};
-use crate::post::Run;
-use crate::scenario_functions::Study;
 use crate::script::{HostResult, Session, is_numerical, refuse, thrown};
 use base::cancellation::Cancellation;
 use lab::signal::Series;
@@ -15,8 +13,8 @@ use rhai::EvalAltResult;
 /// The residuals of all tests with values of the unknowns.
 pub(super) struct CalibrationObjective<'a> {
     pub(super) plan: &'a Plan,
-    /// Scenarios of the tests in this stage.
-    pub(super) studies: Vec<Study>,
+    /// What is run of the tests in this stage.
+    pub(super) stage: Vec<Stage>,
     /// The model's error, as a share of each signal.
     pub(super) share: f64,
     /// Whether that is taken as independent from bin to bin: the differences themselves count, which vary more smoothly with
@@ -28,8 +26,7 @@ pub(super) struct CalibrationObjective<'a> {
 impl<'a> CalibrationObjective<'a> {
     /// Of all tests as they are.
     pub(super) fn new(plan: &'a Plan, share: f64, session: &Session) -> CalibrationObjective<'a> {
-        let studies = plan.tests.iter().map(|test| test.study.clone()).collect();
-        CalibrationObjective { plan, studies, share, is_plain: false, session: session.clone() }
+        CalibrationObjective { plan, stage: plan.last_stage(), share, is_plain: false, session: session.clone() }
     }
 
     /// The residuals of a test, each signal's after the other's, by its simulated signals.
@@ -46,18 +43,27 @@ impl<'a> CalibrationObjective<'a> {
         Ok(residuals)
     }
 
-    /// The run of a test with these values, with what it is compared by.
-    pub(super) fn run(&self, test: usize, x: &[f64], session: &Session) -> HostResult<(Run, Vec<Series>)> {
-        let run = self.studies[test].with(self.plan.changes(test, x), session)?.simulate(session)?;
-        let simulated = self.plan.tests[test].signals.iter().map(|signal| signal.simulated(&run));
-        let simulated = simulated.collect::<HostResult<Vec<_>>>()?;
-        Ok((run, simulated))
+    /// The signals of a test with these values; nothing is run where it has none.
+    pub(super) fn signals(&self, test: usize, x: &[f64], session: &Session) -> HostResult<Vec<Series>> {
+        let signals = &self.plan.tests[test].signals;
+        if signals.is_empty() {
+            return Ok(Vec::new());
+        }
+        let run = self.stage[test].study.with(self.plan.changes(test, x), session)?.simulate(session)?;
+        signals.iter().map(|signal| signal.simulated(&run)).collect()
+    }
+
+    /// What a test with these values demands of its film; nothing where it has no outcomes.
+    pub(super) fn demands(&self, test: usize, x: &[f64], session: &Session) -> HostResult<Vec<f64>> {
+        let outcomes = self.stage[test].outcomes.as_ref();
+        outcomes.map_or(Ok(Vec::new()), |own| own.demands(self.plan.changes(test, x), session))
     }
 
     fn evaluated(&self, x: &[f64], session: &Session) -> Evaluation {
         let mut residuals = Vec::new();
         for (test, own) in self.plan.tests.iter().enumerate() {
-            let (_, simulated) = match self.run(test, x, session) {
+            let found = self.signals(test, x, session).and_then(|own| Ok((own, self.demands(test, x, session)?)));
+            let (simulated, demands) = match found {
                 Ok(found) => found,
                 Err(error) => return self.failed(own, error),
             };
@@ -70,6 +76,10 @@ impl<'a> CalibrationObjective<'a> {
             match self.residuals_of(own, &simulated) {
                 Ok(own) => residuals.extend(own),
                 Err(cause) => return Evaluation::failed(format!("{}: {cause}", own.name)),
+            }
+            if let Some(outcomes) = &own.outcomes {
+                let found = outcomes.residuals(&demands, &self.plan.break_unknowns(test).at(x)).into_iter();
+                residuals.extend(found.map(|residual| own.weight.sqrt() * residual));
             }
         }
         residuals.extend(self.of_priors(x));
@@ -94,13 +104,17 @@ impl<'a> CalibrationObjective<'a> {
 
     /// Where the residuals of each test begin, and where all end.
     pub(super) fn ends(&self) -> Vec<usize> {
-        let length = |signal: &Signal| signal.variances(self.share).len();
         let mut ends = vec![0];
-        for test in &self.plan.tests {
-            let own: usize = test.signals.iter().map(length).sum();
-            ends.push(ends[ends.len() - 1] + own);
+        for (place, test) in self.plan.tests.iter().enumerate() {
+            let outcomes = test.outcomes.as_ref().map_or(0, |own| own.all.len());
+            ends.push(ends[place] + self.compared(place) + outcomes);
         }
         ends
+    }
+
+    /// Number of differences of a test's signals.
+    pub(super) fn compared(&self, test: usize) -> usize {
+        self.plan.tests[test].signals.iter().map(|signal| signal.variances(self.share).len()).sum()
     }
 }
 

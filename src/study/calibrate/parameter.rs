@@ -2,6 +2,7 @@
 
 use rhai::{Array, Dynamic, Map};
 
+use super::outcome::BREAK_FACTORS;
 use crate::script::{HostResult, Options, number, refuse, to_json};
 use uncertainty::distribution::Distribution;
 use uncertainty::normal;
@@ -26,6 +27,21 @@ pub(super) struct Parameter {
     pub(super) prior: Option<Distribution>,
     /// Names of the tests that have its keys; all where there are none.
     pub(super) tests: Vec<String>,
+    pub(super) role: Role,
+    /// Of a break strain, its relative standard deviation between specimens: ends between which it is estimated, or the same
+    /// number twice.
+    pub(super) scatter: Option<[f64; 2]>,
+}
+
+/// What a parameter acts on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Role {
+    /// Keys of scenarios.
+    Key,
+    /// The break strains of MD, TD or both, on which outcomes depend, and no signal of film that held.
+    Break([bool; 2]),
+    /// Their scatter between specimens.
+    Scatter([bool; 2]),
 }
 
 /// One unknown: a parameter, of all tests or of one.
@@ -40,10 +56,10 @@ pub(super) struct Unknown {
 }
 
 /// Options of a parameter.
-const OPTIONS: [&str; 6] = ["key", "start", "within", "log", "prior", "tests"];
+const OPTIONS: [&str; 7] = ["key", "start", "within", "log", "prior", "tests", "scatter"];
 
 impl Parameter {
-    /// Reads `#{ key, start, within, log, prior, tests }`.
+    /// Reads `#{ key, start, within, log, prior, tests, scatter }`.
     pub(super) fn read(name: &str, given: &Dynamic) -> HostResult<Parameter> {
         let of_parameter = |text: String| refuse(format!("parameter `{name}`: {text}"));
         let map = given.read_lock::<Map>();
@@ -75,14 +91,39 @@ impl Parameter {
         if !(low < high && (low..=high).contains(&start)) {
             return Err(of_parameter(format!("`start` {start} does not lie within [{low}, {high}]")));
         }
-        let is_logarithmic = options.boolean("log", false)?;
+        let role = role(&keys).map_err(of_parameter)?;
+        // Break strains scatter along their logarithm.
+        let is_logarithmic = options.boolean("log", false)? || role != Role::Key;
         if is_logarithmic && low <= 0.0 {
             return Err(of_parameter(format!("`log` needs `within` above zero, which begins at {low}")));
         }
         let prior = map.get("prior").map(|given| prior(given).map_err(of_parameter)).transpose()?;
         let tests = map.get("tests").map(|given| texts(given, "tests").map_err(of_parameter)).transpose()?;
         let tests = tests.unwrap_or_default();
-        Ok(Parameter { name: name.into(), keys, unit, start, within, is_logarithmic, prior, tests })
+        let scatter = map.get("scatter").map(|given| scatter(given).map_err(of_parameter)).transpose()?;
+        if scatter.is_some() && role == Role::Key {
+            let text = format!("`scatter` is of break strains: {}", BREAK_FACTORS.join(", "));
+            return Err(of_parameter(text));
+        }
+        Ok(Parameter { name: name.into(), keys, unit, start, within, is_logarithmic, prior, tests, role, scatter })
+    }
+
+    /// The parameter that the scatter of a break strain is where it is estimated: anywhere between its ends, along the
+    /// logarithm.
+    pub(super) fn of_scatter(&self) -> Option<Parameter> {
+        let (Role::Break(along), Some([low, high])) = (self.role, self.scatter) else { return None };
+        (low < high).then(|| Parameter {
+            name: format!("scatter of {}", self.name),
+            keys: Vec::new(),
+            unit: None,
+            start: (low * high).sqrt(),
+            within: [low, high],
+            is_logarithmic: true,
+            prior: None,
+            tests: self.tests.clone(),
+            role: Role::Scatter(along),
+            scatter: None,
+        })
     }
 
     /// Its value as the keys of a scenario take it.
@@ -146,6 +187,29 @@ impl Parameter {
             Some(prior) => prior.density(coordinate).ln(),
         }
     }
+}
+
+/// What a parameter with these keys acts on.
+fn role(keys: &[String]) -> Result<Role, String> {
+    let along = BREAK_FACTORS.map(|key| keys.iter().any(|own| own == key));
+    match (along.contains(&true), keys.iter().all(|key| BREAK_FACTORS.contains(&key.as_str()))) {
+        (false, _) => Ok(Role::Key),
+        (true, true) => Ok(Role::Break(along)),
+        (true, false) => Err("break strains cannot be tied to other keys".into()),
+    }
+}
+
+/// The option `scatter`: a number, or the ends between which it is estimated.
+fn scatter(given: &Dynamic) -> Result<[f64; 2], String> {
+    let wrong =
+        || format!("`scatter` is a relative deviation such as 0.1, or [0.02, 0.5] where it is estimated, not {given}");
+    let of = |value: &Dynamic| number(value, "scatter").map_err(|_| wrong());
+    let ends = match given.read_lock::<Array>() {
+        Some(list) if list.len() == 2 => [of(&list[0])?, of(&list[1])?],
+        Some(_) => return Err(wrong()),
+        None => [of(given)?; 2],
+    };
+    if 0.0 < ends[0] && ends[0] <= ends[1] && ends[1] <= 2.0 { Ok(ends) } else { Err(wrong()) }
 }
 
 /// A number, or a text of a number and its unit.
@@ -224,6 +288,15 @@ mod tests {
             (r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ gauss: 1 } }"#, "`prior` is a distribution such as"),
             (r#"#{ key: "a", begin: 1 }"#, "has no option `begin`"),
             ("7", "expected a map with `key`"),
+            (r#"#{ key: "a", start: 1, within: [0, 2], scatter: 0.1 }"#, "`scatter` is of break strains"),
+            (
+                r#"#{ key: ["a", "specimen.material.fabric.md.break_factor"], start: 1, within: [0.1, 2] }"#,
+                "break strains cannot be tied to other keys",
+            ),
+            (
+                r#"#{ key: "specimen.material.fabric.md.break_factor", start: 1, within: [0.1, 2], scatter: [0.5, 0.1] }"#,
+                "`scatter` is a relative deviation such as 0.1",
+            ),
         ] {
             let found = read(text).unwrap_err().to_string();
             assert!(found.contains(expected), "{text}: {found}");

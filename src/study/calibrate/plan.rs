@@ -3,7 +3,8 @@
 use rhai::{Array, Dynamic, Map};
 
 use super::error_model::{Correlation, Noise, USUAL_CORRELATION};
-use super::parameter::{Parameter, Unknown};
+use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
+use super::parameter::{Parameter, Role, Unknown};
 use super::test::{self, Test, Tolerances};
 use crate::identify::{Bounds, Method, Search, Starts};
 use crate::scenario_functions::{Scenarios, Study};
@@ -25,12 +26,42 @@ pub(super) struct Plan {
     /// Of the model's error.
     pub(super) correlation: Correlation,
     /// Scenarios of the tests in the stages before the last, coarser as a rule.
-    pub(super) stages: Vec<Vec<Study>>,
+    pub(super) stages: Vec<Vec<Stage>>,
     pub(super) search: SearchOptions,
     /// Relative half width of an interval of 95 % up to which a parameter counts as determined.
     pub(super) precision: f64,
     /// Whether a run in which film breaks has a value.
     pub(super) keeps_ruptured: bool,
+}
+
+/// The break strains of a test: what is known of them, and the unknowns that say the rest.
+#[derive(Clone, Debug)]
+pub(super) struct BreakUnknowns {
+    known: Breaks,
+    unknown: Vec<(Role, usize)>,
+}
+
+impl BreakUnknowns {
+    /// With these values of all unknowns.
+    pub(super) fn at(&self, values: &[f64]) -> Breaks {
+        let mut breaks = self.known;
+        for (role, index) in &self.unknown {
+            let (of, value, along) = match role {
+                Role::Key => continue,
+                Role::Break(along) => (&mut breaks.log_factors, values[*index].ln(), along),
+                Role::Scatter(along) => (&mut breaks.scatter, values[*index], along),
+            };
+            (0..2).filter(|place| along[*place]).for_each(|place| of[place] = value);
+        }
+        breaks
+    }
+}
+
+/// What is run of a test in a stage: the scenario of its signals, and its outcomes.
+#[derive(Clone)]
+pub(super) struct Stage {
+    pub(super) study: Study,
+    pub(super) outcomes: Option<Outcomes>,
 }
 
 /// The error of the model, as a share of the root mean square of each signal.
@@ -103,8 +134,10 @@ impl Plan {
         let map = options.value("parameters")?.read_lock::<Map>().map(|map| map.clone());
         let map = map.filter(|map| !map.is_empty());
         let map = map.ok_or_else(|| refuse("`parameters` of calibrate is a map of names and their `key`s"))?;
-        let parameters =
+        let mut parameters =
             map.iter().map(|(name, given)| Parameter::read(name, given)).collect::<HostResult<Vec<_>>>()?;
+        let scatters: Vec<Parameter> = parameters.iter().filter_map(Parameter::of_scatter).collect();
+        parameters.extend(scatters);
         let unknowns = unknowns(&tests, &parameters)?;
         let search = SearchOptions::read(&options)?;
         let precision = options.number("precision", 0.2)?;
@@ -147,6 +180,12 @@ impl Plan {
         self.unknowns.iter().map(|unknown| self.of(unknown).start).collect()
     }
 
+    /// The tests as they are.
+    pub(super) fn last_stage(&self) -> Vec<Stage> {
+        let of_test = |test: &Test| Stage { study: test.study.clone(), outcomes: test.outcomes.clone() };
+        self.tests.iter().map(of_test).collect()
+    }
+
     /// The parameter that an unknown is.
     pub(super) fn of(&self, unknown: &Unknown) -> &Parameter {
         &self.parameters[unknown.parameter]
@@ -162,11 +201,42 @@ impl Plan {
         self.unknowns.iter().zip(x).map(|(unknown, coordinate)| self.of(unknown).value(*coordinate)).collect()
     }
 
-    /// Indices of the unknowns that act on a test.
+    /// Indices of the unknowns that act on the runs of a test.
     pub(super) fn acting_on(&self, test: usize) -> Vec<usize> {
-        let acts =
-            |unknown: &Unknown| unknown.test.map_or_else(|| self.is_shared(unknown.parameter, test), |own| own == test);
-        (0..self.unknowns.len()).filter(|index| acts(&self.unknowns[*index])).collect()
+        self.of_test(test).filter(|index| self.of(&self.unknowns[*index]).role == Role::Key).collect()
+    }
+
+    /// Indices of the unknowns of a test, those of its outcomes included.
+    fn of_test(&self, test: usize) -> impl Iterator<Item = usize> + '_ {
+        let is_of = move |unknown: &Unknown| {
+            unknown.test.map_or_else(|| self.is_shared(unknown.parameter, test), |own| own == test)
+        };
+        (0..self.unknowns.len()).filter(move |index| is_of(&self.unknowns[*index]))
+    }
+
+    /// Whether the model's error is estimated: that of signals along their length.
+    pub(super) fn estimates_share(&self) -> bool {
+        let signals = || self.tests.iter().flat_map(|test| &test.signals);
+        self.discrepancy == Discrepancy::Estimated && signals().any(|signal| signal.distance.is_residuals())
+    }
+
+    /// The unknowns on which the outcomes of a test depend beside its runs.
+    pub(super) fn break_unknowns(&self, test: usize) -> BreakUnknowns {
+        let factors = self.tests[test].outcomes.as_ref().map_or([1.0; 2], |own| own.factors);
+        let mut known = Breaks { log_factors: factors.map(f64::ln), scatter: [USUAL_SCATTER; 2] };
+        let mut unknown = Vec::new();
+        for index in self.of_test(test) {
+            let parameter = self.of(&self.unknowns[index]);
+            if let (Role::Break(along), Some([low, high])) = (parameter.role, parameter.scatter)
+                && low == high
+            {
+                (0..2).filter(|place| along[*place]).for_each(|place| known.scatter[place] = low);
+            }
+            if parameter.role != Role::Key {
+                unknown.push((parameter.role, index));
+            }
+        }
+        BreakUnknowns { known, unknown }
     }
 
     /// Indices of the tests that have the value of a parameter that all share.
@@ -184,20 +254,30 @@ impl Plan {
     pub(super) fn changes(&self, test: usize, values: &[f64]) -> Map {
         let mut changes = Map::new();
         for index in self.acting_on(test) {
-            let parameter = self.of(&self.unknowns[index]);
-            let value = parameter.written(values[index]);
-            parameter.keys.iter().for_each(|key| drop(changes.insert(key.as_str().into(), value.clone())));
+            changes.extend(keys_with(self.of(&self.unknowns[index]), values[index]));
         }
         changes
     }
 
-    /// The changes of a scenario that is no test: the shared unknowns.
-    pub(super) fn shared_changes(&self, values: &[f64]) -> Map {
+    /// The parameters that a scenario which is no test takes: those that all tests have, and of the others those whose keys it
+    /// has.
+    pub(super) fn taken_by(&self, study: &Study, session: &Session) -> Vec<usize> {
+        let start = self.start();
+        let takes = |index: &usize| {
+            let parameter = &self.parameters[*index];
+            let at = self.unknowns.iter().position(|own| own.parameter == *index && own.test.is_none());
+            let Some(at) = at else { return false };
+            parameter.tests.is_empty() || study.with(keys_with(parameter, start[at]), session).is_ok()
+        };
+        (0..self.parameters.len()).filter(takes).collect()
+    }
+
+    /// The changes of a scenario that is no test: the shared unknowns of these parameters.
+    pub(super) fn shared_changes(&self, values: &[f64], taken: &[usize]) -> Map {
         let mut changes = Map::new();
-        for (unknown, value) in self.unknowns.iter().zip(values).filter(|(unknown, _)| unknown.test.is_none()) {
-            let parameter = self.of(unknown);
-            let value = parameter.written(*value);
-            parameter.keys.iter().for_each(|key| drop(changes.insert(key.as_str().into(), value.clone())));
+        let shared = |unknown: &Unknown| unknown.test.is_none() && taken.contains(&unknown.parameter);
+        for (unknown, value) in self.unknowns.iter().zip(values).filter(|(unknown, _)| shared(unknown)) {
+            changes.extend(keys_with(self.of(unknown), *value));
         }
         changes
     }
@@ -231,9 +311,16 @@ impl Plan {
     }
 }
 
+/// The keys of a parameter with this value.
+fn keys_with(parameter: &Parameter, value: f64) -> Map {
+    let written = parameter.written(value);
+    parameter.keys.iter().map(|key| (key.as_str().into(), written.clone())).collect()
+}
+
 /// Whether a parameter acts on a test.
 fn is_of(parameter: &Parameter, test: &Test) -> bool {
-    parameter.tests.is_empty() || parameter.tests.contains(&test.name)
+    (parameter.tests.is_empty() || parameter.tests.contains(&test.name))
+        && (parameter.role == Role::Key || test.outcomes.is_some())
 }
 
 /// The unknowns: a shared one of each parameter that any test shares, and one of each test that has its own.
@@ -243,6 +330,13 @@ fn unknowns(tests: &[Test], parameters: &[Parameter]) -> HostResult<Vec<Unknown>
         if let Some(other) = parameter.tests.iter().find(|name| !names().any(|own| own == name.as_str())) {
             let known = names().collect::<Vec<_>>().join(", ");
             return Err(refuse(format!("parameter `{}` names the test `{other}`; there are {known}", parameter.name)));
+        }
+        if !tests.iter().any(|test| is_of(parameter, test)) {
+            return Err(refuse(format!(
+                "parameter `{}` is a break strain, of which signals tell nothing: give a test its `outcome`, \
+                `failure_mass` or `rupture_time`",
+                parameter.name
+            )));
         }
     }
     for test in tests {
@@ -267,7 +361,7 @@ fn unknowns(tests: &[Test], parameters: &[Parameter]) -> HostResult<Vec<Unknown>
 }
 
 /// The scenarios of the stages before the last; the last one is the tests themselves.
-fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostResult<Vec<Vec<Study>>> {
+fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostResult<Vec<Vec<Stage>>> {
     let Some(given) = given else { return Ok(Vec::new()) };
     let wrong = || refuse("`stages` is a list of changes, such as [#{ \"specimen.mesh.size\": \"40 mm\" }, #{}]");
     let list = given.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
@@ -275,8 +369,12 @@ fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostRes
     let maps = maps.collect::<HostResult<Vec<_>>>()?;
     match maps.split_last() {
         Some((last, before)) if last.is_empty() => {
-            let stage = |changes: &Map| tests.iter().map(|test| test.study.with(changes.clone(), session)).collect();
-            before.iter().map(stage).collect()
+            let of_test = |test: &Test, changes: &Map| {
+                let study = test.study.with(changes.clone(), session)?;
+                let outcomes = test.outcomes.as_ref().map(|own| own.with(changes.clone(), session)).transpose()?;
+                Ok(Stage { study, outcomes })
+            };
+            before.iter().map(|changes| tests.iter().map(|test| of_test(test, changes)).collect()).collect()
         }
         _ => Err(refuse("the last of `stages` is #{}: the tests as they are, whose result counts")),
     }

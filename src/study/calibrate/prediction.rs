@@ -56,12 +56,17 @@ impl Prediction {
         session: &Session,
     ) -> HostResult<Prediction> {
         let draws = posterior.draws(plan, asked.samples, asked.seed);
+        let taken = plan.taken_by(study, session);
         let all: Vec<(Result<Run, String>, f64)> =
-            draws.par_iter().map(|(x, share)| (run(study, plan, x, session), *share)).collect();
+            draws.par_iter().map(|(x, share)| (run(study, plan, (x, &taken), session), *share)).collect();
         if session.cancellation().is_cancelled() {
             return Err(refuse("the study was stopped"));
         }
         let mut warnings = Vec::new();
+        for unknown in plan.unknowns.iter().filter(|unknown| !taken.contains(&unknown.parameter)) {
+            let (scenario, parameter) = (study.name().into(), unknown.name.clone());
+            warnings.push(Warning::PredictionWithout { scenario, parameter });
+        }
         let failed = all.iter().filter(|(run, _)| run.is_err()).count();
         if let Some(cause) = all.iter().find_map(|(run, _)| run.as_ref().err().cloned()) {
             let runs = all.len();
@@ -69,7 +74,7 @@ impl Prediction {
         }
         let runs: Vec<(Run, f64)> = all.into_iter().filter_map(|(run, share)| Some((run.ok()?, share))).collect();
         if runs.len() < 2 {
-            let cause = warnings.first().map(ToString::to_string).unwrap_or_default();
+            let cause = warnings.last().map(ToString::to_string).unwrap_or_default();
             return Err(refuse(format!("{} has no prediction: {cause}", study.name())));
         }
         let (mut bands, mut covered) = (Vec::new(), Vec::new());
@@ -89,9 +94,9 @@ impl Prediction {
 }
 
 /// The run of a scenario with the shared unknowns of a draw.
-fn run(study: &Study, plan: &Plan, x: &[f64], session: &Session) -> Result<Run, String> {
+fn run(study: &Study, plan: &Plan, (x, taken): (&[f64], &[usize]), session: &Session) -> Result<Run, String> {
     study
-        .with(plan.shared_changes(&plan.values(x)), session)
+        .with(plan.shared_changes(&plan.values(x), taken), session)
         .and_then(|own| own.simulate(session))
         .map_err(|error| cause(&error))
 }

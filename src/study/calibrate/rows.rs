@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use super::fit::Fit;
-use super::plan::{Discrepancy, Plan};
+use super::outcome::Described;
+use super::plan::Plan;
 use super::posterior::Posterior;
 use super::verdict::Knowledge;
 use crate::script::Row;
@@ -49,6 +50,25 @@ pub(super) fn tests(plan: &Plan, fit: &Fit) -> Vec<Row> {
     rows
 }
 
+/// One row an outcome: how likely it is, or the failure mass that follows, with the best values.
+pub(super) fn outcomes(plan: &Plan, fit: &Fit) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (place, (test, demands)) in plan.tests.iter().zip(&fit.demands).enumerate() {
+        let Some(outcomes) = &test.outcomes else { continue };
+        let breaks = plan.break_unknowns(place).at(&fit.values);
+        for Described { outcome, specimens, probability, mass } in outcomes.described(demands, &breaks) {
+            let given = mass.map(|[given, _]| given);
+            rows.push(object(json!({
+                "test": test.name, "outcome": outcome, "specimens": specimens, "probability": probability, "failure_mass_kg": given,
+                "calibrated_failure_mass_kg": mass.map(|[_, found]| found),
+                "demand_md": demands.first().map(|own| (own - breaks.log_factors[0]).exp()),
+                "demand_td": demands.get(1).map(|own| (own - breaks.log_factors[1]).exp()), "weight": test.weight,
+            })));
+        }
+    }
+    rows
+}
+
 /// One row an unknown, and one a test of an unknown that scatters: its posterior.
 pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> Vec<Row> {
     let row = |name: String, values: &[f64]| {
@@ -81,7 +101,7 @@ pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> 
             rows.push(with(row(format!("{} of {}", unknown.name, plan.tests[test].name), &values), none.clone()));
         }
     }
-    if plan.discrepancy == Discrepancy::Estimated {
+    if plan.estimates_share() {
         rows.push(with(row("model error".into(), &found.shares(plan)), none));
     }
     rows

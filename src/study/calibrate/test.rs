@@ -4,6 +4,7 @@ use rhai::{Array, Dynamic, Map};
 
 use super::distance::Distance;
 use super::error_model::{Correlation, ErrorModel, Noise, USUAL_CORRELATION};
+use super::outcome::{self, Outcomes};
 use super::parameter::texts;
 use crate::post::Run;
 use crate::scenario_functions::{Scenarios, Study};
@@ -27,6 +28,8 @@ pub(super) struct Test {
     pub(super) weight: f64,
     /// Its signals, once a recording.
     pub(super) signals: Vec<Signal>,
+    /// Whether its film held, and what else is known of its rupture.
+    pub(super) outcomes: Option<Outcomes>,
 }
 
 /// A signal of a test that is compared with one recording.
@@ -55,7 +58,7 @@ pub(super) struct Tolerances {
 }
 
 /// Options of a test.
-const OPTIONS: [&str; 12] = [
+const OPTIONS: [&str; 15] = [
     "scenario",
     "name",
     "set",
@@ -68,6 +71,9 @@ const OPTIONS: [&str; 12] = [
     "noise",
     "distance",
     "error",
+    "outcome",
+    "failure_mass",
+    "rupture_time",
 ];
 
 /// The impactor's peak is not a column; these names stand for columns.
@@ -99,7 +105,11 @@ impl Test {
         if !(weight > 0.0 && weight.is_finite()) {
             return Err(in_test(format!("`weight` is {weight}, which must be above zero")));
         }
+        let outcomes = outcome::read(&map, &study, session).map_err(|error| in_test(error.to_string()))?;
         let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
+        if outcomes.is_some() && !map.contains_key("compare") {
+            return Ok(Test { name, study, own, weight, signals: Vec::new(), outcomes });
+        }
         let names = signals_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
         let columns = names.iter().map(|name| found_column(name).map_err(in_test)).collect::<HostResult<Vec<_>>>()?;
         let over = abscissa_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
@@ -123,7 +133,7 @@ impl Test {
             }
         }
         let study = longest.map_or(study, |(_, study)| study);
-        Ok(Test { name, study, own, weight, signals })
+        Ok(Test { name, study, own, weight, signals, outcomes })
     }
 }
 

@@ -56,20 +56,14 @@ pub(super) struct Knowledge {
 
 /// What residuals with this Jacobian tell of the unknowns at `x`, where noise and model error are what they are assumed
 /// to be: the inverse of JᵀJ and of what is known before (Laplace's approximation of the posterior).
-pub(super) fn linear(
-    plan: &Plan,
-    x: &[f64],
-    jacobian: &DMatrix<f64>,
-    at_bounds: &[(usize, Side)],
-) -> (DMatrix<f64>, Vec<Knowledge>) {
+pub(super) fn linear(plan: &Plan, x: &[f64], jacobian: &DMatrix<f64>, at_bounds: &[(usize, Side)]) -> Vec<Knowledge> {
     let information = information(plan, jacobian);
     let covariance = inverse(&information);
     let known = (0..x.len()).map(|index| {
         let alone = information[(index, index)].sqrt().recip();
         judged(plan, x, index, &covariance, alone, at_bounds)
     });
-    let known = known.collect();
-    (covariance, known)
+    known.collect()
 }
 
 /// The verdicts on all unknowns with this covariance about `x`; the Jacobian tells what each would be if the others were known.

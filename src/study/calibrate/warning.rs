@@ -71,6 +71,14 @@ findings! {
                 posterior does not know that region";
             remedy "tighten `within` where many failed";
             message "{failed} of {runs} runs of {test} have no value, the first: {cause}";
+        PredictionWithout {
+            scenario: String, "the scenario" => "scenario";
+            parameter: String, "the parameter" => "parameter";
+        } = "prediction-without-parameter", Note;
+            meaning "a parameter that only some tests have has no part in a prediction, whose scenario lacks its key, or where each \
+                test has a value of its own";
+            remedy "none is needed where the scenario does not depend on it; otherwise set its key in the scenario";
+            message "{parameter} has no part in the prediction of {scenario}, which has a value of its own or none";
         PredictionFailed {
             scenario: String, "the scenario" => "scenario";
             failed: usize, "runs without a value" => "failed";

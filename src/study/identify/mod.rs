@@ -36,7 +36,7 @@ mod warning;
 pub(crate) use bindings::{HostSearch, failure};
 pub use bindings::{REFERENCE, SearchEvent, SearchHost, SearchStart, register};
 pub use bounds::{Bounds, BoundsError, Side};
-pub use confidence::linearization::{LinearizationError, linearize_at_start};
+pub use confidence::linearization::{LinearizationError, linearize_at_start, weigh_at_start};
 pub use confidence::profile::{Profile, ProfileError, ProfilePoint, profiles};
 pub use confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
 pub use convergence::{Labels, SignalLabel};

@@ -2,7 +2,7 @@
 //! scatter about a mean.
 
 use super::surrogate::TestSurrogate;
-use crate::calibrate::plan::{Discrepancy, Plan};
+use crate::calibrate::plan::{BreakUnknowns, Plan};
 
 /// Median and deviation of the logarithm of the model's error before the tests, as a share of a signal (assumed): 0.3 to
 /// 15 % with 95 %.
@@ -49,7 +49,7 @@ impl Layout {
                 expected: *expected,
             })
             .collect();
-        let share = (plan.discrepancy == Discrepancy::Estimated).then(&mut place);
+        let share = plan.estimates_share().then(&mut place);
         Layout { unknowns: plan.unknowns.len(), scattered, share }
     }
 
@@ -85,6 +85,8 @@ pub(super) struct Density<'a> {
     pub(super) layout: &'a Layout,
     /// The unknowns that act on each test.
     pub(super) acting: &'a [Vec<usize>],
+    /// Those of the break strains of each test.
+    pub(super) breaks: &'a [BreakUnknowns],
     pub(super) surrogates: &'a [TestSurrogate],
 }
 
@@ -100,8 +102,14 @@ impl Density<'_> {
         for (test, surrogate) in self.surrogates.iter().enumerate() {
             let x = self.layout.in_test(state, test);
             let own: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
-            let Some(differences) = surrogate.differences(&own) else { return f64::NEG_INFINITY };
-            sum += likelihood(self.plan, test, differences.as_slice(), surrogate.errors(), share);
+            let Some((differences, demands)) = surrogate.at(&own) else { return f64::NEG_INFINITY };
+            let own = &self.plan.tests[test];
+            let variances: Vec<f64> = own.signals.iter().flat_map(|signal| signal.variances(share)).collect();
+            sum += own.weight * surrogate.log_likelihood(&differences, &variances);
+            if let Some(outcomes) = &own.outcomes {
+                let breaks = self.breaks[test].at(&self.plan.values(&x));
+                sum += own.weight * outcomes.log_likelihood(&demands, surrogate.demand_errors(), &breaks);
+            }
         }
         sum
     }
@@ -133,16 +141,4 @@ impl Density<'_> {
         }
         sum
     }
-}
-
-/// The logarithm of the likelihood of a test with these differences, whose coordinates have these variances of their own
-/// error, up to a constant.
-fn likelihood(plan: &Plan, test: usize, differences: &[f64], errors: &[f64], share: f64) -> f64 {
-    let own = &plan.tests[test];
-    let variances = own.signals.iter().flat_map(|signal| signal.variances(share));
-    let of_one = |((difference, error), variance): ((&f64, &f64), f64)| {
-        let variance = variance + error;
-        difference * difference / variance + variance.ln()
-    };
-    -0.5 * own.weight * differences.iter().zip(errors).zip(variances).map(of_one).sum::<f64>()
 }

@@ -11,7 +11,8 @@ use uncertainty::statistics::quantiles;
 
 use super::fit::Fit;
 use super::objective::{CalibrationObjective, cause};
-use super::plan::Plan;
+use super::parameter::Role;
+use super::plan::{BreakUnknowns, Plan};
 use super::verdict;
 use super::warning::Warning;
 use crate::script::{HostResult, Session, refuse};
@@ -19,8 +20,11 @@ use density::{Density, Layout};
 use nalgebra::DMatrix;
 use surrogate::{Region, TestSurrogate};
 
-/// Half width of the first region of a surrogate, in standard deviations of the linear model.
-const FIRST_REGION: f64 = 5.0;
+/// Half width of the first region of a surrogate, in standard deviations of the linear model whose tests are tempered.
+const FIRST_REGION: f64 = 3.0;
+/// What the squared residuals of tests are divided by for that region: contact makes signals rough, so that the best point may
+/// be a local minimum many deviations from the posterior, whose width the linear model there does not tell.
+const TEMPER: f64 = 25.0;
 /// What a region reaches beyond the samples on either side, as a share of their range.
 const BEYOND: f64 = 0.25;
 /// The same where the region ended the samples.
@@ -31,6 +35,8 @@ const NEAR: f64 = 0.02;
 const MOVES: usize = 3;
 /// Error of a surrogate at new points, in standard deviations over all of its coordinates, that the posterior does not show.
 const SMALL_ERROR: f64 = 0.5;
+/// Most steps of the walkers of rounds before the last.
+const LOOK: usize = 1000;
 /// Samples that are kept.
 const KEPT: usize = 4000;
 
@@ -77,6 +83,7 @@ struct Sampling<'a> {
     objective: CalibrationObjective<'a>,
     layout: Layout,
     acting: Vec<Vec<usize>>,
+    breaks: Vec<BreakUnknowns>,
     session: &'a Session,
     options: &'a PosteriorOptions,
 }
@@ -94,6 +101,7 @@ impl Posterior {
             objective: CalibrationObjective::new(plan, fit.share, session),
             layout: Layout::new(plan, &options.scattered),
             acting: (0..plan.tests.len()).map(|test| plan.acting_on(test)).collect(),
+            breaks: (0..plan.tests.len()).map(|test| plan.break_unknowns(test)).collect(),
             session,
             options,
         };
@@ -134,6 +142,15 @@ impl Posterior {
                 let [low, high] = plan.of(&plan.unknowns[own.unknown]).ends();
                 x[own.unknown] = (x[own.unknown] + state[own.deviation].exp() * stream.normal()).clamp(low, high);
             }
+            let values = plan.values(&x);
+            for (index, unknown) in plan.unknowns.iter().enumerate() {
+                // The break strains of one specimen.
+                if let Role::Break(along) = plan.of(unknown).role {
+                    let test = unknown.test.or_else(|| plan.sharing(unknown.parameter).next()).unwrap_or(0);
+                    let scatter = plan.break_unknowns(test).at(&values).scatter[usize::from(!along[0])];
+                    x[index] += scatter * stream.normal();
+                }
+            }
             (x, self.layout.share(state, plan))
         };
         (0..count).map(draw).collect()
@@ -165,33 +182,36 @@ impl Sampling<'_> {
     fn refined(&self, fit: &Fit) -> HostResult<Posterior> {
         let tests = self.plan.tests.len();
         let mut regions = self.first_regions(fit);
-        let points = regions.iter().map(|region| self.design(region)).collect::<HostResult<Vec<_>>>()?;
         let mut runs: Vec<Runs> = vec![Vec::new(); tests];
         let mut failed: Vec<(usize, String)> = vec![(0, String::new()); tests];
-        let mut computed = self.compute(&points, &mut runs, &mut failed)?;
+        let mut computed = 0;
         let mut centre = self.first_states(fit);
         let mut stream = Stream::new(self.options.seed);
         for round in 0.. {
+            let points = regions.iter().zip(&runs).map(|(region, runs)| self.design(region, runs, round));
+            let points = points.collect::<HostResult<Vec<_>>>()?;
+            computed += self.compute(&points, &mut runs, &mut failed)?;
             let surrogates = regions.iter().zip(&runs).enumerate().map(|(test, (region, runs))| {
                 let name = &self.plan.tests[test].name;
-                TestSurrogate::fit(region.clone(), runs)
+                let compared = self.objective.compared(test);
+                TestSurrogate::fit(region.clone(), runs, compared)
                     .map_err(|error| refuse(format!("the surrogate of {name}: {error}")))
             });
             let surrogates = surrogates.collect::<HostResult<Vec<_>>>()?;
-            let samples = self.samples(&surrogates, &centre, round, &mut stream)?;
+            let samples = self.samples(&surrogates, &centre, round, false, &mut stream)?;
             let drawn = self.new_points(&samples, &mut stream);
             let before: Vec<usize> = runs.iter().map(Vec::len).collect();
             computed += self.compute(&drawn, &mut runs, &mut failed)?;
-            let share = samples.points[samples.points.len() / 2].clone();
-            let share = self.layout.share(&share, self.plan);
+            let state = &samples.points[samples.points.len() / 2];
             let errors: Vec<f64> = (0..tests)
-                .map(|test| self.error(test, &surrogates[test], &runs[test][before[test]..], share))
+                .map(|test| self.error(test, &surrogates[test], &runs[test][before[test]..], state))
                 .collect();
             // Contact makes signals rough, which no surrogate meets: after some rounds its error is in the likelihood.
             let is_good = errors.iter().all(|error| *error < SMALL_ERROR) || round + 1 >= self.options.rounds;
             let is_over = round + 1 >= MOVES * self.options.rounds;
             let is_inside = self.is_inside(&samples, &regions);
             if is_over || is_good && is_inside {
+                let samples = self.samples(&surrogates, &samples, round, true, &mut stream)?;
                 return Ok(self.result(samples, errors, is_inside, computed, &runs, failed));
             }
             regions = self.regions(&samples, &regions);
@@ -200,27 +220,26 @@ impl Sampling<'_> {
         Err(refuse("the posterior has no round"))
     }
 
+    /// The covariance of a linear model about the best point whose tests are tempered: of one test where specimens scatter,
+    /// since each alone decides its own values, else of all.
+    fn tempered(&self, fit: &Fit, test: usize) -> DMatrix<f64> {
+        let ends = self.objective.ends();
+        let (first, count) = match self.layout.scattered.is_empty() {
+            true => (0, ends[ends.len() - 1]),
+            false => (ends[test], ends[test + 1] - ends[test]),
+        };
+        let rows = fit.jacobian.rows(first, count);
+        let mut information = rows.tr_mul(&rows) / TEMPER;
+        for (index, unknown) in self.plan.unknowns.iter().enumerate() {
+            information[(index, index)] += self.plan.of(unknown).prior_deviation().powi(-2);
+        }
+        verdict::inverse(&information)
+    }
+
     /// Boxes about the best point, by the linear model of each test's own unknowns.
     fn first_regions(&self, fit: &Fit) -> Vec<Region> {
-        let ends = self.objective.ends();
         let region = |test: usize| {
-            // Where specimens scatter, each test alone decides its own values.
-            let covariance = match self.layout.scattered.is_empty() {
-                true => fit.covariance.clone(),
-                false => {
-                    let rows = fit.jacobian.rows(ends[test], ends[test + 1] - ends[test]).clone_owned();
-                    let mut information = verdict::information(self.plan, &rows);
-                    // These rows are without those of distributions, so that nothing else is known of what the test does not
-                    // depend on.
-                    for (index, unknown) in self.plan.unknowns.iter().enumerate() {
-                        let parameter = self.plan.of(unknown);
-                        if parameter.prior.is_some() {
-                            information[(index, index)] += parameter.prior_deviation().powi(-2);
-                        }
-                    }
-                    verdict::inverse(&information)
-                }
-            };
+            let covariance = self.tempered(fit, test);
             let side = |sign: f64| {
                 let end = |index: &usize| {
                     let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
@@ -233,11 +252,19 @@ impl Sampling<'_> {
         (0..self.plan.tests.len()).map(region).collect()
     }
 
-    /// Points of a region: a Latin hypercube.
-    fn design(&self, region: &Region) -> HostResult<Vec<Vec<f64>>> {
+    /// Points that a region lacks beside these runs: a Latin hypercube.
+    fn design(&self, region: &Region, runs: &Runs, round: usize) -> HostResult<Vec<Vec<f64>>> {
+        if region.low.is_empty() {
+            return Ok(if runs.is_empty() { vec![Vec::new()] } else { Vec::new() });
+        }
         let factors = vec![Levels::Continuous; region.low.len()];
-        let least = 12 * region.low.len() + 12;
-        let points = design::points(Method::LatinHypercube, &factors, self.options.runs.max(least), self.options.seed);
+        let wanted = self.options.runs.max(12 * region.low.len() + 12);
+        let missing = wanted.saturating_sub(runs.iter().filter(|(point, _)| region.unit(point).is_some()).count());
+        if missing == 0 {
+            return Ok(Vec::new());
+        }
+        let seed = self.options.seed.wrapping_add(round as u64);
+        let points = design::points(Method::LatinHypercube, &factors, missing, seed);
         Ok(points.map_err(refuse)?.iter().map(|unit| region.at(unit)).collect())
     }
 
@@ -280,7 +307,8 @@ impl Sampling<'_> {
             values[*index] = self.plan.of(&self.plan.unknowns[*index]).value(*coordinate);
         }
         let session = self.session.with_trial(self.session.cancellation());
-        let (_, simulated) = self.objective.run(test, &values, &session).map_err(|error| cause(&error))?;
+        let simulated = self.objective.signals(test, &values, &session).map_err(|error| cause(&error))?;
+        let demands = self.objective.demands(test, &values, &session).map_err(|error| cause(&error))?;
         if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
             return Err(rupture.clone());
         }
@@ -289,13 +317,14 @@ impl Sampling<'_> {
         for (signal, simulated) in own.signals.iter().zip(&simulated) {
             all.extend(signal.differences(simulated)?);
         }
+        all.extend(demands);
         Ok(all)
     }
 
     /// Starts of the walkers: the linear model of each test.
     fn first_states(&self, fit: &Fit) -> Samples {
         let mut stream = Stream::new(self.options.seed);
-        let factor = fit.covariance.clone().cholesky().map(|own| own.l());
+        let factor = self.tempered(fit, 0).cholesky().map(|own| own.l());
         let state = |_: usize| {
             let normals = nalgebra::DVector::from_fn(self.layout.unknowns, |_, _| stream.normal());
             let shift = factor.as_ref().map_or(normals.clone() * 1e-3, |factor| factor * normals);
@@ -327,14 +356,16 @@ impl Sampling<'_> {
         surrogates: &[TestSurrogate],
         centre: &Samples,
         round: usize,
+        is_last: bool,
         stream: &mut Stream,
     ) -> HostResult<Samples> {
-        let density = Density { plan: self.plan, layout: &self.layout, acting: &self.acting, surrogates };
-        let options = ensemble::Options {
-            seed: self.options.seed.wrapping_add(round as u64),
-            most_steps: self.options.steps,
-            ..ensemble::Options::default()
-        };
+        let density =
+            Density { plan: self.plan, layout: &self.layout, acting: &self.acting, breaks: &self.breaks, surrogates };
+        let seed = self.options.seed.wrapping_add(round as u64);
+        // Samples that only tell where surrogates are needed may be few.
+        let (most_steps, effective) =
+            if is_last { (self.options.steps, 1000.0) } else { (LOOK.min(self.options.steps), 200.0) };
+        let options = ensemble::Options { seed, most_steps, effective, ..ensemble::Options::default() };
         let mut place = 0;
         let start = || {
             place += 1;
@@ -354,7 +385,7 @@ impl Sampling<'_> {
     /// New points of every test: draws of the posterior.
     fn new_points(&self, samples: &Samples, stream: &mut Stream) -> Vec<Vec<Vec<f64>>> {
         let of_test = |(test, acting): (usize, &Vec<usize>)| {
-            let count = 4 * acting.len() + 4;
+            let count = if acting.is_empty() { 0 } else { 4 * acting.len() + 4 };
             let draw = |_: usize| {
                 let state = &samples.points[stream.below(samples.points.len())];
                 let x = self.layout.in_test(state, test);
@@ -366,14 +397,22 @@ impl Sampling<'_> {
     }
 
     /// Root mean square over runs of the norm of a surrogate's error, each coordinate over its standard deviation.
-    fn error(&self, test: usize, surrogate: &TestSurrogate, runs: &[(Vec<f64>, Vec<f64>)], share: f64) -> f64 {
-        let variances: Vec<f64> =
-            self.plan.tests[test].signals.iter().flat_map(|signal| signal.variances(share)).collect();
+    fn error(&self, test: usize, surrogate: &TestSurrogate, runs: &[(Vec<f64>, Vec<f64>)], state: &[f64]) -> f64 {
+        if self.acting[test].is_empty() {
+            return 0.0;
+        }
+        let share = self.layout.share(state, self.plan);
+        let scatter = self.breaks[test].at(&self.plan.values(&self.layout.in_test(state, test))).scatter;
+        let own = &self.plan.tests[test];
+        let demands = own.outcomes.as_ref().map_or(0, |outcomes| outcomes.numbers());
+        let signals = own.signals.iter().flat_map(|signal| signal.variances(share));
+        // Demands alternate between MD and TD.
+        let variances: Vec<f64> = signals.chain((0..demands).map(|place| scatter[place % 2].powi(2))).collect();
         let squares: Vec<f64> = runs
             .iter()
             .filter_map(|(point, found)| {
-                let predicted = surrogate.differences(point)?;
-                let own = predicted.iter().zip(found).zip(&variances);
+                let (differences, demands) = surrogate.at(point)?;
+                let own = differences.iter().chain(&demands).zip(found).zip(&variances);
                 Some(own.map(|((a, b), variance)| (a - b).powi(2) / variance).sum::<f64>())
             })
             .collect();

@@ -88,6 +88,24 @@ impl SearchFailure for LinearizationError {
 /// # Errors
 /// No residuals at the estimate, too few of them, or failed trials on both sides of a parameter.
 pub fn linearize_at_start(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<Linearization, LinearizationError> {
+    // With as many unknowns as residuals, no degree of freedom is left from which to estimate their variance.
+    linearize(search, evaluator, search.start.len() + 1)
+}
+
+/// The same of residuals whose variance is known, of which there may be fewer than parameters.
+///
+/// # Errors
+/// No residuals at the estimate, or failed trials on both sides of a parameter.
+pub fn weigh_at_start(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<Linearization, LinearizationError> {
+    linearize(search, evaluator, 0)
+}
+
+/// The linearization of at least `fewest` residuals.
+fn linearize(
+    search: &Search,
+    evaluator: &Evaluator<'_, '_>,
+    fewest: usize,
+) -> Result<Linearization, LinearizationError> {
     let x = &search.start;
     let steps: Vec<[Option<f64>; 2]> = (0..x.len()).map(|index| steps(search, index)).collect();
     // The estimate itself first, then all steps: one batch, so that all threads have work from the beginning.
@@ -107,8 +125,7 @@ pub fn linearize_at_start(search: &Search, evaluator: &Evaluator<'_, '_>) -> Res
         })?,
         None => return Err(PoolError::Closed.into()),
     };
-    // With as many unknowns as residuals, no degree of freedom is left from which to estimate their variance.
-    if residuals.len() <= x.len() {
+    if residuals.len() < fewest {
         return Err(LinearizationError::TooFew { found: residuals.len(), unknowns: x.len() });
     }
     let mut linearization = Linearization {

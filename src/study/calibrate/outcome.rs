@@ -1,0 +1,492 @@
+//! What is known of a drop besides signals: that its film held or broke, when it broke, or the mass at which half of films
+//! break (docs/theory.md, equations 335 to 337).
+//!
+//! The film of such a run does not break. Its largest strains along MD and TD, over the break strains of its curves, are what
+//! the drop demands of it, and change smoothly with parameters, which whether film breaks does not. A specimen whose break
+//! strain is above the demand along both holds; break strains scatter from specimen to specimen.
+
+use rhai::{Array, Dynamic, Map};
+
+use crate::scenario_functions::Study;
+use crate::script::{HostResult, Options, Session, refuse};
+use base::units::{Dimension, Mass, Time};
+use lab::signal::Series;
+use lab::signal::column::{MAX_STRAIN_MD, MAX_STRAIN_TD};
+use membrane::material::Law;
+use scene::model::Loading;
+use uncertainty::normal;
+
+/// Keys of the break strains along MD and TD, which a parameter of a calibration may have.
+pub(super) const BREAK_FACTORS: [&str; 2] =
+    ["specimen.material.fabric.md.break_factor", "specimen.material.fabric.td.break_factor"];
+/// Break strain, over that of the curves, of film that does not break: no drop strains film to it.
+const UNBROKEN: f64 = 10.0;
+/// Masses about a failure mass at which film is run, over that mass.
+const MASSES: [f64; 2] = [0.9, 1.0 / 0.9];
+/// Times about a rupture at which its demand is read, from it, as a share of that time since the run began.
+const TIMES: f64 = 0.01;
+/// Error of a failure mass, relative, where none is given (assumed).
+const USUAL_MASS_ERROR: f64 = 0.05;
+/// Least of these that counts.
+const LEAST_MASS_ERROR: f64 = 1e-3;
+/// Least demand that counts: film that is hardly strained.
+const LEAST_DEMAND: f64 = 1e-6;
+/// Scatter of the break strain between specimens, relative, where no parameter has one (assumed).
+pub(super) const USUAL_SCATTER: f64 = 0.1;
+/// Logarithm of the least likelihood of an outcome.
+const LEAST: f64 = -1e4;
+
+/// One thing that is known of a test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Outcome {
+    /// The film held.
+    Held,
+    /// It broke, at a time that is not known.
+    Broke,
+    /// It broke at this time, known to this error (s).
+    RuptureTime { time: f64, error: f64 },
+    /// Half of films break under this mass (kg), known to this error, relative.
+    FailureMass { mass: f64, error: f64 },
+}
+
+/// The outcomes of a test, one a specimen, and the scenario whose film does not break.
+#[derive(Clone)]
+pub(super) struct Outcomes {
+    pub(super) study: Study,
+    /// Break strains of the scenario's film over those of its curves, MD and TD.
+    pub(super) factors: [f64; 2],
+    /// Each with the number of specimens that had it.
+    pub(super) all: Vec<(Outcome, usize)>,
+}
+
+/// What the outcomes of a test depend on besides its demands: logarithms of the factors on the break strains of MD and TD, and
+/// their scatter between specimens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Breaks {
+    pub(super) log_factors: [f64; 2],
+    pub(super) scatter: [f64; 2],
+}
+
+/// An outcome for a table.
+pub(super) struct Described {
+    /// What it is called.
+    pub(super) outcome: &'static str,
+    /// Specimens that had it.
+    pub(super) specimens: usize,
+    /// How likely it is of one specimen, where it is one of two.
+    pub(super) probability: Option<f64>,
+    /// A failure mass as it was measured and as it follows (kg).
+    pub(super) mass: Option<[f64; 2]>,
+}
+
+/// A demand at a place and its growth about it: logarithms along MD and TD.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Local {
+    below: [f64; 2],
+    above: [f64; 2],
+}
+
+/// What is known of a test by its options `outcome`, `failure_mass` and `rupture_time`; none where it has none of them.
+pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Option<Outcomes>> {
+    let mut all: Vec<Outcome> = Vec::new();
+    if let Some(given) = map.get("outcome") {
+        let list = given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone());
+        for one in &list {
+            all.push(match one.to_string().as_str() {
+                "held" => Outcome::Held,
+                "broke" => Outcome::Broke,
+                other => {
+                    return Err(refuse(format!("`outcome` is \"held\", \"broke\" or a list of them, not \"{other}\"")));
+                }
+            });
+        }
+    }
+    for one in several(map.get("rupture_time")) {
+        let (time, error) = with_error(&one, "rupture_time", "time", Time::DIMENSION)?;
+        all.push(Outcome::RuptureTime { time, error: error.unwrap_or(0.0) });
+    }
+    for one in several(map.get("failure_mass")) {
+        let (mass, error) = with_error(&one, "failure_mass", "mass", Mass::DIMENSION)?;
+        all.push(Outcome::FailureMass { mass, error: error.map_or(USUAL_MASS_ERROR, |error| error / mass) });
+    }
+    if all.is_empty() {
+        return Ok(None);
+    }
+    let (study, factors) = unbroken(study, session)?;
+    let mut counted: Vec<(Outcome, usize)> = Vec::new();
+    for one in all {
+        match counted.iter_mut().find(|(own, _)| *own == one) {
+            Some((_, specimens)) => *specimens += 1,
+            None => counted.push((one, 1)),
+        }
+    }
+    let all = counted;
+    Ok(Some(Outcomes { study, factors, all }))
+}
+
+/// One value or a list of them.
+fn several(given: Option<&Dynamic>) -> Vec<Dynamic> {
+    given.map_or_else(Vec::new, |given| {
+        given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone())
+    })
+}
+
+/// A quantity above zero, or a map of it and its error, which is not below zero.
+fn with_error(
+    given: &Dynamic,
+    of: &'static str,
+    name: &'static str,
+    dimension: Dimension,
+) -> HostResult<(f64, Option<f64>)> {
+    let example = dimension.example;
+    let wrong = |given: &Dynamic| -> Box<rhai::EvalAltResult> {
+        refuse(format!("`{of}` is a text such as \"{example}\" or #{{ {name}: \"{example}\", error: … }}, not {given}"))
+    };
+    let quantity = |value: &Dynamic| -> HostResult<f64> {
+        let text = value.clone().into_string().map_err(|_| wrong(value))?;
+        dimension.parse(&text).map_err(|error| refuse(format!("`{of}`: {error}")))
+    };
+    let (value, error) = match given.read_lock::<Map>().map(|map| map.clone()) {
+        None => (quantity(given)?, None),
+        Some(map) => {
+            Options { of, map: &map }.check(&[name, "error"])?;
+            let value = quantity(map.get(name).ok_or_else(|| wrong(given))?)?;
+            (value, map.get("error").map(quantity).transpose()?)
+        }
+    };
+    match value > 0.0 && error.is_none_or(|error| error >= 0.0) {
+        true => Ok((value, error)),
+        false => Err(refuse(format!("`{of}` and its error are above zero, not {given}"))),
+    }
+}
+
+/// The scenario with film that does not break and without its recording, whose window would end it; and the break strains of its
+/// film over those of the curves.
+fn unbroken(study: &Study, session: &Session) -> HostResult<(Study, [f64; 2])> {
+    let model = study.model();
+    if !matches!(model.loading, Loading::Impact(_)) {
+        return Err(refuse("`outcome`, `failure_mass` and `rupture_time` are of drop tests: `[loading.impact]`"));
+    }
+    for face in &model.faces {
+        let missing = match (&face.material.law, &face.material.rupture) {
+            (_, Some(_)) => "film with `[rupture]`",
+            (Law::Fabric(fabric), None) if fabric.breaks_by_layers() => {
+                "layers that break one after another (`break_scatter`)"
+            }
+            (Law::Fabric(_), None) => continue,
+            (Law::RateFabric(_), None) => "break strains that depend on the rate (`rates`)",
+            _ => "film without break strains of MD and TD",
+        };
+        return Err(refuse(format!(
+            "outcomes of {missing} are not supported: they need a `[fabric]` of one curve a direction, whose last strain is \
+            its break strain"
+        )));
+    }
+    let mut changes: Map = BREAK_FACTORS.map(|key| (key.into(), UNBROKEN.into())).into_iter().collect();
+    for (key, is_there) in [("reference", model.reference.is_some()), ("post", model.post.is_some())] {
+        if is_there {
+            changes.insert(key.into(), Dynamic::UNIT);
+        }
+    }
+    let own = study.with(changes, session)?;
+    let [longer, own_strains] = [&own, study].map(break_strains);
+    let factors = [0, 1].map(|along| own_strains[along] / longer[along] * UNBROKEN);
+    match factors.iter().all(|factor| *factor < 0.9 * UNBROKEN) {
+        true => Ok((own, factors)),
+        false => Err(refuse(
+            "outcomes need the film in `specimen.material`: layers with a material of their own are not supported",
+        )),
+    }
+}
+
+/// Smallest break strains of all faces along MD and TD.
+fn break_strains(study: &Study) -> [f64; 2] {
+    let of_faces = |along: usize| study.model().faces.iter().map(move |face| face.material.break_strains()[along]);
+    [0, 1].map(|along| of_faces(along).fold(f64::INFINITY, f64::min))
+}
+
+impl Outcomes {
+    /// The same outcomes with other scenarios, whose film does not break either.
+    pub(super) fn with(&self, changes: Map, session: &Session) -> HostResult<Outcomes> {
+        Ok(Outcomes { study: self.study.with(changes, session)?, ..self.clone() })
+    }
+
+    /// Whether the largest demand of a run counts.
+    fn has_peak(&self) -> bool {
+        self.all.iter().any(|(own, _)| matches!(own, Outcome::Held | Outcome::Broke))
+    }
+
+    /// How many numbers [`Self::demands`] gives.
+    pub(super) fn numbers(&self) -> usize {
+        let local = |(own, _): &&(Outcome, usize)| !matches!(own, Outcome::Held | Outcome::Broke);
+        2 * usize::from(self.has_peak()) + 4 * self.all.iter().filter(local).count()
+    }
+
+    /// The demands of all outcomes with these values of keys, logarithms over the break strains of the curves: of a run, MD and
+    /// TD; then, of each time and mass in order, a little below and above.
+    pub(super) fn demands(&self, changes: Map, session: &Session) -> HostResult<Vec<f64>> {
+        let study = self.study.with(changes, session)?;
+        let needs_run = self.all.iter().any(|(own, _)| !matches!(own, Outcome::FailureMass { .. }));
+        let run = if needs_run { Some(history(&study, session)?) } else { None };
+        let mut found = Vec::new();
+        if let Some(run) = run.as_ref().filter(|_| self.has_peak()) {
+            found.extend(at(run, f64::INFINITY));
+        }
+        for (own, _) in &self.all {
+            match own {
+                Outcome::Held | Outcome::Broke => {}
+                Outcome::RuptureTime { time, .. } => {
+                    for factor in [1.0 - TIMES, 1.0 + TIMES] {
+                        found.extend(run.iter().flat_map(|run| at(run, factor * time)));
+                    }
+                }
+                Outcome::FailureMass { mass, .. } => {
+                    for factor in MASSES {
+                        let changes = [("impactor.mass".into(), Dynamic::from(factor * mass))].into_iter().collect();
+                        found.extend(at(&history(&study.with(changes, session)?, session)?, f64::INFINITY));
+                    }
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// Logarithm of the likelihood of all outcomes with these demands and variances of their errors.
+    pub(super) fn log_likelihood(&self, demands: &[f64], variances: &[f64], breaks: &Breaks) -> f64 {
+        let of_one = |(own, specimens, demand, variance): (&Outcome, usize, Local, Local)| {
+            specimens as f64 * own.log_likelihood(demand, variance, breaks)
+        };
+        self.each(demands, variances).map(of_one).sum()
+    }
+
+    /// Residuals of the search, one of each outcome, whose squares are −2 times these logarithms up to constants.
+    pub(super) fn residuals(&self, demands: &[f64], breaks: &Breaks) -> Vec<f64> {
+        let none = vec![0.0; demands.len()];
+        self.each(demands, &none)
+            .map(|(own, specimens, demand, variance)| {
+                let of_one = match own {
+                    Outcome::FailureMass { error, .. } => failure_mass(demand, variance, *error, breaks).1,
+                    _ => (2.0 * (own.largest() - own.log_likelihood(demand, variance, breaks))).max(0.0).sqrt(),
+                };
+                (specimens as f64).sqrt() * of_one
+            })
+            .collect()
+    }
+
+    /// Each outcome with its demands and their variances.
+    fn each<'a>(
+        &'a self,
+        demands: &'a [f64],
+        variances: &'a [f64],
+    ) -> impl Iterator<Item = (&'a Outcome, usize, Local, Local)> + 'a {
+        let mut next = 2 * usize::from(self.has_peak());
+        self.all.iter().map(move |(own, specimens)| {
+            let from = match own {
+                Outcome::Held | Outcome::Broke => 0,
+                _ => {
+                    next += 4;
+                    next - 4
+                }
+            };
+            let local = |all: &[f64]| match own {
+                Outcome::Held | Outcome::Broke => Local { below: [all[0], all[1]], above: [all[0], all[1]] },
+                _ => Local { below: [all[from], all[from + 1]], above: [all[from + 2], all[from + 3]] },
+            };
+            (own, *specimens, local(demands), local(variances))
+        })
+    }
+
+    /// All outcomes with these demands.
+    pub(super) fn described(&self, demands: &[f64], breaks: &Breaks) -> Vec<Described> {
+        let none = vec![0.0; demands.len()];
+        let of_one = |(own, specimens, demand, variance): (&Outcome, usize, Local, Local)| {
+            let probability = || Some(own.log_likelihood(demand, variance, breaks).exp());
+            let (outcome, probability, mass) = match own {
+                Outcome::Held => ("held", probability(), None),
+                Outcome::Broke => ("broke", probability(), None),
+                Outcome::RuptureTime { .. } => ("rupture time", None, None),
+                Outcome::FailureMass { mass, error } => {
+                    let (logarithm, _) = failure_mass(demand, variance, *error, breaks);
+                    ("failure mass", None, Some([*mass, mass * logarithm.exp()]))
+                }
+            };
+            Described { outcome, specimens, probability, mass }
+        };
+        self.each(demands, &none).map(of_one).collect()
+    }
+}
+
+impl Local {
+    fn middle(&self) -> [f64; 2] {
+        [0, 1].map(|along| 0.5 * (self.below[along] + self.above[along]))
+    }
+}
+
+impl Outcome {
+    fn log_likelihood(&self, demand: Local, variance: Local, breaks: &Breaks) -> f64 {
+        let (middle, variance) = (demand.middle(), variance.middle());
+        let deviation = |along: usize, more: f64| (breaks.scatter[along].powi(2) + variance[along] + more).sqrt();
+        let standard = |along: usize, deviation: f64| (middle[along] - breaks.log_factors[along]) / deviation;
+        let found = match *self {
+            Outcome::Held | Outcome::Broke => {
+                let z = [0, 1].map(|along| standard(along, deviation(along, 0.0)));
+                let holds = log_cumulative(-z[0]) + log_cumulative(-z[1]);
+                match *self {
+                    Outcome::Held => holds,
+                    // Where film hardly ever breaks, 1 − ΠΦ(−z) has no digits left; it is the sum of the two then.
+                    _ if holds > -1e-6 => (normal::cumulative(z[0]) + normal::cumulative(z[1])).ln(),
+                    _ => (-holds.exp_m1()).ln(),
+                }
+            }
+            Outcome::RuptureTime { time, error } => {
+                // Per unit of the logarithm of time, as the growth of a demand is.
+                let growth = [0, 1].map(|along| (demand.above[along] - demand.below[along]) / (2.0 * TIMES));
+                let of_one = |along: usize| {
+                    let other = 1 - along;
+                    let own = deviation(along, (growth[along] * error / time).powi(2));
+                    let density = normal::density(standard(along, own)) * growth[along].max(0.0) / own;
+                    density * normal::cumulative(-standard(other, deviation(other, 0.0)))
+                };
+                (of_one(0) + of_one(1)).ln()
+            }
+            Outcome::FailureMass { error, .. } => {
+                let variance = Local { below: variance, above: variance };
+                -0.5 * failure_mass(demand, variance, error, breaks).1.powi(2)
+            }
+        };
+        found.max(LEAST)
+    }
+
+    /// A logarithm of the likelihood that is not exceeded: of a time, that of specimens which are nearly alike.
+    fn largest(&self) -> f64 {
+        /// Growth of a demand by the logarithm of time, and scatter, at the limit.
+        const GROWTH: f64 = 20.0;
+        const LEAST_SCATTER: f64 = 0.005;
+        match self {
+            Outcome::RuptureTime { .. } => (2.0 * normal::density(0.0) * GROWTH / LEAST_SCATTER).ln(),
+            _ => 0.0,
+        }
+    }
+}
+
+/// Logarithm of the mass at which half of films break over the one that was measured, and the same over its deviation.
+fn failure_mass(demand: Local, variance: Local, error: f64, breaks: &Breaks) -> (f64, f64) {
+    let [below, above] = [demand.below, demand.above].map(|demand| median_demand(demand, breaks));
+    // A demand that hardly grows with the mass has no such mass: the limit keeps it finite.
+    let growth = ((above - below) / (MASSES[1] / MASSES[0]).ln()).max(0.05);
+    let logarithm = -0.5 * (below + above) / growth;
+    let larger = variance.middle()[0].max(variance.middle()[1]);
+    (logarithm, logarithm / (error.max(LEAST_MASS_ERROR).powi(2) + larger / (growth * growth)).sqrt())
+}
+
+/// Logarithm of the demand over that at which half of films would break: how much smaller both demands would have to be.
+fn median_demand(demand: [f64; 2], breaks: &Breaks) -> f64 {
+    let holds = |shift: f64| {
+        let of_one = |along: usize| {
+            log_cumulative((breaks.log_factors[along] + shift - demand[along]) / breaks.scatter[along].max(1e-6))
+        };
+        of_one(0) + of_one(1)
+    };
+    let larger = (demand[0] - breaks.log_factors[0]).max(demand[1] - breaks.log_factors[1]);
+    let reach = 2.0 * breaks.scatter[0].max(breaks.scatter[1]).max(1e-6);
+    let (mut low, mut high) = (larger - reach, larger + reach);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if holds(middle) < 0.5_f64.ln() { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// ln Φ(z), by its asymptote where Φ has no digits.
+fn log_cumulative(z: f64) -> f64 {
+    if z > -30.0 { normal::cumulative(z).ln() } else { -0.5 * z * z - (-z * std::f64::consts::TAU.sqrt()).ln() }
+}
+
+/// Largest strains along MD and TD over time, and the break strains of the curves.
+struct History {
+    strains: [Series; 2],
+    breaks: [f64; 2],
+}
+
+fn history(study: &Study, session: &Session) -> HostResult<History> {
+    let run = study.simulate(session)?;
+    Ok(History {
+        strains: [run.channel(MAX_STRAIN_MD.short)?, run.channel(MAX_STRAIN_TD.short)?],
+        breaks: break_strains(study).map(|strain| strain / UNBROKEN),
+    })
+}
+
+/// Logarithms of the demands up to a time.
+fn at(run: &History, time: f64) -> [f64; 2] {
+    [0, 1].map(|along| {
+        let strains = &run.strains[along];
+        let before = strains.samples().take_while(|[own, _]| *own <= time).map(|[_, strain]| strain);
+        let largest = before.fold(strains.value_at(time).unwrap_or(0.0), f64::max);
+        (largest.max(LEAST_DEMAND) / run.breaks[along]).ln()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn local(md: f64, td: f64) -> Local {
+        Local { below: [md, td], above: [md, td] }
+    }
+
+    const NONE: Local = Local { below: [0.0; 2], above: [0.0; 2] };
+
+    /// Film that holds with half along MD and nearly always along TD; both outcomes have all of the probability.
+    #[test]
+    fn holding_and_breaking_are_all_there_is() {
+        let breaks = Breaks { log_factors: [0.2, 0.0], scatter: [0.1, 0.3] };
+        let of = |own: Outcome, demand| own.log_likelihood(demand, NONE, &breaks).exp();
+        assert!((of(Outcome::Held, local(0.2, -5.0)) - 0.5).abs() < 1e-9);
+        for (md, td) in [(0.2, 0.0), (0.1, 0.4), (-3.0, -4.0), (2.0, 1.0)] {
+            let sum = of(Outcome::Held, local(md, td)) + of(Outcome::Broke, local(md, td));
+            assert!((sum - 1.0).abs() < 1e-9, "{md} {td}: {sum}");
+        }
+        // By hand: Φ(−1) Φ(−0.5) along (0.3 − 0.2)/0.1 and 0.15/0.3.
+        let expected = normal::cumulative(-1.0) * normal::cumulative(-0.5);
+        assert!((of(Outcome::Held, local(0.3, 0.15)) - expected).abs() < 1e-12);
+        // An error of the demand widens the scatter.
+        let wide = Outcome::Held.log_likelihood(local(0.3, -9.0), local(0.03, 0.0), &breaks).exp();
+        assert!((wide - normal::cumulative(-0.5)).abs() < 1e-9);
+    }
+
+    /// Densities of the time of rupture and the probability that film holds to the end sum to one: demands that grow with the
+    /// logarithm of time by 2 along MD and 3 along TD.
+    #[test]
+    fn the_density_of_the_time_of_rupture_is_one_with_that_of_holding() {
+        let breaks = Breaks { log_factors: [0.0, 0.1], scatter: [0.15, 0.2] };
+        let demand = |logarithm: f64| [2.0 * logarithm, 3.0 * logarithm];
+        let (from, to, steps) = (-1.5, 0.06, 4000);
+        let width = (to - from) / f64::from(steps);
+        let mut sum = 0.0;
+        for step in 0..steps {
+            let middle = from + (f64::from(step) + 0.5) * width;
+            let own = Local { below: demand(middle - TIMES), above: demand(middle + TIMES) };
+            sum += width * Outcome::RuptureTime { time: 1.0, error: 0.0 }.log_likelihood(own, NONE, &breaks).exp();
+        }
+        let [md, td] = demand(to);
+        let holds = Outcome::Held.log_likelihood(local(md, td), NONE, &breaks).exp();
+        assert!((sum + holds - 1.0).abs() < 1e-3, "{sum} {holds}");
+    }
+
+    /// Demands that grow as mass to the power of 0.5: a film at twice the median demand breaks under a quarter of the mass.
+    #[test]
+    fn the_failure_mass_is_where_half_of_films_break() {
+        let breaks = Breaks { log_factors: [0.0, 5.0], scatter: [0.1, 0.1] };
+        let demand = |factor: f64| [(2.0_f64).ln() + 0.5 * factor.ln(), -3.0];
+        let local = Local { below: demand(MASSES[0]), above: demand(MASSES[1]) };
+        let (logarithm, residual) = failure_mass(local, NONE, 0.1, &breaks);
+        assert!((logarithm - 0.25_f64.ln()).abs() < 1e-6, "{logarithm}");
+        assert!((residual - 10.0 * 0.25_f64.ln()).abs() < 1e-5, "{residual}");
+    }
+
+    #[test]
+    fn the_logarithm_of_a_small_probability_goes_on() {
+        assert!((log_cumulative(-29.99) - log_cumulative(-30.01)).abs() < 0.7);
+        assert!(log_cumulative(-50.0) < -1250.0);
+    }
+}
