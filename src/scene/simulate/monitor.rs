@@ -7,7 +7,7 @@ use super::channels::Sample;
 use super::film::Film;
 use super::thinning::thins_from;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
-use crate::model::{Model, SNAPSHOT_MEMORY};
+use crate::model::{Face, Loading, Model, SNAPSHOT_MEMORY};
 use membrane::engine::{self, AddedMass, ContactState, ElementStrain, FilmContactState, Relaxation, TooWide, View};
 use membrane::material::Law;
 
@@ -33,6 +33,8 @@ pub(super) struct Figures<'a> {
     pub(super) snapshots: [usize; 2],
     /// Whether each impactor is still in contact at the end.
     pub(super) unfinished: Vec<bool>,
+    /// When film first broke.
+    pub(super) rupture_time: Option<f64>,
 }
 
 /// For each bound, the first time at which it was exceeded, and the largest excess.
@@ -244,6 +246,7 @@ impl Monitor {
             added_mass,
             snapshots,
             unfinished,
+            rupture_time,
         } = figures;
         let [wanted, taken] = snapshots;
         let impactors = (0..model.impactors.len()).map(|place| ImpactorName::of_impactor(model, place));
@@ -287,6 +290,11 @@ impl Monitor {
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
         out.extend((outside > bounds::RATES && !nothing_hit).then_some(Warning::StrainRateOutside { share: outside }));
+        let of_curves = |face: &Face| {
+            face.material.rupture.is_none() && matches!(face.material.law, Law::Fabric(_) | Law::RateFabric(_))
+        };
+        let is_drop = matches!(model.loading, Loading::Impact(_)) && model.faces.iter().all(of_curves);
+        out.extend(rupture_time.filter(|_| is_drop).map(|time| Warning::BreakStrainOfCoupons { time }));
         out.extend(plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
             let (Some(strain), Law::Plastic(law)) = (*strain, &face.material.law) else { return None };
             let end = law.hardening().end();

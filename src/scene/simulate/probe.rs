@@ -303,6 +303,7 @@ impl<'a> Probe<'a> {
             added_mass: &mounting.added_mass,
             snapshots,
             unfinished,
+            rupture_time: self.record.rupture_time,
         };
         Outcome {
             signals,

@@ -164,8 +164,8 @@ impl Calibration {
         let Some(posterior) = self.asked().posterior.clone() else { return Err(refuse("there is no posterior")) };
         let mut all: Vec<Prediction> = Vec::new();
         for given in scenarios {
-            let study = self.0.scenarios.named(given, session)?;
-            all.push(Prediction::of(&study, plan, &posterior, &asked, session)?);
+            let (name, study) = self.predicted(given, session)?;
+            all.push(Prediction::of(&name, &study, plan, &posterior, &asked, session)?);
         }
         let of =
             |rows: fn(&Prediction) -> &Vec<Row>| all.iter().flat_map(|own| rows(own).clone()).collect::<Vec<Row>>();
@@ -187,6 +187,22 @@ impl Calibration {
         Ok(map)
     }
 
+    /// A scenario to predict, or `#{ scenario, name, set }`.
+    fn predicted(&self, given: &Dynamic, session: &Session) -> HostResult<(String, Study)> {
+        let Some(map) = given.read_lock::<Map>().map(|map| map.clone()) else {
+            let study = self.0.scenarios.named(given, session)?;
+            return Ok((study.name().to_owned(), study));
+        };
+        let options = Options { of: "a scenario of predict", map: &map };
+        options.check(&["scenario", "name", "set"])?;
+        let mut study = self.0.scenarios.named(options.value("scenario")?, session)?;
+        if let Some(changes) = map.get("set") {
+            let changes = changes.read_lock::<Map>().map(|map| map.clone());
+            study = study.with(changes.ok_or_else(|| refuse("`set` is a map of keys and values"))?, session)?;
+        }
+        Ok((map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string), study))
+    }
+
     /// What each candidate would tell beside the tests.
     fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, scenarios, collector, .. } = &*self.0;
@@ -201,7 +217,8 @@ impl Calibration {
         let asked = self.asked();
         let pairs = asked.posterior.iter().flat_map(|found| rows::pairs(plan, found));
         let bands = asked.predictions.iter().flat_map(|own| own.bands.clone());
-        let mut all = rows::plots(plan, fit).into_iter().chain(bands).chain(pairs);
+        let breaking = rows::breaking(plan, fit);
+        let mut all = rows::plots(plan, fit).into_iter().chain(breaking).chain(bands).chain(pairs);
         all.try_for_each(|plot| collector.plot(plot)).map_err(refuse)
     }
 }
@@ -353,7 +370,7 @@ const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "calibration.predict([scenario, …], #{ samples, figures, signals, above, seed })",
-        gives: "runs other scenarios with draws of the posterior: quantiles of figures with the share of the variance that each \
+        gives: "runs other scenarios, or #{ scenario, name, set }, with draws of the posterior: quantiles of figures with the share of the variance that each \
                 parameter explains, the probability that film breaks and that figures exceed limits (`above: #{ hic15: 700 }`), and how \
                 much of a recording lies in the band of 95 % of a signal; `page` draws the bands",
         example: calibrated!(

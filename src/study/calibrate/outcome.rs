@@ -216,6 +216,12 @@ impl Outcomes {
         self.all.iter().any(|(own, _)| matches!(own, Outcome::Held | Outcome::Broke))
     }
 
+    /// How many specimens held, and how many broke.
+    pub(super) fn counts(&self) -> [usize; 2] {
+        let of = |wanted: Outcome| self.all.iter().filter(|(own, _)| *own == wanted).map(|(_, count)| count).sum();
+        [of(Outcome::Held), of(Outcome::Broke)]
+    }
+
     /// How many numbers [`Self::demands`] gives.
     pub(super) fn numbers(&self) -> usize {
         let local = |(own, _): &&(Outcome, usize)| !matches!(own, Outcome::Held | Outcome::Broke);

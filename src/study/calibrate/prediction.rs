@@ -47,8 +47,9 @@ pub(super) struct Prediction {
 }
 
 impl Prediction {
-    /// Runs a scenario with draws of the posterior.
+    /// Runs a scenario, which tables call `name`, with draws of the posterior.
     pub(super) fn of(
+        name: &str,
         study: &Study,
         plan: &Plan,
         posterior: &Posterior,
@@ -64,28 +65,28 @@ impl Prediction {
         }
         let mut warnings = Vec::new();
         for unknown in plan.unknowns.iter().filter(|unknown| !taken.contains(&unknown.parameter)) {
-            let (scenario, parameter) = (study.name().into(), unknown.name.clone());
+            let (scenario, parameter) = (name.into(), unknown.name.clone());
             warnings.push(Warning::PredictionWithout { scenario, parameter });
         }
         let failed = all.iter().filter(|(run, _)| run.is_err()).count();
         if let Some(cause) = all.iter().find_map(|(run, _)| run.as_ref().err().cloned()) {
             let runs = all.len();
-            warnings.push(Warning::PredictionFailed { scenario: study.name().into(), failed, runs, cause });
+            warnings.push(Warning::PredictionFailed { scenario: name.into(), failed, runs, cause });
         }
         let runs: Vec<(Run, f64)> = all.into_iter().filter_map(|(run, share)| Some((run.ok()?, share))).collect();
         if runs.len() < 2 {
             let cause = warnings.last().map(ToString::to_string).unwrap_or_default();
-            return Err(refuse(format!("{} has no prediction: {cause}", study.name())));
+            return Err(refuse(format!("{name} has no prediction: {cause}")));
         }
         let (mut bands, mut covered) = (Vec::new(), Vec::new());
-        for name in &asked.signals {
-            let (plot, inside) = band(study, name, &runs)?;
+        for signal in &asked.signals {
+            let (plot, inside) = band((name, study), signal, &runs)?;
             bands.push(plot);
             covered.extend(inside);
         }
         Ok(Prediction {
-            figures: figures(study, plan, asked, &draws, &runs),
-            probabilities: probabilities(study, asked, &runs),
+            figures: figures(name, plan, asked, &draws, &runs),
+            probabilities: probabilities(name, asked, &runs),
             bands,
             covered,
             warnings,
@@ -108,7 +109,7 @@ fn number(run: &Run, figure: &str) -> Option<f64> {
 }
 
 /// A row a figure: quantiles, and the shares of the variance that one parameter alone explains, by a linear fit.
-fn figures(study: &Study, plan: &Plan, asked: &Asked, draws: &[(Vec<f64>, f64)], runs: &[(Run, f64)]) -> Vec<Row> {
+fn figures(scenario: &str, plan: &Plan, asked: &Asked, draws: &[(Vec<f64>, f64)], runs: &[(Run, f64)]) -> Vec<Row> {
     let names: Vec<String> = match asked.figures.is_empty() {
         false => asked.figures.clone(),
         true => {
@@ -124,7 +125,7 @@ fn figures(study: &Study, plan: &Plan, asked: &Asked, draws: &[(Vec<f64>, f64)],
         let own: Vec<f64> = runs.iter().filter_map(|(run, _)| number(run, name)).collect();
         let ends = quantiles(&own, &BAND)?;
         let mut row = object(json!({
-            "scenario": study.name(), "figure": name, "median": ends[1], "lower_95": ends[0], "upper_95": ends[2],
+            "scenario": scenario, "figure": name, "median": ends[1], "lower_95": ends[0], "upper_95": ends[2],
             "mean": mean(&own), "runs": own.len(),
         }));
         if own.len() == draws.len() {
@@ -148,7 +149,7 @@ fn correlation(one: &[f64], other: &[f64]) -> Option<f64> {
 }
 
 /// Probabilities of a rupture and of limits that are exceeded, with their interval of 95 % (Wilson).
-fn probabilities(study: &Study, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row> {
+fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row> {
     let ruptured = ("ruptured".to_owned(), 0.5);
     let all = std::iter::once(&ruptured).chain(&asked.above);
     let row = |(figure, limit): &(String, f64)| {
@@ -157,7 +158,7 @@ fn probabilities(study: &Study, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row> 
         let interval = (!found.is_empty()).then(|| wilson(count as u64, found.len() as u64, 0.95))?;
         let what = if figure == "ruptured" { "film breaks".to_owned() } else { format!("{figure} above {limit}") };
         Some(object(json!({
-            "scenario": study.name(), "what": what, "probability": count as f64 / found.len() as f64,
+            "scenario": scenario, "what": what, "probability": count as f64 / found.len() as f64,
             "lower_95": interval.low, "upper_95": interval.high, "runs": found.len(),
         })))
     };
@@ -165,7 +166,7 @@ fn probabilities(study: &Study, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row> 
 }
 
 /// The band of a signal: of the parameters, and with the model's error of each draw; and what of the recording lies in it.
-fn band(study: &Study, name: &str, runs: &[(Run, f64)]) -> HostResult<(Plot, Option<Row>)> {
+fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> HostResult<(Plot, Option<Row>)> {
     let signals = runs.iter().map(|(run, share)| Ok((run.channel(name)?, *share))).collect::<HostResult<Vec<_>>>()?;
     let end = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(f64::INFINITY, f64::min);
     let start = signals.iter().filter_map(|(own, _)| own.time().first().copied()).fold(f64::NEG_INFINITY, f64::max);
@@ -217,9 +218,9 @@ fn band(study: &Study, name: &str, runs: &[(Run, f64)]) -> HostResult<(Plot, Opt
             .filter_map(|(place, [low, high])| inside.value_at(*place).map(|value| (*low..=*high).contains(&value)))
             .collect();
         let share = found.iter().filter(|own| **own).count() as f64 / found.len().max(1) as f64;
-        object(json!({ "scenario": study.name(), "signal": name, "share_within_band": share, "places": found.len() }))
+        object(json!({ "scenario": scenario, "signal": name, "share_within_band": share, "places": found.len() }))
     });
-    let title = format!("{}: {name}, predicted", study.name());
+    let title = format!("{scenario}: {name}, predicted");
     Ok((
         Plot { title, x: Axis::linear("time (ms)"), y: Axis::linear(axis), curves, window: None, marks: Vec::new() },
         covered,

@@ -148,6 +148,49 @@ pub(super) fn plots(plan: &Plan, fit: &Fit) -> Vec<Plot> {
     plots
 }
 
+/// The share of films that broke over the demand of their test, and the probability that follows; none without such tests.
+pub(super) fn breaking(plan: &Plan, fit: &Fit) -> Option<Plot> {
+    /// Points of a curve of probability.
+    const POINTS: usize = 120;
+    let mut points = Vec::new();
+    let mut scatters: Vec<(usize, f64)> = Vec::new();
+    for (place, (test, demands)) in plan.tests.iter().zip(&fit.demands).enumerate() {
+        let Some(outcomes) = &test.outcomes else { continue };
+        let [held, broke] = outcomes.counts();
+        if held + broke == 0 {
+            continue;
+        }
+        let breaks = plan.break_unknowns(place).at(&fit.values);
+        let standard = |along: usize| (demands[along] - breaks.log_factors[along]) / breaks.scatter[along];
+        let along = usize::from(standard(1) > standard(0));
+        points.push([(demands[along] - breaks.log_factors[along]).exp(), broke as f64 / (held + broke) as f64]);
+        if !scatters.iter().any(|(own, _)| *own == along) {
+            scatters.push((along, breaks.scatter[along]));
+        }
+    }
+    let ends = points.iter().map(|[demand, _]| *demand);
+    let [low, high] = [ends.clone().fold(1.0, f64::min), ends.fold(1.0, f64::max)];
+    let of_scatter = |(along, scatter): (usize, f64)| {
+        let at = |place: usize| {
+            let demand = 0.9 * low + (1.1 * high - 0.9 * low) * place as f64 / POINTS as f64;
+            [demand, uncertainty::normal::cumulative(demand.ln() / scatter)]
+        };
+        let name = format!("probability, breaking along {}", ["MD", "TD"][along]);
+        Curve { name, points: (0..=POINTS).map(at).collect(), look: Look::Line }
+    };
+    let mut curves: Vec<Curve> = scatters.into_iter().map(of_scatter).collect();
+    let is_empty = points.is_empty();
+    curves.push(Curve { name: "share that broke".into(), points, look: Look::Points });
+    (!is_empty).then(|| Plot {
+        title: "Films that broke".into(),
+        x: Axis::linear("demand over the median break strain"),
+        y: Axis::linear("share"),
+        curves,
+        window: None,
+        marks: Vec::new(),
+    })
+}
+
 /// Pairs of unknowns, a plot a pair: samples of the posterior.
 pub(super) fn pairs(plan: &Plan, found: &Posterior) -> Vec<Plot> {
     /// Most unknowns whose pairs are drawn.

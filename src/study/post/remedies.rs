@@ -30,6 +30,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::FilmContactUnresolved { .. }
         | Warning::StrainLocalisation { .. }
         | Warning::UncoupledBiaxial { .. }
+        | Warning::BreakStrainOfCoupons { .. }
         | Warning::ThinningBeforeBreak { .. }
         | Warning::EnergyBalance { .. }
         | Warning::ElementsTooWide { .. }
