@@ -1,6 +1,6 @@
 //! Diagrams as text: curves of dots in the characters of braille.
 
-use super::{Axis, Plot, Scale};
+use super::{Axis, Frame, Plot, Scale};
 use base::number;
 
 /// Dots of a character, across and down.
@@ -19,6 +19,11 @@ const DIGITS: usize = 4;
 /// The plot in `size` characters across and down, without the texts beside and below; all curves look alike. A mark is a
 /// dotted line with its label below the axis. Empty where no curve has a point.
 pub fn braille(plot: &Plot, size: [usize; 2]) -> String {
+    if plot.frame == Frame::Polar {
+        // A dot is about as wide as it is high.
+        let dots = (size[0] * ACROSS).min(size[1] * DOWN);
+        return braille(&plot.in_plane(), [dots / ACROSS, dots / DOWN].map(|count| count.max(1)));
+    }
     let curves = plot.curves.iter().map(|curve| &curve.points);
     let placed: Vec<Vec<Option<[f64; 2]>>> = curves
         .map(|points| {

@@ -12,7 +12,7 @@ use plotters::prelude::{
 };
 
 use super::style::Style;
-use super::{Curve, Look, Plot, Scale};
+use super::{Curve, Frame, Look, Plot, Scale, polar};
 use base::number::significant;
 
 /// Units of the drawing for a pixel of a page: the crate places points at whole units.
@@ -45,7 +45,7 @@ const GRID: RGBColor = RGBColor(0xdb, 0xdf, 0xe3);
 const WINDOW: RGBColor = RGBColor(0xee, 0xf2, 0xe4);
 
 /// Colours of curves in their order, those of the pages on white.
-const COLOURS: [RGBColor; 8] = [
+pub(super) const COLOURS: [RGBColor; 8] = [
     RGBColor(0x1f, 0x77, 0xb4),
     RGBColor(0xd9, 0x48, 0x0f),
     RGBColor(0x2b, 0x8a, 0x3e),
@@ -138,6 +138,9 @@ impl Layout<'_> {
 /// The plot as SVG: axes with ticks, curves, the marked window, and a legend of more than one curve below. Coordinates
 /// have a tenth of a pixel; points without a place on the axes interrupt a curve.
 pub fn svg(plot: &Plot) -> String {
+    if plot.frame == Frame::Polar {
+        return polar::svg(plot);
+    }
     let letters = 12 * UNITS;
     let layout = Layout { size: SIZE, letters, family: "sans-serif", line: 2 * UNITS as u32, has_title: true };
     let legend = legend(plot, &layout);
@@ -149,6 +152,9 @@ pub fn svg(plot: &Plot) -> String {
 /// The plot as SVG in a size and letters of paper, its legend within the height. Coordinates have a hundredth of a
 /// point.
 pub fn svg_in(plot: &Plot, style: &Style) -> String {
+    if plot.frame == Frame::Polar {
+        return polar::svg_in(plot, style);
+    }
     let units = |length: f64| (length * UNITS_OF_POINT).round() as i32;
     let size = [style.width, style.height].map(units);
     let Style { family, has_title, .. } = style;

@@ -40,7 +40,7 @@ pub(crate) struct ReduceArgs {
     /// Density of the film, for the material file: "915 kg/m3"
     #[arg(long, value_parser = |text: &str| quantity(Density::DIMENSION, text))]
     pub density: Option<f64>,
-    /// Direction of all coupons, in place of what the files state: MD, TD, D3 or D4
+    /// Direction of all coupons, in place of what the files state: MD, TD, D3, D4 or an angle such as 15deg
     #[arg(long)]
     pub direction: Option<Direction>,
     /// Speed of the jaws apart, in place of what the files state: "0.02 m/s"

@@ -36,7 +36,7 @@ pub(super) struct Figures {
 struct SpecimenFigures {
     file: String,
     specimen: String,
-    direction: &'static str,
+    direction: String,
     velocity_m_s: f64,
     gauge_m: f64,
     width_m: f64,
@@ -54,7 +54,7 @@ struct SpecimenFigures {
 
 #[derive(Serialize)]
 struct DirectionFigures {
-    direction: &'static str,
+    direction: String,
     #[serde(rename = "young_modulus_Pa")]
     young_modulus_pa: Statistics,
     #[serde(rename = "strength_Pa")]
@@ -159,7 +159,7 @@ fn specimen(test: &CouponTest) -> Option<SpecimenFigures> {
     Some(SpecimenFigures {
         file: shown_path(&test.path),
         specimen: note.name.clone(),
-        direction: sample.direction.name(),
+        direction: sample.direction.to_string(),
         velocity_m_s: sample.velocity,
         gauge_m: coupon.gauge(),
         width_m: coupon.width(),
@@ -206,7 +206,7 @@ impl Statistics {
 
 fn along(along: &DirectionMeans) -> DirectionFigures {
     DirectionFigures {
-        direction: along.direction.name(),
+        direction: along.direction.to_string(),
         young_modulus_pa: along.modulus.into(),
         strength_pa: along.strength.into(),
         break_elongation: along.elongation.into(),

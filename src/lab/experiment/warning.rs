@@ -194,14 +194,14 @@ findings! {
             message "{}: {samples} samples are merged with others, since the displacement did not increase",
                 shown_path(path);
         NoYieldPoints {
-            direction: Direction, "of the film" => "direction" = direction.name();
+            direction: Direction, "of the film" => "direction" = direction.to_string();
             reason: YieldError, "why";
         } = "no-yield-points", Note;
             meaning "the mean curve of a direction has no double yield point, so the material takes the curve itself";
             remedy "nothing, or choose another window for the modulus";
             message "{direction}: {reason}";
         SpeedNotMeasured {
-            direction: Direction, "of the film" => "direction" = direction.name();
+            direction: Direction, "of the film" => "direction" = direction.to_string();
             velocity: f64, "speed of the jaws, m/s" => "velocity_m_s";
         } = "speed-not-measured", Note;
             meaning "a direction was not measured at a speed at which others were, so their means are over other \

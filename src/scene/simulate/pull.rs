@@ -18,6 +18,9 @@ pub enum Across {
     /// The transverse force is zero: a strip that is long compared with its width. Of a plastic film the force that shears
     /// it is zero too; fibres of fabric at an angle keep the stretches that (theory.md, equation 180) gives them.
     Free,
+    /// No force acts on the long sides, across or along them: a long strip, whose film shears where its direction is
+    /// none of the film's own.
+    Strip,
     /// The film is strained alike in both directions: equibiaxial tension.
     Equal,
 }
@@ -48,7 +51,7 @@ pub enum PullError {
         /// The time before, s.
         before: f64,
     },
-    /// No width, or no width and shear of a plastic film, is in equilibrium at the strain.
+    /// No width, or no width and shear, is in equilibrium at the strain.
     #[error("no width of the film is in equilibrium at the strain {strain}")]
     NoWidth {
         /// The engineering strain.
@@ -119,6 +122,12 @@ struct SingleElement {
 /// Largest step of the logarithmic strain of a plastic film, over its yield strain.
 const STEP: f64 = 0.2;
 
+/// Largest step of the logarithmic strain of other film that shears.
+const SHEARED_STEP: f64 = 0.02;
+
+/// Most halvings of a step of Newton's method that leaves more force than there was.
+const HALVINGS: usize = 12;
+
 /// Most steps from one strain to the next.
 const MOST_STEPS: f64 = 1e5;
 
@@ -164,10 +173,15 @@ impl SingleElement {
     }
 
     /// Number of steps to `strain`.
-    fn steps(&self, strain: f64) -> usize {
-        let Some(yield_strain) = self.yield_strain else { return 1 };
+    fn steps(&self, strain: f64, across: Across) -> usize {
+        let longest = match (self.yield_strain, across) {
+            (Some(yield_strain), _) => STEP * yield_strain,
+            // Newton's method starts from the width and the shear before.
+            (None, Across::Strip) => SHEARED_STEP,
+            (None, _) => return 1,
+        };
         let change = (strain - self.strain).abs() / (1.0 + strain.min(self.strain));
-        (change / (STEP * yield_strain)).ceil().clamp(1.0, MOST_STEPS) as usize
+        (change / longest).ceil().clamp(1.0, MOST_STEPS) as usize
     }
 
     /// Nominal stress (Pa) at `strain`, reached within `dt` (s).
@@ -175,7 +189,7 @@ impl SingleElement {
         if !(strain.is_finite() && strain > -1.0) {
             return Err(PullError::Strain { strain });
         }
-        let (steps, before) = (self.steps(strain), self.strain);
+        let (steps, before) = (self.steps(strain, across), self.strain);
         let (change, dt) = ((strain - before) / steps as f64, dt / steps as f64);
         for step in 1..steps {
             self.step(before + change * step as f64, dt, across)?;
@@ -189,6 +203,7 @@ impl SingleElement {
         let free = |found: Option<[f64; 2]>| found.ok_or(PullError::NoWidth { strain });
         [self.width, self.shear] = match across {
             Across::Held => [1.0, 0.0],
+            Across::Strip => free(self.free_sides(along, dt).or_else(|| self.free_sides_by_brackets(along, dt)))?,
             Across::Free if self.yield_strain.is_some() => free(self.free_sides(along, dt))?,
             Across::Free => free(self.transverse_stretch(along, dt).map(|width| [width, 0.0]))?,
             Across::Equal => [along, 0.0],
@@ -220,7 +235,8 @@ impl SingleElement {
     }
 
     /// Transverse stretch and shear at which no force acts on the long sides of the film that is stretched by `along`
-    /// within `dt` (s), by Newton's method from those before: steps are short.
+    /// within `dt` (s), by Newton's method from those before: steps are short. A step that leaves more force than there was
+    /// is halved, since curves have corners.
     fn free_sides(&self, along: f64, dt: f64) -> Option<[f64; 2]> {
         let mut nodes = self.nodes.clone();
         let mut forces = |[width, shear]: [f64; 2]| {
@@ -229,23 +245,61 @@ impl SingleElement {
             (pull, Vector2::new(across, -nodes.total_force(&self.sides[1], 0)))
         };
         let mut found = [self.width, self.shear];
+        let (mut pull, mut unbalanced) = forces(found);
         for _ in 0..MOST_ITERATIONS {
-            let (pull, unbalanced) = forces(found);
             if unbalanced.amax() <= FORCE_TOLERANCE * pull.abs() {
                 return Some(found);
             }
             let [width, shear] = found;
             let moved = [[width + DIFFERENCE, shear], [width, shear + DIFFERENCE]].map(|moved| forces(moved).1);
             let stiffness = Matrix2::from_columns(&moved.map(|moved| (moved - unbalanced) / DIFFERENCE));
-            let change = stiffness.try_inverse()? * unbalanced;
-            found = [width - change.x, shear - change.y];
+            let mut change = stiffness.try_inverse()? * unbalanced;
+            let before = unbalanced.norm();
+            for halving in 0..=HALVINGS {
+                found = [width - change.x, shear - change.y];
+                (pull, unbalanced) = forces(found);
+                if unbalanced.norm() < before || change.amax() <= STRETCH_TOLERANCE {
+                    break;
+                }
+                if halving == HALVINGS {
+                    return None;
+                }
+                change *= 0.5;
+            }
             if change.amax() <= STRETCH_TOLERANCE {
                 return Some(found);
             }
         }
         None
     }
+
+    /// The same by false position, of the shear at each width and of the width: slower, but sure where the stiffness of
+    /// curves that hardly rise misleads Newton's method.
+    fn free_sides_by_brackets(&self, along: f64, dt: f64) -> Option<[f64; 2]> {
+        let mut nodes = self.nodes.clone();
+        // The force across, and the one that shears, zero where it is balanced.
+        let mut forces = |width: f64, shear: f64| {
+            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, width, shear], dt);
+            let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
+            let balanced = |force: f64| if force.abs() <= FORCE_TOLERANCE * pull.abs() { 0.0 } else { force };
+            [balanced(across), balanced(-nodes.total_force(&self.sides[1], 0))]
+        };
+        let mut shear = self.shear;
+        let mut unbalanced = |width: f64| {
+            let mut shearing = |shear: f64| forces(width, shear)[1];
+            let found = sheared(shear, &mut shearing).and_then(|bracket| root(bracket, &mut shearing));
+            shear = found.unwrap_or(f64::NAN);
+            forces(width, shear)[0]
+        };
+        let bracket = bracket(self.width, &mut unbalanced)?;
+        let width = root(bracket, &mut unbalanced).filter(|width| unbalanced(*width).is_finite())?;
+        Some([width, shear])
+    }
 }
+
+/// The first step of the shear until two bracket the root, and its growth from step to step.
+const SHEAR_STEP: f64 = 1e-3;
+const SHEAR_GROWTH: f64 = 1.6;
 
 /// Stretches along and across, and the displacement along over the distance across.
 type Stretch = [f64; 3];
@@ -266,6 +320,21 @@ fn bracket(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess
             return Some([now, before]);
         }
         before = now;
+    }
+    None
+}
+
+/// Two shears between which the force changes its sign. A force along the shear reduces it.
+fn sheared(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess; 2]> {
+    let mut before = (guess, unbalanced(guess));
+    let mut step = if before.1 > 0.0 { -SHEAR_STEP } else { SHEAR_STEP };
+    for _ in 0..MOST_ITERATIONS {
+        let now = (before.0 + step, unbalanced(before.0 + step));
+        if before.1 * now.1 <= 0.0 {
+            return Some([now, before]);
+        }
+        before = now;
+        step *= SHEAR_GROWTH;
     }
     None
 }

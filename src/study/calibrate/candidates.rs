@@ -7,6 +7,7 @@ use serde_json::json;
 use super::error_model::Noise;
 use super::fit::Fit;
 use super::plan::Plan;
+use super::pulled;
 use super::rows::object;
 use super::test::{Test, Tolerances};
 use super::verdict;
@@ -62,9 +63,11 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
     if let Some(changes) = map.get("set").and_then(|changes| changes.read_lock::<Map>().map(|map| map.clone())) {
         study = study.with(changes, session)?;
     }
-    let best =
-        study.with(plan.shared_changes(&fit.values, &plan.taken_by(&study, session)), session)?.simulate(session)?;
-    let signals = super::test::as_recorded(&map, &study, &best)?;
+    let best = study.with(plan.shared_changes(&fit.values, &plan.taken_by(&study, session)), session)?;
+    let signals = match map.get("pull") {
+        Some(given) => pulled::as_recorded(given, &best).map_err(refuse)?,
+        None => super::test::as_recorded(&map, &study, &best.simulate(session)?)?,
+    };
     map.insert("recordings".into(), signals.into());
     let tolerances = Tolerances { noise: Noise::Share(ASSUMED_NOISE), correlation: plan.correlation };
     Test::read(&map.into(), scenarios, tolerances, session)
@@ -84,11 +87,12 @@ fn derivatives(test: &Test, plan: &Plan, fit: &Fit, session: &Session) -> HostRe
         let mut values = fit.values.clone();
         let [low, high] = plan.of(&plan.unknowns[*index]).within;
         values[*index] = (values[*index] + sign * step(*index)).clamp(low, high);
-        let run = test.study.with(plan.shared_changes(&values, &taken), session)?.simulate(session)?;
+        let study = test.study.with(plan.shared_changes(&values, &taken), session)?;
+        let simulated = test.simulated(&study, session)?;
         let mut residuals = vec![values[*index]];
-        for signal in &test.signals {
+        for (signal, simulated) in test.signals.iter().zip(&simulated) {
             let variances = signal.variances(fit.share);
-            residuals.extend(signal.residuals(&signal.simulated(&run)?, &variances).map_err(refuse)?);
+            residuals.extend(signal.residuals(simulated, &variances).map_err(refuse)?);
         }
         Ok(residuals)
     };

@@ -8,6 +8,7 @@
 
 mod bindings;
 mod candidates;
+mod curve_parameter;
 mod distance;
 mod error_model;
 mod fit;
@@ -16,6 +17,7 @@ mod outcome;
 mod parameter;
 mod plan;
 mod posterior;
+mod pulled;
 mod prediction;
 mod rows;
 mod test;

@@ -45,12 +45,11 @@ impl<'a> CalibrationObjective<'a> {
 
     /// The signals of a test with these values; nothing is run where it has none.
     pub(super) fn signals(&self, test: usize, x: &[f64], session: &Session) -> HostResult<Vec<Series>> {
-        let signals = &self.plan.tests[test].signals;
-        if signals.is_empty() {
+        let own = &self.plan.tests[test];
+        if own.signals.is_empty() {
             return Ok(Vec::new());
         }
-        let run = self.stage[test].study.with(self.plan.changes(test, x), session)?.simulate(session)?;
-        signals.iter().map(|signal| signal.simulated(&run)).collect()
+        own.simulated(&self.stage[test].study.with(self.plan.changes(test, x), session)?, session)
     }
 
     /// What a test with these values demands of its film; nothing where it has no outcomes.
@@ -61,7 +60,8 @@ impl<'a> CalibrationObjective<'a> {
 
     fn evaluated(&self, x: &[f64], session: &Session) -> Evaluation {
         let mut residuals = Vec::new();
-        for (test, own) in self.plan.tests.iter().enumerate() {
+        // A test that is left out has no weight.
+        for (test, own) in self.plan.tests.iter().enumerate().filter(|(_, own)| own.weight > 0.0) {
             let found = self.signals(test, x, session).and_then(|own| Ok((own, self.demands(test, x, session)?)));
             let (simulated, demands) = match found {
                 Ok(found) => found,

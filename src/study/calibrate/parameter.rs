@@ -2,6 +2,7 @@
 
 use rhai::{Array, Dynamic, Map};
 
+use super::curve_parameter::CurvePoint;
 use super::outcome::BREAK_FACTORS;
 use crate::script::{HostResult, Options, number, refuse, to_json};
 use uncertainty::distribution::Distribution;
@@ -27,6 +28,8 @@ pub(super) struct Parameter {
     pub(super) prior: Option<Distribution>,
     /// Names of the tests that have its keys; all where there are none.
     pub(super) tests: Vec<String>,
+    /// The point of a curve that it is, where it is one.
+    pub(super) point: Option<CurvePoint>,
     pub(super) role: Role,
     /// Of a break strain, its relative standard deviation between specimens: ends between which it is estimated, or the same
     /// number twice.
@@ -105,7 +108,19 @@ impl Parameter {
             let text = format!("`scatter` is of break strains: {}", BREAK_FACTORS.join(", "));
             return Err(of_parameter(text));
         }
-        Ok(Parameter { name: name.into(), keys, unit, start, within, is_logarithmic, prior, tests, role, scatter })
+        Ok(Parameter {
+            name: name.into(),
+            keys,
+            unit,
+            start,
+            within,
+            is_logarithmic,
+            prior,
+            tests,
+            point: None,
+            role,
+            scatter,
+        })
     }
 
     /// The parameter that the scatter of a break strain is where it is estimated: anywhere between its ends, along the
@@ -121,6 +136,7 @@ impl Parameter {
             is_logarithmic: true,
             prior: None,
             tests: self.tests.clone(),
+            point: None,
             role: Role::Scatter(along),
             scatter: None,
         })

@@ -2,6 +2,7 @@
 
 use rhai::{Array, Dynamic, Map};
 
+use super::curve_parameter;
 use super::error_model::{Correlation, Noise, USUAL_CORRELATION};
 use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
 use super::parameter::{Parameter, Role, Unknown};
@@ -134,8 +135,14 @@ impl Plan {
         let map = options.value("parameters")?.read_lock::<Map>().map(|map| map.clone());
         let map = map.filter(|map| !map.is_empty());
         let map = map.ok_or_else(|| refuse("`parameters` of calibrate is a map of names and their `key`s"))?;
-        let mut parameters =
-            map.iter().map(|(name, given)| Parameter::read(name, given)).collect::<HostResult<Vec<_>>>()?;
+        let read = |(name, given): (&rhai::Identifier, &Dynamic)| match curve_parameter::is_curve(given) {
+            true => curve_parameter::read(name, given),
+            false => Parameter::read(name, given).map(|own| vec![own]),
+        };
+        let mut parameters = map.iter().map(read).collect::<HostResult<Vec<_>>>()?.concat();
+        if parameters.iter().any(|own| own.point.is_some()) && tests.iter().any(|own| own.outcomes.is_some()) {
+            return Err(refuse("a curve that is a parameter ends where it breaks: it cannot stand beside outcomes"));
+        }
         let scatters: Vec<Parameter> = parameters.iter().filter_map(Parameter::of_scatter).collect();
         parameters.extend(scatters);
         let unknowns = unknowns(&tests, &parameters)?;
@@ -252,11 +259,8 @@ impl Plan {
 
     /// The changes of the scenario of a test with these values.
     pub(super) fn changes(&self, test: usize, values: &[f64]) -> Map {
-        let mut changes = Map::new();
-        for index in self.acting_on(test) {
-            changes.extend(keys_with(self.of(&self.unknowns[index]), values[index]));
-        }
-        changes
+        let acting = self.acting_on(test).into_iter();
+        curve_parameter::changes(acting.map(|index| (self.of(&self.unknowns[index]), values[index])))
     }
 
     /// The parameters that a scenario which is no test takes: those that all tests have, and of the others those whose keys it
@@ -267,19 +271,17 @@ impl Plan {
             let parameter = &self.parameters[*index];
             let at = self.unknowns.iter().position(|own| own.parameter == *index && own.test.is_none());
             let Some(at) = at else { return false };
-            parameter.tests.is_empty() || study.with(keys_with(parameter, start[at]), session).is_ok()
+            let changes = curve_parameter::changes(std::iter::once((parameter, start[at])));
+            parameter.tests.is_empty() || study.with(changes, session).is_ok()
         };
         (0..self.parameters.len()).filter(takes).collect()
     }
 
     /// The changes of a scenario that is no test: the shared unknowns of these parameters.
     pub(super) fn shared_changes(&self, values: &[f64], taken: &[usize]) -> Map {
-        let mut changes = Map::new();
-        let shared = |unknown: &Unknown| unknown.test.is_none() && taken.contains(&unknown.parameter);
-        for (unknown, value) in self.unknowns.iter().zip(values).filter(|(unknown, _)| shared(unknown)) {
-            changes.extend(keys_with(self.of(unknown), *value));
-        }
-        changes
+        let is_shared = |unknown: &Unknown| unknown.test.is_none() && taken.contains(&unknown.parameter);
+        let shared = self.unknowns.iter().zip(values).filter(|(unknown, _)| is_shared(unknown));
+        curve_parameter::changes(shared.map(|(unknown, value)| (self.of(unknown), *value)))
     }
 
     /// The search from a point.
@@ -309,12 +311,6 @@ impl Plan {
     pub(super) fn table(&self, table: &str) -> String {
         self.name.as_ref().map_or_else(|| table.to_owned(), |name| format!("{name}_{table}"))
     }
-}
-
-/// The keys of a parameter with this value.
-fn keys_with(parameter: &Parameter, value: f64) -> Map {
-    let written = parameter.written(value);
-    parameter.keys.iter().map(|key| (key.as_str().into(), written.clone())).collect()
 }
 
 /// Whether a parameter acts on a test.

@@ -12,7 +12,7 @@ use crate::post::Run;
 use crate::scenario_functions::Study;
 use crate::script::{HostResult, Row, Session, refuse};
 use lab::signal::Series;
-use plot::{Axis, Curve, Look, Plot};
+use plot::{Curve, Look, Plot};
 use uncertainty::statistics::{mean, quantiles, variance, wilson};
 
 /// Places of a band.
@@ -221,10 +221,7 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
         object(json!({ "scenario": scenario, "signal": name, "share_within_band": share, "places": found.len() }))
     });
     let title = format!("{scenario}: {name}, predicted");
-    Ok((
-        Plot { title, x: Axis::linear("time (ms)"), y: Axis::linear(axis), curves, window: None, marks: Vec::new() },
-        covered,
-    ))
+    Ok((Plot::new(title, ["time (ms)", axis], curves), covered))
 }
 
 /// Ends of 95 % of a mixture of normal distributions of equal weight, by bisection.

@@ -8,7 +8,7 @@ use super::plan::Plan;
 use super::posterior::Posterior;
 use super::verdict::Knowledge;
 use crate::script::Row;
-use plot::{Axis, Curve, Look, Plot};
+use plot::{Curve, Look, Plot};
 use uncertainty::statistics::{deviation, mean, quantiles};
 
 /// Most points of a curve of a plot.
@@ -134,14 +134,7 @@ pub(super) fn plots(plan: &Plan, fit: &Fit) -> Vec<Plot> {
             match plots.iter_mut().find(|plot| plot.title == title) {
                 // Several recordings of one test have one calibrated curve.
                 Some(plot) => plot.curves.push(measured),
-                None => plots.push(Plot {
-                    title,
-                    x: Axis::linear(x),
-                    y: Axis::linear(signal.column.axis),
-                    curves: vec![own, measured],
-                    window: None,
-                    marks: Vec::new(),
-                }),
+                None => plots.push(Plot::new(title, [x, signal.column.axis], vec![own, measured])),
             }
         }
     }
@@ -181,14 +174,8 @@ pub(super) fn breaking(plan: &Plan, fit: &Fit) -> Option<Plot> {
     let mut curves: Vec<Curve> = scatters.into_iter().map(of_scatter).collect();
     let is_empty = points.is_empty();
     curves.push(Curve { name: "share that broke".into(), points, look: Look::Points });
-    (!is_empty).then(|| Plot {
-        title: "Films that broke".into(),
-        x: Axis::linear("demand over the median break strain"),
-        y: Axis::linear("share"),
-        curves,
-        window: None,
-        marks: Vec::new(),
-    })
+    let axes = ["demand over the median break strain", "share"];
+    (!is_empty).then(|| Plot::new("Films that broke", axes, curves))
 }
 
 /// Pairs of unknowns, a plot a pair: samples of the posterior.
@@ -207,14 +194,7 @@ pub(super) fn pairs(plan: &Plan, found: &Posterior) -> Vec<Plot> {
             let points = samples.iter().step_by(step).map(|values| [values[*one], values[*other]]).collect();
             let curve = Curve { name: "posterior".into(), points, look: Look::Points };
             let title = format!("Posterior of {a} and {b}");
-            plots.push(Plot {
-                title,
-                x: Axis::linear(a),
-                y: Axis::linear(b),
-                curves: vec![curve],
-                window: None,
-                marks: Vec::new(),
-            });
+            plots.push(Plot::new(title, [a, b], vec![curve]));
         }
     }
     plots

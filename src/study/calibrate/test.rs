@@ -6,6 +6,7 @@ use super::distance::Distance;
 use super::error_model::{Correlation, ErrorModel, Noise, USUAL_CORRELATION};
 use super::outcome::{self, Outcomes};
 use super::parameter::texts;
+use super::pulled;
 use crate::post::Run;
 use crate::scenario_functions::{Scenarios, Study};
 use crate::script::{Compared, HostResult, Options, Session, number, refuse};
@@ -14,6 +15,7 @@ use lab::signal::Series;
 use lab::signal::column::{self, COLUMNS, Column};
 use lab::signal::file::{self, ReadOptions};
 use scene::model::Loading;
+use scene::simulate::Across;
 
 /// A test: a scenario and its recordings.
 #[derive(Clone)]
@@ -30,6 +32,8 @@ pub(super) struct Test {
     pub(super) signals: Vec<Signal>,
     /// Whether its film held, and what else is known of its rupture.
     pub(super) outcomes: Option<Outcomes>,
+    /// What holds the film across, where it is pulled and not run.
+    pub(super) pull: Option<Across>,
 }
 
 /// A signal of a test that is compared with one recording.
@@ -58,7 +62,7 @@ pub(super) struct Tolerances {
 }
 
 /// Options of a test.
-const OPTIONS: [&str; 15] = [
+const OPTIONS: [&str; 16] = [
     "scenario",
     "name",
     "set",
@@ -74,6 +78,7 @@ const OPTIONS: [&str; 15] = [
     "outcome",
     "failure_mass",
     "rupture_time",
+    "pull",
 ];
 
 /// The impactor's peak is not a column; these names stand for columns.
@@ -108,8 +113,9 @@ impl Test {
         let outcomes = outcome::read(&map, &study, session).map_err(|error| in_test(error.to_string()))?;
         let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
         if outcomes.is_some() && !map.contains_key("compare") {
-            return Ok(Test { name, study, own, weight, signals: Vec::new(), outcomes });
+            return Ok(Test { name, study, own, weight, signals: Vec::new(), outcomes, pull: None });
         }
+        let pull = map.get("pull").map(|given| pulled::across(given, &study).map_err(in_test)).transpose()?;
         let names = signals_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
         let columns = names.iter().map(|name| found_column(name).map_err(in_test)).collect::<HostResult<Vec<_>>>()?;
         let over = abscissa_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
@@ -123,6 +129,12 @@ impl Test {
             None => vec![Dynamic::UNIT],
             Some(given) => given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone()),
         };
+        if pull.is_some() {
+            let reading = Reading { over: Some(&column::STRAIN), ..reading };
+            let signals = recordings.iter().map(|recording| reading.pulled(recording));
+            let signals = signals.collect::<HostResult<Vec<_>>>()?;
+            return Ok(Test { name, study, own, weight, signals, outcomes, pull });
+        }
         let mut signals = Vec::new();
         let mut longest: Option<(f64, Study)> = None;
         for recording in &recordings {
@@ -133,7 +145,18 @@ impl Test {
             }
         }
         let study = longest.map_or(study, |(_, study)| study);
-        Ok(Test { name, study, own, weight, signals, outcomes })
+        Ok(Test { name, study, own, weight, signals, outcomes, pull })
+    }
+
+    /// Its signals as the scenario gives them, by a run unless it is pulled.
+    pub(super) fn simulated(&self, study: &Study, session: &Session) -> HostResult<Vec<Series>> {
+        let Some(across) = self.pull else {
+            let run = study.simulate(session)?;
+            return self.signals.iter().map(|signal| signal.simulated(&run)).collect();
+        };
+        let ends = self.signals.iter().filter_map(|signal| signal.measured.time().last());
+        let series = pulled::simulated(study, across, ends.copied().fold(0.0, f64::max))?;
+        Ok(vec![series; self.signals.len()])
     }
 }
 
@@ -238,6 +261,13 @@ impl Reading<'_> {
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
         let end = signals.iter().filter_map(|signal| signal.measured.time().last().copied()).fold(0.0, f64::max);
         Ok((study.clone(), end, signals))
+    }
+
+    /// Stress over strain of a coupon.
+    fn pulled(&self, recording: &Dynamic) -> HostResult<Signal> {
+        let series = pulled::recorded(recording).map_err(self.in_test)?;
+        let window = pulled::window(self.window).map_err(self.in_test)?;
+        self.signal(&column::STRESS, &series, window, None)
     }
 
     /// The window that the options give, or all of the signal.

@@ -180,7 +180,8 @@ fn recorded_map(recorded: &CouponTest) -> Map {
     map([
         ("file", recorded.path.display().to_string().into()),
         ("specimen", recorded.specimen.as_ref().map_or(Dynamic::UNIT, |specimen| specimen.name.clone().into())),
-        ("direction", sample.direction.name().into()),
+        ("direction", sample.direction.to_string().into()),
+        ("angle", sample.direction.angle().to_degrees().into()),
         ("velocity", sample.velocity.into()),
         ("curve", Dynamic::from(sample.curve.clone())),
         ("modulus", sample.modulus.slope.into()),
@@ -196,7 +197,8 @@ fn along_map(along: &DirectionMeans) -> Map {
         Err(error) => (Dynamic::UNIT, error.to_string().into()),
     };
     map([
-        ("direction", along.direction.name().into()),
+        ("direction", along.direction.to_string().into()),
+        ("angle", along.direction.angle().to_degrees().into()),
         ("modulus", spread_map(&along.modulus).into()),
         ("strength", spread_map(&along.strength).into()),
         ("elongation", spread_map(&along.elongation).into()),

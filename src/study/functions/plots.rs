@@ -64,7 +64,7 @@ fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
     let points = (PLOT_POINTS / given.len().max(1)).clamp(least, most);
     let curves = given.iter().map(|given| given.drawn(factors).thinned(points)).collect();
     let window = marked(&options, factors[0])?;
-    Ok(Plot { title: title.into(), x, y, curves, window, marks: vec![] })
+    Ok(Plot { x, y, window, ..Plot::new(title, ["", ""], curves) })
 }
 
 /// The curves with their names; a single curve takes the title.

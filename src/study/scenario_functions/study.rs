@@ -241,9 +241,13 @@ impl Study {
     fn pull(&self, strains: Vec<f64>, options: &Map) -> HostResult<Curve> {
         let options = Options { of: "pull", map: options };
         options.check(&["across"])?;
-        let stresses =
-            simulate::pull(&self.0.model, &strains, across(&options)?).map_err(|error| self.failed(error))?;
+        let stresses = self.pulled(&strains, across(&options)?)?;
         Curve::new(strains, stresses).map_err(refuse)
+    }
+
+    /// Stresses (Pa) of a single element of the film at increasing strains.
+    pub(crate) fn pulled(&self, strains: &[f64], across: Across) -> HostResult<Vec<f64>> {
+        simulate::pull(&self.0.model, strains, across).map_err(|error| self.failed(error))
     }
 
     /// Stresses (Pa) of a single element of the film at `strains`, forth and back, at the rate of the jaws or at given
@@ -283,8 +287,9 @@ fn across(options: &Options<'_>) -> HostResult<Across> {
     match options.map.get("across").map(Dynamic::to_string).as_deref() {
         None | Some("held") => Ok(Across::Held),
         Some("free") => Ok(Across::Free),
+        Some("strip") => Ok(Across::Strip),
         Some("equal") => Ok(Across::Equal),
-        Some(other) => Err(refuse(format!("across is \"held\", \"free\" or \"equal\", not \"{other}\""))),
+        Some(other) => Err(refuse(format!("across is \"held\", \"free\", \"strip\" or \"equal\", not \"{other}\""))),
     }
 }
 
@@ -504,10 +509,11 @@ pub const ENTRIES: &[Entry] = &[
         example: "scenario(args.scenario).simulate().summary.elements > 0",
     },
     Entry {
-        call: "scenario.pull(strains), scenario.pull(curve), scenario.pull(strains, #{ across: \"held\" | \"free\" | \"equal\" })",
+        call: "scenario.pull(strains), scenario.pull(curve), scenario.pull(strains, #{ across: \"held\" | \"free\" | \"strip\" | \"equal\" })",
         gives: "the curve of stress (Pa) of a single element of its film, pulled in the direction of `[loading.stretch]`, \
-                in equilibrium, at increasing strains or at those of a curve; zero past the break. Between jaws (\"held\") \
-                the width is held, that of a long strip is free, and under equibiaxial tension the strains are equal",
+                in equilibrium, at increasing strains or at those of a curve; zero past the break. Between jaws \
+                the width is held (\"held\"); without a force across it is free (\"free\"), and a long strip at an angle to MD shears \
+                too, so that no force acts on its sides at all (\"strip\"); under equibiaxial tension the strains are equal",
         example: r#"let t = scenario("scenarios/stretch/single-element.toml"); let c = t.pull([0, 0.26, 0.84, 2]);
                     (c.at(0.84) / 20e6 - 1).abs() < 1e-9 && c.at(2) == 0"#,
     },

@@ -153,6 +153,13 @@ mod tests {
     }
 
     #[test]
+    fn a_name_states_any_angle() {
+        for (name, expected) in [("15deg-0.02-3", "15deg"), ("22.5deg-0.02", "22.5deg"), ("45deg-0.02-1", "D3")] {
+            assert_eq!(labelled(name, &[]).unwrap().0.to_string(), expected);
+        }
+    }
+
+    #[test]
     fn missing_and_contradictory_labels_are_refused() {
         for (name, header, expected) in [
             ("sample", &[][..], "the direction of the coupon is not known"),
@@ -163,7 +170,7 @@ mod tests {
             (
                 "x",
                 &["direction: north"],
-                "its header: `north` is not a direction of the film: expected MD, TD, D3 or D4",
+                "its header: `north` is not a direction of the film: expected MD, TD, D3, D4 or an angle such as 15deg",
             ),
             ("md", &["velocity: 3 kg"], "its header: expected a velocity, found \"3 kg\""),
         ] {

@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use thiserror::Error;
 
 use super::average::{AverageError, SampleStatistics, mean_curve};
@@ -125,7 +127,7 @@ pub struct DirectionMeans {
 /// All coupons of a film, reduced direction by direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reduction {
-    /// In the order MD, TD, D3, D4, as far as they were measured.
+    /// In the order MD, TD, D3, D4 and then by angle, as far as they were measured.
     pub directions: Vec<DirectionMeans>,
     /// Mean of the moduli of MD and TD, Pa (Table 6); none where one of them was not measured.
     pub modulus: Option<f64>,
@@ -163,8 +165,9 @@ impl Reduction {
         if samples.is_empty() {
             return Err(ReductionError::Nothing);
         }
-        let measured = Direction::ALL.into_iter().filter(|d| samples.iter().any(|sample| sample.direction == *d));
-        let directions = measured.map(|direction| along(direction, samples, rules)).collect::<Result<Vec<_>, _>>()?;
+        let measured: BTreeSet<Direction> = samples.iter().map(|sample| sample.direction).collect();
+        let directions =
+            measured.into_iter().map(|direction| along(direction, samples, rules)).collect::<Result<Vec<_>, _>>()?;
         let modulus =
             |direction| directions.iter().find(|d| d.direction == direction).map(|d: &DirectionMeans| d.modulus.mean);
         let modulus = modulus(Direction::Md).zip(modulus(Direction::Td)).map(|(md, td)| 0.5 * (md + td));
@@ -327,8 +330,12 @@ mod tests {
         assert_eq!("md".parse(), Ok(Direction::Md));
         assert_eq!(
             "45".parse::<Direction>().unwrap_err().to_string(),
-            "`45` is not a direction of the film: expected MD, TD, D3 or D4"
+            "`45` is not a direction of the film: expected MD, TD, D3, D4 or an angle such as 15deg"
         );
+        let angles = ["30deg", "D4", "15deg", "md"].map(|word| sample(word.parse().unwrap(), 0.02, 40e6, 1.0));
+        let reduction = Reduction::from_samples(&angles, &Rules::default()).unwrap();
+        let names: Vec<String> = reduction.directions.iter().map(|along| along.direction.to_string()).collect();
+        assert_eq!(names, ["MD", "D4", "15deg", "30deg"]);
         assert_eq!(Reduction::from_samples(&[], &Rules::default()), Err(ReductionError::Nothing));
     }
 }

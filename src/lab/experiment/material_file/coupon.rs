@@ -304,7 +304,7 @@ fn fibre(along: &DirectionMeans, corner: Option<f64>) -> Result<(String, materia
         format!("[{}, \"{} MPa\"]", significant(*strain, DIGITS), significant(stress * 1e-6, DIGITS))
     };
     let shown: Vec<String> = points.iter().map(point).collect();
-    let key = along.direction.name().to_lowercase();
+    let key = along.direction.to_string().to_lowercase();
     let text = match &along.yields {
         Ok(yields) if corner.is_some() => {
             let strains = [yields.first, yields.second].map(|[strain, _]| significant(strain, DIGITS)).join(", ");

@@ -1,0 +1,70 @@
+//! Tests that are pulled and not run: a coupon as one element from equilibrium to equilibrium, stress over strain.
+
+use rhai::{Array, Dynamic, Map};
+
+use crate::scenario_functions::Study;
+use crate::script::{HostResult, number, refuse};
+use lab::experiment::coupon::Curve;
+use lab::signal::Series;
+use scene::model::Loading;
+use scene::simulate::Across;
+
+/// Steps from no strain to the end of a recording: several within each bin of a comparison.
+const STEPS: usize = 240;
+
+/// The option `pull`: what holds the film across.
+pub(super) fn across(given: &Dynamic, study: &Study) -> Result<Across, String> {
+    let across = match given.to_string().as_str() {
+        "strip" => Across::Strip,
+        "free" => Across::Free,
+        "held" => Across::Held,
+        other => return Err(format!("`pull` is \"strip\", \"free\" or \"held\", not \"{other}\"")),
+    };
+    match study.model().loading {
+        Loading::Stretch(_) => Ok(across),
+        _ => Err("only a scenario with [loading.stretch] can be pulled".into()),
+    }
+}
+
+/// The recording of a pulled test, stress (Pa) over strain: a curve, or `#{ stress: signal }`.
+pub(super) fn recorded(given: &Dynamic) -> Result<Series, String> {
+    if let Some(curve) = given.read_lock::<Curve>() {
+        return Ok(Series::new(curve.strain().to_vec(), curve.stress().to_vec()));
+    }
+    let map = given.read_lock::<Map>();
+    let series =
+        map.and_then(|map| map.get("stress").and_then(|value| value.read_lock::<Series>().map(|own| own.clone())));
+    series.ok_or_else(|| {
+        "a test that is pulled has curves as `recordings`, such as those of read_coupons and reduce_coupons".into()
+    })
+}
+
+/// The strains that are compared: the option `window`, or all of the recording.
+pub(super) fn window(given: Option<&Dynamic>) -> Result<[f64; 2], String> {
+    let Some(given) = given else { return Ok([f64::NEG_INFINITY, f64::INFINITY]) };
+    let wrong = || "`window` of a test that is pulled is two strains, such as [0, 0.2]".to_owned();
+    let list = given.read_lock::<Array>().filter(|list| list.len() == 2).map(|list| list.clone()).ok_or_else(wrong)?;
+    let ends = [number(&list[0], "a strain"), number(&list[1], "a strain")];
+    match ends {
+        [Ok(from), Ok(to)] if from < to => Ok([from, to]),
+        _ => Err(wrong()),
+    }
+}
+
+/// Stress over strain of the film of a scenario, up to a strain.
+pub(super) fn simulated(study: &Study, across: Across, end: f64) -> HostResult<Series> {
+    if !(end > 0.0 && end.is_finite()) {
+        return Err(refuse(format!("a pull to the strain {end} is none")));
+    }
+    let strains: Vec<f64> = (0..=STEPS).map(|step| end * step as f64 / STEPS as f64).collect();
+    let stresses = study.pulled(&strains, across)?;
+    Ok(Series::new(strains, stresses))
+}
+
+/// The signals of a pull as a recording would have them, to the strain at which the scenario ends.
+pub(super) fn as_recorded(given: &Dynamic, study: &Study) -> Result<Map, String> {
+    let across = across(given, study)?;
+    let Loading::Stretch(stretch) = &study.model().loading else { return Err("nothing is pulled".into()) };
+    let series = simulated(study, across, stretch.until).map_err(|error| error.to_string())?;
+    Ok(Map::from([("stress".into(), Dynamic::from(series))]))
+}
