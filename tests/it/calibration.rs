@@ -161,6 +161,15 @@ fn mistakes_are_named_before_any_search() {
         ("#{ tests: [own], parameters: #{ k: k }, stages: [#{ a: 1 }] }", "the last of `stages` is #{}"),
         ("#{ tests: [own], parameters: #{ k: k }, noise: \"little\" }", "`noise` is \"from the recordings\""),
         ("#{ tests: [#{ scenario: md }], parameters: #{ k: k } }", "name its `recordings`"),
+        (
+            "#{ tests: [own + #{ pull: \"loose\" }], parameters: #{ k: k } }",
+            "`pull` is \"strip\", \"free\" or \"held\"",
+        ),
+        ("#{ tests: [own + #{ pull: \"strip\" }], parameters: #{ k: k } }", "has curves as `recordings`"),
+        (
+            "#{ tests: [own + #{ pull: \"strip\", recordings: curve([0, 1], [0, 1e7]), window: [1, 0] }], parameters: #{ k: k } }",
+            "is two strains, such as [0, 0.2]",
+        ),
     ] {
         let error = run(&format!("{test} calibrate({call})")).unwrap_err();
         assert!(error.contains(expected), "{call}: {error}");
@@ -265,5 +274,88 @@ fn mistakes_about_outcomes_are_named() {
         let text = format!("{DROP} calibrate(#{{ tests: {tests}, parameters: #{{ k: parameter }} }})");
         let error = run(&text).err().unwrap_or_else(|| panic!("{tests} is accepted"));
         assert!(error.contains(expected), "{tests}: {error}");
+    }
+}
+
+/// Helpers of coupons at angles: a film of two kinds, its curve at an angle, and a calibration of a fabric's curves to
+/// curves at angles.
+const COUPONS: &str = r#"
+    fn element(material) {
+        scenario("scenarios/stretch/single-element.toml").with(#{ "specimen.material": material, "loading.stretch.until": 0.15 })
+    }
+    fn fabric(md, td, shear) {
+        #{ density: 920, thickness: "50 um", fabric: #{ md: #{ curve: md }, td: #{ curve: td }, shear: #{ curve: shear } } }
+    }
+    fn plastic() {
+        #{ density: 920, thickness: "50 um", plastic: #{ young: "200 MPa", poisson: 0.45,
+            hardening: #{ curve: [[0.0, "8 MPa"], [0.5, "20 MPa"]] } } }
+    }
+    fn cut(material, angle) {
+        let strains = [];
+        for i in 0..=60 { strains.push(0.0025 * i); }
+        element(material).with(#{ "loading.stretch.direction": `${angle} deg` }).pull(strains, #{ across: "strip" })
+    }
+    fn study(material, angles) {
+        let straight = [[1, 1e8]];
+        let bends = [0.02, 0.04, 0.06, 0.15];
+        let curves = angles.map(|angle| cut(material, angle));
+        let scenario = element(fabric(straight, straight, straight));
+        let tests = [];
+        for (angle, place) in angles {
+            tests.push(#{ scenario: scenario, set: #{ "loading.stretch.direction": `${angle} deg` }, name: `at ${angle}`,
+                pull: "strip", recordings: curves[place], window: [0, 0.14], noise: 0.005 });
+        }
+        calibrate(#{ tests: tests, discrepancy: 0.01, starts: 1, tol_x: 1e-3, tol_f: 1e-3, max_evaluations: 2000, parameters: #{
+            md: #{ curve: "specimen.material.fabric.md", start: curves[0], strains: bends, end: 0.6 },
+            td: #{ curve: "specimen.material.fabric.td", start: curves[curves.len() - 1], strains: bends, end: 0.6 },
+            shear: #{ curve: "specimen.material.fabric.shear", start: curve([0, 0.06, 0.4], [0, 4.2e6, 6e6]), strains: [0.03, 0.06, 0.1, 0.2, 0.4], end: 2 } } })
+    }
+"#;
+
+/// Rows of `angles`, a list of numbers each, the codes of all findings and the titles of the plots.
+fn angles(material: &str, angles: &str, options: &str) -> (Vec<Vec<f64>>, Vec<String>, Vec<String>) {
+    let text = format!(
+        "{COUPONS}
+         study({material}, {angles}).angles({options}).map(|row| [row.angle_deg, row.relative_error, row.relative_error_left_out,
+             if row.bias_from_0_45_90 == () {{ 0.0 }} else {{ row.bias_from_0_45_90 }}, row.modulus_MPa, row.modulus_law_MPa])"
+    );
+    let (found, output) = run(&text).unwrap_or_else(|error| panic!("{error}"));
+    let numbers = |row: Dynamic| -> Vec<f64> {
+        row.into_array().unwrap().into_iter().map(|item| item.as_float().expect("a number")).collect()
+    };
+    let rows = found.into_array().unwrap().into_iter().map(numbers).collect();
+    let codes = output.findings.iter().map(|found| found.code.to_string()).collect();
+    (rows, codes, output.plots.into_iter().map(|plot| plot.title).collect())
+}
+
+/// Film that yields in all directions together is not followed by a fabric of 0, 45 and 90 degrees at the angles between, where
+/// it is too stiff; a fabric is.
+#[test]
+fn angles_between_follow_a_fabric_and_not_a_film_that_yields_together() {
+    let options = "#{ strains: [0.1], modulus: [0, 0.02], tolerance: 0.04 }";
+    let (rows, codes, plots) = angles("plastic()", "[0, 30, 45, 90]", options);
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [0.0, 30.0, 45.0, 90.0]);
+    assert!(codes.contains(&"angles-do-not-follow".to_owned()), "{codes:?} {rows:?}");
+    assert!((0.04..0.2).contains(&rows[1][3]) && rows[1][2] > rows[1][1], "{rows:?}");
+    assert_eq!(plots, ["Modulus over the angle", "Force at 10 % over the angle"]);
+    let film = "fabric([[0.04, 6e6], [0.6, 14e6]], [[0.04, 8e6], [0.6, 12e6]], [[0.06, 4.2e6], [2, 9e6]])";
+    let (rows, codes, _) = angles(film, "[0, 30, 45, 90]", options);
+    assert!(!codes.contains(&"angles-do-not-follow".to_owned()), "{codes:?} {rows:?}");
+    assert!(rows[1][3].abs() < 0.02 && (rows[1][5] / rows[1][4] - 1.0).abs() < 0.05, "{rows:?}");
+}
+
+/// What cannot be compared is said.
+#[test]
+fn angles_need_coupons_and_tests_to_leave_out() {
+    let own = r#"let md = strip("MD"); let found = calibrate(#{ tests: [#{ scenario: md, name: "md", recordings: recorded(md, 5e-3, 1) }],
+        parameters: #{ k: #{ key: "specimen.material.fabric.scale.k1", start: 1, within: [0.5, 2] } }, starts: 1, max_evaluations: 40 });"#;
+    for (call, expected) in [
+        ("found.angles()", "angles are compared of two coupons or more"),
+        ("found.left_out()", "one test at least stays in a fit"),
+        ("found.left_out([\"td\"])", "there is no test `td`; there are md"),
+        ("found.angles(#{ tolerance: 2 })", "`tolerance` is a relative error"),
+    ] {
+        let error = run(&format!("{own} {call}")).unwrap_err();
+        assert!(error.contains(expected), "{call}: {error}");
     }
 }

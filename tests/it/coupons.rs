@@ -588,71 +588,52 @@ fn a_simulated_coupon_at_45_degrees_follows_the_recordings() {
     assert!(rhombus[4] < -0.2 && rhombus[29] < -0.06, "at the strains 0.05 and 0.3: {rhombus:?}");
 }
 
-/// The points of Table 5 hide in the virtual coupons, each moved by its own scatter, of 4 % in strain and 3 % in stress
-/// (scripts/make-virtual-tests.rhai); of the mean of 18 coupons twice the standard error is expected at most.
+/// One fit of MD, TD and shear to the virtual coupons of the study: the curves that `tensile reduce` reads point by point.
 #[test]
-fn a_single_element_fit_finds_the_parameters_of_the_virtual_coupons() {
+fn a_calibration_of_all_coupons_follows_their_means() {
     let bench = tempfile::tempdir().expect("a folder");
-    let summary = fitted(bench.path(), &[]);
-    for (fits, most) in [("breaks", MOST_OF_SIX), ("moduli", MOST_OF_ONE)] {
-        for fit in summary["tables"][fits].as_array().expect("a table") {
-            let evaluations = fit["evaluations"].as_u64().expect("a count");
-            assert!((1..=most).contains(&evaluations), "{fit}");
-        }
-    }
-    assert_eq!((summary["recordings"].as_u64(), summary["virtual_recordings"].as_u64()), (Some(66), Some(66)));
-    let rows = summary["tables"]["yield_points"].as_array().expect("a table");
-    assert_eq!(rows.len(), 4);
-    for row in rows {
-        for (found, printed, scatter) in [("strain", "paper_strain", 0.04), ("stress_MPa", "paper_stress_MPa", 0.03)] {
-            let [found, printed] = [found, printed].map(|column| row[column].as_f64().expect("a number"));
-            assert!((found / printed - 1.0).abs() < 2.0 * scatter / 18.0_f64.sqrt(), "{row}: {found} for {printed}");
-        }
-    }
-    for (row, strength) in summary["tables"]["breaks"].as_array().expect("a table").iter().zip([29.3, 16.2]) {
-        let number = |column: &str| row[column].as_f64().expect("a number");
-        assert!((number("break_stress_MPa") / strength - 1.0).abs() < 0.02, "{row}");
-        assert!(number("error") < 1e-3, "{row}");
-    }
-    // P = E* (e + 3/2 e² + …) lies above its slope at zero, so E* is a little less than the slope of the same stretch.
-    for row in summary["tables"]["moduli"].as_array().expect("a table") {
-        let number = |column: &str| row[column].as_f64().expect("a number");
-        let held = if row["width"] == "held" { 1.0 - 0.44 * 0.44 } else { 1.0 };
-        let share = number("young_MPa") / held / number("reduced_young_MPa");
-        assert!((0.94..0.98).contains(&share), "{row}");
-    }
-}
-
-#[test]
-fn both_searches_fit_the_same_points() {
-    let bench = tempfile::tempdir().expect("a folder");
-    let only = ["--arg", "recordings=data/virtual/coupons/*-0.02-*.csv"];
-    let [quick, simplex] = ["levenberg-marquardt", "nelder-mead"].map(|method| {
-        let method = format!("method={method}");
-        fitted(bench.path(), &[&only[..], &["--arg", &method]].concat())["tables"]["yield_points"].clone()
-    });
-    for (one, other) in quick.as_array().expect("rows").iter().zip(simplex.as_array().expect("rows")) {
-        for column in ["strain", "stress_MPa"] {
-            let [one, other] = [one, other].map(|row| row[column].as_f64().expect("a number"));
-            assert!((one / other - 1.0).abs() < 5e-3, "{column}: {one} and {other}");
-        }
-    }
-}
-
-/// Most evaluations of a fit of six numbers and of one by Levenberg and Marquardt: Nelder and Mead need hundreds of the
-/// first.
-const MOST_OF_SIX: u64 = 100;
-const MOST_OF_ONE: u64 = 20;
-
-/// What scripts/fit-coupons.rhai leaves of the virtual coupons.
-fn fitted(folder: &Path, more: &[&str]) -> Json {
-    let out = tempfile::tempdir_in(folder).expect("a folder").keep().join("fit");
-    let place = out.to_str().expect("a path");
-    let given = [&["script", "scripts/fit-coupons.rhai", "--out", place, "--quiet"][..], more].concat();
+    let out = bench.path().join("fit");
+    let mut given = vec!["script", "scripts/coupons-at-angles.rhai", "--quiet", "--out", out.to_str().expect("a path")];
+    let of_film = ["recordings=data/virtual/coupons/*.csv", "gauge=5 mm", "thickness=12 um", "to=0.6", "modulus=0.04"];
+    of_film.iter().for_each(|more| given.extend(["--arg", *more]));
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_droptower")).current_dir(root()).args(given).output();
     let output = output.expect("the binary starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("a summary")).expect("JSON")
+    let summary: Json =
+        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("a summary")).expect("JSON");
+    assert_eq!((summary["recordings"].as_u64(), summary["virtual_recordings"].as_u64()), (Some(66), Some(66)));
+    let rows = summary["tables"]["angles"].as_array().expect("a table");
+    let names: Vec<&str> = rows.iter().filter_map(|row| row["test"].as_str()).collect();
+    assert_eq!(names, ["MD", "D3", "TD", "D4"]);
+    for row in rows {
+        let error = row["relative_error"].as_f64().expect("a number");
+        assert!(error < 0.01, "{row}");
+    }
+    let page = fs::read_to_string(out.join("report.html")).expect("a page");
+    assert!(page.matches("<figure class=\"polar\">").count() == 4, "a diagram of the modulus and three of the force");
+}
+
+/// Coupons at seven angles are read with their angles from the header, and the virtual ones can be made again.
+#[test]
+fn coupons_at_any_angle_are_reduced() {
+    let given = ["--gauge", "50 mm", "--width", "10 mm", "--thickness", "50 um", "--json"];
+    let files: Vec<String> =
+        [0, 15, 30, 45, 60, 75, 90].map(|angle| format!("data/virtual_angles/{angle}deg-0.0005-1.csv")).into();
+    let arguments: Vec<&str> =
+        ["tensile", "reduce"].into_iter().chain(files.iter().map(String::as_str)).chain(given).collect();
+    let json: Json = serde_json::from_str(&workbench::printed(&droptower(&arguments))).expect("JSON");
+    let names: Vec<&str> =
+        json["directions"].as_array().expect("a list").iter().filter_map(|along| along["direction"].as_str()).collect();
+    assert_eq!(names, ["MD", "TD", "D3", "15deg", "30deg", "60deg", "75deg"]);
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("angles");
+    succeed(&["script", "scripts/make-virtual-angles.rhai", "--quiet", "--out", out.to_str().expect("a path")]);
+    for file in &files {
+        let name = Path::new(file).file_name().expect("a name");
+        let [shipped, made] = [root().join("data/virtual_angles"), out.clone()].map(|place| fs::read(place.join(name)));
+        assert_eq!(shipped.expect("a recording"), made.expect("a recording"), "{file}");
+    }
 }
 
 /// `tensile fit` of a plastic law to the coupons of aluminium, and what it refuses.

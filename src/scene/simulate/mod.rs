@@ -46,7 +46,7 @@ use mount::Mounting;
 pub use mount::{rigid_body, section, surface};
 pub use outcome::Outcome;
 use probe::Probe;
-pub use pull::{Across, PullError, pull, pull_along};
+pub use pull::{Across, PullError, pull, pull_along, section_between_jaws};
 pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot};
 pub use warning::{BodySize, CODES, ImpactorName, Warning};

@@ -97,6 +97,11 @@ pub fn pull_along(model: &Model, path: &[[f64; 2]], across: Across) -> Result<Ve
     path.iter().map(stress).collect()
 }
 
+/// Stress-free cross-section (m²) of the film between the jaws of a stretch test; none of another loading.
+pub fn section_between_jaws(model: &Model) -> Option<f64> {
+    loading::stretch(model).map(|stretch| stretch.section)
+}
+
 /// One element of the size of the specimen.
 struct SingleElement {
     film: Film,
@@ -117,6 +122,8 @@ struct SingleElement {
     width: f64,
     /// Displacement along the film over the distance across it.
     shear: f64,
+    /// Changes of width and shear over that of the strain in the last step.
+    trend: [f64; 2],
 }
 
 /// Largest step of the logarithmic strain of a plastic film, over its yield strain.
@@ -169,7 +176,19 @@ impl SingleElement {
         };
         let (section, rate) = (stretch.section, stretch.velocity / x);
         let [_, width, shear] = UNSTRETCHED;
-        Ok(SingleElement { film, flat, nodes, sides, section, rate, yield_strain, strain: 0.0, width, shear })
+        Ok(SingleElement {
+            film,
+            flat,
+            nodes,
+            sides,
+            section,
+            rate,
+            yield_strain,
+            strain: 0.0,
+            width,
+            shear,
+            trend: [0.0; 2],
+        })
     }
 
     /// Number of steps to `strain`.
@@ -199,7 +218,7 @@ impl SingleElement {
 
     /// Force (N) along the film at `strain`, reached in one step within `dt` (s).
     fn step(&mut self, strain: f64, dt: f64, across: Across) -> Result<f64, PullError> {
-        let along = 1.0 + strain;
+        let (along, before) = (1.0 + strain, [self.width, self.shear]);
         let free = |found: Option<[f64; 2]>| found.ok_or(PullError::NoWidth { strain });
         [self.width, self.shear] = match across {
             Across::Held => [1.0, 0.0],
@@ -207,6 +226,11 @@ impl SingleElement {
             Across::Free if self.yield_strain.is_some() => free(self.free_sides(along, dt))?,
             Across::Free => free(self.transverse_stretch(along, dt).map(|width| [width, 0.0]))?,
             Across::Equal => [along, 0.0],
+        };
+        let change = strain - self.strain;
+        self.trend = match change == 0.0 {
+            true => [0.0; 2],
+            false => [(self.width - before[0]) / change, (self.shear - before[1]) / change],
         };
         self.strain = strain;
         Ok(self.pulled([along, self.width, self.shear], dt))
@@ -244,7 +268,9 @@ impl SingleElement {
             let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
             (pull, Vector2::new(across, -nodes.total_force(&self.sides[1], 0)))
         };
-        let mut found = [self.width, self.shear];
+        // The trend of the last step is a good guess unless the film is unloaded.
+        let change = along - 1.0 - self.strain;
+        let mut found = [self.width + self.trend[0] * change, self.shear + self.trend[1] * change];
         let (mut pull, mut unbalanced) = forces(found);
         for _ in 0..MOST_ITERATIONS {
             if unbalanced.amax() <= FORCE_TOLERANCE * pull.abs() {

@@ -5,8 +5,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
 use serde_json::{Value, json};
 
+use super::angles::{self, Angles};
 use super::candidates;
 use super::fit::Fit;
+use super::left_out;
 use super::parameter::{Role, texts};
 use super::plan::Plan;
 use super::posterior::{Posterior, PosteriorOptions};
@@ -26,6 +28,7 @@ struct Parts {
     plan: Plan,
     fit: Fit,
     scenarios: Scenarios,
+    host: SearchHost,
     collector: OutputCollector,
     asked: Mutex<Answers>,
 }
@@ -77,6 +80,18 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_fn("settles", |context: NativeCallContext, own: &mut Calibration, candidates: Array| {
             own.settles(&candidates, &Session::from_context(&context))
         })
+        .register_fn("left_out", |context: NativeCallContext, own: &mut Calibration| {
+            own.left_out(None, &Session::from_context(&context))
+        })
+        .register_fn("left_out", |context: NativeCallContext, own: &mut Calibration, tests: Array| {
+            own.left_out(Some(&tests), &Session::from_context(&context))
+        })
+        .register_fn("angles", |context: NativeCallContext, own: &mut Calibration| {
+            own.angles(&Map::new(), &Session::from_context(&context))
+        })
+        .register_fn("angles", |context: NativeCallContext, own: &mut Calibration, options: Map| {
+            own.angles(&options, &Session::from_context(&context))
+        })
         .register_fn("page", |own: &mut Calibration| own.page());
 }
 
@@ -93,8 +108,8 @@ impl Calibration {
         }
         let mut plan = Plan::read(options, scenarios, session)?;
         let fit = Fit::search(&mut plan, host, session)?;
-        let (scenarios, collector) = (scenarios.clone(), collector.clone());
-        let own = Calibration(Arc::new(Parts { plan, fit, scenarios, collector, asked: Mutex::default() }));
+        let (scenarios, host, collector) = (scenarios.clone(), host.clone(), collector.clone());
+        let own = Calibration(Arc::new(Parts { plan, fit, scenarios, host, collector, asked: Mutex::default() }));
         own.report()?;
         Ok(own)
     }
@@ -211,6 +226,31 @@ impl Calibration {
         Ok(listed(&rows))
     }
 
+    /// How well tests are predicted by fits without them.
+    fn left_out(&self, tests: Option<&Array>, session: &Session) -> HostResult<Dynamic> {
+        let Parts { plan, fit, host, collector, .. } = &*self.0;
+        let groups = left_out::groups(tests, plan)?;
+        let found = left_out::searched(&groups, plan, fit, host, session)?;
+        let rows = left_out::rows(&found, plan, fit);
+        collector.table(&plan.table("left_out"), rows.clone()).map_err(refuse)?;
+        Ok(listed(&rows))
+    }
+
+    /// What the law makes of coupons at several angles.
+    fn angles(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
+        let Parts { plan, fit, host, collector, .. } = &*self.0;
+        let asked = angles::Asked::read(&Options { of: "angles", map: options }, plan)?;
+        let found = Angles::compared(&asked, plan, fit, host, session)?;
+        collector.table(&plan.table("angles"), found.rows.clone()).map_err(refuse)?;
+        for plot in found.plots {
+            collector.plot(plot).map_err(refuse)?;
+        }
+        if let Some(warning) = &found.warning {
+            collector.report(Finding::new(warning)).map_err(refuse)?;
+        }
+        Ok(listed(&found.rows))
+    }
+
     /// Plots of every test, measured and calibrated, of the posterior and of predictions.
     fn page(&self) -> HostResult<()> {
         let Parts { plan, fit, collector, .. } = &*self.0;
@@ -323,14 +363,18 @@ const ENTRIES: &[Entry] = &[
     Entry {
         call: "calibrate(#{ tests, parameters, noise, discrepancy, stages, … })",
         gives: "the parameters with which all tests agree with their recordings, and what the tests tell of each. A test is \
-                #{ scenario, compare, over, window, recordings, own, weight, noise, distance, error, set, name, outcome, \
-                failure_mass, rupture_time }: its signals (`acceleration` of an impact, else `force` or `pressure`) over time, travel or depth; `recordings` beside the \
-                [reference] of an impact are files or maps of signals; `own` names parameters that have a value of their own \
-                there; `distance` is \"residuals\", \"error-norm\", \"rating\", \"warping\" or \"features\"; of a drop `outcome` is \
-                \"held\", \"broke\" or a list of them, a specimen each, `failure_mass` and `rupture_time` a text such as \"104 g\" \
-                or a map with its `error`. A parameter is #{ key, start, within, log, prior, tests, scatter }: one key or several that are tied, bounds, a search along the \
-                logarithm, a distribution as of [variation]; `scatter` is that of break strains between specimens, a number or the \
-                ends between which it is estimated. `noise` is \"from the recordings\" or a share of the signal; \
+                #{ scenario, compare, over, window, recordings, own, weight, noise, distance, error, pull, set, name, outcome, \
+                failure_mass, rupture_time }: its signals (`acceleration` of an impact, else `force` or `pressure`) over time, travel \
+                or depth; `recordings` beside the [reference] of an impact are files or maps of signals; `own` names parameters that \
+                have a value of their own there; with `pull: \"strip\"` (or \"free\", \"held\") a coupon is pulled as by \
+                `scenario.pull` and not run, its recordings are curves, compared over strain; `distance` is \"residuals\", \
+                \"error-norm\", \"rating\", \"warping\" or \"features\"; of a drop `outcome` is \"held\", \"broke\" or a list of \
+                them, a specimen each, `failure_mass` and `rupture_time` a text such as \"104 g\" or a map with its `error`. A parameter \
+                is #{ key, start, within, log, prior, tests, scatter }: one key or several that are tied, bounds, a search along the \
+                logarithm, a distribution as of [variation]; `scatter` is that of break strains between specimens, a number or the ends \
+                between which it is estimated; or a curve of a fabric, #{ curve: key, start: curve, strains, end, tests }, whose \
+                unknowns are the rises of its stress from strain to strain, up to `end` at its last slope. `noise` is \"from the \
+                recordings\" or a share of the signal; \
                 `discrepancy` the error of the model, #{ share, correlation }, of which a share \"estimated\" follows from \
                 what the best parameters leave; `stages` are changes of the tests for searches at less cost, the last #{}; \
                 further method, starts, max_evaluations, tol_x, tol_f, difference, seed, precision (relative half width up to \
@@ -384,6 +428,34 @@ const ENTRIES: &[Entry] = &[
         example: calibrated!(
             r#"found.settles([#{ scenario: pulled.with(#{ "loading.stretch.direction": "TD" }), name: "td" }])[0].reduction > 0"#
         ),
+    },
+    Entry {
+        call: "calibration.left_out(), calibration.left_out([name, [name, …], …])",
+        gives: "searches again without tests, each alone or those of a list together, and how well what was left out is predicted: \
+                rows of signals with the relative error in the whole fit and when left out",
+        example: r#"let element = scenario("scenarios/stretch/single-element.toml");
+                    let strains = []; for i in 0..=60 { strains.push(0.01 * i); }
+                    let test = |name, k| #{ scenario: element, name: name, pull: "held", recordings: element.with(#{
+                        "specimen.material.fabric.scale.ky": k }).pull(strains), noise: 0.01 };
+                    let found = calibrate(#{ tests: [test.call("a", 1.0), test.call("b", 1.1)], discrepancy: 0.01, starts: 1,
+                        parameters: #{ ky: #{ key: "specimen.material.fabric.scale.ky", start: 1, within: [0.5, 2] } } });
+                    let rows = found.left_out();
+                    rows.len() == 2 && rows[0].relative_error_left_out > rows[0].relative_error"#,
+    },
+    Entry {
+        call: "calibration.angles(), calibration.angles(#{ strains, modulus: [from, to], tolerance })",
+        gives: "of tests with `pull`, coupons at several angles to MD: rows of modulus and force, measured and of the law, with the \
+                error in the fit, when left out, and when the law is fitted to 0, 45 and 90 degrees alone; polar diagrams; a \
+                finding where the angles between do not follow within `tolerance` (0.05)",
+        example: r#"let element = scenario("scenarios/stretch/single-element.toml");
+                    let strains = []; for i in 0..=60 { strains.push(0.005 * i); }
+                    let at = |degrees| element.with(#{ "loading.stretch.direction": `${degrees} deg` });
+                    let found = calibrate(#{ tests: [0, 30, 90].map(|angle| #{ scenario: at.call(angle), name: `at ${angle}`,
+                            pull: "strip", recordings: at.call(angle).pull(strains, #{ across: "strip" }), noise: 0.01 }),
+                        parameters: #{ ky: #{ key: "specimen.material.fabric.scale.ky", start: 1.1, within: [0.5, 2] } },
+                        discrepancy: 0.01, starts: 1 });
+                    let rows = found.angles(#{ strains: [0.2], modulus: [0, 0.1] });
+                    rows.len() == 3 && (rows[1].modulus_law_MPa / rows[1].modulus_MPa - 1).abs() < 0.01"#,
     },
     Entry {
         call: "calibration.page()",

@@ -131,7 +131,7 @@ fn searched(
 }
 
 /// Title and signals of the plots of a search.
-fn labels(plan: &Plan, stage: Option<usize>) -> Labels {
+pub(super) fn labels(plan: &Plan, stage: Option<usize>) -> Labels {
     let title = plan.name.clone().unwrap_or_else(|| "Calibration".into());
     let title = stage.map_or_else(|| title.clone(), |stage| format!("{title}, stage {stage}"));
     let signals = plan.tests.iter().flat_map(|test| {

@@ -6,12 +6,14 @@
 //! `ErrorModel`. Its linearization gives a verdict on each parameter, its posterior is sampled on
 //! surrogates of the tests, and predictions take their parameters from that.
 
+mod angles;
 mod bindings;
 mod candidates;
 mod curve_parameter;
 mod distance;
 mod error_model;
 mod fit;
+mod left_out;
 mod objective;
 mod outcome;
 mod parameter;

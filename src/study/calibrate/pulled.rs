@@ -9,8 +9,8 @@ use lab::signal::Series;
 use scene::model::Loading;
 use scene::simulate::Across;
 
-/// Steps from no strain to the end of a recording: several within each bin of a comparison.
-const STEPS: usize = 240;
+/// Steps from no strain to the end of a recording: one within each bin of a comparison, whose straight pieces the bins average.
+const STEPS: usize = 120;
 
 /// The option `pull`: what holds the film across.
 pub(super) fn across(given: &Dynamic, study: &Study) -> Result<Across, String> {

@@ -29,6 +29,21 @@ findings! {
             remedy "add a test that separates them (`settles` of the result compares candidates), or fix one of them";
             message "{parameter} is determined only together with {}: 95 % half width {} of its value, {} if they were known",
                 others.join(" and "), percent(*half_width), percent(*half_width_alone);
+        AnglesDoNotFollow {
+            angles: Vec<String>, "angles of these coupons from MD, degrees" => "angles";
+            least: f64, "least mean difference of the law from such a coupon, relative" => "least";
+            most: f64, "largest mean difference of the law from such a coupon, relative" => "most";
+            error: f64, "largest relative error over the strains of such a coupon" => "error";
+            of_modulus: f64, "largest relative difference of a modulus between, beyond that of the moduli at 0, 45 and 90 degrees" => "of_modulus";
+            needs: String, "what a law that follows them needs" => "needs";
+        } = "angles-do-not-follow", Warning;
+            meaning "a law that is fitted to coupons at 0, 45 and 90 degrees does not predict the coupons at the angles between: fibre \
+                curves and a shear curve that know nothing of each other make film too stiff there once it yields in more than \
+                one of them";
+            remedy "do not trust the law beyond that error where film is strained at an angle to its fibres; a plastic law with Hill's \
+                ratios yields in all directions together";
+            message "fitted to 0, 45 and 90 degrees, the law is {} to {} off at {} degrees (modulus {}): {needs}",
+                signed(*least), signed(*most), angles.join(", "), signed(*of_modulus);
         ModelError {
             share: f64, "the error, as a share of the root mean square of each signal" => "share";
             correlation: String, "the assumed correlation of it" => "correlation";
@@ -89,6 +104,10 @@ findings! {
             remedy "find out why they fail: a band without them may be too narrow";
             message "{failed} of {runs} runs of {scenario} have no value, the first: {cause}";
     }
+}
+
+fn signed(share: f64) -> String {
+    format!("{}{} %", if share > 0.0 { "+" } else { "" }, significant(100.0 * share, 2))
 }
 
 fn percent(share: f64) -> String {

@@ -181,7 +181,7 @@ fn recorded_map(recorded: &CouponTest) -> Map {
         ("file", recorded.path.display().to_string().into()),
         ("specimen", recorded.specimen.as_ref().map_or(Dynamic::UNIT, |specimen| specimen.name.clone().into())),
         ("direction", sample.direction.to_string().into()),
-        ("angle", sample.direction.angle().to_degrees().into()),
+        ("angle", sample.direction.degrees().into()),
         ("velocity", sample.velocity.into()),
         ("curve", Dynamic::from(sample.curve.clone())),
         ("modulus", sample.modulus.slope.into()),
@@ -198,7 +198,7 @@ fn along_map(along: &DirectionMeans) -> Map {
     };
     map([
         ("direction", along.direction.to_string().into()),
-        ("angle", along.direction.angle().to_degrees().into()),
+        ("angle", along.direction.degrees().into()),
         ("modulus", spread_map(&along.modulus).into()),
         ("strength", spread_map(&along.strength).into()),
         ("elongation", spread_map(&along.elongation).into()),
@@ -270,7 +270,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "read_coupons(pattern, coupon), read_coupons(pattern, coupon, rules)",
-        gives: "a list of maps for reduce_coupons: file, specimen (its name in an export of a machine), direction, velocity (from header or name), curve up to the break, modulus, strength, elongation, is_virtual",
+        gives: "a list of maps for reduce_coupons: file, specimen (its name in an export of a machine), direction (MD, TD, D3, D4 or an angle such as 15deg) and its angle (degrees), velocity (from header or name), curve up to the break, modulus, strength, elongation, is_virtual",
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let tests = read_coupons("data/virtual/coupons/md-0.2-*.csv", c); tests.len() == 6 && tests[0].is_virtual && reduce_coupons(tests).virtual_recordings == 6"#,
     },
     Entry {

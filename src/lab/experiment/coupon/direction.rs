@@ -61,6 +61,11 @@ impl Direction {
     pub fn angle(self) -> f64 {
         f64::from(self.hundredths()) / HALF_TURN as f64 * PI
     }
+
+    /// The same in degrees.
+    pub fn degrees(self) -> f64 {
+        f64::from(self.hundredths()) / 100.0
+    }
 }
 
 impl fmt::Display for Direction {
