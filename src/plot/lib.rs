@@ -9,9 +9,25 @@ pub mod viridis;
 
 pub use braille::braille;
 pub use picture::ticks;
-pub use picture::{svg, svg_in};
 pub use polar::{around, polar_figure};
 pub use style::Style;
+
+/// The plot as SVG: axes or rings with ticks, curves, the marked window, and a legend of more than one curve below; points
+/// without a place on the axes interrupt a curve.
+pub fn svg(plot: &Plot) -> String {
+    match plot.frame {
+        Frame::Rectangular => picture::svg(plot),
+        Frame::Polar => polar::svg(plot),
+    }
+}
+
+/// The plot as SVG in a size and letters of paper, its legend within the height.
+pub fn svg_in(plot: &Plot, style: &Style) -> String {
+    match plot.frame {
+        Frame::Rectangular => picture::svg_in(plot, style),
+        Frame::Polar => polar::svg_in(plot, style),
+    }
+}
 
 /// Label of an axis of time.
 pub const TIME: &str = "time (ms)";

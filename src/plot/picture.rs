@@ -12,7 +12,7 @@ use plotters::prelude::{
 };
 
 use super::style::Style;
-use super::{Curve, Frame, Look, Plot, Scale, polar};
+use super::{Curve, Look, Plot, Scale};
 use base::number::significant;
 
 /// Units of the drawing for a pixel of a page: the crate places points at whole units.
@@ -135,12 +135,8 @@ impl Layout<'_> {
     }
 }
 
-/// The plot as SVG: axes with ticks, curves, the marked window, and a legend of more than one curve below. Coordinates
-/// have a tenth of a pixel; points without a place on the axes interrupt a curve.
+/// A plot over two axes as SVG, with a legend of more than one curve below. Coordinates have a tenth of a pixel.
 pub fn svg(plot: &Plot) -> String {
-    if plot.frame == Frame::Polar {
-        return polar::svg(plot);
-    }
     let letters = 12 * UNITS;
     let layout = Layout { size: SIZE, letters, family: "sans-serif", line: 2 * UNITS as u32, has_title: true };
     let legend = legend(plot, &layout);
@@ -149,12 +145,8 @@ pub fn svg(plot: &Plot) -> String {
     sized(drawn, [SIZE[0], height], [SIZE[0], height].map(|side| (side / UNITS).to_string()))
 }
 
-/// The plot as SVG in a size and letters of paper, its legend within the height. Coordinates have a hundredth of a
-/// point.
+/// A plot over two axes in a size and letters of paper. Coordinates have a hundredth of a point.
 pub fn svg_in(plot: &Plot, style: &Style) -> String {
-    if plot.frame == Frame::Polar {
-        return polar::svg_in(plot, style);
-    }
     let units = |length: f64| (length * UNITS_OF_POINT).round() as i32;
     let size = [style.width, style.height].map(units);
     let Style { family, has_title, .. } = style;

@@ -111,15 +111,18 @@ impl Angles {
         }
         let mut found = left_out::searched(&groups, plan, fit, host, session)?;
         let of_axes = (found.len() > coupons.len()).then(|| found.pop()).flatten();
-        let law = Law::new(asked, &coupons, plan, fit, session)?;
+        let mut laws = vec![Law::new("law", asked, &coupons, plan, &fit.values, session)?];
+        if let Some(left) = &of_axes {
+            laws.push(Law::new("law of 0, 45, 90°", asked, &coupons, plan, &left.values, session)?);
+        }
         let rows: Vec<Row> = coupons
             .iter()
             .zip(&found)
             .map(|(coupon, left)| row(asked, coupon, &fit.simulated[coupon.index], left, of_axes.as_ref()))
             .collect();
         let warning = of_axes.and_then(|left| doubt(asked, &coupons, &left));
-        let mut plots = vec![law.modulus_plot(asked, &coupons)];
-        plots.extend((0..asked.strains.len()).map(|place| law.force_plot(asked, &coupons, place)));
+        let mut plots = vec![modulus_plot(asked, &coupons, &laws)];
+        plots.extend((0..asked.strains.len()).map(|place| force_plot(asked, &coupons, &laws, place)));
         Ok(Angles { rows, plots, warning })
     }
 }
@@ -295,8 +298,9 @@ fn mirrored(coupons: &[Coupon<'_>]) -> Option<f64> {
     pairs.fold(None, |worst: Option<f64>, own| Some(worst.map_or(own, |worst| worst.max(own))))
 }
 
-/// The calibrated law at every angle.
+/// A law at every angle.
 struct Law {
+    name: &'static str,
     /// Degrees.
     angles: Vec<f64>,
     /// MPa.
@@ -306,9 +310,16 @@ struct Law {
 }
 
 impl Law {
-    fn new(asked: &Asked, coupons: &[Coupon<'_>], plan: &Plan, fit: &Fit, session: &Session) -> HostResult<Law> {
+    fn new(
+        name: &'static str,
+        asked: &Asked,
+        coupons: &[Coupon<'_>],
+        plan: &Plan,
+        values: &[f64],
+        session: &Session,
+    ) -> HostResult<Law> {
         let Some(first) = coupons.first() else { return Err(refuse("there is no coupon")) };
-        let film = first.test.study.with(plan.changes(first.index, &fit.values), session)?;
+        let film = first.test.study.with(plan.changes(first.index, values), session)?;
         let end = asked.strains.iter().copied().fold(asked.modulus[1], f64::max);
         let angles: Vec<f64> = (0..180).step_by(STEP).map(|angle| angle as f64).collect();
         let at = |angle: &f64| -> HostResult<Series> {
@@ -321,7 +332,7 @@ impl Law {
         let force = |strain: &f64| {
             curves.iter().map(|curve| first.section * curve.value_at(*strain).unwrap_or(f64::NAN)).collect()
         };
-        Ok(Law { angles, moduli, forces: asked.strains.iter().map(force).collect() })
+        Ok(Law { name, angles, moduli, forces: asked.strains.iter().map(force).collect() })
     }
 
     /// The whole turn, closed.
@@ -329,22 +340,36 @@ impl Law {
         let half: Vec<[f64; 2]> = self.angles.iter().zip(values).map(|(angle, value)| [*angle, *value]).collect();
         let mut points = around(&half);
         points.extend(half.first().map(|[_, value]| [360.0, *value]));
-        plot::Curve::line("law", points)
+        plot::Curve::line(self.name, points)
     }
+}
 
-    fn modulus_plot(&self, asked: &Asked, coupons: &[Coupon<'_>]) -> Plot {
-        let of = |series: &Series, _: f64| modulus(series, asked.modulus).map(|slope| 1e-6 * slope);
-        let curves = vec![self.curve(&self.moduli), measured(coupons, &of)];
-        Plot::polar("Modulus over the angle", [ANGLE, "modulus (MPa)"], curves)
-    }
+/// The laws, all but the first dashed, and the coupons.
+fn drawn<'l>(
+    laws: &'l [Law],
+    values: impl Fn(&'l Law) -> &'l [f64],
+    coupons: &[Coupon<'_>],
+    of: &dyn Fn(&Series, f64) -> Option<f64>,
+) -> Vec<plot::Curve> {
+    let curve = |(place, law): (usize, &'l Law)| {
+        let curve = law.curve(values(law));
+        if place == 0 { curve } else { curve.dashed() }
+    };
+    laws.iter().enumerate().map(curve).chain([measured(coupons, of)]).collect()
+}
 
-    fn force_plot(&self, asked: &Asked, coupons: &[Coupon<'_>], place: usize) -> Plot {
-        let strain = asked.strains[place];
-        let of = |series: &Series, section: f64| series.value_at(strain).map(|stress| stress * section);
-        let curves = vec![self.curve(&self.forces[place]), measured(coupons, &of)];
-        let title = format!("Force at {} % over the angle", significant(100.0 * strain, 3));
-        Plot::polar(title, [ANGLE, "force (N)"], curves)
-    }
+fn modulus_plot(asked: &Asked, coupons: &[Coupon<'_>], laws: &[Law]) -> Plot {
+    let of = |series: &Series, _: f64| modulus(series, asked.modulus).map(|slope| 1e-6 * slope);
+    let curves = drawn(laws, |law| &law.moduli, coupons, &of);
+    Plot::polar("Modulus over the angle", [ANGLE, "modulus (MPa)"], curves)
+}
+
+fn force_plot(asked: &Asked, coupons: &[Coupon<'_>], laws: &[Law], place: usize) -> Plot {
+    let strain = asked.strains[place];
+    let of = |series: &Series, section: f64| series.value_at(strain).map(|stress| stress * section);
+    let curves = drawn(laws, |law| &law.forces[place], coupons, &of);
+    let title = format!("Force at {} % over the angle", significant(100.0 * strain, 3));
+    Plot::polar(title, [ANGLE, "force (N)"], curves)
 }
 
 /// The coupons as points, each at its angle and behind it.

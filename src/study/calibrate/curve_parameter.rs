@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rhai::{Array, Dynamic, Map};
 
-use super::parameter::{Parameter, Role, texts};
+use super::parameter::{CurvePoint, Parameter, Role, texts};
 use crate::script::{HostResult, Options, number, refuse};
 use lab::experiment::coupon::Curve;
 
@@ -17,19 +17,6 @@ const USUAL_SHARES: [f64; 8] = [0.05, 0.12, 0.2, 0.3, 0.42, 0.58, 0.78, 1.0];
 const MOST_RISE: f64 = 3.0;
 /// Least stress of a start over its largest: a search along a bound is slow.
 const LEAST_RISE: f64 = 1e-3;
-
-/// A point of the curve of a fabric.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct CurvePoint {
-    /// The key of the curve, such as `specimen.material.fabric.md`.
-    key: String,
-    /// Strains of all its points, or shear angles.
-    strains: Arc<[f64]>,
-    /// Which of them this is.
-    place: usize,
-    /// Where the curve ends, at its last slope.
-    until: f64,
-}
 
 const OPTIONS: [&str; 5] = ["curve", "start", "strains", "end", "tests"];
 

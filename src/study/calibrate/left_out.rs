@@ -17,6 +17,8 @@ pub(super) struct LeftOut {
     pub(super) tests: Vec<usize>,
     /// Simulated signals of all tests of the calibration, by the parameters of the others.
     pub(super) simulated: Vec<Vec<Series>>,
+    /// Those parameters.
+    pub(super) values: Vec<f64>,
 }
 
 /// The tests that a script wants left out: each alone, or several together in a list of their own.
@@ -73,8 +75,9 @@ pub(super) fn searched(
     let trial = session.with_trial(session.cancellation());
     let predicted = groups.iter().zip(found).map(|(group, found)| {
         let simulated =
-            (0..plan.tests.len()).map(|test| whole.run(test, &found.best.x, &trial).map(|(_, signals)| signals));
-        Ok(LeftOut { tests: group.clone(), simulated: simulated.collect::<HostResult<_>>()? })
+            (0..plan.tests.len()).map(|test| whole.signals(test, &found.best.x, &trial));
+        let simulated = simulated.collect::<HostResult<_>>()?;
+        Ok(LeftOut { tests: group.clone(), simulated, values: found.best.x })
     });
     predicted.collect()
 }

@@ -60,7 +60,8 @@ impl<'a> CalibrationObjective<'a> {
 
     fn evaluated(&self, x: &[f64], session: &Session) -> Evaluation {
         let mut residuals = Vec::new();
-        // A test that is left out has no weight.
+        // A test that is left out has no weight; such searches are compared by their results alone.
+        let is_whole = self.plan.tests.iter().all(|test| test.weight > 0.0);
         for (test, own) in self.plan.tests.iter().enumerate().filter(|(_, own)| own.weight > 0.0) {
             let found = self.signals(test, x, session).and_then(|own| Ok((own, self.demands(test, x, session)?)));
             let (simulated, demands) = match found {
@@ -70,7 +71,7 @@ impl<'a> CalibrationObjective<'a> {
             if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
                 return Evaluation::failed(rupture);
             }
-            for (signal, simulated) in own.signals.iter().zip(&simulated) {
+            for (signal, simulated) in own.signals.iter().zip(&simulated).filter(|_| is_whole) {
                 session.add_comparison(|| signal.compared(simulated));
             }
             match self.residuals_of(own, &simulated) {

@@ -1,8 +1,9 @@
 //! Parameters of a calibration and the unknowns that they are: one value for all tests, or one a test.
 
+use std::sync::Arc;
+
 use rhai::{Array, Dynamic, Map};
 
-use super::curve_parameter::CurvePoint;
 use super::outcome::BREAK_FACTORS;
 use crate::script::{HostResult, Options, number, refuse, to_json};
 use uncertainty::distribution::Distribution;
@@ -45,6 +46,19 @@ pub(super) enum Role {
     Break([bool; 2]),
     /// Their scatter between specimens.
     Scatter([bool; 2]),
+}
+
+/// A point of the curve of a fabric, whose rise from the point before is a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct CurvePoint {
+    /// The key of the curve, such as `specimen.material.fabric.md`.
+    pub(super) key: String,
+    /// Strains of all its points, or shear angles.
+    pub(super) strains: Arc<[f64]>,
+    /// Which of them this is.
+    pub(super) place: usize,
+    /// Where the curve ends, at its last slope.
+    pub(super) until: f64,
 }
 
 /// One unknown: a parameter, of all tests or of one.

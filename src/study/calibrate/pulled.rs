@@ -68,3 +68,8 @@ pub(super) fn as_recorded(given: &Dynamic, study: &Study) -> Result<Map, String>
     let series = simulated(study, across, stretch.until).map_err(|error| error.to_string())?;
     Ok(Map::from([("stress".into(), Dynamic::from(series))]))
 }
+
+/// Stress over strain as a curve; none where it has a gap.
+pub(super) fn curve(series: &Series) -> Option<Curve> {
+    Curve::new(series.time().to_vec(), series.values().to_vec()).ok()
+}

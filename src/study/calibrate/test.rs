@@ -353,6 +353,11 @@ impl Signal {
     /// The comparison, for plots of the search.
     pub(super) fn compared(&self, simulated: &Series) -> Compared {
         let all = [f64::NEG_INFINITY, f64::INFINITY];
+        if self.over == Some(&column::STRAIN)
+            && let (Some(own), Some(measured)) = (pulled::curve(simulated), pulled::curve(&self.measured))
+        {
+            return Compared::curves(&own, &measured);
+        }
         Compared::signals(simulated, &self.measured, all)
     }
 
