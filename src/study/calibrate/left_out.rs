@@ -74,8 +74,7 @@ pub(super) fn searched(
     let whole = CalibrationObjective::new(plan, fit.share, session);
     let trial = session.with_trial(session.cancellation());
     let predicted = groups.iter().zip(found).map(|(group, found)| {
-        let simulated =
-            (0..plan.tests.len()).map(|test| whole.signals(test, &found.best.x, &trial));
+        let simulated = (0..plan.tests.len()).map(|test| whole.signals(test, &found.best.x, &trial));
         let simulated = simulated.collect::<HostResult<_>>()?;
         Ok(LeftOut { tests: group.clone(), simulated, values: found.best.x })
     });
