@@ -354,7 +354,7 @@ findings! {
                 under tension in one direction; of two LDPE films, whose darts' failure masses were measured, that strain would have to \
                 be a quarter of the coupons' (docs/standards.md)";
             remedy "take failure masses from it only where darts or drops were compared; `calibrate` finds the break strain \
-                (`md.break_factor`) from drops that held or broke and from failure masses";
+                (`specimen.material.fabric.md.break_factor`) from drops that held or broke and from failure masses";
             message "the film broke at {} at the break strain of its curves: coupons alone do not tell that of a drop",
                 number::duration(*time);
         HardeningExceeded {
