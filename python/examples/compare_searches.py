@@ -1,11 +1,11 @@
-"""The same calibration by SciPy, by emcee and by droptower: three parameters, one VIRTUAL recording, the same simulator.
+"""The same calibration by SciPy, by emcee and by droptower: three parameters, one VIRTUAL recording, one simulator.
 
     pip install scipy emcee
     python python/examples/compare_searches.py
 
-A run with known multipliers and noise stands for the recording. SciPy and emcee call the simulator through Python, one run an
-evaluation; `calibrate` of droptower runs it in its own process, stores runs, and samples its posterior on surrogates.
-Prints a row a method: evaluations, wall time, medians and half widths of 95 %.
+A run with known multipliers and noise stands for the recording. SciPy and emcee call the simulator through Python,
+one run an evaluation; `calibrate` of droptower runs it in its own process, stores runs, and samples its posterior on
+surrogates. Prints a row a method: evaluations, wall time, medians and half widths of 95 %.
 """
 
 import argparse
@@ -87,7 +87,9 @@ def main() -> None:
         sampler = emcee.EnsembleSampler(options.walkers, len(NAMES), log_posterior)
         sampler.random_state = np.random.RandomState(3).get_state()
         sampler.run_mcmc(np.clip(walkers, LOW, HIGH), options.steps)
-        low, middle, high = np.quantile(sampler.get_chain(discard=options.steps // 3, flat=True), [0.025, 0.5, 0.975], axis=0)
+        low, middle, high = np.quantile(
+            sampler.get_chain(discard=options.steps // 3, flat=True), [0.025, 0.5, 0.975], axis=0
+        )
         row("emcee, each sample a run", simulator.runs - before, time.monotonic() - begin, middle, 0.5 * (high - low))
 
         recording = folder / "recording.csv"
