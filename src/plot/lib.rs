@@ -21,7 +21,7 @@ pub fn svg(plot: &Plot) -> String {
     }
 }
 
-/// The plot as SVG in a size and letters of paper, its legend within the height.
+/// The plot as SVG in the size and font of paper, its legend within the height.
 pub fn svg_in(plot: &Plot, style: &Style) -> String {
     match plot.frame {
         Frame::Rectangular => picture::svg_in(plot, style),

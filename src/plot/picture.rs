@@ -145,7 +145,7 @@ pub fn svg(plot: &Plot) -> String {
     sized(drawn, [SIZE[0], height], [SIZE[0], height].map(|side| (side / UNITS).to_string()))
 }
 
-/// A plot over two axes in a size and letters of paper. Coordinates have a hundredth of a point.
+/// A plot over two axes in the size and font of paper. Coordinates have a hundredth of a point.
 pub fn svg_in(plot: &Plot, style: &Style) -> String {
     let units = |length: f64| (length * UNITS_OF_POINT).round() as i32;
     let size = [style.width, style.height].map(units);

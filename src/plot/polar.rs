@@ -66,7 +66,7 @@ pub(super) fn svg(plot: &Plot) -> String {
     drawn(plot, &setting, |[width, height]| format!("width=\"{width}\" height=\"{height}\""), Some("sans-serif"))
 }
 
-/// The plot in a size and letters of paper, its legend within the height.
+/// The plot in the size and font of paper, its legend within the height.
 pub(super) fn svg_in(plot: &Plot, style: &Style) -> String {
     let mut setting = fixed([style.width, style.height], style.letters, style.line, style.has_title);
     setting.size[1] -= legend_height(plot, &setting);

@@ -262,7 +262,7 @@ fn mistakes_about_outcomes_are_named() {
             "parameter `k` is a break strain, of which signals tell nothing",
         ),
         (r#"[#{ scenario: strip("MD"), outcome: "held" }]"#, "are of drop tests: `[loading.impact]`"),
-        (r#"[#{ scenario: drop, failure_mass: 0.1 }]"#, "`failure_mass` is a text such as \"10.72 kg\""),
+        (r#"[#{ scenario: drop, failure_mass: 0.1 }]"#, "`failure_mass` must be a string such as \"10.72 kg\""),
         (r#"[#{ scenario: drop, rupture_time: #{ time: "2 ms", error: "1 mm" } }]"#, "expected a time, found \"1 mm\""),
         (r#"[#{ scenario: drop, rupture_time: "0 ms" }]"#, "`rupture_time` and its error are above zero"),
         (

@@ -89,8 +89,11 @@ struct Local {
 /// What is known of a test by its options `outcome`, `failure_mass` and `rupture_time`; none where it has none of them.
 pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Option<Outcomes>> {
     let mut all: Vec<Outcome> = Vec::new();
-    if let Some(given) = map.get("outcome") {
-        let list = given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone());
+    if map.contains_key("outcome") {
+        let list = several(map.get("outcome"));
+        if list.is_empty() {
+            return Err(refuse("`outcome` is an empty list: one of \"held\" and \"broke\" for each specimen"));
+        }
         for one in &list {
             all.push(match one.to_string().as_str() {
                 "held" => Outcome::Held,
@@ -140,7 +143,9 @@ fn with_error(
 ) -> HostResult<(f64, Option<f64>)> {
     let example = dimension.example;
     let wrong = |given: &Dynamic| -> Box<rhai::EvalAltResult> {
-        refuse(format!("`{of}` is a text such as \"{example}\" or #{{ {name}: \"{example}\", error: … }}, not {given}"))
+        refuse(format!(
+            "`{of}` must be a string such as \"{example}\" or #{{ {name}: \"{example}\", error: … }}, not {given}"
+        ))
     };
     let quantity = |value: &Dynamic| -> HostResult<f64> {
         let text = value.clone().into_string().map_err(|_| wrong(value))?;
