@@ -250,6 +250,30 @@ fn a_time_of_rupture_and_a_failure_mass_lead_to_the_break_strain() {
     assert!((found[1] / 0.7 - 1.0).abs() < 0.02, "{found:?}");
 }
 
+/// A parameter of the drop's impactor has no part in the prediction of a strip, which says so and takes the thickness.
+#[test]
+fn a_prediction_leaves_out_what_its_scenario_lacks() {
+    let text = r#"
+        let md = strip("MD");
+        let found = calibrate(#{
+            tests: [#{ scenario: md, name: "md", recordings: recorded(md, 5e-3, 1) }, #{ scenario: drop, name: "drop", outcome: "held" }],
+            parameters: #{
+                thickness: #{ key: "specimen.material.thickness", start: "12 um", within: ["6 um", "20 um"], tests: ["md"] },
+                friction: #{ key: "impactor.friction", start: 0.4, within: [0.3, 0.5], tests: ["drop"] },
+            }, discrepancy: 0.01, starts: 1, max_evaluations: 60 });
+        found.predict([#{ scenario: strip("TD"), name: "td" }], #{ samples: 6, figures: ["peak_force_N"] }).figures
+            .map(|row| `${row.scenario} ${row.lower_95 < row.upper_95}`)"#;
+    let (found, output) = run(&format!("{DROP}{text}")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(found.into_array().unwrap()[0].to_string(), "td true");
+    let without: Vec<String> = output
+        .findings
+        .iter()
+        .filter(|found| found.code.to_string() == "prediction-without-parameter")
+        .map(|found| found.message.clone())
+        .collect();
+    assert_eq!(without, ["friction has no part in the prediction of td, which has a value of its own or none"]);
+}
+
 #[test]
 fn mistakes_about_outcomes_are_named() {
     for (tests, expected) in [
@@ -262,6 +286,7 @@ fn mistakes_about_outcomes_are_named() {
             "parameter `k` is a break strain, of which signals tell nothing",
         ),
         (r#"[#{ scenario: strip("MD"), outcome: "held" }]"#, "are of drop tests: `[loading.impact]`"),
+        (r#"[#{ scenario: drop, outcome: [] }]"#, "`outcome` is an empty list"),
         (r#"[#{ scenario: drop, failure_mass: 0.1 }]"#, "`failure_mass` must be a string such as \"10.72 kg\""),
         (r#"[#{ scenario: drop, rupture_time: #{ time: "2 ms", error: "1 mm" } }]"#, "expected a time, found \"1 mm\""),
         (r#"[#{ scenario: drop, rupture_time: "0 ms" }]"#, "`rupture_time` and its error are above zero"),
