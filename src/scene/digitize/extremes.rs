@@ -113,8 +113,10 @@ mod tests {
                     let (middles, covered) = drawn(curve, 41, width);
                     let (points, doubts) = at_extremes(&middles, &covered);
                     let off = points[20][1] - curve(20.5);
-                    // Steps of a quarter of a pixel on steep flanks; a pen of one pixel has four of them.
-                    let most = if width > 1.0 { 0.55 } else { 1.1 };
+                    // The pen goes by quarters of a pixel, which on a flank are rows in proportion to its slope; one of a
+                    // single pixel has four of them.
+                    let [share, most] = if width > 1.0 { [0.125, 0.55] } else { [0.14, 1.1] };
+                    let most = (share * slope).clamp(0.15, most);
                     assert!(off.abs() < most, "{width} {slope} {side}: {off}");
                     for ([at, row], doubt) in points.iter().zip(doubts).skip(8).take(25) {
                         let off = (row - curve(*at)).abs();
