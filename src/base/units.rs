@@ -169,6 +169,7 @@ impl Dimension {
             "N" => &["mN", "N", "kN"],
             "J" => &["mJ", "J", "kJ"],
             "N s/m" => &["N s/m"],
+            "N/m" => &["N/m", "N/mm", "kN/m"],
             "Nm" => &["Nmm", "Nm", "kNm"],
             "J/m2" => &["J/m2", "kJ/m2"],
             "J/mol" => &["J/mol", "kJ/mol"],
@@ -417,6 +418,8 @@ quantities! {
     Inertia: "a moment of inertia", "kg m2", "0.02 kg m2", [2, 1, 0, 0, 0, 0];
     /// N s/m.
     ForcePerSpeed: "a force per velocity", "N s/m", "1.5 N s/m", [0, 1, -1, 0, 0, 0];
+    /// N/m.
+    Stiffness: "a stiffness", "N/m", "3 kN/m", [0, 1, -2, 0, 0, 0];
     /// Nm.
     Moment: "a moment", "Nm", "2.2 Nm", [2, 1, -2, -1, 0, 0];
     /// K.

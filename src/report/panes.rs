@@ -219,7 +219,7 @@ mod tests {
     fn columns_of_one_title_share_a_pane() {
         let names = ["frame_force_x_N", "frame_force_y_N", "frame_force_N", "clamp_slip_m"];
         let expected = [
-            "Force of the film on the frame: along x; along y; downwards, on the bars",
+            "Force of the film on the frame: along x; along y; downwards",
             "Slip in the clamp of the frame: simulated",
         ];
         assert_eq!(drawn(&names, Shown::PageAndTab), expected);

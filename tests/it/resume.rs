@@ -298,7 +298,7 @@ fn assert_same(one: &Outcome, other: &Outcome, what: &str) {
 
 /// Every law, loading, element and kind of impactor that the golden cases have: rupture, a rotating sphere, faces of
 /// their own, triangles, a slow test whose mass is scaled, a graded mesh with added mass, bars, film that leaves its
-/// clamp.
+/// clamp, film on springs.
 #[test]
 fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [
@@ -339,6 +339,14 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
                 "frame.clamp={ force = \"200 N\", friction = 0.5, width = \"2 mm\" }",
                 "layers.prestrain={ md = 0.0, td = 0.0 }",
                 "loading.impact.duration=15ms",
+            ],
+        ),
+        (
+            "drop-1508",
+            &[
+                "output.frames=20",
+                "specimen.mesh.size=20mm",
+                "frame.springs={ curve = [[0, 0], [0.002, 5], [0.05, 200]], count = 80, length = 0.06, mass = 0.02, damping = 5 }",
             ],
         ),
     ] {

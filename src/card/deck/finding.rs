@@ -34,6 +34,10 @@ findings! {
             meaning "film slips in the clamp of the test and is fixed in the deck";
             remedy "compare with a scenario without `frame.clamp`";
             message "lost: film that slips in the clamp";
+        Springs = "deck-springs", Warning;
+            meaning "film hangs on springs in the test, and its edges are fixed in the deck";
+            remedy "compare with a scenario without `frame.springs`, or add them as discrete elements";
+            message "lost: the springs between film and frame";
         Air = "deck-air", Warning;
             meaning "the air around the film is not in the deck";
             remedy "compare with a scenario without `air`";

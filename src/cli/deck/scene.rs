@@ -171,6 +171,7 @@ fn losses(model: &Model) -> Vec<DeckLoss> {
     let all = [
         (model.frame.bars.is_some(), DeckLoss::Bars),
         (model.frame.clamp.is_some(), DeckLoss::Clamp),
+        (model.frame.springs.is_some(), DeckLoss::Springs),
         (model.air.is_some(), DeckLoss::Air),
         (model.contact.film, DeckLoss::FilmContact),
         (impactors.len() > 1, DeckLoss::BodyContact),

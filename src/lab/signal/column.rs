@@ -134,14 +134,23 @@ columns! {
         FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force" ("N"), 1.0;
             "where a frame holds sides across y of a rectangle; not of a stretch";
             in "Force of the film on the frame" as "along y";
-        /// Vertical force on the frame's bars, of film, of the edge on their crest and of impactors, positive downwards.
+        /// Vertical force on the frame, positive downwards: of film, of the edge on their crest and of impactors on its bars,
+        /// or of the springs on which film hangs.
         FRAME_FORCE = "frame_force_N", "frame_force", "N", "force" ("N"), 1.0;
-            "where there are `frame.bars`";
-            in "Force of the film on the frame" as "downwards, on the bars";
+            "where there are `frame.bars` or `frame.springs`";
+            in "Force of the film on the frame" as "downwards";
         /// Largest slip of film in the frame's clamp.
         CLAMP_SLIP = "clamp_slip_m", "clamp_slip", "m", "slip" ("mm"), 1e3;
             "where there is a `frame.clamp`";
             in "Slip in the clamp of the frame";
+        /// Largest elongation of a spring on which film hangs.
+        SPRING_ELONGATION = "spring_elongation_m", "spring_elongation", "m", "elongation" ("mm"), 1e3;
+            "where there are `frame.springs`";
+            in "Largest elongation of a spring of the frame";
+        /// Largest force of one spring on which film hangs, with that of its dashpot.
+        SPRING_FORCE = "spring_force_N", "spring_force", "N", "force" ("N"), 1.0;
+            "where there are `frame.springs`";
+            in "Largest force of a spring of the frame";
         /// Pressure of the air between two faces over that of the surroundings.
         AIR_PRESSURE = "air_pressure_Pa", "air_pressure", "Pa", "air pressure" ("Pa"), 1.0;
             "with `air.cushion`";

@@ -35,6 +35,10 @@ mod relaxation;
 mod resolution;
 mod rigid_body;
 mod section;
+mod spring_law;
+mod springs;
+#[cfg(test)]
+mod springs_tests;
 mod state;
 mod sync;
 mod thread_pool;
@@ -65,6 +69,8 @@ pub use pressure::{Filling, Inflation};
 pub use relaxation::{Relaxation, Settling};
 pub use rigid_body::{Freedom, RigidBody};
 pub use section::Section;
+pub use spring_law::SpringLaw;
+pub use springs::{Spring, Springs, SpringsState};
 pub use state::{State, StateMismatch};
 pub use thread_pool::ThreadPool;
 use time_step::TimeStep;
@@ -82,6 +88,7 @@ use nodes::{Kick, StepSums};
 use pressure::Inflated;
 use previous_step::PreviousStep;
 use serde::{Deserialize, Serialize};
+use springs::Support;
 
 /// Films, nodes, impactors and loads, and their integration in time.
 pub struct Engine {
@@ -92,6 +99,8 @@ pub struct Engine {
     film_contact: Option<FilmContact>,
     /// The frame's clamp, where film may slip in it.
     clamp: Option<Clamp>,
+    /// The springs between film and frame, where it hangs on them.
+    springs: Option<Springs>,
     loads: Loads,
     time_step: TimeStep,
     time: f64,
@@ -147,6 +156,10 @@ struct EnergyLedger {
     clamp: f64,
     /// Part of `clamp` that belongs to the half step after the full one.
     clamp_ahead: f64,
+    /// Dissipated by the dashpots of the frame's springs.
+    springs: f64,
+    /// Part of `springs` that belongs to the half step after the full one.
+    springs_ahead: f64,
 }
 
 impl Engine {
@@ -185,6 +198,7 @@ impl Engine {
             impacts,
             film_contact: None,
             clamp: None,
+            springs: None,
             loads,
             time_step: TimeStep::default(),
             time: 0.0,
@@ -206,7 +220,7 @@ impl Engine {
         // With no time: viscous film is mounted by this pass, and no strain rate arises from the pre-strain.
         engine.forces(0.0);
         engine.nodes.clear_forces();
-        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.pool, &engine.loads);
+        engine.time_step = engine.first_time_step();
         engine
     }
 
@@ -224,6 +238,21 @@ impl Engine {
     /// This engine with film that slips in `clamp`, whose nodes are held in every direction.
     pub fn with_clamp(self, clamp: Clamp) -> Engine {
         Engine { clamp: Some(clamp), ..self }
+    }
+
+    /// This engine with film that hangs on `springs`, by nodes that nothing else holds.
+    pub fn with_springs(self, springs: Springs) -> Engine {
+        let mut engine = Engine { springs: None, ..self };
+        springs.add_mass(&mut engine.nodes);
+        engine.springs = Some(springs);
+        engine.time_step = engine.first_time_step();
+        engine
+    }
+
+    /// The time step of the film at rest where it is, on its springs.
+    fn first_time_step(&self) -> TimeStep {
+        let support = self.springs.as_ref().map_or_else(Support::default, |springs| springs.support(&self.nodes));
+        TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, support)
     }
 
     /// The frame's bars, where there are any.
@@ -269,7 +298,8 @@ impl Engine {
         let films: usize = self.films.iter().map(Film::bytes).sum();
         let contact: usize = self.impacts.iter().map(|impact| impact.contact.bytes()).sum();
         let between = self.film_contact.as_ref().map_or(0, FilmContact::bytes);
-        self.nodes.bytes() + self.previous.bytes() + films + contact + between
+        let springs = self.springs.as_ref().map_or(0, Springs::bytes);
+        self.nodes.bytes() + self.previous.bytes() + films + contact + between + springs
     }
 
     /// The present time step, s.
@@ -328,7 +358,7 @@ impl Engine {
         self.failed += failures.failed;
     }
 
-    /// Adds the forces of the films to those of their nodes.
+    /// Adds the forces of the films and of the frame's springs to those of the nodes.
     fn add_forces(&mut self, dt: f64) {
         let position = self.nodes.position.axes();
         // Each film gets its own part of the arrays, which is all that its chunks may write to.
@@ -351,6 +381,10 @@ impl Engine {
                 // SAFETY: the colouring holds each chunk once, and those of one colour share no node.
                 unsafe { films[film].add_forces(width, chunk, position, dt) };
             });
+        }
+        if let Some(springs) = &mut self.springs {
+            // As viscous film, dashpots do not see how film is mounted or settles, which takes no time.
+            springs.add_forces(&mut self.nodes, dt > 0.0);
         }
     }
 
@@ -393,6 +427,11 @@ impl Engine {
         }
         let fastest = sums.largest_speed_squared.max(clamping.fastest_squared).sqrt();
         let fastest = fastest.max(self.resolve_contact(over, dt, &mut sums));
+        if let Some(springs) = &self.springs {
+            let [loss, ahead] = springs.loss(&self.nodes, over);
+            self.ledger.springs += loss;
+            self.ledger.springs_ahead = ahead;
+        }
         self.film_contact.iter_mut().for_each(|contact| contact.reduce_margin(fastest * dt));
         self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
         fastest
@@ -454,6 +493,7 @@ impl Engine {
             loads: &self.loads,
             film_contact: self.film_contact.as_ref(),
             clamp: self.clamp.as_ref(),
+            springs: self.springs.as_ref(),
             cushion: self.cushion,
             inflated: self
                 .inflated

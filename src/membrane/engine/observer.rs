@@ -3,6 +3,7 @@
 use super::clamp::Clamp;
 use super::cushion::CushionState;
 use super::film_contact::{FilmContact, FilmContactState};
+use super::springs::{Springs, SpringsState};
 use super::thread_pool::ThreadPool;
 use super::{
     ContactState, ElementStrain, Energies, EnergyLedger, Engine, Fault, Film, Impact, Loads, Nodes, PreviousStep,
@@ -115,6 +116,7 @@ pub struct View<'a> {
     pub(super) impacts: &'a [Impact],
     pub(super) film_contact: Option<&'a FilmContact>,
     pub(super) clamp: Option<&'a Clamp>,
+    pub(super) springs: Option<&'a Springs>,
     pub(super) loads: &'a Loads,
     pub(super) cushion: Option<CushionState>,
     pub(super) inflated: Option<[f64; 2]>,
@@ -136,6 +138,8 @@ impl View<'_> {
             guide: self.ledger.guide - self.ledger.guide_ahead,
             collision: self.ledger.collision - self.ledger.collision_ahead,
             clamp: self.ledger.clamp - self.ledger.clamp_ahead,
+            springs: self.springs.map_or(0.0, |springs| springs.stored(self.nodes)),
+            spring_damping: self.ledger.springs - self.ledger.springs_ahead,
             damping: self.ledger.damping,
             external: self.ledger.external - self.ledger.external_ahead,
             ..Energies::default()
@@ -200,6 +204,22 @@ impl View<'_> {
     /// Largest slip in the frame's clamp (m) and the share of its force that holds film no longer, where film may slip.
     pub fn clamp_slip(&self) -> Option<[f64; 2]> {
         self.clamp.map(|clamp| [clamp.slip(self.nodes), clamp.gone()])
+    }
+
+    /// State of the frame's springs, where film hangs on them.
+    pub fn springs_state(&self) -> Option<SpringsState> {
+        self.springs.map(|springs| springs.state(self.nodes))
+    }
+
+    /// Vertical force on the frame of the springs on which film hangs, N, positive downwards; none where there are none.
+    pub fn spring_force(&self) -> Option<f64> {
+        self.springs.map(Springs::vertical_force)
+    }
+
+    /// Force on the frame along an axis of the springs of these numbers, N, without mirror images; none where film does
+    /// not hang on springs.
+    pub fn spring_force_of(&self, numbers: &[usize], axis: usize) -> Option<f64> {
+        self.springs.map(|springs| springs.frame_force(numbers.iter().copied(), axis))
     }
 
     /// Tears of the whole film so far; none where no face has a rupture criterion of its own.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::film_contact::FilmContact;
 use super::nodes::RelaxationStep;
-use super::{EnergyLedger, Engine, Fault, Film, Impact, TimeStep, Vectors, film};
+use super::{EnergyLedger, Engine, Fault, Film, Impact, Vectors, film};
 
 /// Residual below which film counts as mounted in equilibrium.
 const MOUNTED: f64 = 1e-3;
@@ -195,7 +195,9 @@ impl Engine {
                 }
             });
         }
-        (VERTICAL_SHARE / (strain + slope_squared)).clamp(1.0, MOST_LIGHTNESS)
+        let share = strain + slope_squared;
+        let share = self.springs.as_ref().map_or(share, |springs| share.max(springs.slope(&self.nodes)));
+        (VERTICAL_SHARE / share).clamp(1.0, MOST_LIGHTNESS)
     }
 
     /// Sets the forces at the nodes to those of virgin film at the present positions.
@@ -212,6 +214,7 @@ impl Engine {
             // A force that bars take is a reaction, like that of a held node: it moves from the one sum to the other.
             let on_bars = self.squared_force_on_bars(film).min(free);
             let (free, held) = (free - on_bars, held + on_bars);
+            let held = held + self.springs.as_ref().map_or(0.0, |springs| springs.squared_forces(&film.nodes));
             // Slack film has neither forces nor reactions; below round-off there is nothing to be settled (theory.md,
             // equation 172).
             if free == 0.0 { 0.0 } else { (free / held.max(self.squared_round_off(film))).sqrt() }
@@ -247,7 +250,7 @@ impl Engine {
         self.nodes.clear_forces();
         self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
         self.film_contact.iter_mut().for_each(FilmContact::invalidate);
-        self.time_step = TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads);
+        self.time_step = self.first_time_step();
     }
 }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::cushion::Enclosed;
 use super::film::{self, AddedMass, Film};
 use super::nodes::Nodes;
+use super::springs::Support;
 use super::thread_pool::ThreadPool;
 use super::{Fault, Loads};
 
@@ -44,9 +45,9 @@ pub(super) struct TimeStep {
     damping: f64,
     #[serde(skip)]
     factor: f64,
-    /// Squared angular frequency of the film against enclosed air, rad²/s².
+    /// Squared angular frequency of the film against enclosed air and on the frame's springs, rad²/s².
     #[serde(skip)]
-    air: f64,
+    beside: f64,
     safety: f64,
     first: f64,
     now: f64,
@@ -55,15 +56,16 @@ pub(super) struct TimeStep {
 }
 
 impl TimeStep {
-    /// The step of film at rest, with the damping and the step factor of `loads`.
-    pub(super) fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, loads: &Loads) -> TimeStep {
-        let (damping, factor) = (loads.damping, loads.step_factor);
+    /// The step of film at rest on its `support`, with the damping and the step factor of `loads`.
+    pub(super) fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, loads: &Loads, support: Support) -> TimeStep {
+        let (damping, factor) = (loads.damping + support.rate, loads.step_factor);
         let air = loads.cushion.map_or(0.0, |cushion| {
             let enclosed = Enclosed::between(films, nodes);
             let inverse: Vec<f64> = nodes.mass.iter().map(|mass| 1.0 / mass).collect();
             cushion.squared_frequency(cushion.volume, &enclosed.gradient, &inverse)
         });
-        let mut step = TimeStep { damping, factor, air, safety: SAFETY, ..TimeStep::default() };
+        let beside = air + support.squared_frequency;
+        let mut step = TimeStep { damping, factor, beside, safety: SAFETY, ..TimeStep::default() };
         (step.first, _) = step.stable(films, nodes, pool);
         // Not by way of `next`: the first step has no last one to grow from.
         (step.now, step.target) = (step.first, step.first);
@@ -72,7 +74,7 @@ impl TimeStep {
 
     /// Restores `saved`, of the same model.
     pub(super) fn restore(&mut self, saved: TimeStep) {
-        *self = TimeStep { damping: self.damping, factor: self.factor, air: self.air, ..saved };
+        *self = TimeStep { damping: self.damping, factor: self.factor, beside: self.beside, ..saved };
     }
 
     /// Whether a run of the same model may have been at `saved` at `time` (s): it goes on from there, and bounds its steps
@@ -144,12 +146,13 @@ impl TimeStep {
             .enumerate()
             // Not `max`, which would drop a NaN.
             .fold((0, 0.0), |most, (face, w)| if w <= most.1 || most.1.is_nan() { most } else { (face, w) });
+        // Stiffnesses in parallel: the sum bounds the highest frequency of all together.
+        let squared = squared + self.beside;
         // Slack film without any stiffness; `CEILING` keeps its step finite.
         if squared == 0.0 {
             return (f64::INFINITY, face);
         }
-        // Stiffnesses in parallel: the sum bounds the highest frequency of both together.
-        let frequency = (squared + self.air).sqrt();
+        let frequency = squared.sqrt();
         let damping = if self.damping > 0.0 { self.damping / (2.0 * frequency) } else { 0.0 };
         (self.factor * self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
     }

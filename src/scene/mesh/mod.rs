@@ -23,7 +23,8 @@ pub use grading::{Grading, Zone};
 pub use membrane::engine::Mesh;
 pub use polygon::{Polygon, PolygonFault};
 pub use quality::Quality;
-pub use topology::outer_edges;
+pub(crate) use topology::extent;
+pub use topology::{directed_edges, outer_edges};
 
 /// Outline of a film in the plane z = 0, centred on the origin. Lengths in m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

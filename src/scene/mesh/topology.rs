@@ -31,6 +31,11 @@ pub(crate) fn directed(corners: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     corners.iter().zip(next).map(|(from, to)| [*from, *to])
 }
 
+/// Every edge of every element, with the element to its left: those between two elements once in each direction.
+pub fn directed_edges(mesh: &Mesh) -> impl Iterator<Item = [u32; 2]> + '_ {
+    outlines(mesh).flat_map(directed)
+}
+
 /// The edge without its direction.
 pub(crate) fn undirected([from, to]: [u32; 2]) -> Edge {
     [from.min(to), from.max(to)]

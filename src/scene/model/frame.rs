@@ -2,6 +2,7 @@
 
 mod bars;
 mod clamp;
+mod springs;
 
 use super::specimen::symmetry;
 use super::{Face, Frame, Hold, Loading, ModelDiagnostics, Specimen};
@@ -24,7 +25,9 @@ pub fn check(
     let bars = scenario.frame.bars.as_ref().and_then(of_bars);
     let of_clamp = |clamp| self::clamp::check(clamp, scenario, loading, &hold, mistakes);
     let clamp = scenario.frame.clamp.as_ref().and_then(of_clamp);
-    Frame { hold, bars, clamp }
+    let of_springs = |springs| self::springs::check(springs, scenario, loading, &hold, mistakes);
+    let springs = scenario.frame.springs.as_ref().and_then(of_springs);
+    Frame { hold, bars, clamp, springs }
 }
 
 /// The clamped edges; under a stretch the jaws.

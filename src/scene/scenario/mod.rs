@@ -53,7 +53,7 @@ pub use expectations::{Amount, Expectations, FigureBounds, FindingBounds, Number
 pub use field::{Align, FieldFiles, FieldRate, FieldReference, FieldTimes, Marker};
 pub use figure::{AxisPoint, AxisScale, Figure, FigureAxis, FigureCurve};
 pub use file_kind::FileKind;
-pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side};
+pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side, SpringPoint, Springs};
 pub use grammar::Rule;
 pub use hyperelastic::{Energy, Hyperelastic, Moduli};
 pub use impactor::{

@@ -6,6 +6,7 @@ use super::frame;
 use super::frame_force::HeldSides;
 use super::loading::{self, LoadCase};
 use super::mount::{self, BodyMounting, Mounting};
+use super::springs;
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::loading::{Inertia, MassScaling};
 use crate::model::{Hold, Model};
@@ -49,6 +50,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
     let mut held = if loading.has_frame_force() { HeldSides::from_model(model) } else { HeldSides::default() };
     let mut crest = frame::Crest::from_model(model);
+    let mut springs = springs::Mounted::from_model(model);
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
         let first = nodes.position.len();
@@ -71,7 +73,11 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         crest.mount(&topology.held, first);
         frame::check_clamp(model, films.len(), &mesh, &topology.held)?;
         clamped.extend(frame::clamped(model, &nodes, &mesh, &topology.held, first));
-        loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
+        match &mut springs {
+            // Their ends on the frame are held, and no node is.
+            Some(springs) => springs.mount(model, films.len(), &mesh, &topology.held, first)?,
+            None => loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold)),
+        }
         topologies.push(topology);
     }
     mount::add_air(model, &films, &nodes, &mut loads);
@@ -85,8 +91,11 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         },
     };
     let bodies = impacts.iter().map(body).collect();
-    let mass_scaling = (model.loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
     let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
+    let springs = springs.zip(model.frame.springs.as_ref());
+    let springs = springs.map(|(mounted, written)| mounted.finish(written, mass_scaling, multiplicity));
+    held.tie(springs.as_ref());
+    let mass_scaling = (model.loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
     let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held, crest };
     let clamp = model.frame.clamp.map(|clamp| {
         let width = clamp.width.unwrap_or(f64::INFINITY);
@@ -97,6 +106,10 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let engine = Engine::new(films, nodes, impacts.into_iter().chain(bars), loads);
     let engine = match clamp {
         Some(clamp) => engine.with_clamp(clamp),
+        None => engine,
+    };
+    let engine = match springs {
+        Some(springs) => engine.with_springs(springs),
         None => engine,
     };
     let engine = match model.contact.film_friction.filter(|_| model.contact.film) {

@@ -5,7 +5,7 @@ use super::frame_force::HeldSides;
 use super::tracks::Tracks;
 use lab::signal::column::{self, Column};
 use lab::signal::{Channel, Recording};
-use membrane::engine::{FilmContactState, Torn, View};
+use membrane::engine::{FilmContactState, SpringsState, Torn, View};
 
 /// The state of a run at a sample, with what takes time to compute or is also checked against a bound.
 pub(super) struct Sample<'a> {
@@ -19,6 +19,8 @@ pub(super) struct Sample<'a> {
     pub(super) rise: Option<f64>,
     /// Largest slip in the frame's clamp (m), and the share of it that holds film no longer.
     pub(super) clamp: Option<[f64; 2]>,
+    /// State of the springs on which film hangs.
+    pub(super) springs: Option<SpringsState>,
     /// Contact between faces.
     pub(super) films: Option<FilmContactState>,
     /// Tears.
@@ -36,10 +38,15 @@ struct Sampled {
 
 /// The sampled channels, in the order of `signals.csv`.
 const SAMPLED: &[Sampled] = &[
-    sampled(column::FRAME_FORCE_X, |s| s.held.force(s.view.nodes, 0)),
-    sampled(column::FRAME_FORCE_Y, |s| s.held.force(s.view.nodes, 1)),
-    Sampled { finish: on_bars, ..sampled(column::FRAME_FORCE, |s| s.crest.force(s.view.nodes)) },
+    sampled(column::FRAME_FORCE_X, |s| s.held.force(s.view, 0)),
+    sampled(column::FRAME_FORCE_Y, |s| s.held.force(s.view, 1)),
+    Sampled {
+        finish: on_bars,
+        ..sampled(column::FRAME_FORCE, |s| s.crest.force(s.view.nodes).or_else(|| s.view.spring_force()))
+    },
     sampled(column::CLAMP_SLIP, |s| s.clamp.map(|[slip, _]| slip)),
+    sampled(column::SPRING_ELONGATION, |s| Some(s.springs?.elongation)),
+    sampled(column::SPRING_FORCE, |s| Some(s.springs?.force)),
     sampled(column::AIR_PRESSURE, |s| s.view.cushion_pressure()),
     sampled(column::FILM_DISTANCE, |s| Some(s.films?.distance)),
     Sampled {
@@ -59,8 +66,8 @@ const fn sampled(column: Column, value: fn(&Sample<'_>) -> Option<f64>) -> Sampl
     Sampled { column, value, finish: |_, _, value| value }
 }
 
-/// Vertical force on the frame's bars at sample `k`, N: that of the edge on their `crest`, and what film and impactors
-/// push them by.
+/// Vertical force on the frame at sample `k`, N: that of springs or of the edge on the `crest` of bars, and what film and
+/// impactors push these by.
 fn on_bars(tracks: &Tracks, k: usize, crest: f64) -> f64 {
     tracks.bars.as_ref().map_or(crest, |bars| crest - bars.contact_force(k) - bars.collision_force(k))
 }

@@ -66,6 +66,9 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
         // Those of the impactors are known before.
         RunError::Surface(_) => "frame.bars.radius".to_owned(),
         RunError::ClampTooWeak { .. } => "frame.clamp.force".to_owned(),
+        RunError::SpringTooShort { .. } => "frame.springs.length".to_owned(),
+        RunError::SpringsUneven { .. } => "frame.springs.count".to_owned(),
+        RunError::NoSprings { .. } => "frame.springs.spacing".to_owned(),
         RunError::CutMisses { cut, .. } => format!("specimen.cuts.{cut}"),
         RunError::FacesCross => "contact".to_owned(),
         RunError::StateMismatch(_) | RunError::Cancelled | RunError::Failure(_) => String::new(),

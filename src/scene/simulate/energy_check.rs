@@ -101,9 +101,9 @@ impl EnergyCheck {
         if exchanged > 0.0 { self.largest_gap / exchanged } else { 0.0 }
     }
 
-    /// Energy that the film has taken up since the start, J.
+    /// Energy that the film has taken up since the start with the springs on which it hangs, J.
     fn taken_up(&self, energies: &Energies) -> f64 {
-        let inner = |e: &Energies| e.stored + e.absorbed + e.rupture;
+        let inner = |e: &Energies| e.stored + e.absorbed + e.rupture + e.springs + e.spring_damping;
         inner(energies) - self.start.as_ref().map_or(0.0, inner)
     }
 

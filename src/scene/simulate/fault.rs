@@ -84,6 +84,40 @@ pub enum RunError {
         /// Force of the clamp that holds it, N.
         needed: f64,
     },
+    /// A spring cannot have its preload within its length.
+    #[error(
+        "the pre-strain of face {face} pulls at a spring of the frame with {} N, which elongates it by {} mm: more than its length",
+        number::significant(*force, 4),
+        number::significant(1e3 * elongation, 4)
+    )]
+    SpringTooShort {
+        /// The face, counted from one.
+        face: usize,
+        /// Its preload, N.
+        force: f64,
+        /// Its elongation, m.
+        elongation: f64,
+    },
+    /// Springs cannot be spread evenly.
+    #[error("{count} springs cannot be spread evenly over {edges} held edges of the computed part")]
+    SpringsUneven {
+        /// Their number on the computed part.
+        count: usize,
+        /// The number of edges.
+        edges: usize,
+    },
+    /// There is no spring on the held edges.
+    #[error(
+        "held edges of {} mm have no spring where one belongs to {} mm",
+        number::significant(1e3 * length, 4),
+        number::significant(1e3 * spacing, 4)
+    )]
+    NoSprings {
+        /// Distance between two springs, m.
+        spacing: f64,
+        /// Length of the held edges, m.
+        length: f64,
+    },
     /// A cut passes through the middle of no element.
     #[error("a cut passes through no element of face {face}")]
     CutMisses {
@@ -140,6 +174,11 @@ impl RunError {
                 // Rounded up, so that it holds.
                 format!("a force of {} N holds it", (needed * (1.0 + 1e-9)).ceil())
             }
+            RunError::SpringTooShort { .. } => {
+                "use stiffer or more springs, a larger `length` or less pre-strain, or give a `preload`".to_owned()
+            }
+            RunError::SpringsUneven { edges, .. } => format!("use a multiple of {edges} springs on the computed part"),
+            RunError::NoSprings { .. } => "use a smaller `spacing`, or give a `count`".to_owned(),
             RunError::FacesCross => {
                 "mount them further apart, or leave contact between them out with `contact.film = false`".to_owned()
             }

@@ -1,8 +1,10 @@
 //! Force of the film on the mounting frame (theory.md, equation 160).
 
+use std::collections::BTreeSet;
+
 use crate::mesh::{Mesh, Outline, Side};
 use crate::model::{Hold, Model};
-use membrane::engine::Nodes;
+use membrane::engine::{Springs, View};
 
 /// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and the
 /// force of jaws is a signal of its own.
@@ -18,6 +20,8 @@ struct HeldSide {
     side: Side,
     /// Counted among all nodes; empty where a mirror plane replaces the side.
     nodes: Vec<u32>,
+    /// Numbers of the springs on which it hangs.
+    springs: Vec<usize>,
 }
 
 impl HeldSides {
@@ -30,7 +34,7 @@ impl HeldSides {
             Hold::Sides(sides) => sides.clone(),
             Hold::None => vec![],
         };
-        let sides = sides.into_iter().map(|side| HeldSide { side, nodes: vec![] }).collect();
+        let sides = sides.into_iter().map(|side| HeldSide { side, nodes: vec![], springs: vec![] }).collect();
         HeldSides { sides, mirrored: model.specimen.symmetry.mirrors() }
     }
 
@@ -41,13 +45,27 @@ impl HeldSides {
         }
     }
 
+    /// Finds the springs on which each side hangs, after all faces.
+    pub(super) fn tie(&mut self, springs: Option<&Springs>) {
+        let springs = springs.map_or(&[][..], Springs::springs);
+        for held in &mut self.sides {
+            let nodes: BTreeSet<usize> = held.nodes.iter().map(|node| *node as usize).collect();
+            let hangs = |number: &usize| springs[*number].nodes.iter().all(|node| nodes.contains(node));
+            held.springs = (0..springs.len()).filter(hangs).collect();
+        }
+    }
+
     /// Mean inward force of the whole film on the held sides across an axis, N; none where no side across it is held,
     /// NaN where mirror planes replace all that are.
-    pub(super) fn force(&self, nodes: &Nodes, axis: usize) -> Option<f64> {
+    pub(super) fn force(&self, view: &View<'_>, axis: usize) -> Option<f64> {
         self.across(axis).next()?;
         let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
         let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
-        let inward = |held: &HeldSide| -outward(held.side) * nodes.total_force(&held.nodes, axis);
+        let force = |held: &HeldSide| {
+            let of_springs = view.spring_force_of(&held.springs, axis);
+            of_springs.unwrap_or_else(|| view.nodes.total_force(&held.nodes, axis))
+        };
+        let inward = |held: &HeldSide| -outward(held.side) * force(held);
         Some(copies * sides().map(inward).sum::<f64>() / sides().count() as f64)
     }
 

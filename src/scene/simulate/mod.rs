@@ -24,6 +24,7 @@ mod rates;
 mod rise;
 mod rows;
 mod snapshot;
+mod springs;
 mod thinning;
 mod tracks;
 mod warning;

@@ -8,7 +8,9 @@ use super::film::Film;
 use super::thinning::thins_from;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::model::{Face, Loading, Model, SNAPSHOT_MEMORY};
-use membrane::engine::{self, AddedMass, ContactState, ElementStrain, FilmContactState, Relaxation, TooWide, View};
+use membrane::engine::{
+    self, AddedMass, ContactState, ElementStrain, FilmContactState, Relaxation, SpringsState, TooWide, View,
+};
 use membrane::material::Law;
 
 /// Figures that are known only at the end of a run.
@@ -52,6 +54,10 @@ pub(super) struct Monitor {
     slip: Option<(f64, f64)>,
     /// First time (s) and share of the held length of film that left its clamp.
     left: Option<(f64, f64)>,
+    /// First time (s) and largest share of slack springs.
+    slack: Option<(f64, f64)>,
+    /// First time (s) at which a spring was beyond its curve, and the largest elongation over that of its end.
+    beyond: Option<(f64, f64)>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     too_wide: Option<TooWide>,
     has_bars: bool,
@@ -126,6 +132,14 @@ impl ContactMonitor {
     }
 }
 
+/// Records a `value` at `time` (s) that is a finding where it is positive: when it first is, and the largest.
+fn record(recorded: &mut Option<(f64, f64)>, time: f64, value: f64) {
+    if value > 0.0 {
+        let (first, most) = recorded.unwrap_or((time, 0.0));
+        *recorded = Some((first, value.max(most)));
+    }
+}
+
 impl Monitor {
     /// The monitor of a run with so many `impactors`, and bars after them.
     pub(super) fn new(impactors: usize, has_bars: bool) -> Monitor {
@@ -139,6 +153,8 @@ impl Monitor {
             unresolved: [0; 2],
             slip: None,
             left: None,
+            slack: None,
+            beyond: None,
             too_wide: None,
             has_bars,
         }
@@ -164,10 +180,14 @@ impl Monitor {
         self.contacts[impactor].hits_frame(time);
     }
 
-    /// Records the film at a sample: its slip in the clamp, its tears, and contact between its faces.
-    pub(super) fn sample(&mut self, Sample { view, clamp, films, torn, .. }: &Sample<'_>) {
+    /// Records the film at a sample: its slip in the clamp, its springs, its tears, and contact between its faces.
+    pub(super) fn sample(&mut self, Sample { view, clamp, springs, films, torn, .. }: &Sample<'_>) {
         if let Some(clamp) = clamp {
             self.clamp(view.time, *clamp);
+        }
+        if let Some(SpringsState { slack, beyond, .. }) = springs {
+            record(&mut self.slack, view.time, *slack);
+            record(&mut self.beyond, view.time, beyond.unwrap_or(0.0));
         }
         if torn.is_some() {
             self.too_wide = view.too_wide;
@@ -180,12 +200,8 @@ impl Monitor {
 
     /// Records the largest slip (m) in the clamp at `time` (s) and the share of its length that holds film no longer.
     fn clamp(&mut self, time: f64, [slip, left]: [f64; 2]) {
-        for (recorded, value) in [(&mut self.slip, slip), (&mut self.left, left)] {
-            if value > 0.0 {
-                let (first, most) = recorded.unwrap_or((time, 0.0));
-                *recorded = Some((first, value.max(most)));
-            }
-        }
+        record(&mut self.slip, time, slip);
+        record(&mut self.left, time, left);
     }
 
     /// Records the least `distance` (m) of two faces at `time` (s), and how often their contact was `lost` so far.
@@ -274,6 +290,8 @@ impl Monitor {
         out.extend(bodies.flat_map(|((contact, name), size)| contact.warnings(name, size, self.has_bars)));
         out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));
         out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
+        out.extend(self.slack.map(|(time, share)| Warning::SpringsSlack { time, share }));
+        out.extend(self.beyond.map(|(time, ratio)| Warning::SpringsBeyondCurve { time, ratio }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
         out.extend(self.biaxial.map(|(time, share, face)| Warning::UncoupledBiaxial { time, share, face }));
         out.extend(self.too_wide.map(|TooWide { width, ratio }| Warning::ElementsTooWide { width, ratio }));

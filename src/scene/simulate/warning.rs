@@ -241,6 +241,26 @@ findings! {
             remedy "use a larger `frame.clamp.force`, or a stiffer film or a lower impact energy";
             message "film left its clamp: from {} on, in the end along {} % of the held length",
                 number::duration(*time), percent(share);
+        SpringsSlack {
+            time: f64, "when it was seen first, s" => "time_s";
+            share: f64, "largest share of the springs that were" => "share";
+        } = "springs-slack", Note;
+            meaning "springs on which the film hangs went slack: shorter than without force they do not push, and a real one may \
+                unhook";
+            remedy "nothing, where that is meant; otherwise use a larger `frame.springs.preload`, or \
+                `frame.springs.compression = true` for springs that push";
+            message "slack springs: from {} springs of the frame are slack, up to {} % of them",
+                number::duration(*time), percent(share);
+        SpringsBeyondCurve {
+            time: f64, "when it was seen first, s" => "time_s";
+            ratio: f64, "largest elongation over that at which the curve ends" => "elongation_over_end";
+        } = "springs-beyond-curve", Warning;
+            meaning "springs on which the film hangs were elongated beyond the last point of their curve, along whose last \
+                piece the force then goes on; a real spring may yield, reach its stop or break there";
+            remedy "extend `frame.springs.curve`, or use stiffer springs or a lower impact energy";
+            message "springs beyond their curve: from {} they are elongated by up to {} times the end of \
+                `frame.springs.curve`",
+                number::duration(*time), number::figure(*ratio, 3);
         StrainLocalisation {
             time: f64, "when it was found first, s" => "time_s";
             strain: f64, "largest engineering strain of the element" => "strain";

@@ -17,11 +17,13 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::TooFast { .. }
         | Warning::ClampLeft { .. }
         | Warning::ClampSlip { .. }
+        | Warning::SpringsBeyondCurve { .. }
         | Warning::Unfinished(_)
         | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::Settled(_)
+        | Warning::SpringsSlack { .. }
         | Warning::NoFilmContact(_)
         | Warning::MisshapenElements { .. }
         | Warning::FrameHit { .. }

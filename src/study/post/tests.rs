@@ -48,7 +48,7 @@ pub(super) fn model() -> Model {
             cuts: vec![],
         },
         faces: vec![face],
-        frame: Frame { hold: Hold::All, bars: None, clamp: None },
+        frame: Frame { hold: Hold::All, bars: None, clamp: None, springs: None },
         impactors: vec![Impactor {
             name: None,
             shape: ImpactorShape::Sphere { radius: 0.15 },

@@ -37,6 +37,7 @@ mod same_bits;
 mod several;
 mod shapes;
 mod single_element;
+mod springs;
 mod stability;
 mod stresses;
 mod viscous;

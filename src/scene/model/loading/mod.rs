@@ -18,7 +18,7 @@ pub use impact::Impact;
 pub use indent::Indent;
 pub(super) use indent::depth;
 pub use pressure::Pressure;
-use rules::{GAS_BARS, GAS_CLAMP, GAS_HOLD};
+use rules::{GAS_BARS, GAS_CLAMP, GAS_HOLD, GAS_SPRINGS};
 pub use rules::{Impactors, Inertia, MassScaling, Refusal, Test};
 pub use stretch::Stretch;
 pub use volume::Volume;
@@ -82,6 +82,11 @@ pub trait Kind {
     /// Why film cannot slip in its clamp.
     fn refuses_clamp(&self) -> Option<Refusal> {
         self.is_by_gas().then_some(GAS_CLAMP)
+    }
+
+    /// Why film cannot hang on springs.
+    fn refuses_springs(&self) -> Option<Refusal> {
+        self.is_by_gas().then_some(GAS_SPRINGS)
     }
 
     /// Why there is one face of film.

@@ -99,6 +99,12 @@ pub(super) const GAS_CLAMP: Refusal = Refusal::Unsupported {
     hint: "leave it out; the edge of film under pressure is held without slip",
 };
 
+/// Film on gas hangs on no springs.
+pub(super) const GAS_SPRINGS: Refusal = Refusal::Unsupported {
+    message: "film on springs under pressure is not supported",
+    hint: "leave them out; the edge of film under pressure is fixed",
+};
+
 /// Time at constant pressure or volume over the time in which it rises.
 const GAS_REST: f64 = 0.5;
 

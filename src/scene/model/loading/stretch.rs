@@ -74,6 +74,11 @@ impl Kind for Stretch {
         Some(Refusal::Unsupported { message: "film that slips in jaws is not supported", hint })
     }
 
+    fn refuses_springs(&self) -> Option<Refusal> {
+        let hint = "leave them out; the jaws of a stretch test hold the film itself";
+        Some(Refusal::Unsupported { message: "springs between film and jaws are not supported", hint })
+    }
+
     fn refuses_faces(&self) -> Option<&'static str> {
         Some("a stretch test has one face")
     }

@@ -1,0 +1,235 @@
+//! Where the springs on which film hangs are attached to its edges (theory.md, section 29).
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Point3, Vector3};
+
+use super::fault::RunError;
+use super::prestress;
+use crate::mesh::{self, Mesh};
+use crate::model::{Face, Model, Spread, Springs as Written};
+use membrane::engine::{Spring, SpringLaw, Springs};
+
+/// Share of a spring, or of the extent of film, that is round-off.
+const ROUND_OFF: f64 = 1e-6;
+
+/// The springs of all faces while these are mounted.
+pub(super) struct Mounted {
+    springs: Vec<Spring>,
+    law: SpringLaw,
+}
+
+/// A part of the held edge from node to node, with the film to its left.
+#[derive(Clone, Copy)]
+struct Piece {
+    nodes: [u32; 2],
+    from: Point3<f64>,
+    to: Point3<f64>,
+}
+
+/// Pieces that follow each other.
+struct Run {
+    pieces: Vec<Piece>,
+    /// Length from its beginning to where springs begin to be counted, m: not zero only where it is closed.
+    start: f64,
+}
+
+impl Mounted {
+    /// The springs of `model`, before any face is mounted; none where its edges are fixed.
+    pub(super) fn from_model(model: &Model) -> Option<Mounted> {
+        let springs = model.frame.springs.as_ref()?;
+        Some(Mounted { springs: vec![], law: springs.law.law() })
+    }
+
+    /// Adds the springs of the last of `faces` of `model`, with `mesh` and the `held` edges, whose first node is the
+    /// `first` of all.
+    ///
+    /// # Errors
+    /// [`RunError::SpringsUneven`], [`RunError::SpringTooShort`].
+    pub(super) fn mount(
+        &mut self,
+        model: &Model,
+        faces: usize,
+        mesh: &Mesh,
+        held: &[[u32; 2]],
+        first: usize,
+    ) -> Result<(), RunError> {
+        let (Some(written), Some(face)) = (&model.frame.springs, model.faces.get(faces - 1)) else { return Ok(()) };
+        let pieces = pieces(mesh, held);
+        let length: f64 = pieces.iter().map(Piece::length).sum();
+        let copies = model.specimen.symmetry.copies();
+        let (count, spacing) = match written.spread {
+            Spread::Count(count) => (f64::from(count) / copies, length * copies / f64::from(count)),
+            Spread::Spacing(spacing) if written.continuous => (length / spacing, spacing),
+            Spread::Spacing(spacing) => ((length / spacing).round(), spacing),
+        };
+        let mut attach = |piece: &Piece, shares: [f64; 2], [count, spacing]: [f64; 2]| {
+            let (outward, pull) = (piece.outward(), pull(face, piece));
+            let force = written.preload.unwrap_or_else(|| (pull * spacing).max(0.0));
+            let elongation = self.law.elongation_at(force);
+            if elongation >= written.length {
+                return Err(RunError::SpringTooShort { face: faces, force, elongation });
+            }
+            let lift = Vector3::z() * face.height;
+            let end = piece.from.coords * shares[0] + piece.to.coords * shares[1] + lift;
+            let anchor = Point3::from(end + outward * written.length);
+            let nodes = piece.nodes.map(|node| first + node as usize);
+            self.springs.push(Spring { nodes, shares, anchor, unstretched: written.length - elongation, count });
+            Ok(())
+        };
+        if written.continuous {
+            // Each end of a piece has half of it, in its own direction: a corner has one spring across each of its sides.
+            for piece in &pieces {
+                let of_half = 0.5 * piece.length() * count / length;
+                attach(piece, [1.0, 0.0], [of_half, spacing])?;
+                attach(piece, [0.0, 1.0], [of_half, spacing])?;
+            }
+            return Ok(());
+        }
+        let runs = runs(pieces, mesh);
+        for (run, count) in runs.iter().zip(counts(&runs, count as usize)?) {
+            let spacing = run.length() / count as f64;
+            for number in 0..count {
+                let (piece, share) = run.at(run.start + (number as f64 + 0.5) * spacing);
+                attach(piece, [1.0 - share, share], [1.0, spacing])?;
+            }
+        }
+        if self.springs.is_empty() { Err(RunError::NoSprings { spacing, length: length * copies }) } else { Ok(()) }
+    }
+
+    /// The springs of all faces, with the mass of film multiplied by `mass_scaling`, which theirs follows.
+    pub(super) fn finish(self, written: &Written, mass_scaling: f64, copies: f64) -> Springs {
+        Springs::new(self.springs, self.law, [written.damping, written.mass * mass_scaling], copies)
+    }
+}
+
+/// Force of the pre-strain of `face` over the length of a piece of its edge, along its outward normal, N/m.
+fn pull(face: &Face, piece: &Piece) -> f64 {
+    let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
+    let stress = prestress::of_face(face, 1.0);
+    let thickness = face.material.thickness * f64::from(face.layers);
+    let (sin, cos) = face.md_angle.sin_cos();
+    let normal = piece.outward();
+    let [n1, n2] = [normal.x * cos + normal.y * sin, normal.y * cos - normal.x * sin];
+    let force = |axis: usize| stress[0][axis][0] * n1 / td + stress[1][axis][0] * n2 / md;
+    thickness * (force(0) * n1 + force(1) * n2)
+}
+
+/// The `held` edges with their directions, in the order of `held`.
+fn pieces(mesh: &Mesh, held: &[[u32; 2]]) -> Vec<Piece> {
+    let directed: BTreeMap<[u32; 2], [u32; 2]> =
+        mesh::directed_edges(mesh).map(|[from, to]| ([from.min(to), from.max(to)], [from, to])).collect();
+    let at = |node: u32| mesh.nodes[node as usize];
+    let piece = |edge: &[u32; 2]| {
+        let nodes = *directed.get(edge)?;
+        Some(Piece { nodes, from: at(nodes[0]), to: at(nodes[1]) })
+    };
+    held.iter().filter_map(piece).collect()
+}
+
+/// Pieces joined to runs: open ones from their first node on, each in the order of its first piece, closed ones from
+/// where they cross the positive x axis, or else from their node of the largest x.
+fn runs(pieces: Vec<Piece>, mesh: &Mesh) -> Vec<Run> {
+    let from: BTreeMap<u32, usize> = pieces.iter().enumerate().map(|(place, piece)| (piece.nodes[0], place)).collect();
+    let ends: BTreeMap<u32, usize> = pieces.iter().enumerate().map(|(place, piece)| (piece.nodes[1], place)).collect();
+    let mut used = vec![false; pieces.len()];
+    let mut follow = |start: usize| {
+        let mut run = vec![];
+        let mut next = Some(start);
+        while let Some(place) = next.filter(|place| !used[*place]) {
+            used[place] = true;
+            run.push(pieces[place]);
+            next = from.get(&pieces[place].nodes[1]).copied();
+        }
+        run
+    };
+    let begins = (0..pieces.len()).filter(|place| !ends.contains_key(&pieces[*place].nodes[0]));
+    let mut runs: Vec<Run> = begins.map(|place| Run { pieces: follow(place), start: 0.0 }).collect();
+    for place in 0..pieces.len() {
+        let closed = follow(place);
+        if !closed.is_empty() {
+            let start = start_of(&closed, ROUND_OFF * mesh::extent(mesh));
+            runs.push(Run { pieces: closed, start });
+        }
+    }
+    runs
+}
+
+/// Length along a closed run at which it crosses the positive x axis where it is farthest out; at its node of the largest
+/// x where it does not cross it.
+fn start_of(closed: &[Piece], near: f64) -> f64 {
+    let mut along = 0.0;
+    let (mut crossing, mut outermost) = (None, (f64::NEG_INFINITY, 0.0));
+    for piece in closed {
+        let (from, to) = (piece.from, piece.to);
+        if from.x > outermost.0 + near {
+            outermost = (from.x, along);
+        }
+        // Half open, so that a node on the axis counts once; round-off beside it counts as on it.
+        let [below, above] = [from.y, to.y].map(|y| if y.abs() <= near { 0.0 } else { y });
+        if (below <= 0.0) != (above <= 0.0) {
+            let share = below / (below - above);
+            let x = from.x + share * (to.x - from.x);
+            if x > 0.0 && crossing.is_none_or(|(farthest, _)| x > farthest) {
+                crossing = Some((x, along + share * piece.length()));
+            }
+        }
+        along += piece.length();
+    }
+    crossing.unwrap_or(outermost).1
+}
+
+/// Whole numbers of springs on `runs`, `count` together, in proportion to their lengths: the largest remainders are
+/// rounded up.
+///
+/// # Errors
+/// [`RunError::SpringsUneven`] where equal runs would have to differ.
+fn counts(runs: &[Run], count: usize) -> Result<Vec<usize>, RunError> {
+    let length: f64 = runs.iter().map(Run::length).sum();
+    let exact: Vec<f64> = runs.iter().map(|run| count as f64 * run.length() / length + ROUND_OFF).collect();
+    let mut whole: Vec<usize> = exact.iter().map(|exact| exact.floor() as usize).collect();
+    let missing = count - whole.iter().sum::<usize>().min(count);
+    let remainder = |run: &usize| exact[*run].fract();
+    let mut order: Vec<usize> = (0..runs.len()).collect();
+    order.sort_by(|a, b| remainder(b).total_cmp(&remainder(a)).then(a.cmp(b)));
+    let is_tie = (1..runs.len()).contains(&missing)
+        && (remainder(&order[missing - 1]) - remainder(&order[missing])).abs() < ROUND_OFF;
+    if is_tie {
+        return Err(RunError::SpringsUneven { count, edges: runs.len() });
+    }
+    order.iter().take(missing).for_each(|run| whole[*run] += 1);
+    Ok(whole)
+}
+
+impl Piece {
+    /// m.
+    fn length(&self) -> f64 {
+        (self.to - self.from).norm()
+    }
+
+    /// Normal in the plane of the frame, away from the film.
+    fn outward(&self) -> Vector3<f64> {
+        let along = self.to - self.from;
+        Vector3::new(along.y, -along.x, 0.0).normalize()
+    }
+}
+
+impl Run {
+    fn length(&self) -> f64 {
+        self.pieces.iter().map(Piece::length).sum()
+    }
+
+    /// The piece at a length along it, which begins anew at its end, and the share of the piece up to there.
+    fn at(&self, along: f64) -> (&Piece, f64) {
+        let mut rest = along.rem_euclid(self.length());
+        let last = self.pieces.len() - 1;
+        for piece in &self.pieces[..last] {
+            if rest < piece.length() {
+                return (piece, rest / piece.length());
+            }
+            rest -= piece.length();
+        }
+        let piece = &self.pieces[last];
+        (piece, (rest / piece.length()).min(1.0))
+    }
+}
