@@ -1,21 +1,20 @@
-//! Film on springs: a strip between springs under a bar against the roots of its equilibrium, the balance of preload and
+//! Film on springs: a strip between springs under a lying shaft against the roots of its equilibrium, the balance of preload and
 //! film, a mass that swings on them, parts between mirror planes against the whole.
-
-use std::f64::consts::PI;
-use std::fs;
 
 use droptower::simulate::Outcome;
 
 use super::claims::Claims;
-use super::tower::{channel, measured, run, written};
+use super::tower::{channel, run, written};
 
 /// Half the length of the strip as mounted, its width and thickness, m.
 const HALF: f64 = 0.05;
-const WIDTH: f64 = 0.02;
+const WIDTH: f64 = 0.005;
 const SHEET: f64 = 50e-6;
 const YOUNG: f64 = 50e6;
-/// Half the width of the bar, m.
-const BAR: f64 = 0.01;
+/// Elements, m: at four springs at each end, one to an element, so that the edge stays straight.
+const SIZE: f64 = 1.25e-3;
+/// Radius of the shaft, m.
+const SHAFT: f64 = 0.01;
 /// Springs at each end, and their length as mounted, m.
 const COUNT: f64 = 4.0;
 const LENGTH: f64 = 0.02;
@@ -38,38 +37,25 @@ fn root(low: f64, high: f64, function: impl Fn(f64) -> f64) -> f64 {
 /// Force of one spring over its elongation, as written and as a function.
 type Law = (&'static str, fn(f64) -> f64);
 
-const LINEAR: Law = ("stiffness = 400", |elongation| 400.0 * elongation.max(0.0));
+const LINEAR: Law = ("stiffness = 100", |elongation| 100.0 * elongation.max(0.0));
 
 /// A spring that stiffens, then softens.
-const CURVE: Law = ("curve = [[0, 0], [0.004, 0.8], [0.008, 4], [0.03, 9.5]]", |elongation| match elongation {
-    e if e < 0.004 => 200.0 * e,
-    e if e < 0.008 => 0.8 + 800.0 * (e - 0.004),
-    e => 4.0 + 250.0 * (e - 0.008),
+const CURVE: Law = ("curve = [[0, 0], [0.001, 0.05], [0.002, 0.25], [0.03, 2]]", |elongation| match elongation {
+    e if e < 0.001 => 50.0 * e,
+    e if e < 0.002 => 0.05 + 200.0 * (e - 0.001),
+    e => 0.25 + 62.5 * (e - 0.002),
 });
 
-/// A bar with a flat underside, wider than the film, as a surface.
-fn bar() -> String {
-    let corners = (0..8).map(|n| {
-        let at = |bit: u32, half: f64| if n >> bit & 1 == 0 { -half } else { half };
-        format!("v {} {} {}\n", at(0, BAR), at(1, WIDTH), at(2, 0.01))
-    });
-    let faces = [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
-    let faces = faces.map(|[a, b, c, d]| format!("f {a} {b} {c}\nf {a} {c} {d}\n"));
-    corners.chain(faces).collect()
-}
-
-/// The strip between springs under a smooth bar.
+/// The strip between springs under a smooth shaft across it.
 fn pressed(law: Law, further: &str) -> Outcome {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("bar.obj");
-    fs::write(&path, bar()).expect("a file");
     run(&written(&format!(
         "specimen.shape.rectangle = [{}, {WIDTH}]
          specimen.material = {{ density = 915, thickness = {SHEET}, elastic = {{ young = {YOUNG}, poisson = 0.0 }} }}
-         specimen.mesh.size = 0.0025
+         specimen.mesh.size = {SIZE}
          frame.hold = [\"x-\", \"x+\"]
          frame.springs = {{ {}, length = {LENGTH}, {further} }}
-         impactor = {{ shape.mesh = {path:?}, friction = 0.0 }}
+         impactor = {{ shape.hemisphere = {{ radius = {SHAFT}, length = 0.05 }}, friction = 0.0, \
+         orientation = {{ axis = [1, 0, 0], angle = \"90 deg\" }} }}
          loading.indent = {{ depth = 0.02, velocity = 0.3 }}
          output.frames = 2",
         2.0 * HALF,
@@ -77,17 +63,17 @@ fn pressed(law: Law, further: &str) -> Outcome {
     )))
 }
 
-/// Flank of film and spring are one straight line from the edge of the bar to the frame, at the depth d: with D its
-/// length and ℓ that of the spring, the film has the stretch λ = (b + D − ℓ)/a, and T(λ) = n F(ℓ − ℓ₀).
+/// Film leaves the shaft along its tangent of the angle θ, which film and spring share up to the frame: of the path from
+/// the middle, ℓ is the spring, and λa the rest, so that T(λ) = n F(ℓ − ℓ₀).
 #[test]
-fn a_strip_between_springs_is_in_equilibrium_under_a_bar() {
-    let mut claims = Claims::of("springs, strip under a bar");
+fn a_strip_between_springs_is_in_equilibrium_under_a_shaft() {
+    let mut claims = Claims::of("springs, strip under a shaft");
     for (what, law, further, preload) in [
         ("linear", LINEAR, "count = 8", 0.0),
-        ("linear, preloaded", LINEAR, "count = 8, preload = 0.6, mass = 1e-5", 0.6),
-        ("curve", CURVE, "spacing = 0.005, damping = 0.01", 0.0),
+        ("linear, preloaded", LINEAR, "count = 8, preload = 0.15, mass = 1e-6", 0.15),
+        ("curve", CURVE, "spacing = 0.00125, damping = 0.001", 0.0),
         ("linear, continuous", LINEAR, "count = 8, continuous = true", 0.0),
-        ("curve, continuous", CURVE, "spacing = 0.005, continuous = true, preload = 0.4", 0.4),
+        ("curve, continuous", CURVE, "spacing = 0.00125, continuous = true, preload = 0.1", 0.1),
     ] {
         let outcome = pressed(law, further);
         let elongated = root(0.0, 0.02, |elongation| (law.1)(elongation) - preload);
@@ -95,34 +81,35 @@ fn a_strip_between_springs_is_in_equilibrium_under_a_bar() {
         let [depth, force, frame, elongation, spring] =
             ["depth_m", "force_N", "frame_force_x_N", "spring_elongation_m", "spring_force_N"]
                 .map(|name| channel(&outcome.signals, name));
+        // Of a spring its force and elongation, and the angle.
         let at = |depth: f64| {
-            let line = (HALF + LENGTH - BAR).hypot(depth);
-            let stretch = |length: f64| (BAR + line - length) / HALF;
-            let length =
-                root(unstretched, line, |length| COUNT * (law.1)(length - unstretched) - tension(stretch(length)));
-            (COUNT * (law.1)(length - unstretched), length - unstretched, depth / line)
+            let radius = SHAFT + 0.5 * SHEET;
+            let apart = (HALF + LENGTH).hypot(radius - depth);
+            let angle = (depth - radius).atan2(HALF + LENGTH) + (radius / apart).asin();
+            let path = (apart * apart - radius * radius).sqrt() + radius * angle;
+            let film = |length: f64| tension((path - length) / HALF);
+            let length = root(unstretched, path, |length| COUNT * (law.1)(length - unstretched) - film(length));
+            ((law.1)(length - unstretched), length - unstretched, angle)
         };
         let half = depth.len() / 2;
-        let expected: f64 = depth[half..]
-            .iter()
-            .map(|depth| {
-                let (pull, _, sine) = at(*depth);
-                2.0 * pull * sine
-            })
-            .sum();
+        let of_shaft = |depth: &f64| {
+            let (pull, _, angle) = at(*depth);
+            2.0 * COUNT * pull * angle.sin()
+        };
+        let expected: f64 = depth[half..].iter().map(of_shaft).sum();
         claims.near(
-            &format!("{what}: force of the bar over its second half, N"),
+            &format!("{what}: force of the shaft over its second half, N"),
             force[half..].iter().sum(),
             expected,
             1e-2,
         );
         for share in [0.6, 1.0] {
             let k = (share * (depth.len() - 1) as f64) as usize;
-            let (pull, elongated, sine) = at(depth[k]);
+            let (pull, elongated, angle) = at(depth[k]);
             let what = |name: &str| format!("{what}, {:.0} mm deep: {name}", 1e3 * depth[k]);
-            claims.near(&what("force on each side, N"), frame[k], pull * (1.0 - sine * sine).sqrt(), 1e-2);
-            claims.near(&what("elongation of a spring, m"), elongation[k], elongated, 2e-2);
-            claims.near(&what("force of a spring, N"), spring[k], pull / COUNT, 2e-2);
+            claims.near(&what("force on each side, N"), frame[k], COUNT * pull * angle.cos(), 1e-2);
+            claims.near(&what("elongation of a spring, m"), elongation[k], elongated, 1e-2);
+            claims.near(&what("force of a spring, N"), spring[k], pull, 1e-2);
         }
         claims.at_most(&format!("{what}: energy balance"), outcome.energy_balance_error, 2e-3);
     }
@@ -133,19 +120,19 @@ fn a_strip_between_springs_is_in_equilibrium_under_a_bar() {
 #[test]
 fn preload_and_film_come_into_balance() {
     let mut claims = Claims::of("springs, preload");
-    let preload = 2.0;
+    let preload = 0.5;
     let outcome = run(&written(&format!(
         "specimen.shape.rectangle = [{}, {WIDTH}]
          specimen.material = {{ density = 915, thickness = {SHEET}, elastic = {{ young = {YOUNG}, poisson = 0.0 }} }}
-         specimen.mesh.size = 0.0025
+         specimen.mesh.size = {SIZE}
          frame.hold = [\"x-\", \"x+\"]
-         frame.springs = {{ stiffness = 400, count = 8, continuous = true, length = {LENGTH}, preload = {preload} }}
-         impactor = {{ shape.sphere.radius = 0.01, mass = 0.1, friction = 0.0, height = 0.1 }}
+         frame.springs = {{ stiffness = 100, count = 8, continuous = true, length = {LENGTH}, preload = {preload} }}
+         impactor = {{ shape.sphere.radius = 0.01, mass = 0.1, friction = 0.0, position = [0, 0, 0.1] }}
          loading.impact = {{ velocity = 0.001, duration = 0.001, gravity = 0 }}
          output.frames = 2",
         2.0 * HALF
     )));
-    let stretch = root(1.0, 1.1, |stretch| tension(stretch) - COUNT * (preload - 400.0 * (stretch - 1.0) * HALF));
+    let stretch = root(1.0, 1.1, |stretch| tension(stretch) - COUNT * (preload - 100.0 * (stretch - 1.0) * HALF));
     let relaxation = outcome.relaxation.expect("a relaxation");
     claims.holds("it was relaxed", &format!("{} steps", relaxation.steps), relaxation.steps > 0);
     claims.at_most("residual", relaxation.residual, 1e-6);
@@ -171,7 +158,7 @@ fn springs_are_mounted_in_balance_with_the_pre_strain() {
              specimen.symmetry = \"{symmetry}\"
              layers.prestrain = {{ md = {strain}, td = {strain} }}
              frame.springs = {{ stiffness = 2000, spacing = 0.02, continuous = true, length = 0.03 }}
-             impactor = {{ shape.sphere.radius = 0.02, mass = 0.1, height = 0.1 }}
+             impactor = {{ shape.sphere.radius = 0.02, mass = 0.1, friction = 0.0, position = [0, 0, 0.1] }}
              loading.impact = {{ velocity = 0.001, duration = 0.001, gravity = 0 }}
              output.frames = 2"
         )));
@@ -188,55 +175,55 @@ fn springs_are_mounted_in_balance_with_the_pre_strain() {
     claims.judge();
 }
 
-/// A body that rides on a strip under its weight, released above its equilibrium: with film that is stiff beside its springs, both
-/// sides are straight lines, and the period is that of one degree of freedom by quadrature.
+/// A shaft thrown on a strip between preloaded springs swings half a period: one degree of freedom, whose force is that of the
+/// equilibrium above with a shaft without radius, by quadrature.
 #[test]
 fn a_body_bounces_as_one_degree_of_freedom() {
     let mut claims = Claims::of("springs, period");
-    let (mass, stiffness, preload) = (2.0, 400.0, 4.0);
-    // A shaft across a strip of five hundred times the stiffness of its springs.
-    let (half, radius, thickness) = (0.05, 1e-3, 4e-4);
-    let velocity = 0.35;
+    let (mass, velocity, thickness, length, preload) = (0.05, 0.4, 2e-4, 0.05, 0.25);
     let model = written(&format!(
         "specimen.shape.rectangle = [{}, {WIDTH}]
-         specimen.material = {{ density = 300, thickness = {thickness}, elastic = {{ young = 2e9, poisson = 0.0 }} }}
-         specimen.mesh.size = 0.0025
-         specimen.symmetry = \"quarter\"
+         specimen.material = {{ density = 915, thickness = {thickness}, elastic = {{ young = {YOUNG}, poisson = 0.0 }} }}
+         specimen.mesh.size = {SIZE}
          frame.hold = [\"x-\", \"x+\"]
-         frame.springs = {{ stiffness = {stiffness}, count = 8, length = 0.05, preload = {preload} }}
-         impactor = {{ shape.hemisphere = {{ radius = {radius}, length = 0.05 }}, mass = {mass}, friction = 0.0, \
+         frame.springs = {{ stiffness = 100, count = 8, length = {length}, preload = {preload} }}
+         impactor = {{ shape.hemisphere = {{ radius = 0.002, length = 0.05 }}, mass = {mass}, friction = 0.0, \
          orientation = {{ axis = [1, 0, 0], angle = \"90 deg\" }} }}
-         loading.impact = {{ velocity = {velocity}, duration = 0.4, gravity = 0 }}
-         output = {{ frames = 2, sample_rate = 4000 }}",
-        2.0 * half
+         loading.impact = {{ velocity = {velocity}, duration = 0.2, gravity = 0 }}
+         output = {{ frames = 2, sample_rate = 4000, filter = \"none\" }}",
+        2.0 * HALF
     ));
     let outcome = run(&model);
-    // Without weight the body sinks from contact to rest and back: half an oscillation. Energy of the springs at a depth,
-    // film without stretch.
-    let unstretched = 0.05 - preload / stiffness;
-    let stored = |depth: f64| {
-        let line = (half + 0.05f64).hypot(depth);
-        let elongation = line - half - unstretched;
-        8.0 * 0.5 * stiffness * elongation * elongation
+    let unstretched = length - preload / 100.0;
+    let force = |depth: f64| {
+        let line = (HALF + length).hypot(depth);
+        let pull = |length: f64| COUNT * 100.0 * (length - unstretched);
+        let film = |length: f64| tension((line - length) / HALF) * thickness / SHEET;
+        2.0 * pull(root(unstretched, line, |length| pull(length) - film(length))) * depth / line
     };
     let energy = 0.5 * mass * velocity * velocity;
-    let lowest = root(0.0, 0.05, |depth| stored(depth) - stored(0.0) - energy);
-    // ∫ dz/v, with z = z₀ sin φ, which removes the root at the lowest point.
-    let steps = 20_000;
-    let time: f64 = (0..steps)
-        .map(|k| {
-            let angle = (f64::from(k) + 0.5) / f64::from(steps) * 0.5 * PI;
-            let depth = lowest * angle.sin();
-            let speed = (2.0 * (energy + stored(0.0) - stored(depth)) / mass).sqrt();
-            lowest * angle.cos() / speed * (0.5 * PI / f64::from(steps))
-        })
-        .sum();
+    // Depth over speed: the energy that is left falls as the force has done work; midpoints of steps of the depth.
+    let step = 1e-6;
+    let (mut depth, mut left, mut time) = (0.0, energy, 0.0);
+    loop {
+        let work = force(depth + 0.5 * step) * step;
+        if left <= work {
+            // From its last place with a constant force.
+            let force = force(depth);
+            time += (2.0 * left * mass).sqrt() / force;
+            depth += left / force;
+            break;
+        }
+        let mean = 0.5 * ((2.0 * left / mass).sqrt() + (2.0 * (left - work) / mass).sqrt());
+        time += step / mean;
+        (depth, left) = (depth + step, left - work);
+    }
     let [times, travel] = [&outcome.signals.time[..], channel(&outcome.signals, "displacement_m")];
     let k = (0..travel.len()).min_by(|a, b| travel[*a].total_cmp(&travel[*b])).expect("a lowest point");
-    claims.near("lowest point, m", -travel[k], lowest, 1e-2);
+    claims.near("lowest point, m", -travel[k], depth, 5e-3);
     let back = (k..travel.len()).find(|k| travel[*k] >= 0.0).expect("it comes back");
     let back = times[back - 1] - travel[back - 1] * (times[back] - times[back - 1]) / (travel[back] - travel[back - 1]);
-    claims.near("half a period, s", back, 2.0 * time, 1e-2);
+    claims.near("half a period, s", back, 2.0 * time, 5e-3);
     claims.at_most("energy balance", outcome.energy_balance_error, 5e-3);
     claims.judge();
 }
@@ -246,10 +233,11 @@ fn a_body_bounces_as_one_degree_of_freedom() {
 #[test]
 fn parts_have_the_motion_of_the_whole() {
     let mut claims = Claims::of("springs, mirror planes");
-    for (shape, hold) in [
-        ("rectangle = [0.2, 0.2]", "\"all\""),
-        ("circle.radius = 0.1", "\"all\""),
-        ("rectangle = [0.2, 0.1]", "[\"x-\", \"x+\"]"),
+    // Meshes of a disc and of its parts differ.
+    for (shape, hold, travel) in [
+        ("rectangle = [0.2, 0.2]", "\"all\"", 1e-4),
+        ("circle.radius = 0.1", "\"all\"", 5e-3),
+        ("rectangle = [0.2, 0.1]", "[\"x-\", \"x+\"]", 1e-4),
     ] {
         let drop = |symmetry: &str| {
             run(&written(&format!(
@@ -272,7 +260,7 @@ fn parts_have_the_motion_of_the_whole() {
                 let square: f64 = a.iter().map(|value| value * value).sum();
                 let apart: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
                 let what = format!("{shape}, {symmetry} and the whole apart, {name}");
-                claims.at_most(&what, (apart / square).sqrt(), if name == "displacement_m" { 1e-3 } else { 2e-2 });
+                claims.at_most(&what, (apart / square).sqrt(), if name == "displacement_m" { travel } else { 2e-2 });
             }
         }
         claims.at_most(&format!("{shape}: energy balance"), whole.energy_balance_error, 5e-3);
@@ -280,22 +268,19 @@ fn parts_have_the_motion_of_the_whole() {
     claims.judge();
 }
 
-/// Findings of a spring that goes slack, and of one whose curve ends too early.
+/// A body that drags film along: springs behind it go slack, those before it are drawn beyond their curve.
 #[test]
 fn slack_springs_and_short_curves_are_found() {
-    let model = written(&format!(
+    let outcome = run(&written(&format!(
         "specimen.shape.rectangle = [0.2, 0.2]
          specimen.material = {{ density = 915, thickness = 2e-4, elastic = {{ young = {YOUNG}, poisson = 0.4 }} }}
          specimen.mesh.size = 0.01
-         specimen.symmetry = \"quarter\"
-         frame.springs = {{ curve = [[0, 0], [0.01, 5], [0.012, 10]], count = 24, length = 0.05, preload = 1 }}
-         impactor = {{ shape.sphere.radius = 0.04, mass = 0.5, friction = 0.0 }}
-         loading.impact = {{ velocity = 2, duration = 0.1, gravity = 9.81 }}
+         frame.springs = {{ curve = [[0, 0], [0.01, 5], [0.012, 10]], count = 24, length = 0.05 }}
+         impactor = {{ shape.sphere.radius = 0.04, mass = 0.1, friction = 1.0, guide = \"free\", velocity = [4, 0, -4] }}
+         loading.impact = {{ duration = 0.03, gravity = 0 }}
          output.frames = 2"
-    ));
-    let outcome = run(&model);
+    )));
     let codes: Vec<&str> =
         outcome.warnings.iter().map(|warning| droptower::finding::Report::code(warning).name).collect();
     assert!(codes.contains(&"springs-beyond-curve") && codes.contains(&"springs-slack"), "{codes:?}");
-    assert!(measured(&model, &outcome).first().peak_displacement_m.is_some());
 }
