@@ -4,7 +4,7 @@ use super::build;
 use super::fault::RunError;
 use super::mount;
 use crate::mesh::{MeshError, Outline};
-use crate::model::Model;
+use crate::model::{Model, Spread};
 use crate::scenario::Document;
 use base::diagnostic::Diagnostic;
 
@@ -67,7 +67,10 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
         RunError::Surface(_) => "frame.bars.radius".to_owned(),
         RunError::ClampTooWeak { .. } => "frame.clamp.force".to_owned(),
         RunError::SpringTooShort { .. } => "frame.springs.length".to_owned(),
-        RunError::SpringsUneven { .. } => "frame.springs.count".to_owned(),
+        RunError::SpringsUneven { .. } => match model.frame.springs.as_ref().map(|springs| springs.spread) {
+            Some(Spread::Spacing(_)) => "frame.springs.spacing".to_owned(),
+            Some(Spread::Count(_)) | None => "frame.springs.count".to_owned(),
+        },
         RunError::NoSprings { .. } => "frame.springs.spacing".to_owned(),
         RunError::CutMisses { cut, .. } => format!("specimen.cuts.{cut}"),
         RunError::FacesCross => "contact".to_owned(),

@@ -55,7 +55,7 @@ impl Mounted {
         first: usize,
     ) -> Result<(), RunError> {
         let (Some(written), Some(face)) = (&model.frame.springs, model.faces.get(faces - 1)) else { return Ok(()) };
-        let pieces = pieces(mesh, held);
+        let (pieces, before) = (pieces(mesh, held), self.springs.len());
         let length: f64 = pieces.iter().map(Piece::length).sum();
         let copies = model.specimen.symmetry.copies();
         let (count, spacing) = match written.spread {
@@ -94,7 +94,11 @@ impl Mounted {
                 attach(piece, [1.0 - share, share], [1.0, spacing])?;
             }
         }
-        if self.springs.is_empty() { Err(RunError::NoSprings { spacing, length: length * copies }) } else { Ok(()) }
+        if self.springs.len() == before {
+            Err(RunError::NoSprings { spacing, length: length * copies })
+        } else {
+            Ok(())
+        }
     }
 
     /// The springs of all faces, with the mass of film multiplied by `mass_scaling`, which theirs follows.
