@@ -5,6 +5,7 @@ pub mod number;
 pub mod units;
 pub mod written;
 pub mod diagnostic;
+pub mod markup;
 pub mod scratch;
 pub mod file;
 pub mod finding;

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::picture::{COLOURS, ticks};
 use super::{Curve, Look, Plot, Style};
+use base::markup::escape;
 use base::number::significant;
 
 /// Rings of a diagram, at most.
@@ -25,6 +26,8 @@ struct Setting {
     letters: f64,
     line: f64,
     has_title: bool,
+    /// Whether it has a ground of its own, as on paper.
+    has_paper: bool,
     /// CSS colours.
     ink: String,
     soft: String,
@@ -50,6 +53,7 @@ fn fixed(size: [f64; 2], letters: f64, line: f64, has_title: bool) -> Setting {
         letters,
         line,
         has_title,
+        has_paper: true,
         ink: "#1c2126".into(),
         soft: "#56616b".into(),
         grid: "#dbdfe3".into(),
@@ -82,6 +86,7 @@ pub fn polar_figure(plot: &Plot) -> String {
         letters: 12.0,
         line: 2.0,
         has_title: false,
+        has_paper: false,
         ink: "var(--ink)".into(),
         soft: "var(--soft)".into(),
         grid: "var(--line)".into(),
@@ -98,14 +103,16 @@ pub(super) fn in_plane([angle, radius]: [f64; 2]) -> [f64; 2] {
 
 fn drawn(plot: &Plot, setting: &Setting, attributes: impl Fn([f64; 2]) -> String, family: Option<&str>) -> String {
     let [width, height] = [setting.size[0], setting.size[1] + legend_height(plot, setting)];
-    let family = family.map(|family| format!(" font-family=\"{}\"", escaped(family))).unwrap_or_default();
+    let family = family.map(|family| format!(" font-family=\"{}\"", escape(family))).unwrap_or_default();
     let mut text = format!(
         "<svg {} viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\"{family} font-size=\"{}\">\n",
         attributes([width, height]),
         setting.letters
     );
-    if setting.has_title {
+    if setting.has_paper {
         let _ = writeln!(text, "<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>");
+    }
+    if setting.has_title {
         let place = [0.5 * width, ROW * setting.letters];
         text += &words(&plot.title, place, "middle", &setting.ink, " font-weight=\"bold\"");
     }
@@ -185,7 +192,7 @@ fn curve_of(plot: &Plot, curve: &Curve, colour: &str, setting: &Setting, field: 
                     text,
                     "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{}\" fill=\"{colour}\"><title>{}: {} at {}°</title></circle>",
                     1.6 * setting.line,
-                    escaped(&curve.name),
+                    escape(&curve.name),
                     significant(point[1], DIGITS),
                     significant(point[0], DIGITS),
                 );
@@ -214,6 +221,9 @@ fn line_style(look: Look, colour: &str, setting: &Setting) -> String {
 /// The names of the curves below the field, one below the other in as many columns as there is room for.
 fn legend(plot: &Plot, setting: &Setting) -> String {
     let mut text = String::new();
+    if !has_legend(plot) {
+        return text;
+    }
     let columns = columns(plot, setting);
     let row = ROW * setting.letters;
     for (place, curve) in plot.curves.iter().enumerate() {
@@ -245,17 +255,21 @@ fn columns(plot: &Plot, setting: &Setting) -> usize {
     ((setting.size[0] / width) as usize).clamp(1, 4)
 }
 
+/// Whether the curves are named: a single one has the name of the plot.
+fn has_legend(plot: &Plot) -> bool {
+    plot.curves.len() > 1
+}
+
 fn legend_height(plot: &Plot, setting: &Setting) -> f64 {
+    if !has_legend(plot) {
+        return 0.0;
+    }
     plot.curves.len().div_ceil(columns(plot, setting)) as f64 * ROW * setting.letters
 }
 
 fn words(text: &str, [x, y]: [f64; 2], anchor: &str, colour: &str, more: &str) -> String {
-    let text = escaped(text);
+    let text = escape(text);
     format!("<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"{anchor}\" fill=\"{colour}\"{more}>{text}</text>\n")
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Points of a full circle, for a curve that is the same at opposite angles: `points` over half a turn, and again behind it.
@@ -277,6 +291,20 @@ mod tests {
             Plot::new("A & B", ["angle from MD", "modulus (MPa)"], vec![Curve::line("law", circle), measured]);
         plot.frame = Frame::Polar;
         plot
+    }
+
+    /// An ellipse four times as long as high covers four times as many columns of dots as rows of them.
+    #[test]
+    fn a_terminal_has_one_scale_for_both_axes() {
+        let of = |angle: f64| {
+            [angle, (angle.to_radians().cos().powi(2) / 16.0 + angle.to_radians().sin().powi(2)).sqrt().recip()]
+        };
+        let ellipse = (0..=360).map(|angle| of(f64::from(angle)));
+        let mut plot = Plot::new("a", ["angle", "modulus"], vec![Curve::line("law", ellipse)]);
+        plot.frame = Frame::Polar;
+        let text = braille(&plot, [40, 20]);
+        let rows = text.lines().filter(|line| line.chars().any(|c| (0x2801..0x2900).contains(&(c as u32)))).count();
+        assert!((4..=6).contains(&rows), "a quarter of 20 rows:\n{text}");
     }
 
     #[test]

@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use base::diagnostic::steers;
 use base::finding::Finding;
+pub(super) use base::markup::escape;
 use plot::viridis::VIRIDIS;
 use study::codes;
 
@@ -49,24 +50,6 @@ fn policy(scripts: &[&str]) -> String {
     let hash = |script: &&str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)));
     let scripts = scripts.iter().map(hash).collect::<Vec<_>>().join(" ");
     format!("default-src 'none'; style-src 'unsafe-inline'; script-src {scripts}; base-uri 'none'; form-action 'none'")
-}
-
-/// `text` with everything that HTML would read as markup escaped.
-pub(super) fn escape(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            // Nor does a text turn the direction of what follows.
-            other if steers(other) => safe.push('\u{fffd}'),
-            other => safe.push(other),
-        }
-    }
-    safe
 }
 
 /// The text that [`escape`] made `html` of.

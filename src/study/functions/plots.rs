@@ -66,10 +66,23 @@ fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
     let window = marked(&options, factors[0])?;
     let frame = match options.boolean("polar", false)? {
         false => Frame::Rectangular,
-        true if window.is_some() || [&x, &y].iter().any(|axis| axis.scale == Scale::Logarithmic) => {
+        true if options.map.contains_key("window_name")
+            || window.is_some()
+            || [&x, &y].iter().any(|axis| axis.scale == Scale::Logarithmic) =>
+        {
             return Err(refuse("a polar diagram has neither a window nor logarithmic axes"));
         }
-        true => Frame::Polar,
+        true => {
+            if let Some(other) = given.iter().find(|given| !matches!(given.shape, Shape::Pair(_))) {
+                let name = &other.name;
+                return Err(refuse(format!("`{name}`: a polar diagram takes pairs of angles (degrees) and radii")));
+            }
+            let all = || given.iter().flat_map(|given| given.drawn(factors).points);
+            if let Some([angle, radius]) = all().find(|[_, radius]| *radius < 0.0) {
+                return Err(refuse(format!("the radius {radius} at {angle} degrees is below zero")));
+            }
+            Frame::Polar
+        }
     };
     Ok(Plot { x, y, window, frame, ..Plot::new(title, ["", ""], curves) })
 }
@@ -323,6 +336,12 @@ mod tests {
             (
                 "plot(\"a\", #{ polar: true, x: \"angle\", log_y: true }, [[0, 90], [1, 2]])",
                 "a polar diagram has neither a window nor logarithmic axes",
+            ),
+            ("plot(\"a\", #{ polar: true, window_name: \"w\" }, [[0, 90], [1, 2]])", "neither a window nor"),
+            ("plot(\"a\", #{ polar: true }, [[0, 90], [1, -2]])", "the radius -2 at 90 degrees is below zero"),
+            (
+                "plot(\"a\", #{ polar: true }, signal([0, 1], [1, 2]))",
+                "a polar diagram takes pairs of angles (degrees) and radii",
             ),
             ("plot(\"a\", #{ log_y: 1 }, signal([0], [1]))", "log_y is true or false"),
             ("plot(\"a\", #{ window: 3 }, signal([0], [1]))", "expected a window [from, to]"),
