@@ -111,6 +111,7 @@ mod tests {
         let improvement = |place: usize| Improvement { at: at(place), values: vec![0.0, objectives[place] as f32] };
         let improvements = (0..objectives.len()).map(improvement).collect();
         ConvergenceHistory {
+            continues: false,
             title: "1008".into(),
             unknowns: vec!["k1".into()],
             objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],

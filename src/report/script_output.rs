@@ -221,6 +221,7 @@ mod tests {
     fn a_page_shows_searches_up_to_its_limit_of_points() {
         let history: Vec<(usize, f64)> = (0..50_000).map(|iteration| (iteration, 1.0)).collect();
         let search = |title: &str| ConvergenceHistory {
+            continues: false,
             title: title.into(),
             unknowns: vec![],
             objectives: vec![history.clone()],

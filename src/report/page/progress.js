@@ -232,7 +232,7 @@
       });
     }
 
-    /** Two outcomes; those than which none is smaller in both are joined. */
+    /** Two outcomes; those than which none is smaller in size in both are joined. */
     front(canvas, width, shown) {
       const [x, y] = [Number(this.across.value), Number(this.up.value)];
       const wide = Math.min(width, 560);
@@ -254,7 +254,7 @@
       front.forEach(({ row }, at) => (at ? pen.lineTo(...place(row)) : pen.moveTo(...place(row))));
       pen.stroke();
       known.forEach((one) => this.dot(pen, ...place(one.row), one));
-      canvas.setAttribute("aria-label", `${this.of} over ${this.axes[x].words} and ${this.axes[y].words}: ${front.length} of ${known.length} on the front, than which none is smaller in both`);
+      canvas.setAttribute("aria-label", `${this.of} over ${this.axes[x].words} and ${this.axes[y].words}: ${front.length} of ${known.length} on the front, than which none is smaller in size in both`);
     }
   }
 

@@ -303,22 +303,31 @@ impl StudyProgress {
         )
     }
 
+    /// The searches, the last one first, each with its phases in their order.
+    fn with_phases(&self) -> impl Iterator<Item = &[Search]> {
+        self.searches.chunk_by(|_, next| next.continues()).rev()
+    }
+
     /// The best of each search, and the worst run of a sweep.
     fn best(&self) -> String {
-        let searches = self.searches.iter().rev().filter(|search| search.function.starts_with("minimize"));
-        let row = |search: &Search| {
-            let best = search.best()?;
+        let row = |phases: &[Search]| {
+            let (search, best) = phases
+                .iter()
+                .rev()
+                .filter(|search| search.is_search())
+                .find_map(|search| Some((search, search.best()?)))?;
             let x = search.unknowns.iter().zip(&best.x).map(|(name, x)| format!("{name} {}", significant(*x, DIGITS)));
-            let state = if search.is_active { "searching" } else { "ended" };
+            let state = if phases.iter().any(|search| search.is_active) { "searching" } else { "ended" };
+            let state = [state, search.phase()].into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>();
             Some(vec![
-                Cell::text(search.title()),
+                Cell::text(search.common_title()),
                 Cell::number(best.f, significant(best.f, DIGITS)),
                 Cell::text(x.collect::<Vec<_>>().join(", ")),
                 Cell::number(best.number as f64, best.number.to_string()),
-                Cell::text(state),
+                Cell::text(state.join(": ")),
             ])
         };
-        let rows: Vec<Vec<Cell>> = searches.filter_map(row).take(MOST_SHOWN).collect();
+        let rows: Vec<Vec<Cell>> = self.with_phases().filter_map(row).take(MOST_SHOWN).collect();
         let head = ["search", "error", "parameters", "trial", "state"].map(Cell::text);
         let worst =
             self.sweep.as_ref().and_then(SweepRuns::worst).map_or_else(String::new, |(number, words, value)| {
@@ -327,21 +336,21 @@ impl StudyProgress {
         [html::section("Best so far", &table::table(&head, &rows)), html::section("Worst so far", &worst)].concat()
     }
 
-    /// The searches: the active ones and the last open, those before folded.
+    /// The searches: the active ones and the last open, those before folded, and so are the phases before the last of each.
     fn search_sections(&self) -> String {
-        let shown = self.searches.iter().rev().take(MOST_SHOWN).collect::<Vec<_>>();
+        let shown = self.with_phases().take(MOST_SHOWN).collect::<Vec<_>>();
         let current = self.current().map(|search| search.number);
-        let section = |search: &&Search| {
-            let plots = thinned(search.plots(), MOST_POINTS / shown.len().max(1));
-            let failed = search.causes.table("trials");
-            let failed = if failed.is_empty() { failed } else { format!("<h3>Failed trials</h3>\n{failed}") };
-            let title = search.title();
-            let content = [drawn::figures(&plots), search.points().figures(&title), failed].concat();
-            if search.is_active || Some(search.number) == current {
-                html::section(&title, &content)
-            } else {
-                html::section(&title, &folded("curves and trials", &content))
-            }
+        let most = MOST_POINTS / shown.iter().map(|phases| phases.len()).sum::<usize>().max(1);
+        let section = |phases: &&[Search]| {
+            let Some((last, before)) = phases.split_last() else { return String::new() };
+            let own = content(last, most);
+            let own = match last.is_active || Some(last.number) == current {
+                true => own,
+                false => folded("curves and trials", &own),
+            };
+            let before =
+                before.iter().rev().map(|phase| folded(&format!("before: {}", phase.phase()), &content(phase, most)));
+            html::section(&last.title(), &[own, before.collect()].concat())
         };
         shown.iter().map(section).collect()
     }
@@ -366,6 +375,14 @@ impl StudyProgress {
     }
 }
 
+/// The plots of a search and its failed trials.
+fn content(search: &Search, most_points: usize) -> String {
+    let plots = thinned(search.plots(), most_points);
+    let failed = search.causes.table("trials");
+    let failed = if failed.is_empty() { failed } else { format!("<h3>Failed trials</h3>\n{failed}") };
+    [drawn::figures(&plots), search.points().figures(&search.title()), failed].concat()
+}
+
 impl StudyState {
     /// In one word.
     pub fn word(&self) -> &'static str {
@@ -386,6 +403,7 @@ pub fn ended_page(name: &str, report: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use study::identify::{Labels, ObjectiveValue, Phase, SearchStart, Trial, TrialEvent};
     use study::store::evaluations::Key;
 
     fn progress() -> StudyProgress {
@@ -421,6 +439,35 @@ mod tests {
             assert!(html.contains(part), "{part} is not in {html}");
         }
         assert!(progress.has_begun());
+    }
+
+    /// A search in phases is one search: its last phase is open, those before are folded into it.
+    #[test]
+    fn the_phases_of_a_search_are_one_search() {
+        let mut progress = progress();
+        let unknowns = ["k".to_owned()];
+        for (number, phase) in ["stage 1 of 2", "stage 2 of 2"].into_iter().enumerate() {
+            let phase = Some(Phase { number, name: phase.into() });
+            let labels = Labels { title: Some("Calibration".into()), phase, signals: vec![] };
+            let (function, is_virtual) = ("calibrate", false);
+            let start = SearchStart { number, function, labels: &labels, unknowns: &unknowns, is_virtual };
+            progress.note_search(&SearchEvent::Begun(start));
+            for (x, f) in [(1.0, 3.0), (2.0, 0.25 + number as f64)] {
+                let trial = ObjectiveValue::Scalar(f).into();
+                let trial = Trial { evaluation: trial, compared: vec![] };
+                progress.note_search(&SearchEvent::Trial(number, TrialEvent::Known { x: &[x], trial: &trial }));
+            }
+            if number == 0 {
+                progress.note_search(&SearchEvent::Ended(number));
+            }
+        }
+        let html = progress.page(TIME);
+        assert_eq!(html.matches("<h2>Calibration").count(), 1, "{html}");
+        for part in ["Calibration, stage 2 of 2", "before: stage 1 of 2", "searching: stage 2 of 2", "1.25"] {
+            assert!(html.contains(part), "{part} is not in {html}");
+        }
+        let best = &html[html.find("Best so far").unwrap()..];
+        assert_eq!(best[..best.find("</table>").unwrap()].matches("<tr>").count(), 2, "a head and one search");
     }
 
     #[test]

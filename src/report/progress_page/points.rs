@@ -26,6 +26,8 @@ pub(super) struct Axis {
 pub(super) struct Points {
     pub(super) axes: Vec<Axis>,
     pub(super) rows: Vec<Vec<Option<f64>>>,
+    /// How many there are, of which these are the first.
+    pub(super) all: usize,
     /// Place of the best one.
     pub(super) best: Option<usize>,
     /// What a point is, in the plural.
@@ -62,7 +64,7 @@ impl Points {
         let of = self.of;
         let pairs = format!("{of} over every two of what varies, coloured by what came of them");
         let lines = format!("a line for each of the {of} through its values on every axis");
-        let front = format!("{of} over two of their outcomes; of those on the front none is smaller in both");
+        let front = format!("{of} over two of their outcomes; of those on the front none is smaller in size in both");
         let figures = [
             figure("pairs", if inputs > 1 { "pairs" } else { "what varies" }, &pairs),
             figure("lines", "parallel coordinates", &lines),
@@ -90,7 +92,7 @@ impl Points {
             "rows": shown.iter().map(row).collect::<Vec<_>>(),
             "front": self.front,
             "best": self.best.and_then(|best| shown.iter().position(|place| *place == best)),
-            "all": self.rows.len(),
+            "all": self.all,
         })
     }
 
@@ -110,7 +112,7 @@ mod tests {
     fn points(count: usize) -> Points {
         let axes = vec![Axis::input("k1"), Axis::input("<ke>"), Axis::outcome("error")];
         let row = |place: usize| vec![Some(place as f64), Some(1.0 / 3.0), (place > 0).then_some(f64::NAN)];
-        Points { axes, rows: (0..count).map(row).collect(), best: Some(1), of: "trials", front: [0, 1] }
+        Points { axes, rows: (0..count).map(row).collect(), all: count, best: Some(1), of: "trials", front: [0, 1] }
     }
 
     #[test]

@@ -148,10 +148,30 @@ impl Search {
         }
     }
 
-    /// Title of the search, and what it does where it is no search.
+    /// Title of the search, its phase, and what it does where it is no search.
     pub(super) fn title(&self) -> String {
-        let title = self.labels.title.clone().unwrap_or_else(|| format!("search {}", self.number + 1));
-        if self.function.starts_with("minimize") { title } else { format!("{title}, {}", self.function) }
+        let title = self.labels.full_title(self.number);
+        if self.is_search() { title } else { format!("{title}, {}", self.function) }
+    }
+
+    /// The title that all its phases have.
+    pub(super) fn common_title(&self) -> String {
+        Labels { phase: None, ..self.labels.clone() }.full_title(self.number)
+    }
+
+    /// The name of its phase; empty of a search in one.
+    pub(super) fn phase(&self) -> &str {
+        self.labels.phase.as_ref().map_or("", |phase| &phase.name)
+    }
+
+    /// Whether it goes on where the phase before it ended.
+    pub(super) fn continues(&self) -> bool {
+        self.labels.continues()
+    }
+
+    /// Whether it looks for a minimum.
+    pub(super) fn is_search(&self) -> bool {
+        ["minimize", "minimize_all", "calibrate", "left_out"].contains(&self.function.as_str())
     }
 
     pub(super) fn best(&self) -> Option<&Best> {
@@ -170,6 +190,7 @@ impl Search {
     fn curves(&self, fit: &Fit) -> Plot {
         let titled = ConvergenceHistory {
             title: self.title(),
+            continues: false,
             unknowns: vec![],
             objectives: vec![],
             history: vec![],
@@ -224,6 +245,7 @@ impl Search {
         Points {
             axes: axes.collect(),
             rows: self.trials.iter().map(row).collect(),
+            all: self.counts.done + self.causes.total(),
             best: self.trials.iter().position(|trial| Some(trial.number) == best),
             of: "trials",
             // That of all tests is the first outcome.
@@ -258,7 +280,7 @@ mod tests {
 
     fn search() -> Search {
         let signals = ["acceleration (m/s²)", "force (kN)"].map(SignalLabel::parse).to_vec();
-        let labels = Labels { title: Some("1008".into()), signals };
+        let labels = Labels { title: Some("1008".into()), phase: None, signals };
         let unknowns = ["k1".to_owned(), "ke".to_owned()];
         Search::new(&SearchStart {
             number: 0,

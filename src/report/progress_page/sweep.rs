@@ -25,6 +25,10 @@ pub(super) struct SweepRuns {
     /// The figure by which runs are ranked.
     ranked: String,
     rows: BTreeMap<usize, Row>,
+    /// Runs that have figures, those that are not among the rows included.
+    finished: usize,
+    /// Place and value of the run with the largest value of that figure.
+    worst: Option<(usize, f64)>,
 }
 
 /// Inputs of a run, and its figures.
@@ -38,12 +42,28 @@ impl SweepRuns {
         let words = |factor: &Factor| Some(title(factor)).filter(|title| !is_twice(title));
         let factors =
             factors.iter().map(|factor| (words(factor).unwrap_or_else(|| factor.path.clone()), factor.dimension));
-        SweepRuns { factors: factors.collect(), ranked: ranked.to_owned(), rows: BTreeMap::new() }
+        SweepRuns {
+            factors: factors.collect(),
+            ranked: ranked.to_owned(),
+            rows: BTreeMap::new(),
+            finished: 0,
+            worst: None,
+        }
     }
 
     /// Takes note of a run; a failed one has no figures.
     pub(super) fn add(&mut self, place: usize, inputs: Vec<Input>, evaluation: &Evaluation) {
-        if self.rows.len() >= MOST_RUNS || evaluation.failure.is_some() {
+        if evaluation.failure.is_some() {
+            return;
+        }
+        self.finished += 1;
+        if let Some(value) =
+            evaluation.figures.iter().find(|(name, _)| *name == self.ranked).and_then(|(_, figure)| figure.number())
+            && self.worst.is_none_or(|(_, worst)| value > worst)
+        {
+            self.worst = Some((place, value));
+        }
+        if self.rows.len() >= MOST_RUNS {
             return;
         }
         let is_shown = |name: &str| name == self.ranked || is_key_figure(name) || is_of_script(name);
@@ -68,10 +88,7 @@ impl SweepRuns {
 
     /// The run with the largest value of the figure by which runs are ranked: number, words, and the value as it is read.
     pub(super) fn worst(&self) -> Option<(usize, String, String)> {
-        let value = |(place, (_, figures)): (&usize, &Row)| {
-            figures.iter().find(|(name, _)| *name == self.ranked).map(|(_, value)| (*place, *value))
-        };
-        let (place, value) = self.rows.iter().filter_map(value).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (place, value) = self.worst?;
         let (words, reading) = Reading::of_name(&self.ranked, value);
         Some((place + 1, words, reading.text(value)))
     }
@@ -95,7 +112,7 @@ impl SweepRuns {
             columns.push(column.into_iter().map(|value| value.map(|value| reading.value(value))).collect());
         }
         let rows = (0..self.rows.len()).map(|row| columns.iter().map(|column| column[row]).collect());
-        Points { axes, rows: rows.collect(), best: None, of: "runs", front: [0, 1] }
+        Points { axes, rows: rows.collect(), all: self.finished, best: None, of: "runs", front: [0, 1] }
     }
 }
 
@@ -144,6 +161,8 @@ mod tests {
             factors: vec![("Thickness".into(), metre), ("Film".into(), None)],
             ranked: "peak_force_N".into(),
             rows: BTreeMap::new(),
+            finished: 0,
+            worst: None,
         };
         let evaluation = |force: f64, failure: Option<&str>| Evaluation {
             figures: vec![
@@ -166,5 +185,13 @@ mod tests {
         assert_eq!(rounded(&points.rows[0])[..3], [10.0, 0.0, 2.0]);
         assert_eq!(rounded(&points.rows[1])[..3], [12.0, 1.0, 1.0]);
         assert_eq!(runs.worst(), Some((4, "peak force".into(), "2 N".into())));
+        assert_eq!(points.all, 2);
+        // Runs that are drawn no more still count.
+        for place in 10..MOST_RUNS + 10 {
+            runs.rows.insert(place, (inputs(12e-6, "a.toml"), vec![]));
+        }
+        runs.add(MOST_RUNS + 20, inputs(12e-6, "a.toml"), &evaluation(3.0, None));
+        assert_eq!(runs.worst(), Some((MOST_RUNS + 21, "peak force".into(), "3 N".into())));
+        assert_eq!((runs.finished, runs.rows.contains_key(&(MOST_RUNS + 20))), (3, false));
     }
 }

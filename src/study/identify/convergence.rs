@@ -19,11 +19,33 @@ const MAX_IMPROVEMENTS: usize = 200;
 pub struct Labels {
     /// Title of the search.
     pub title: Option<String>,
+    /// Which part it is of a search in several, each of which begins where the one before ended.
+    pub phase: Option<Phase>,
     /// The signals that the objective compares, as many as are given.
     pub signals: Vec<SignalLabel>,
 }
 
+/// A part of a search in several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    /// Its number, from zero.
+    pub number: usize,
+    /// Such as `stage 1 of 2`.
+    pub name: String,
+}
+
 impl Labels {
+    /// The title, or that of the search of this number, from zero; with the phase where there is one.
+    pub fn full_title(&self, number: usize) -> String {
+        let title = self.title.clone().unwrap_or_else(|| format!("search {}", number + 1));
+        self.phase.as_ref().map_or_else(|| title.clone(), |phase| format!("{title}, {}", phase.name))
+    }
+
+    /// Whether it goes on where the phase before it ended.
+    pub fn continues(&self) -> bool {
+        self.phase.as_ref().is_some_and(|phase| phase.number > 0)
+    }
+
     /// The fit, without improvements, to the reference that the objective compares with as number `index`.
     pub fn fit(&self, index: usize, target: &Arc<Target>) -> FitHistory {
         let SignalLabel { quantity, unit } = SignalLabel::for_signal(self, index, target.over);
@@ -83,6 +105,7 @@ pub(crate) fn convergence_history(
     let objective = |start: &StartResult| thinned(&start.history, MAX_ITERATIONS).map(|i| (i.iteration, i.f)).collect();
     ConvergenceHistory {
         title,
+        continues: labels.continues(),
         unknowns: names.to_vec(),
         objectives: result.starts.iter().map(objective).collect(),
         history: thinned(&result.best.history, MAX_ITERATIONS).map(iterate).collect(),
@@ -170,7 +193,7 @@ mod tests {
             (&[], Over::Time, ("signal 1", None)),
         ] {
             let signals = texts.iter().map(|text| SignalLabel::parse(text)).collect();
-            let labels = Labels { title: None, signals };
+            let labels = Labels { signals, ..Labels::default() };
             assert_eq!(parts(&SignalLabel::for_signal(&labels, 0, over)), expected, "{texts:?}");
         }
     }

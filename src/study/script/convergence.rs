@@ -10,6 +10,8 @@ use base::units::Unit;
 pub struct ConvergenceHistory {
     /// The title that the script gave, or `search 1`.
     pub title: String,
+    /// Whether it goes on where the search before it ended, whose curves its own replace.
+    pub continues: bool,
     /// Names of the unknowns.
     pub unknowns: Vec<String>,
     /// Lowest objective value after each iteration, one list for each start: iteration and value.

@@ -124,6 +124,11 @@ impl OutputCollector {
 
     /// Adds the convergence history of a search; where there are too many, a finding says so once.
     pub fn add_search(&self, convergence: ConvergenceHistory) {
+        if convergence.continues
+            && let Some(before) = self.lock().searches.last_mut()
+        {
+            before.fits.clear();
+        }
         self.add(convergence, |output| &mut output.searches);
     }
 
@@ -272,6 +277,7 @@ mod tests {
             history: vec![],
             fits: vec![],
             is_virtual: false,
+            continues: false,
         };
         (0..MOST_SEARCHES + 2).for_each(|_| collector.add_search(search.clone()));
         let output = collector.output();

@@ -113,13 +113,13 @@ impl SearchHost {
         let begun = self.searches.load(Ordering::Relaxed);
         let results = self.run(session, searches, |evaluator, number| {
             let HostSearch { search, labels, .. } = &searches[number];
-            let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
+            let name = (several || labels.title.is_some()).then(|| labels.full_title(number));
             let mut progress = ProgressEstimator::new(search, name);
             let mut observer = |iteration: &Iteration| {
                 (self.observer)(SearchEvent::Progress(begun + number, &progress.update(iteration)));
             };
             let result = minimize(search, evaluator, &mut observer)?;
-            let title = labels.title.clone().unwrap_or_else(|| format!("search {}", begun + number + 1));
+            let title = labels.full_title(begun + number);
             let history =
                 convergence_history(&result, title, &search.names, labels, session.is_all_virtual(), evaluator);
             Ok::<_, SearchError>((result, history))

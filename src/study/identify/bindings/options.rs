@@ -55,7 +55,7 @@ impl ScriptSearch {
         let mut search = Search::new(method, numbers(start, "start")?);
         let mut on_rupture = OnRupture::default();
         let unknowns = search.start.len();
-        let mut labels = Labels { title: None, signals: vec![] };
+        let mut labels = Labels::default();
         let mut signals: Vec<String> = vec![];
         let mut sides = [None, None];
         for (option, value) in options {
