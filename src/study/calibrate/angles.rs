@@ -41,7 +41,7 @@ pub(super) struct Asked {
 pub(super) struct Angles {
     pub(super) rows: Vec<Row>,
     pub(super) plots: Vec<Plot>,
-    pub(super) warning: Option<Warning>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// A coupon at its angle.
@@ -120,10 +120,11 @@ impl Angles {
             .zip(&found)
             .map(|(coupon, left)| row(asked, coupon, &fit.simulated[coupon.index], left, of_axes.as_ref()))
             .collect();
-        let warning = of_axes.and_then(|left| doubt(asked, &coupons, &left));
+        let mut warnings: Vec<Warning> = found.iter().chain(&of_axes).filter_map(|left| left.doubt(plan)).collect();
+        warnings.extend(of_axes.and_then(|left| doubt(asked, &coupons, &left)));
         let mut plots = vec![modulus_plot(asked, &coupons, &laws)];
         plots.extend((0..asked.strains.len()).map(|place| force_plot(asked, &coupons, &laws, place)));
-        Ok(Angles { rows, plots, warning })
+        Ok(Angles { rows, plots, warnings })
     }
 }
 

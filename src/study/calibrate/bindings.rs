@@ -53,7 +53,11 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_get("error", |own: &mut Calibration| own.0.fit.result.best.f)
         .register_get("converged", |own: &mut Calibration| own.0.fit.result.best.converged)
         .register_get("reason", |own: &mut Calibration| own.0.fit.result.best.reason.to_string())
-        .register_get("model_error", |own: &mut Calibration| own.0.fit.share)
+        .register_get("model_error", |own: &mut Calibration| match own.0.plan.has_residuals() {
+            true => own.0.fit.share.into(),
+            false => Dynamic::UNIT,
+        })
+        .register_get("iterations", |own: &mut Calibration| own.0.fit.iterations as rhai::INT)
         .register_get("evaluations", |own: &mut Calibration| own.0.fit.evaluations as rhai::INT)
         .register_get("parameters", |own: &mut Calibration| listed(&own.parameters()))
         .register_get("tests", |own: &mut Calibration| listed(&rows::tests(&own.0.plan, &own.0.fit)))
@@ -144,7 +148,7 @@ impl Calibration {
         let place = plan.tests.iter().position(|test| test.name == name);
         let known = || plan.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
         let place = place.ok_or_else(|| refuse(format!("there is no test `{name}`; there are {}", known())))?;
-        plan.tests[place].study.with(plan.changes(place, &fit.values), session)
+        plan.tests[place].study.with(plan.changes_with_breaks(place, &fit.values), session)
     }
 
     fn asked(&self) -> MutexGuard<'_, Answers> {
@@ -160,7 +164,8 @@ impl Calibration {
             collector.report(Finding::new(warning)).map_err(refuse)?;
         }
         let median = found.median();
-        let known = verdict::of_covariance(plan, &median, &found.covariance(), &fit.jacobian);
+        let at_bounds = found.at_bounds(plan);
+        let known = verdict::of_covariance(plan, &median, &found.covariance(), &fit.jacobian, &at_bounds);
         let rows = rows::posterior(plan, &found, &known);
         collector.table(&plan.table("posterior"), rows.clone()).map_err(refuse)?;
         collector.table(&plan.table("posterior_tests"), rows::surrogates(plan, &found)).map_err(refuse)?;
@@ -231,6 +236,9 @@ impl Calibration {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let groups = left_out::groups(tests, plan)?;
         let found = left_out::searched(&groups, plan, fit, host, session)?;
+        for warning in found.iter().filter_map(|left| left.doubt(plan)) {
+            collector.report(Finding::new(&warning)).map_err(refuse)?;
+        }
         let rows = left_out::rows(&found, plan, fit);
         collector.table(&plan.table("left_out"), rows.clone()).map_err(refuse)?;
         Ok(listed(&rows))
@@ -245,7 +253,7 @@ impl Calibration {
         for plot in found.plots {
             collector.plot(plot).map_err(refuse)?;
         }
-        if let Some(warning) = &found.warning {
+        for warning in &found.warnings {
             collector.report(Finding::new(warning)).map_err(refuse)?;
         }
         Ok(listed(&found.rows))
@@ -289,6 +297,9 @@ fn posterior_options(plan: &Plan, options: &Options<'_>) -> HostResult<Posterior
         if parameter.role != Role::Key {
             return Err(refuse(format!("`hierarchy` names `{name}`: give that its `scatter`")));
         }
+        if plan.sharing(plan.unknowns[index].parameter).count() < 2 {
+            return Err(refuse(format!("`hierarchy` names `{name}`, which no two tests share")));
+        }
         let [low, high] = parameter.ends();
         // Assumed: 30 % of a value, or a tenth of the bounds.
         let usual = if parameter.is_logarithmic { 0.3 } else { 0.1 * (high - low) };
@@ -297,31 +308,35 @@ fn posterior_options(plan: &Plan, options: &Options<'_>) -> HostResult<Posterior
     Ok(PosteriorOptions {
         runs: whole(options, "runs", 0, 100_000)?,
         rounds: whole(options, "rounds", 4, 20)?.max(1),
-        steps: whole(options, "steps", 8000, 1_000_000)?.max(100),
+        steps: whole(options, "steps", 8000, 100_000)?.max(100),
         seed: whole(options, "seed", 1, usize::MAX)? as u64,
         scattered: scattered.collect::<HostResult<Vec<_>>>()?,
     })
 }
 
-/// `#{ samples, figures, signals, above, seed }`.
+/// `#{ samples, figures, signals, above, errors, seed }`.
 fn asked(options: &Options<'_>) -> HostResult<Asked> {
-    options.check(&["samples", "figures", "signals", "above", "seed"])?;
+    options.check(&["samples", "figures", "signals", "above", "errors", "seed"])?;
     let list = |name: &str| -> HostResult<Vec<String>> {
         options.map.get(name).map_or(Ok(Vec::new()), |given| texts(given, name).map_err(refuse))
     };
-    let above = match options.map.get("above").map(|given| given.read_lock::<Map>().map(|map| map.clone())) {
-        None => Vec::new(),
-        Some(None) => return Err(refuse("`above` is a map of figures and limits, such as #{ hic15: 700 }")),
-        Some(Some(map)) => {
-            let limit = |(name, limit): (&rhai::Identifier, &Dynamic)| Ok((name.to_string(), number(limit, name)?));
-            map.iter().map(limit).collect::<HostResult<Vec<_>>>()?
-        }
+    let numbers = |name: &str, example: &str| -> HostResult<Vec<(String, f64)>> {
+        let Some(given) = options.map.get(name) else { return Ok(Vec::new()) };
+        let map = given.read_lock::<Map>().map(|map| map.clone());
+        let map = map.ok_or_else(|| refuse(format!("`{name}` is a map of figures, such as #{{ {example} }}")))?;
+        map.iter().map(|(figure, value)| Ok((figure.to_string(), number(value, figure)?))).collect()
     };
+    let above = numbers("above", "hic15: 700")?;
+    let errors = numbers("errors", "hic15: 0.1")?;
+    if let Some((figure, error)) = errors.iter().find(|(_, error)| !(*error > 0.0 && error.is_finite())) {
+        return Err(refuse(format!("`errors`: {figure} has {error}, a relative standard deviation is above zero")));
+    }
     Ok(Asked {
         samples: whole(options, "samples", 64, 100_000)?.max(2),
         figures: list("figures")?,
         signals: list("signals")?,
         above,
+        errors: errors.into_iter().collect(),
         seed: whole(options, "seed", 1, usize::MAX)? as u64,
     })
 }
@@ -370,7 +385,8 @@ const ENTRIES: &[Entry] = &[
                 `scenario.pull` and not run, its recordings are curves, compared over strain; `distance` is \"residuals\", \
                 \"error-norm\", \"rating\", \"warping\" or \"features\"; of a drop `outcome` is \"held\", \"broke\" or a list of \
                 them, a specimen each, `failure_mass` and `rupture_time` a text such as \"104 g\" or a map with its `error`. A parameter \
-                is #{ key, start, within, log, prior, tests, scatter }: one key or several that are tied, bounds, a search along the \
+                is #{ key, start, within, log, prior, tests, scatter }: one key or several that are tied, or a map of keys and what is \
+                written there, in which `{}` stands for the value, such as #{ \"layers.faces\": [\"0 mm\", \"-{}\"] }; bounds, a search along the \
                 logarithm, a distribution as of [variation]; `scatter` is that of break strains between specimens, a number or the ends \
                 between which it is estimated; or a curve of a fabric, #{ curve: key, start: curve, strains, end, tests }, whose \
                 unknowns are the rises of its stress from strain to strain, up to `end` at its last slope. `noise` is \"from the \
@@ -389,10 +405,10 @@ const ENTRIES: &[Entry] = &[
                     film.converged && film.parameters[0].verdict == "determined" && film.tests[0].relative_error < 0.01"#,
     },
     Entry {
-        call: "calibration.x, .parameters, .tests, .outcomes, .findings, .error, .converged, .reason, .model_error, .evaluations, .posterior_runs",
+        call: "calibration.x, .parameters, .tests, .outcomes, .findings, .error, .converged, .reason, .model_error, .iterations, .evaluations, .posterior_runs",
         gives: "the best values by name; rows of parameters (interval of 95 %, verdict, the numbers behind it), of signals and of \
                 outcomes (their probability, or the failure mass that follows); the findings; the norm of the residuals; whether and why the search stopped; the model's error as a share of \
-                each signal; runs of the search and of the posterior",
+                each signal; iterations of the best starts of all stages; runs of the search and of the posterior",
         example: calibrated!(
             r#"found.x.thickness > 5 && found.parameters[0].unit == "um" && found.tests[0].test == "md" && found.evaluations > 3"#
         ),
@@ -413,10 +429,11 @@ const ENTRIES: &[Entry] = &[
         ),
     },
     Entry {
-        call: "calibration.predict([scenario, …], #{ samples, figures, signals, above, seed })",
+        call: "calibration.predict([scenario, …], #{ samples, figures, signals, above, errors, seed })",
         gives: "runs other scenarios, or #{ scenario, name, set }, with draws of the posterior: quantiles of figures with the share of the variance that each \
                 parameter explains, the probability that film breaks and that figures exceed limits (`above: #{ hic15: 700 }`), and how \
-                much of a recording lies in the band of 95 % of a signal; `page` draws the bands",
+                much of a recording lies in the band of 95 % of a signal; `page` draws the bands. The model's error is in the bands; in \
+                figures and probabilities it is where `errors: #{ hic15: 0.1 }` gives it as a relative standard deviation",
         example: calibrated!(
             r#"let next = found.predict([pulled.with(#{ "loading.stretch.direction": "TD" })], #{ samples: 4, figures: ["peak_force_N"] }); next.figures[0].lower_95 < next.figures[0].upper_95"#
         ),

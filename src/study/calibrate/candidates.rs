@@ -55,6 +55,9 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
     if map.contains_key("recordings") {
         return Err(refuse("a candidate has no recordings yet: its own simulation stands for them"));
     }
+    if map.contains_key("own") {
+        return Err(refuse("a candidate has the values that all tests share: `own` is not supported"));
+    }
     if let Some(key) = ["outcome", "failure_mass", "rupture_time"].into_iter().find(|key| map.contains_key(*key)) {
         return Err(refuse(format!("a candidate is compared by signals: what `{key}` would tell is not computed")));
     }
@@ -70,7 +73,13 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
     };
     map.insert("recordings".into(), signals.into());
     let tolerances = Tolerances { noise: Noise::Share(ASSUMED_NOISE), correlation: plan.correlation };
-    Test::read(&map.into(), scenarios, tolerances, session)
+    let mut test = Test::read(&map.into(), scenarios, tolerances, session)?;
+    // Contact makes simulated signals rough, which is noise as it is of the tests.
+    for signal in &mut test.signals {
+        let own = signal.measured.clone();
+        signal.errors.add_roughness(&own).map_err(|error| refuse(format!("{}: {error}", test.name)))?;
+    }
+    Ok(test)
 }
 
 /// Derivatives of the residuals of a test by the coordinates of all unknowns, by central differences.

@@ -85,8 +85,7 @@ pub(super) fn changes<'a>(values: impl Iterator<Item = (&'a Parameter, f64)>) ->
     let mut changes = Map::new();
     let mut curves: Vec<(&CurvePoint, Vec<f64>)> = Vec::new();
     for (parameter, value) in values {
-        let written = parameter.written(value);
-        parameter.keys.iter().for_each(|key| drop(changes.insert(key.as_str().into(), written.clone())));
+        changes.extend(parameter.changes(value));
         let Some(point) = &parameter.point else { continue };
         let found = curves.iter().position(|(other, _)| other.key == point.key).unwrap_or_else(|| {
             curves.push((point, vec![0.0; point.strains.len()]));

@@ -59,6 +59,9 @@ impl Distance {
             return Ok(Distance::Warping { error, bound });
         }
         match given.to_string().as_str() {
+            "residuals" if options.map.contains_key("error") => {
+                Err("`error` is of a `distance` other than \"residuals\"".into())
+            }
             "residuals" => Ok(Distance::Residuals),
             "error-norm" => Ok(Distance::ErrorNorm(error)),
             "rating" => Ok(Distance::Rating(error)),

@@ -105,7 +105,11 @@ impl ErrorModel {
             return Err(SignalError::Zero { from, to });
         }
         let noise = match noise {
-            Noise::FromRecording => third_difference(&means_of(&fine_edges)?) * (bins as f64 / fine as f64).sqrt(),
+            Noise::FromRecording => {
+                let intervals = (inside.len() - 1) as f64 / fine as f64;
+                independent_noise(third_difference(&means_of(&fine_edges)?), intervals)
+                    * (bins as f64 / fine as f64).sqrt()
+            }
             Noise::Share(share) => share * level,
         };
         let recorded = noise.max(LEAST_NOISE * level);
@@ -194,13 +198,15 @@ impl ErrorModel {
     }
 }
 
-/// The share of the model's error for which the rotated differences are most likely; zero where noise explains them.
-pub(super) fn most_likely_share(signals: &[(&ErrorModel, Vec<f64>)]) -> f64 {
+/// The share of the model's error for which the rotated differences of signals, each with its weight, are most likely; zero where
+/// noise explains them.
+pub(super) fn most_likely_share(signals: &[(&ErrorModel, f64, Vec<f64>)]) -> f64 {
     /// Shares that are considered.
     const RANGE: [f64; 2] = [1e-4, 1.0];
     /// Shares that are tried, evenly in the logarithm: 4 % apart.
     const TRIED: usize = 240;
-    let likelihood = |share: f64| signals.iter().map(|(model, own)| model.log_likelihood(own, share)).sum::<f64>();
+    let of_one = |(model, weight, own): &(&ErrorModel, f64, Vec<f64>), share| weight * model.log_likelihood(own, share);
+    let likelihood = |share: f64| signals.iter().map(|signal| of_one(signal, share)).sum::<f64>();
     let tried = (0..=TRIED).map(|place| RANGE[0] * (RANGE[1] / RANGE[0]).powf(place as f64 / TRIED as f64));
     let tried = std::iter::once(0.0).chain(tried).map(|share| (share, likelihood(share)));
     tried.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.0, |(share, _)| share)
@@ -231,6 +237,14 @@ fn means(series: &Series, edges: &[f64], of: &'static str) -> Result<Vec<f64>, S
     edges.windows(2).map(mean).collect()
 }
 
+/// The noise of means over bins of so many intervals between samples, by their third differences (docs/theory.md, equation 331b).
+///
+/// Neighbouring bins share a sample, so that their means are correlated: third differences show less than their noise, and its
+/// sum over many bins is larger than that of independent ones. This is the noise that bins which count as independent have.
+fn independent_noise(third_difference: f64, intervals: f64) -> f64 {
+    third_difference * (intervals / (intervals - 0.875)).sqrt()
+}
+
 /// Root mean square of the third differences, over that of independent values of unit variance.
 fn third_difference(means: &[f64]) -> f64 {
     let differences = means.windows(4).map(|m| m[3] - 3.0 * m[2] + 3.0 * m[1] - m[0]);
@@ -254,6 +268,29 @@ mod tests {
 
     fn model(series: &Series, correlation: Correlation) -> ErrorModel {
         ErrorModel::new(series, [0.0, 0.1], Noise::FromRecording, correlation, None).unwrap()
+    }
+
+    /// White noise on any number of samples: the mean of all bins has the deviation that independent bins would have.
+    #[test]
+    fn the_noise_of_few_samples_is_that_of_their_mean() {
+        const RECORDINGS: u64 = 300;
+        for samples in [33, 41, 121, 146, 241, 481, 1001] {
+            let time: Vec<f64> = (0..samples).map(f64::from).collect();
+            let (mut expected, mut found) = (0.0, 0.0);
+            for seed in 0..RECORDINGS {
+                let mut stream = Stream::new(seed);
+                let values: Vec<f64> = time.iter().map(|_| 50.0 + stream.normal()).collect();
+                let window = [0.0, f64::from(samples - 1)];
+                let series = Series::new(time.clone(), values);
+                let model =
+                    ErrorModel::new(&series, window, Noise::FromRecording, Correlation::Share(0.03), None).unwrap();
+                let bins = model.bins() as f64;
+                expected += model.noise().powi(2) / bins;
+                found += (model.measured.sum() / bins - 50.0).powi(2);
+            }
+            let ratio = (found / expected).sqrt();
+            assert!((ratio - 1.0).abs() < 0.15, "{samples} samples: {ratio}");
+        }
     }
 
     #[test]
@@ -297,9 +334,9 @@ mod tests {
         let mut drawn = |share: f64| -> Vec<f64> {
             model.variances(share).map(|variance| variance.sqrt() * stream.normal()).collect()
         };
-        let found = most_likely_share(&(0..5).map(|_| (&model, drawn(0.04))).collect::<Vec<_>>());
+        let found = most_likely_share(&(0..5).map(|_| (&model, 1.0, drawn(0.04))).collect::<Vec<_>>());
         assert!((found / 0.04 - 1.0).abs() < 0.15, "{found}");
-        let none = most_likely_share(&(0..5).map(|_| (&model, drawn(0.0))).collect::<Vec<_>>());
+        let none = most_likely_share(&(0..5).map(|_| (&model, 1.0, drawn(0.0))).collect::<Vec<_>>());
         assert!(none < 2e-3, "{none}");
     }
 

@@ -5,12 +5,14 @@ use nalgebra::DMatrix;
 use super::error_model::{Correlation, ErrorModel, most_likely_share};
 use super::objective::CalibrationObjective;
 use super::plan::Plan;
+use super::test::Test;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
 use crate::identify::{
-    HostSearch, Labels, LinearizationError, Method, SearchHost, SearchResult, SignalLabel, failure, weigh_at_start,
+    HostSearch, Labels, LinearizationError, Method, Phase, SearchFailure, SearchHost, SearchResult, SignalLabel,
+    failure, weigh_at_start,
 };
-use crate::script::{HostResult, Session, refuse};
+use crate::script::{HostResult, Session, check_stop, refuse};
 use base::finding::Finding;
 use lab::signal::Series;
 
@@ -26,6 +28,8 @@ const SAME: f64 = 0.15;
 pub(super) struct Fit {
     /// The last search.
     pub(super) result: SearchResult,
+    /// Iterations of the best start of each search, together.
+    pub(super) iterations: usize,
     /// Evaluations of all searches.
     pub(super) evaluations: usize,
     /// The best values.
@@ -52,13 +56,17 @@ impl Fit {
         let mut values = plan.start();
         let simulated = simulated_at(plan, &values, session)?;
         add_roughness(plan, &simulated);
-        let mut share = plan.discrepancy.first();
-        let mut evaluations = 0;
+        let mut share = plan.first_share();
+        let (mut iterations, mut evaluations) = (0, 0);
         let mut findings = Vec::new();
-        for (number, stage) in plan.stages.clone().into_iter().chain([plan.last_stage()]).enumerate() {
-            let smooth = CalibrationObjective::new(plan, plan.discrepancy.first().max(LEAST_SMOOTH), session);
-            let objective = CalibrationObjective { stage, is_plain: true, ..smooth };
-            let found = searched(plan, host, &objective, values, number == 0, Some(number + 1))?;
+        let mut phase = Phases::default();
+        let stages: Vec<_> = plan.stages.clone().into_iter().chain([plan.last_stage()]).collect();
+        for (number, stage) in stages.iter().enumerate() {
+            let smooth = CalibrationObjective::new(plan, plan.first_share().max(LEAST_SMOOTH), session);
+            let objective = CalibrationObjective { stage: stage.clone(), is_plain: true, ..smooth };
+            let labels = phase.labels(plan, format!("stage {} of {}", number + 1, stages.len()));
+            let found = searched(plan, host, &objective, values, [number == 0, false], &labels)?;
+            iterations += found.best.iterations;
             evaluations += total(&found);
             findings.extend(found.warnings.iter().map(Finding::new));
             values = found.best.x;
@@ -66,20 +74,26 @@ impl Fit {
         let mut rounds = 0;
         let (result, simulated) = loop {
             let objective = CalibrationObjective::new(plan, share, session);
-            let found = searched(plan, host, &objective, values, false, None)?;
+            let labels = phase.labels(plan, format!("with what was left, {}", rounds + 1));
+            let found = searched(plan, host, &objective, values, [false, true], &labels)?;
+            iterations += found.best.iterations;
             evaluations += total(&found);
             values = found.best.x.clone();
             rounds += 1;
             let before = noises(plan);
             let simulated = simulated_at(plan, &values, session)?;
             add_roughness(plan, &simulated);
-            let mut is_same = noises(plan).iter().zip(&before).all(|(now, before)| (now / before).ln().abs() < SAME);
+            let changes = noises(plan).into_iter().zip(before).map(|(now, before)| (now / before).ln().abs());
+            let mut change = changes.fold(0.0, f64::max);
             if plan.estimates_share() {
                 let estimated = most_likely_share(&left(plan, &simulated)?);
-                is_same &= (estimated.max(1e-4) / share.max(1e-4)).ln().abs() < SAME;
+                change = change.max((estimated.max(1e-4) / share.max(1e-4)).ln().abs());
                 share = estimated;
             }
-            if is_same || rounds == ROUNDS {
+            if change < SAME || rounds == ROUNDS {
+                if change >= SAME {
+                    findings.push(Finding::new(&Warning::ErrorsNotSettled { change: change.exp_m1(), rounds }));
+                }
                 break (found, simulated);
             }
         };
@@ -87,12 +101,13 @@ impl Fit {
         if plan.estimates_share() {
             findings.push(Finding::new(&Warning::ModelError { share, correlation: correlation(plan) }));
         }
+        findings.extend(over_travel(plan).map(|warning| Finding::new(&warning)));
         let objective = CalibrationObjective::new(plan, share, session);
         let search = plan.search_from(values.clone(), false, true)?;
-        let labels = labels(plan, None);
+        let labels = phase.labels(plan, "slopes at its end".to_owned());
         let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective: &objective }];
         let linear = host.run(session, &own, |evaluator, _| weigh_at_start(&search, evaluator))?;
-        let linear = linear.map_err(|(_, error): (_, LinearizationError)| failure(&error, ""))?.remove(0);
+        let linear = linear.map_err(|(_, error): (_, LinearizationError)| ended(session, &error))?.remove(0);
         let mut jacobian = linear.jacobian;
         for (index, unknown) in plan.unknowns.iter().enumerate() {
             jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(values[index]));
@@ -100,10 +115,26 @@ impl Fit {
         let x = plan.coordinates(&values);
         let known = verdict::linear(plan, &x, &jacobian, &search.bounds.active(&values));
         let trial = session.with_trial(session.cancellation());
-        let demands = (0..plan.tests.len()).map(|test| objective.demands(test, &values, &trial));
+        let demands = (0..plan.tests.len()).map(|test| match plan.tests[test].outcomes {
+            Some(_) => Ok(objective.simulated(test, &values, &trial)?.1),
+            None => Ok(Vec::new()),
+        });
         let demands = demands.collect::<HostResult<Vec<_>>>()?;
         findings.extend(doubts(plan, &known).map(|warning| Finding::new(&warning)));
-        Ok(Fit { result, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
+        Ok(Fit { result, iterations, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
+    }
+}
+
+/// The phases of a calibration, counted.
+#[derive(Default)]
+struct Phases(usize);
+
+impl Phases {
+    /// The labels of the next phase.
+    fn labels(&mut self, plan: &Plan, name: String) -> Labels {
+        let phase = Phase { number: self.0, name };
+        self.0 += 1;
+        Labels { phase: Some(phase), ..labels(plan) }
     }
 }
 
@@ -113,46 +144,51 @@ fn searched(
     host: &SearchHost,
     objective: &CalibrationObjective<'_>,
     start: Vec<f64>,
-    is_first: bool,
-    stage: Option<usize>,
+    [is_first, is_last]: [bool; 2],
+    labels: &Labels,
 ) -> HostResult<SearchResult> {
-    let search = plan.search_from(start, is_first, stage.is_none())?;
+    let search = plan.search_from(start, is_first, is_last)?;
     let priors = plan.unknowns.iter().filter(|unknown| plan.of(unknown).prior.is_some()).count();
     if search.method == Method::LevenbergMarquardt
         && objective.ends().last().is_some_and(|end| end + priors < search.start.len())
     {
         return Err(refuse("there are fewer numbers to compare than parameters: compare signals, or more of them"));
     }
-    let labels = labels(plan, stage);
-    let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective }];
-    let found = host.minimize_all(&objective.session, &own)?;
-    let mut found = found.map_err(|(_, error)| failure(&error, ""))?;
+    let own = [HostSearch { function: "calibrate", search: &search, labels, objective }];
+    let session = &objective.session;
+    let found = host.minimize_all(session, &own)?;
+    let mut found = found.map_err(|(_, error)| ended(session, &error))?;
     found.pop().ok_or_else(|| refuse("the search has no result"))
 }
 
+/// Why a search ended without a result: the study was told to stop, or this error.
+pub(super) fn ended(session: &Session, error: &impl SearchFailure) -> Box<rhai::EvalAltResult> {
+    check_stop(session).err().unwrap_or_else(|| failure(error, ""))
+}
+
 /// Title and signals of the plots of a search.
-pub(super) fn labels(plan: &Plan, stage: Option<usize>) -> Labels {
+pub(super) fn labels(plan: &Plan) -> Labels {
     let title = plan.name.clone().unwrap_or_else(|| "Calibration".into());
-    let title = stage.map_or_else(|| title.clone(), |stage| format!("{title}, stage {stage}"));
     let signals = plan.tests.iter().flat_map(|test| {
         test.signals.iter().map(move |signal| format!("{} of {} ({})", signal.name, test.name, signal.column.unit))
     });
-    Labels { title: Some(title), signals: signals.map(|text| SignalLabel::parse(&text)).collect() }
+    Labels { title: Some(title), phase: None, signals: signals.map(|text| SignalLabel::parse(&text)).collect() }
 }
 
 fn total(found: &SearchResult) -> usize {
     found.starts.iter().map(|start| start.evaluations).sum()
 }
 
-/// What these simulated signals, of those that are compared along their length, leave, in the eigenvectors of the model's error.
-fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>]) -> HostResult<Vec<(&'p ErrorModel, Vec<f64>)>> {
+/// What these simulated signals, of those that are compared along their length, leave, in the eigenvectors of the model's error,
+/// with the weight of their test.
+fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>]) -> HostResult<Vec<(&'p ErrorModel, f64, Vec<f64>)>> {
     let mut found = Vec::new();
     for (test, simulated) in plan.tests.iter().zip(simulated) {
         let along = test.signals.iter().zip(simulated).filter(|(signal, _)| signal.distance.is_residuals());
         for (signal, simulated) in along {
             let rotated =
                 signal.errors.rotated(simulated).map_err(|error| refuse(format!("{}: {error}", test.name)))?;
-            found.push((&signal.errors, rotated));
+            found.push((&signal.errors, test.weight, rotated));
         }
     }
     Ok(found)
@@ -162,7 +198,7 @@ fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>]) -> HostResult<Vec<(&'p Er
 fn simulated_at(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Vec<Series>>> {
     let objective = CalibrationObjective::new(plan, 0.0, session);
     let trial = session.with_trial(session.cancellation());
-    (0..plan.tests.len()).map(|test| objective.signals(test, values, &trial)).collect()
+    (0..plan.tests.len()).map(|test| Ok(objective.simulated(test, values, &trial)?.0)).collect()
 }
 
 /// Takes the roughness of the simulated signals as noise; a signal that ends before its window has none
@@ -184,6 +220,14 @@ fn correlation(plan: &Plan) -> String {
         Correlation::Length(length) => format!("{} ms", base::number::significant(1e3 * length, 3)),
         Correlation::Share(share) => format!("{} % of the window", base::number::significant(100.0 * share, 3)),
     }
+}
+
+/// The finding of signals over travel where the correlation of the model's error was given as a time.
+fn over_travel(plan: &Plan) -> Option<Warning> {
+    let Correlation::Length(_) = plan.correlation else { return None };
+    let along = |test: &&Test| test.signals.iter().any(|own| own.is_over_travel() && own.distance.is_residuals());
+    let tests: Vec<String> = plan.tests.iter().filter(along).map(|test| test.name.clone()).collect();
+    (!tests.is_empty()).then_some(Warning::CorrelationOverTravel { tests })
 }
 
 /// Findings of what is not determined.

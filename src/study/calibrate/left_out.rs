@@ -3,11 +3,13 @@
 use rhai::{Array, Dynamic};
 use serde_json::json;
 
-use super::fit::{Fit, labels};
+use super::fit::{Fit, ended, labels};
 use super::objective::CalibrationObjective;
+use super::parameter::Unknown;
 use super::plan::Plan;
 use super::rows::object;
-use crate::identify::{HostSearch, SearchHost, failure};
+use super::warning::Warning;
+use crate::identify::{HostSearch, SearchHost};
 use crate::script::{HostResult, Row, Session, refuse};
 use lab::signal::Series;
 
@@ -19,6 +21,19 @@ pub(super) struct LeftOut {
     pub(super) simulated: Vec<Vec<Series>>,
     /// Those parameters.
     pub(super) values: Vec<f64>,
+    pub(super) converged: bool,
+}
+
+impl LeftOut {
+    /// Names of the tests that are left out.
+    fn names(&self, plan: &Plan) -> String {
+        self.tests.iter().map(|test| plan.tests[*test].name.as_str()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The finding where its search has not converged.
+    pub(super) fn doubt(&self, plan: &Plan) -> Option<Warning> {
+        (!self.converged).then(|| Warning::LeftOutNotConverged { test: self.names(plan) })
+    }
 }
 
 /// The tests that a script wants left out: each alone, or several together in a list of their own.
@@ -36,7 +51,7 @@ pub(super) fn groups(given: Option<&Array>, plan: &Plan) -> HostResult<Vec<Vec<u
     given.iter().map(group).collect()
 }
 
-/// Searches without each group of tests, all from the start of the calibration, with the model's error of its result.
+/// Searches without each group of tests, all from the best point of the calibration, with the model's error of its result.
 pub(super) fn searched(
     groups: &[Vec<usize>],
     plan: &Plan,
@@ -51,17 +66,18 @@ pub(super) fn searched(
         let mut own = plan.clone();
         group.iter().for_each(|test| own.tests[*test].weight = 0.0);
         // What is an unknown of these tests alone would be searched without a test.
-        match own.unknowns.iter().find(|unknown| unknown.test.is_some_and(|test| group.contains(&test))) {
-            Some(unknown) => Err(refuse(format!("without its test, `{}` is not determined at all", unknown.name))),
+        let has_none = |unknown: &&Unknown| plan.tests_of(unknown).iter().all(|test| group.contains(test));
+        match own.unknowns.iter().find(has_none) {
+            Some(unknown) => Err(refuse(format!("without its tests, `{}` is not determined at all", unknown.name))),
             None => Ok(own),
         }
     });
     let plans = plans.collect::<HostResult<Vec<_>>>()?;
     let prepared = plans.iter().zip(groups).map(|(own, group)| {
         let names: Vec<&str> = group.iter().map(|test| plan.tests[*test].name.as_str()).collect();
-        let mut labels = labels(own, None);
+        let mut labels = labels(own);
         labels.title = labels.title.map(|title| format!("{title} without {}", names.join(", ")));
-        let search = own.search_from(plan.start(), false, true)?;
+        let search = own.search_from(fit.values.clone(), false, true)?;
         Ok((search, labels, CalibrationObjective::new(own, fit.share, session)))
     });
     let prepared = prepared.collect::<HostResult<Vec<_>>>()?;
@@ -70,13 +86,13 @@ pub(super) fn searched(
         .map(|(search, labels, objective)| HostSearch { function: "left_out", search, labels, objective })
         .collect();
     let found = host.minimize_all(session, &searches)?;
-    let found = found.map_err(|(_, error)| failure(&error, ""))?;
+    let found = found.map_err(|(_, error)| ended(session, &error))?;
     let whole = CalibrationObjective::new(plan, fit.share, session);
     let trial = session.with_trial(session.cancellation());
     let predicted = groups.iter().zip(found).map(|(group, found)| {
-        let simulated = (0..plan.tests.len()).map(|test| whole.signals(test, &found.best.x, &trial));
+        let simulated = (0..plan.tests.len()).map(|test| Ok(whole.simulated(test, &found.best.x, &trial)?.0));
         let simulated = simulated.collect::<HostResult<_>>()?;
-        Ok(LeftOut { tests: group.clone(), simulated, values: found.best.x })
+        Ok(LeftOut { tests: group.clone(), simulated, converged: found.best.converged, values: found.best.x })
     });
     predicted.collect()
 }
@@ -85,13 +101,13 @@ pub(super) fn searched(
 pub(super) fn rows(found: &[LeftOut], plan: &Plan, fit: &Fit) -> Vec<Row> {
     let mut rows = Vec::new();
     for left in found {
-        let together: Vec<&str> = left.tests.iter().map(|test| plan.tests[*test].name.as_str()).collect();
+        let together = left.names(plan);
         for index in &left.tests {
             let simulated = &left.simulated[*index];
             let test = &plan.tests[*index];
             for ((signal, predicted), fitted) in test.signals.iter().zip(simulated).zip(&fit.simulated[*index]) {
                 rows.push(object(json!({
-                    "test": test.name, "signal": signal.name, "left_out": together.join(", "),
+                    "test": test.name, "signal": signal.name, "left_out": together, "converged": left.converged,
                     "relative_error": signal.errors.relative_error(fitted).ok(),
                     "relative_error_left_out": signal.errors.relative_error(predicted).ok(),
                 })));

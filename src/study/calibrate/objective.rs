@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::outcome::Outcomes;
 use super::plan::{Plan, Stage};
 use super::test::Test;
 use crate::identify::{Evaluation, FatalError, Objective, Trial};
@@ -43,19 +44,17 @@ impl<'a> CalibrationObjective<'a> {
         Ok(residuals)
     }
 
-    /// The signals of a test with these values; nothing is run where it has none.
-    pub(super) fn signals(&self, test: usize, x: &[f64], session: &Session) -> HostResult<Vec<Series>> {
-        let own = &self.plan.tests[test];
-        if own.signals.is_empty() {
-            return Ok(Vec::new());
-        }
-        own.simulated(&self.stage[test].study.with(self.plan.changes(test, x), session)?, session)
-    }
-
-    /// What a test with these values demands of its film; nothing where it has no outcomes.
-    pub(super) fn demands(&self, test: usize, x: &[f64], session: &Session) -> HostResult<Vec<f64>> {
-        let outcomes = self.stage[test].outcomes.as_ref();
-        outcomes.map_or(Ok(Vec::new()), |own| own.demands(self.plan.changes(test, x), session))
+    /// The signals of a test with these values, and what it demands of its film where it has outcomes. Both are of one run, whose
+    /// film does not break then: specimens differ in when it does.
+    pub(super) fn simulated(&self, test: usize, x: &[f64], session: &Session) -> HostResult<(Vec<Series>, Vec<f64>)> {
+        let (own, changes) = (&self.plan.tests[test], self.plan.changes(test, x));
+        let Stage { study, outcomes } = &self.stage[test];
+        let Some(outcomes) = outcomes else {
+            return Ok((own.simulated(&study.with(changes, session)?, session)?, Vec::new()));
+        };
+        let (run, demands) = outcomes.run(changes, !own.signals.is_empty(), session)?;
+        let signals = own.signals.iter().zip(run.iter().cycle()).map(|(signal, run)| signal.simulated(run));
+        Ok((signals.collect::<HostResult<_>>()?, demands))
     }
 
     fn evaluated(&self, x: &[f64], session: &Session) -> Evaluation {
@@ -63,8 +62,7 @@ impl<'a> CalibrationObjective<'a> {
         // A test that is left out has no weight; such searches are compared by their results alone.
         let is_whole = self.plan.tests.iter().all(|test| test.weight > 0.0);
         for (test, own) in self.plan.tests.iter().enumerate().filter(|(_, own)| own.weight > 0.0) {
-            let found = self.signals(test, x, session).and_then(|own| Ok((own, self.demands(test, x, session)?)));
-            let (simulated, demands) = match found {
+            let (simulated, demands) = match self.simulated(test, x, session) {
                 Ok(found) => found,
                 Err(error) => return self.failed(own, error),
             };
@@ -107,7 +105,7 @@ impl<'a> CalibrationObjective<'a> {
     pub(super) fn ends(&self) -> Vec<usize> {
         let mut ends = vec![0];
         for (place, test) in self.plan.tests.iter().enumerate() {
-            let outcomes = test.outcomes.as_ref().map_or(0, |own| own.all.len());
+            let outcomes = test.outcomes.as_ref().map_or(0, Outcomes::residual_count);
             ends.push(ends[place] + self.compared(place) + outcomes);
         }
         ends
@@ -133,7 +131,8 @@ impl Objective for CalibrationObjective<'_> {
     }
 
     fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
-        if self.session.cancellation().is_cancelled() {
+        // Once the study is told to stop, no trial begins; what runs ends.
+        if self.session.is_stopped() {
             return Evaluation::Fatal(FatalError::new(refuse("the study was stopped").to_string())).into();
         }
         let session = self.session.with_trial(cancellation);

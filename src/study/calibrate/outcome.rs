@@ -7,6 +7,7 @@
 
 use rhai::{Array, Dynamic, Map};
 
+use crate::post::Run;
 use crate::scenario_functions::Study;
 use crate::script::{HostResult, Options, Session, refuse};
 use base::units::{Dimension, Mass, Time};
@@ -106,6 +107,14 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
     }
     for one in several(map.get("rupture_time")) {
         let (time, error) = with_error(&one, "rupture_time", "time", Time::DIMENSION)?;
+        if let Loading::Impact(impact) = &study.model().loading
+            && time > impact.duration
+        {
+            return Err(refuse(format!(
+                "`rupture_time` is {time} s, after the end of the run: `loading.impact.duration` is {} s",
+                impact.duration
+            )));
+        }
         all.push(Outcome::RuptureTime { time, error: error.unwrap_or(0.0) });
     }
     for one in several(map.get("failure_mass")) {
@@ -172,6 +181,25 @@ fn unbroken(study: &Study, session: &Session) -> HostResult<(Study, [f64; 2])> {
     if !matches!(model.loading, Loading::Impact(_)) {
         return Err(refuse("`outcome`, `failure_mass` and `rupture_time` are of drop tests: `[loading.impact]`"));
     }
+    let mut changes = Map::new();
+    for (key, is_there) in [("reference", model.reference.is_some()), ("post", model.post.is_some())] {
+        if is_there {
+            changes.insert(key.into(), Dynamic::UNIT);
+        }
+    }
+    let own = study.with(changes, session)?;
+    let factors = factors(&own, session)?;
+    Ok((own.with(unbreakable(), session)?, factors))
+}
+
+/// The keys of film that does not break.
+fn unbreakable() -> Map {
+    BREAK_FACTORS.map(|key| (key.into(), UNBROKEN.into())).into_iter().collect()
+}
+
+/// The break strains of the film of a scenario along MD and TD over those of its curves.
+pub(super) fn factors(study: &Study, session: &Session) -> HostResult<[f64; 2]> {
+    let model = study.model();
     for face in &model.faces {
         let missing = match (&face.material.law, &face.material.rupture) {
             (_, Some(_)) => "film with `[rupture]`",
@@ -187,17 +215,11 @@ fn unbroken(study: &Study, session: &Session) -> HostResult<(Study, [f64; 2])> {
             its break strain"
         )));
     }
-    let mut changes: Map = BREAK_FACTORS.map(|key| (key.into(), UNBROKEN.into())).into_iter().collect();
-    for (key, is_there) in [("reference", model.reference.is_some()), ("post", model.post.is_some())] {
-        if is_there {
-            changes.insert(key.into(), Dynamic::UNIT);
-        }
-    }
-    let own = study.with(changes, session)?;
-    let [longer, own_strains] = [&own, study].map(break_strains);
-    let factors = [0, 1].map(|along| own_strains[along] / longer[along] * UNBROKEN);
+    let longer = study.with(unbreakable(), session)?;
+    let [longer, own] = [&longer, study].map(break_strains);
+    let factors = [0, 1].map(|along| own[along] / longer[along] * UNBROKEN);
     match factors.iter().all(|factor| *factor < 0.9 * UNBROKEN) {
-        true => Ok((own, factors)),
+        true => Ok(factors),
         false => Err(refuse(
             "outcomes need the film in `specimen.material`: layers with a material of their own are not supported",
         )),
@@ -227,39 +249,59 @@ impl Outcomes {
         [of(Outcome::Held), of(Outcome::Broke)]
     }
 
-    /// How many numbers [`Self::demands`] gives.
+    /// Whether the film of all specimens broke.
+    pub(super) fn all_broke(&self) -> bool {
+        let [held, broke] = self.counts();
+        let has_time = self.all.iter().any(|(own, _)| matches!(own, Outcome::RuptureTime { .. }));
+        held == 0 && (broke > 0 || has_time)
+    }
+
+    /// How many numbers [`Self::residuals`] gives.
+    pub(super) fn residual_count(&self) -> usize {
+        self.all.iter().map(|(own, _)| if matches!(own, Outcome::RuptureTime { .. }) { 2 } else { 1 }).sum()
+    }
+
+    /// How many demands [`Self::run`] gives.
     pub(super) fn numbers(&self) -> usize {
         let local = |(own, _): &&(Outcome, usize)| !matches!(own, Outcome::Held | Outcome::Broke);
         2 * usize::from(self.has_peak()) + 4 * self.all.iter().filter(local).count()
     }
 
-    /// The demands of all outcomes with these values of keys, logarithms over the break strains of the curves: of a run, MD and
-    /// TD; then, of each time and mass in order, a little below and above.
-    pub(super) fn demands(&self, changes: Map, session: &Session) -> HostResult<Vec<f64>> {
+    /// The run of the drop with these values of keys, where outcomes need it or its signals are asked for; and the demands of all
+    /// outcomes, logarithms over the break strains of the curves: of this run, MD and TD; then, of each time and mass in order, a
+    /// little below and above.
+    pub(super) fn run(
+        &self,
+        changes: Map,
+        has_signals: bool,
+        session: &Session,
+    ) -> HostResult<(Option<Run>, Vec<f64>)> {
         let study = self.study.with(changes, session)?;
-        let needs_run = self.all.iter().any(|(own, _)| !matches!(own, Outcome::FailureMass { .. }));
-        let run = if needs_run { Some(history(&study, session)?) } else { None };
+        let needs_run = has_signals || self.all.iter().any(|(own, _)| !matches!(own, Outcome::FailureMass { .. }));
+        let whole = if needs_run { Some(study.simulate(session)?) } else { None };
+        let run = whole.as_ref().map(|run| History::of(run, &study)).transpose()?;
         let mut found = Vec::new();
         if let Some(run) = run.as_ref().filter(|_| self.has_peak()) {
-            found.extend(at(run, f64::INFINITY));
+            found.extend(run.demands(f64::INFINITY));
         }
         for (own, _) in &self.all {
             match own {
                 Outcome::Held | Outcome::Broke => {}
                 Outcome::RuptureTime { time, .. } => {
                     for factor in [1.0 - TIMES, 1.0 + TIMES] {
-                        found.extend(run.iter().flat_map(|run| at(run, factor * time)));
+                        found.extend(run.iter().flat_map(|run| run.demands(factor * time)));
                     }
                 }
                 Outcome::FailureMass { mass, .. } => {
                     for factor in MASSES {
                         let changes = [("impactor.mass".into(), Dynamic::from(factor * mass))].into_iter().collect();
-                        found.extend(at(&history(&study.with(changes, session)?, session)?, f64::INFINITY));
+                        let study = study.with(changes, session)?;
+                        found.extend(History::of(&study.simulate(session)?, &study)?.demands(f64::INFINITY));
                     }
                 }
             }
         }
-        Ok(found)
+        Ok((whole, found))
     }
 
     /// Logarithm of the likelihood of all outcomes with these demands and variances of their errors.
@@ -270,18 +312,27 @@ impl Outcomes {
         self.each(demands, variances).map(of_one).sum()
     }
 
-    /// Residuals of the search, one of each outcome, whose squares are −2 times these logarithms up to constants.
+    /// Residuals of the search, whose squares sum to −2 times these logarithms up to constants. Those of a time are two: how far
+    /// the demand is from where half of films break, with its sign, so that they have a slope at the most likely values; and what
+    /// is left of the logarithm.
     pub(super) fn residuals(&self, demands: &[f64], breaks: &Breaks) -> Vec<f64> {
         let none = vec![0.0; demands.len()];
-        self.each(demands, &none)
-            .map(|(own, specimens, demand, variance)| {
-                let of_one = match own {
-                    Outcome::FailureMass { error, .. } => failure_mass(demand, variance, *error, breaks).1,
-                    _ => (2.0 * (own.largest() - own.log_likelihood(demand, variance, breaks))).max(0.0).sqrt(),
-                };
-                (specimens as f64).sqrt() * of_one
-            })
-            .collect()
+        let of_one = |(own, specimens, demand, variance): (&Outcome, usize, Local, Local)| {
+            let square = || 2.0 * (own.largest() - own.log_likelihood(demand, variance, breaks));
+            let found = match own {
+                Outcome::FailureMass { error, .. } => {
+                    let found = FailureMass::of(demand, variance, *error, breaks);
+                    vec![found.logarithm / found.deviation]
+                }
+                Outcome::RuptureTime { time, error } => {
+                    let distance = median_demand(demand.middle(), breaks) / demand.deviation(error / time, breaks);
+                    vec![distance, (square() - distance * distance).max(0.0).sqrt()]
+                }
+                Outcome::Held | Outcome::Broke => vec![square().max(0.0).sqrt()],
+            };
+            found.into_iter().map(move |residual| (specimens as f64).sqrt() * residual)
+        };
+        self.each(demands, &none).flat_map(of_one).collect()
     }
 
     /// Each outcome with its demands and their variances.
@@ -317,8 +368,8 @@ impl Outcomes {
                 Outcome::Broke => ("broke", probability(), None),
                 Outcome::RuptureTime { .. } => ("rupture time", None, None),
                 Outcome::FailureMass { mass, error } => {
-                    let (logarithm, _) = failure_mass(demand, variance, *error, breaks);
-                    ("failure mass", None, Some([*mass, mass * logarithm.exp()]))
+                    let found = FailureMass::of(demand, variance, *error, breaks);
+                    ("failure mass", None, Some([*mass, mass * found.logarithm.exp()]))
                 }
             };
             Described { outcome, specimens, probability, mass }
@@ -330,6 +381,19 @@ impl Outcomes {
 impl Local {
     fn middle(&self) -> [f64; 2] {
         [0, 1].map(|along| 0.5 * (self.below[along] + self.above[along]))
+    }
+
+    /// Growth of a demand by the logarithm of time.
+    fn growth(&self) -> [f64; 2] {
+        [0, 1].map(|along| (self.above[along] - self.below[along]) / (2.0 * TIMES))
+    }
+
+    /// Deviation of the logarithm of the demand that breaks film, along the direction in which it is nearer to that, where the
+    /// time of it has this relative error.
+    fn deviation(&self, error: f64, breaks: &Breaks) -> f64 {
+        let over = |along: usize| self.middle()[along] - breaks.log_factors[along];
+        let along = usize::from(over(1) > over(0));
+        breaks.scatter[along].hypot(self.growth()[along] * error)
     }
 }
 
@@ -351,7 +415,7 @@ impl Outcome {
             }
             Outcome::RuptureTime { time, error } => {
                 // Per unit of the logarithm of time, as the growth of a demand is.
-                let growth = [0, 1].map(|along| (demand.above[along] - demand.below[along]) / (2.0 * TIMES));
+                let growth = demand.growth();
                 let of_one = |along: usize| {
                     let other = 1 - along;
                     let own = deviation(along, (growth[along] * error / time).powi(2));
@@ -362,7 +426,8 @@ impl Outcome {
             }
             Outcome::FailureMass { error, .. } => {
                 let variance = Local { below: variance, above: variance };
-                -0.5 * failure_mass(demand, variance, error, breaks).1.powi(2)
+                let found = FailureMass::of(demand, variance, error, breaks);
+                -0.5 * (found.logarithm / found.deviation).powi(2) - found.deviation.ln()
             }
         };
         found.max(LEAST)
@@ -380,14 +445,26 @@ impl Outcome {
     }
 }
 
-/// Logarithm of the mass at which half of films break over the one that was measured, and the same over its deviation.
-fn failure_mass(demand: Local, variance: Local, error: f64, breaks: &Breaks) -> (f64, f64) {
-    let [below, above] = [demand.below, demand.above].map(|demand| median_demand(demand, breaks));
-    // A demand that hardly grows with the mass has no such mass: the limit keeps it finite.
-    let growth = ((above - below) / (MASSES[1] / MASSES[0]).ln()).max(0.05);
-    let logarithm = -0.5 * (below + above) / growth;
-    let larger = variance.middle()[0].max(variance.middle()[1]);
-    (logarithm, logarithm / (error.max(LEAST_MASS_ERROR).powi(2) + larger / (growth * growth)).sqrt())
+/// The mass at which half of films break (equation 337).
+struct FailureMass {
+    /// Logarithm of it over the one that was measured.
+    logarithm: f64,
+    /// Standard deviation of that logarithm.
+    deviation: f64,
+}
+
+impl FailureMass {
+    /// By the demands below and above the measured mass, with the variances of their errors.
+    fn of(demand: Local, variance: Local, error: f64, breaks: &Breaks) -> FailureMass {
+        let [below, above] = [demand.below, demand.above].map(|demand| median_demand(demand, breaks));
+        // A demand that hardly grows with the mass has no such mass: the limit keeps it finite.
+        let growth = ((above - below) / (MASSES[1] / MASSES[0]).ln()).max(0.05);
+        let larger = variance.middle()[0].max(variance.middle()[1]);
+        FailureMass {
+            logarithm: -0.5 * (below + above) / growth,
+            deviation: (error.max(LEAST_MASS_ERROR).powi(2) + larger / (growth * growth)).sqrt(),
+        }
+    }
 }
 
 /// Logarithm of the demand over that at which half of films would break: how much smaller both demands would have to be.
@@ -410,7 +487,12 @@ fn median_demand(demand: [f64; 2], breaks: &Breaks) -> f64 {
 
 /// ln Φ(z), by its asymptote where Φ has no digits.
 fn log_cumulative(z: f64) -> f64 {
-    if z > -30.0 { normal::cumulative(z).ln() } else { -0.5 * z * z - (-z * std::f64::consts::TAU.sqrt()).ln() }
+    if z > -30.0 {
+        return normal::cumulative(z).ln();
+    }
+    // Mills' ratio to its third term, off by 15/z⁶.
+    let square = z * z;
+    -0.5 * square - (-z * std::f64::consts::TAU.sqrt()).ln() + ((3.0 / square - 1.0) / square).ln_1p()
 }
 
 /// Largest strains along MD and TD over time, and the break strains of the curves.
@@ -419,22 +501,24 @@ struct History {
     breaks: [f64; 2],
 }
 
-fn history(study: &Study, session: &Session) -> HostResult<History> {
-    let run = study.simulate(session)?;
-    Ok(History {
-        strains: [run.channel(MAX_STRAIN_MD.short)?, run.channel(MAX_STRAIN_TD.short)?],
-        breaks: break_strains(study).map(|strain| strain / UNBROKEN),
-    })
-}
+impl History {
+    /// Of a run of a scenario whose film does not break.
+    fn of(run: &Run, study: &Study) -> HostResult<History> {
+        Ok(History {
+            strains: [run.channel(MAX_STRAIN_MD.short)?, run.channel(MAX_STRAIN_TD.short)?],
+            breaks: break_strains(study).map(|strain| strain / UNBROKEN),
+        })
+    }
 
-/// Logarithms of the demands up to a time.
-fn at(run: &History, time: f64) -> [f64; 2] {
-    [0, 1].map(|along| {
-        let strains = &run.strains[along];
-        let before = strains.samples().take_while(|[own, _]| *own <= time).map(|[_, strain]| strain);
-        let largest = before.fold(strains.value_at(time).unwrap_or(0.0), f64::max);
-        (largest.max(LEAST_DEMAND) / run.breaks[along]).ln()
-    })
+    /// Logarithms of the demands up to a time.
+    fn demands(&self, time: f64) -> [f64; 2] {
+        [0, 1].map(|along| {
+            let strains = &self.strains[along];
+            let before = strains.samples().take_while(|[own, _]| *own <= time).map(|[_, strain]| strain);
+            let largest = before.fold(strains.value_at(time).unwrap_or(0.0), f64::max);
+            (largest.max(LEAST_DEMAND) / self.breaks[along]).ln()
+        })
+    }
 }
 
 #[cfg(test)]
@@ -490,14 +574,53 @@ mod tests {
         let breaks = Breaks { log_factors: [0.0, 5.0], scatter: [0.1, 0.1] };
         let demand = |factor: f64| [(2.0_f64).ln() + 0.5 * factor.ln(), -3.0];
         let local = Local { below: demand(MASSES[0]), above: demand(MASSES[1]) };
-        let (logarithm, residual) = failure_mass(local, NONE, 0.1, &breaks);
-        assert!((logarithm - 0.25_f64.ln()).abs() < 1e-6, "{logarithm}");
-        assert!((residual - 10.0 * 0.25_f64.ln()).abs() < 1e-5, "{residual}");
+        let found = FailureMass::of(local, NONE, 0.1, &breaks);
+        assert!((found.logarithm - 0.25_f64.ln()).abs() < 1e-6 && (found.deviation - 0.1).abs() < 1e-12);
+        // Errors of 0.03 of the demands, which grow by 0.5: 0.06 of the mass beside 0.1 of the staircase.
+        let uncertain = Local { below: [9e-4; 2], above: [9e-4; 2] };
+        let of = |variance| Outcome::FailureMass { mass: 1.0, error: 0.1 }.log_likelihood(local, variance, &breaks);
+        let wide = 0.01_f64 + 0.0036;
+        let expected = -0.5 * 0.25_f64.ln().powi(2) * (1.0 / wide - 1.0 / 0.01) - 0.5 * (wide / 0.01).ln();
+        assert!((of(uncertain) - of(NONE) - expected).abs() < 1e-4, "{}", of(uncertain) - of(NONE));
+    }
+
+    /// A time of rupture: the squares of its residuals are −2 ln p up to a constant, and the first has a slope where it is most
+    /// likely, that of a normal measurement of the break strain.
+    #[test]
+    fn the_residuals_of_a_time_of_rupture_have_its_likelihood_and_a_slope() {
+        let outcome = Outcome::RuptureTime { time: 0.04, error: 0.0 };
+        let outcomes = |breaks: &Breaks| {
+            let demand = [-TIMES, TIMES].map(|shift| [1.5 * shift, -9.0]);
+            let own = Local { below: demand[0], above: demand[1] };
+            let distance = median_demand(own.middle(), breaks) / own.deviation(0.0, breaks);
+            let square = 2.0 * (outcome.largest() - outcome.log_likelihood(own, NONE, breaks));
+            (distance, square)
+        };
+        let at = |log_factor: f64, scatter: f64| {
+            outcomes(&Breaks { log_factors: [log_factor, 0.0], scatter: [scatter, 0.1] })
+        };
+        assert!(at(0.0, 0.1).0.abs() < 1e-6);
+        let slope = (at(0.001, 0.1).0 - at(-0.001, 0.1).0) / 0.002;
+        assert!((slope + 10.0).abs() < 0.01, "{slope}");
+        // −2 ln p of a normal density: z² + 2 ln(√(2π) s/g) + 2 c.
+        for (log_factor, scatter) in [(0.0, 0.1), (0.15, 0.1), (-0.3, 0.2)] {
+            let (distance, square) = at(log_factor, scatter);
+            let z: f64 = -log_factor / scatter;
+            let expected = z * z + 2.0 * (outcome.largest() - (normal::density(0.0) * 1.5 / scatter).ln());
+            assert!((square - expected).abs() < 1e-6 * expected && (distance - z).abs() < 1e-6, "{square} {expected}");
+            assert!(square > distance * distance);
+        }
     }
 
     #[test]
     fn the_logarithm_of_a_small_probability_goes_on() {
-        assert!((log_cumulative(-29.99) - log_cumulative(-30.01)).abs() < 0.7);
-        assert!(log_cumulative(-50.0) < -1250.0);
+        // d ln Φ/dz is −z to 1/z² far out; on both sides of the change of formula.
+        let slope = (log_cumulative(-29.999) - log_cumulative(-30.001)) / 0.002;
+        assert!((slope - 30.0333).abs() < 2e-4, "{slope}");
+        // Abramowitz and Stegun, equation 26.2.12, with one more term.
+        let square = 2500.0_f64;
+        let series = 1.0 - 1.0 / square + 3.0 / square.powi(2) - 15.0 / square.powi(3);
+        let expected = -0.5 * square - (50.0 * std::f64::consts::TAU.sqrt()).ln() + series.ln();
+        assert!((log_cumulative(-50.0) - expected).abs() < 1e-6);
     }
 }

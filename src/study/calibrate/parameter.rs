@@ -5,7 +5,8 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Map};
 
 use super::outcome::BREAK_FACTORS;
-use crate::script::{HostResult, Options, number, refuse, to_json};
+use crate::script::{HostResult, Options, from_json, number, refuse, to_json};
+use serde_json::Value;
 use uncertainty::distribution::Distribution;
 use uncertainty::normal;
 
@@ -14,8 +15,8 @@ use uncertainty::normal;
 pub(super) struct Parameter {
     /// Its name in results.
     pub(super) name: String,
-    /// Keys of scenarios that are set to its value.
-    pub(super) keys: Vec<String>,
+    /// Keys of scenarios that follow from its value.
+    pub(super) keys: Vec<Key>,
     /// Unit of its values, where they have one.
     pub(super) unit: Option<String>,
     /// Where the search starts.
@@ -35,6 +36,15 @@ pub(super) struct Parameter {
     /// Of a break strain, its relative standard deviation between specimens: ends between which it is estimated, or the same
     /// number twice.
     pub(super) scatter: Option<[f64; 2]>,
+}
+
+/// A key of scenarios, and what is written there.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Key {
+    /// Such as `layers.faces`.
+    pub(super) name: String,
+    /// Its value, in whose texts `{}` stands for that of the parameter, such as `["0 mm", "-{}"]`.
+    form: Value,
 }
 
 /// What a parameter acts on.
@@ -84,7 +94,7 @@ impl Parameter {
             map.ok_or_else(|| of_parameter(format!("expected a map with `key`, `start` and `within`, found {given}")))?;
         let options = Options { of: "a parameter of calibrate", map: &map };
         options.check(&OPTIONS)?;
-        let keys = texts(options.value("key")?, "key").map_err(of_parameter)?;
+        let keys = keys(options.value("key")?).map_err(of_parameter)?;
         if keys.is_empty() {
             return Err(of_parameter("`key` names no key".into()));
         }
@@ -156,12 +166,13 @@ impl Parameter {
         })
     }
 
-    /// Its value as the keys of a scenario take it.
-    pub(super) fn written(&self, value: f64) -> Dynamic {
-        match &self.unit {
-            Some(unit) => format!("{value} {unit}").into(),
-            None => value.into(),
-        }
+    /// The changes of a scenario with this value.
+    pub(super) fn changes(&self, value: f64) -> impl Iterator<Item = (rhai::Identifier, Dynamic)> {
+        let written = match &self.unit {
+            Some(unit) => Value::from(format!("{value} {unit}")),
+            None => Value::from(value),
+        };
+        self.keys.iter().map(move |key| (key.name.as_str().into(), from_json(&filled(&key.form, &written))))
     }
 
     /// The coordinate of a value, along which its uncertainty is: the value or its logarithm.
@@ -219,10 +230,43 @@ impl Parameter {
     }
 }
 
+/// What stands for the value of a parameter in what its keys are set to.
+const PLACE: &str = "{}";
+
+/// The option `key`: a key, a list of keys that have the value, or a map of keys and what is written there.
+fn keys(given: &Dynamic) -> Result<Vec<Key>, String> {
+    let Some(map) = given.read_lock::<Map>() else {
+        let own = texts(given, "key")?.into_iter();
+        return Ok(own.map(|name| Key { name, form: Value::from(PLACE) }).collect());
+    };
+    let key = |(name, form): (&rhai::Identifier, &Dynamic)| {
+        let form = to_json(form).map_err(|error| format!("`{name}` of `key`: {error}"))?;
+        if !form.to_string().contains(PLACE) {
+            return Err(format!("`{name}` of `key` has no `{PLACE}`, which stands for the value of the parameter"));
+        }
+        Ok(Key { name: name.to_string(), form })
+    };
+    map.iter().map(key).collect()
+}
+
+/// A form with a value in its place: a text that is nothing else becomes the value itself.
+fn filled(form: &Value, written: &Value) -> Value {
+    match form {
+        Value::String(text) if text == PLACE => written.clone(),
+        Value::String(text) => {
+            let shown = written.as_str().map_or_else(|| written.to_string(), str::to_owned);
+            text.replace(PLACE, &shown).into()
+        }
+        Value::Array(list) => list.iter().map(|item| filled(item, written)).collect(),
+        Value::Object(map) => map.iter().map(|(name, item)| (name.clone(), filled(item, written))).collect(),
+        other => other.clone(),
+    }
+}
+
 /// What a parameter with these keys acts on.
-fn role(keys: &[String]) -> Result<Role, String> {
-    let along = BREAK_FACTORS.map(|key| keys.iter().any(|own| own == key));
-    match (along.contains(&true), keys.iter().all(|key| BREAK_FACTORS.contains(&key.as_str()))) {
+fn role(keys: &[Key]) -> Result<Role, String> {
+    let along = BREAK_FACTORS.map(|key| keys.iter().any(|own| own.name == key && own.form == PLACE));
+    match (along.contains(&true), keys.iter().all(|key| BREAK_FACTORS.contains(&key.name.as_str()))) {
         (false, _) => Ok(Role::Key),
         (true, true) => Ok(Role::Break(along)),
         (true, false) => Err("break strains cannot be tied to other keys".into()),
@@ -278,14 +322,34 @@ mod tests {
         Parameter::read("p", &rhai::Engine::new_raw().eval::<Dynamic>(text).unwrap())
     }
 
+    /// What a parameter writes.
+    fn changes(parameter: &Parameter, value: f64) -> Vec<String> {
+        parameter.changes(value).map(|(key, value)| format!("{key} = {value}")).collect()
+    }
+
+    #[test]
+    fn keys_may_say_what_is_written_there() {
+        let found = read(
+            r#"#{ key: #{ "specimen.shape.rectangle": ["{}", "{}"], "layers.faces": ["0 mm", "-{}"] },
+                start: "400 mm", within: ["300 mm", "500 mm"] }"#,
+        )
+        .unwrap();
+        let expected =
+            [r#"layers.faces = ["0 mm", "-410.5 mm"]"#, r#"specimen.shape.rectangle = ["410.5 mm", "410.5 mm"]"#];
+        assert_eq!(changes(&found, 410.5), expected);
+        let found =
+            read(r##"#{ key: #{ "layers.prestrain": #{ md: "{}", td: 0 } }, start: 1, within: [0, 2] }"##).unwrap();
+        assert_eq!(changes(&found, 0.5), [r##"layers.prestrain = #{"md": 0.5, "td": 0}"##]);
+    }
+
     #[test]
     fn a_parameter_has_keys_bounds_and_a_unit() {
         let found =
             read(r#"#{ key: "specimen.material.thickness", start: "12 um", within: ["10 um", "15 um"] }"#).unwrap();
         assert_eq!((found.start, found.within, found.unit.as_deref()), (12.0, [10.0, 15.0], Some("um")));
-        assert_eq!(found.written(12.5).to_string(), "12.5 um");
+        assert_eq!(changes(&found, 12.5), ["specimen.material.thickness = 12.5 um"]);
         let found = read(r#"#{ key: ["a", "b"], start: 1, within: [0.1, 10], log: true }"#).unwrap();
-        assert_eq!((found.keys.len(), found.written(2.0).as_float()), (2, Ok(2.0)));
+        assert_eq!(changes(&found, 2.0), ["a = 2.0", "b = 2.0"]);
         assert!((found.value(found.coordinate(3.0)) - 3.0).abs() < 1e-12);
         assert!((found.prior_deviation() - 100_f64.ln() / 12_f64.sqrt()).abs() < 1e-12);
     }
@@ -313,6 +377,7 @@ mod tests {
             (r#"#{ key: "a", start: 5, within: [1, 2] }"#, "parameter `p`: `start` 5 does not lie within [1, 2]"),
             (r#"#{ key: "a", start: 1, within: [0, 2], log: true }"#, "`log` needs `within` above zero"),
             (r#"#{ key: "a", start: "1 mm", within: [0, 2] }"#, "`within` has the unit none and `start` mm"),
+            (r##"#{ key: #{ "a": "1 mm" }, start: 1, within: [0, 2] }"##, "`a` of `key` has no `{}`"),
             (r#"#{ key: 3, start: 1, within: [0, 2] }"#, "`key` is a string or a list of strings, not 3"),
             (r#"#{ key: "a", start: 1, within: 2 }"#, "`within` is a list of two values"),
             (r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ gauss: 1 } }"#, "`prior` is a distribution such as"),

@@ -74,16 +74,6 @@ pub(super) enum Discrepancy {
     Estimated,
 }
 
-impl Discrepancy {
-    /// The share with which a search begins.
-    pub(super) fn first(self) -> f64 {
-        match self {
-            Discrepancy::Given(share) => share,
-            Discrepancy::Estimated => FIRST_SHARE,
-        }
-    }
-}
-
 /// Options of the search.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SearchOptions {
@@ -221,18 +211,44 @@ impl Plan {
         (0..self.unknowns.len()).filter(move |index| is_of(&self.unknowns[*index]))
     }
 
-    /// Whether the model's error is estimated: that of signals along their length.
+    /// Whether signals are compared along their length, which the model's error is of.
+    pub(super) fn has_residuals(&self) -> bool {
+        self.tests.iter().flat_map(|test| &test.signals).any(|signal| signal.distance.is_residuals())
+    }
+
+    /// Whether the model's error is estimated.
     pub(super) fn estimates_share(&self) -> bool {
-        let signals = || self.tests.iter().flat_map(|test| &test.signals);
-        self.discrepancy == Discrepancy::Estimated && signals().any(|signal| signal.distance.is_residuals())
+        self.discrepancy == Discrepancy::Estimated && self.has_residuals()
+    }
+
+    /// The model's error with which a search begins, which it keeps where it is not estimated; none of numbers that are no
+    /// differences along a signal.
+    pub(super) fn first_share(&self) -> f64 {
+        match self.discrepancy {
+            Discrepancy::Given(share) => share,
+            Discrepancy::Estimated if self.estimates_share() => FIRST_SHARE,
+            Discrepancy::Estimated => 0.0,
+        }
     }
 
     /// The unknowns on which the outcomes of a test depend beside its runs.
     pub(super) fn break_unknowns(&self, test: usize) -> BreakUnknowns {
         let factors = self.tests[test].outcomes.as_ref().map_or([1.0; 2], |own| own.factors);
+        self.breaks_by(self.of_test(test), factors)
+    }
+
+    /// The same of film that is in no test, whose break strains are so many times those of its curves where the tests say
+    /// nothing else; none where no test has an outcome.
+    pub(super) fn shared_breaks(&self, factors: [f64; 2]) -> Option<BreakUnknowns> {
+        let is_shared = |index: &usize| self.unknowns[*index].test.is_none();
+        let has_outcomes = self.tests.iter().any(|test| test.outcomes.is_some());
+        has_outcomes.then(|| self.breaks_by((0..self.unknowns.len()).filter(is_shared), factors))
+    }
+
+    fn breaks_by(&self, unknowns: impl Iterator<Item = usize>, factors: [f64; 2]) -> BreakUnknowns {
         let mut known = Breaks { log_factors: factors.map(f64::ln), scatter: [USUAL_SCATTER; 2] };
         let mut unknown = Vec::new();
-        for index in self.of_test(test) {
+        for index in unknowns {
             let parameter = self.of(&self.unknowns[index]);
             if let (Role::Break(along), Some([low, high])) = (parameter.role, parameter.scatter)
                 && low == high
@@ -275,6 +291,18 @@ impl Plan {
             parameter.tests.is_empty() || study.with(changes, session).is_ok()
         };
         (0..self.parameters.len()).filter(takes).collect()
+    }
+
+    /// The changes of the scenario of a test with these values, break strains included, which its runs do not depend on in a
+    /// search.
+    pub(super) fn changes_with_breaks(&self, test: usize, values: &[f64]) -> Map {
+        let own = self.of_test(test).map(|index| (self.of(&self.unknowns[index]), values[index]));
+        curve_parameter::changes(own)
+    }
+
+    /// The tests on which an unknown acts.
+    pub(super) fn tests_of(&self, unknown: &Unknown) -> Vec<usize> {
+        unknown.test.map_or_else(|| self.sharing(unknown.parameter).collect(), |test| vec![test])
     }
 
     /// The changes of a scenario that is no test: the shared unknowns of these parameters.
@@ -338,6 +366,14 @@ fn unknowns(tests: &[Test], parameters: &[Parameter]) -> HostResult<Vec<Unknown>
     for test in tests {
         if let Some(other) = test.own.iter().find(|own| !parameters.iter().any(|parameter| parameter.name == **own)) {
             return Err(refuse(format!("test `{}` has its own `{other}`, which is no parameter", test.name)));
+        }
+        let acts = |own: &str| parameters.iter().any(|parameter| parameter.name == own && is_of(parameter, test));
+        if let Some(other) = test.own.iter().find(|own| !acts(own)) {
+            return Err(refuse(format!(
+                "test `{}` has its own `{other}`, which does not act on it: the `tests` of that parameter do not name it, or it \
+                is a break strain and the test has no outcome",
+                test.name
+            )));
         }
     }
     let mut unknowns = Vec::new();

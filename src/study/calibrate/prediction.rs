@@ -1,16 +1,20 @@
 //! What follows from a posterior for scenarios that are no tests: bands on signals, quantiles of figures, probabilities.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::objective::cause;
-use super::plan::Plan;
-use super::posterior::Posterior;
+use super::outcome::{self, BREAK_FACTORS};
+use super::parameter::{Role, Unknown};
+use super::plan::{BreakUnknowns, Plan};
+use super::posterior::{Draw, Posterior};
 use super::rows::object;
 use super::warning::Warning;
 use crate::post::Run;
 use crate::scenario_functions::Study;
-use crate::script::{HostResult, Row, Session, refuse};
+use crate::script::{HostResult, Row, Session, check_stop, refuse};
 use lab::signal::Series;
 use plot::{Curve, Look, Plot};
 use uncertainty::statistics::{mean, quantiles, variance, wilson};
@@ -30,6 +34,8 @@ pub(super) struct Asked {
     pub(super) signals: Vec<String>,
     /// Figures and limits whose probability of being exceeded is asked for.
     pub(super) above: Vec<(String, f64)>,
+    /// Errors of the model in figures, relative standard deviations, where any are known.
+    pub(super) errors: BTreeMap<String, f64>,
     pub(super) seed: u64,
 }
 
@@ -57,14 +63,15 @@ impl Prediction {
         session: &Session,
     ) -> HostResult<Prediction> {
         let draws = posterior.draws(plan, asked.samples, asked.seed);
-        let taken = plan.taken_by(study, session);
+        // Break strains are drawn for each run where the tests tell of them and the scenario's film has some.
+        let factors = outcome::factors(study, session).ok();
+        let breaks = factors.and_then(|factors| plan.shared_breaks(factors));
+        let drawn = Drawn { study, plan, taken: plan.taken_by(study, session), breaks };
         let all: Vec<(Result<Run, String>, f64)> =
-            draws.par_iter().map(|(x, share)| (run(study, plan, (x, &taken), session), *share)).collect();
-        if session.cancellation().is_cancelled() {
-            return Err(refuse("the study was stopped"));
-        }
+            draws.par_iter().map(|draw| (drawn.run(draw, session), draw.share)).collect();
+        check_stop(session)?;
         let mut warnings = Vec::new();
-        for unknown in plan.unknowns.iter().filter(|unknown| !taken.contains(&unknown.parameter)) {
+        for unknown in plan.unknowns.iter().filter(|unknown| !drawn.takes(unknown)) {
             let (scenario, parameter) = (name.into(), unknown.name.clone());
             warnings.push(Warning::PredictionWithout { scenario, parameter });
         }
@@ -73,11 +80,18 @@ impl Prediction {
             let runs = all.len();
             warnings.push(Warning::PredictionFailed { scenario: name.into(), failed, runs, cause });
         }
-        let runs: Vec<(Run, f64)> = all.into_iter().filter_map(|(run, share)| Some((run.ok()?, share))).collect();
+        let (mut of_runs, mut runs) = (Vec::new(), Vec::new());
+        for (draw, (run, share)) in draws.iter().zip(all) {
+            if let Ok(run) = run {
+                of_runs.push(draw);
+                runs.push((run, share));
+            }
+        }
         if runs.len() < 2 {
             let cause = warnings.last().map(ToString::to_string).unwrap_or_default();
             return Err(refuse(format!("{name} has no prediction: {cause}")));
         }
+        asked.check(&runs)?;
         let (mut bands, mut covered) = (Vec::new(), Vec::new());
         for signal in &asked.signals {
             let (plot, inside) = band((name, study), signal, &runs)?;
@@ -85,7 +99,7 @@ impl Prediction {
             covered.extend(inside);
         }
         Ok(Prediction {
-            figures: figures(name, plan, asked, &draws, &runs),
+            figures: figures(name, &drawn, asked, &of_runs, &runs),
             probabilities: probabilities(name, asked, &runs),
             bands,
             covered,
@@ -94,12 +108,66 @@ impl Prediction {
     }
 }
 
-/// The run of a scenario with the shared unknowns of a draw.
-fn run(study: &Study, plan: &Plan, (x, taken): (&[f64], &[usize]), session: &Session) -> Result<Run, String> {
-    study
-        .with(plan.shared_changes(&plan.values(x), taken), session)
-        .and_then(|own| own.simulate(session))
-        .map_err(|error| cause(&error))
+/// A scenario whose runs take draws of a posterior.
+struct Drawn<'a> {
+    study: &'a Study,
+    plan: &'a Plan,
+    /// Indices of the parameters that it takes.
+    taken: Vec<usize>,
+    /// Its break strains, where the tests tell of them.
+    breaks: Option<BreakUnknowns>,
+}
+
+impl Drawn<'_> {
+    /// Whether it depends on an unknown.
+    fn takes(&self, unknown: &Unknown) -> bool {
+        unknown.test.is_none()
+            && match self.plan.of(unknown).role {
+                Role::Key => self.taken.contains(&unknown.parameter),
+                Role::Break(_) | Role::Scatter(_) => self.breaks.is_some(),
+            }
+    }
+
+    /// A run with the shared unknowns of a draw, of a specimen with break strains of its own (equation 335).
+    fn run(&self, draw: &Draw, session: &Session) -> Result<Run, String> {
+        // No run begins once the study is told to stop.
+        check_stop(session).map_err(|error| cause(&error))?;
+        let values = self.plan.values(&draw.x);
+        let mut changes = self.plan.shared_changes(&values, &self.taken);
+        if let Some(breaks) = &self.breaks {
+            let breaks = breaks.at(&values);
+            for (along, key) in BREAK_FACTORS.into_iter().enumerate() {
+                let logarithm = breaks.log_factors[along] + breaks.scatter[along] * draw.breaks[along];
+                changes.insert(key.into(), logarithm.exp().into());
+            }
+        }
+        let run = self.study.with(changes, session).and_then(|own| own.simulate(session));
+        run.map_err(|error| cause(&error))
+    }
+}
+
+impl Asked {
+    /// Whether the runs have the figures that are asked for.
+    fn check(&self, runs: &[(Run, f64)]) -> HostResult<()> {
+        let names = self.figures.iter().chain(self.above.iter().map(|(name, _)| name)).chain(self.errors.keys());
+        for name in names {
+            if runs.iter().any(|(run, _)| number(run, name).is_some()) {
+                continue;
+            }
+            let known = runs[0].0.summary().keys().map(String::as_str);
+            return Err(refuse(match base::diagnostic::closest(name, known) {
+                Some(close) => format!("no run has a figure `{name}` (did you mean `{close}`?)"),
+                None => format!("no run has a figure `{name}`: summary.json of a run lists its figures"),
+            }));
+        }
+        Ok(())
+    }
+
+    /// Values of a figure, each with the deviation that its model's error gives it.
+    fn values(&self, figure: &str, runs: &[(Run, f64)]) -> Vec<(f64, f64)> {
+        let error = self.errors.get(figure).copied().unwrap_or(0.0);
+        runs.iter().filter_map(|(run, _)| number(run, figure)).map(|value| (value, error * value.abs())).collect()
+    }
 }
 
 /// The number of a figure in a run; whether something is so counts as one or zero.
@@ -109,7 +177,7 @@ fn number(run: &Run, figure: &str) -> Option<f64> {
 }
 
 /// A row a figure: quantiles, and the shares of the variance that one parameter alone explains, by a linear fit.
-fn figures(scenario: &str, plan: &Plan, asked: &Asked, draws: &[(Vec<f64>, f64)], runs: &[(Run, f64)]) -> Vec<Row> {
+fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], runs: &[(Run, f64)]) -> Vec<Row> {
     let names: Vec<String> = match asked.figures.is_empty() {
         false => asked.figures.clone(),
         true => {
@@ -122,17 +190,32 @@ fn figures(scenario: &str, plan: &Plan, asked: &Asked, draws: &[(Vec<f64>, f64)]
         }
     };
     let row = |name: &String| {
-        let own: Vec<f64> = runs.iter().filter_map(|(run, _)| number(run, name)).collect();
+        let values = asked.values(name, runs);
+        let own: Vec<f64> = values.iter().map(|(value, _)| *value).collect();
         let ends = quantiles(&own, &BAND)?;
+        let [low, high] = if asked.errors.contains_key(name) { mixture(&values) } else { [ends[0], ends[2]] };
         let mut row = object(json!({
-            "scenario": scenario, "figure": name, "median": ends[1], "lower_95": ends[0], "upper_95": ends[2],
-            "mean": mean(&own), "runs": own.len(),
+            "scenario": scenario, "figure": name, "median": ends[1], "lower_95": low, "upper_95": high,
+            "mean": mean(&own), "runs": own.len(), "model_error": asked.errors.get(name),
         }));
         if own.len() == draws.len() {
-            for (index, unknown) in plan.unknowns.iter().enumerate().filter(|(_, unknown)| unknown.test.is_none()) {
-                let along: Vec<f64> = draws.iter().map(|(x, _)| x[index]).collect();
-                let share = correlation(&along, &own).map(|r| r * r);
-                row.insert(format!("share_of_{}", unknown.name), json!(share));
+            let of_errors = values.iter().map(|(_, deviation)| deviation * deviation).sum::<f64>() / own.len() as f64;
+            let whole = variance(&own).unwrap_or(0.0) + of_errors;
+            let mut insert = |name: &str, along: Vec<f64>| {
+                let share = correlation(&along, &own).map(|r| r * r * (1.0 - of_errors / whole));
+                row.insert(format!("share_of_{name}"), json!(share));
+            };
+            let plan = drawn.plan;
+            for (index, unknown) in plan.unknowns.iter().enumerate().filter(|(_, unknown)| drawn.takes(unknown)) {
+                insert(&unknown.name, draws.iter().map(|draw| draw.x[index]).collect());
+            }
+            for (along, name) in ["specimen_md_break", "specimen_td_break"].into_iter().enumerate() {
+                if drawn.breaks.is_some() {
+                    insert(name, draws.iter().map(|draw| draw.breaks[along]).collect());
+                }
+            }
+            if of_errors > 0.0 {
+                row.insert("share_of_model_error".into(), json!(of_errors / whole));
             }
         }
         Some(row)
@@ -153,12 +236,16 @@ fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row>
     let ruptured = ("ruptured".to_owned(), 0.5);
     let all = std::iter::once(&ruptured).chain(&asked.above);
     let row = |(figure, limit): &(String, f64)| {
-        let found: Vec<f64> = runs.iter().filter_map(|(run, _)| number(run, figure)).collect();
-        let count = found.iter().filter(|value| **value > *limit).count();
-        let interval = (!found.is_empty()).then(|| wilson(count as u64, found.len() as u64, 0.95))?;
+        let found = asked.values(figure, runs);
+        let exceeds = |(value, deviation): &(f64, f64)| match *deviation > 0.0 {
+            true => uncertainty::normal::cumulative((value - limit) / deviation),
+            false => f64::from(u8::from(value > limit)),
+        };
+        let count = found.iter().map(exceeds).sum::<f64>();
+        let interval = (!found.is_empty()).then(|| wilson(count.round() as u64, found.len() as u64, 0.95))?;
         let what = if figure == "ruptured" { "film breaks".to_owned() } else { format!("{figure} above {limit}") };
         Some(object(json!({
-            "scenario": scenario, "what": what, "probability": count as f64 / found.len() as f64,
+            "scenario": scenario, "what": what, "probability": count / found.len() as f64,
             "lower_95": interval.low, "upper_95": interval.high, "runs": found.len(),
         })))
     };
@@ -195,13 +282,16 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
         points: places.iter().enumerate().map(|(at, place)| [1e3 * place, factor * of(at)]).collect(),
         look,
     };
+    let has_errors = runs.iter().any(|(_, share)| *share > 0.0);
     let mut curves = vec![
         curve("median", Look::Line, &|at| inner[at][1]),
         curve("2.5 %, parameters", Look::Dashed, &|at| inner[at][0]),
         curve("97.5 %, parameters", Look::Dashed, &|at| inner[at][2]),
-        curve("2.5 %, with the model's error", Look::Dashed, &|at| outer[at][0]),
-        curve("97.5 %, with the model's error", Look::Dashed, &|at| outer[at][1]),
     ];
+    if has_errors {
+        curves.push(curve("2.5 %, with the model's error", Look::Dashed, &|at| outer[at][0]));
+        curves.push(curve("97.5 %, with the model's error", Look::Dashed, &|at| outer[at][1]));
+    }
     let comparison = study.comparison().ok();
     let recorded = comparison.and_then(|own| match name {
         "acceleration" => own.acceleration.clone(),

@@ -82,7 +82,12 @@ pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> 
         row.extend(object(more));
         row
     };
-    let none = json!({ "verdict": null, "share_of_prior": null, "r_hat": null, "effective": null });
+    // What scatters and the model's error have no verdict.
+    let own = |name: String, values: &[f64]| {
+        let [r_hat, effective] = found.convergence(&name, plan).unwrap_or([f64::NAN; 2]);
+        let more = json!({ "verdict": null, "share_of_prior": null, "r_hat": r_hat, "effective": effective });
+        with(row(name, values), more)
+    };
     let mut rows = Vec::new();
     for (index, unknown) in plan.unknowns.iter().enumerate() {
         let values: Vec<f64> = found.unknowns().map(|x| plan.of(unknown).value(x[index])).collect();
@@ -95,14 +100,14 @@ pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> 
     for (index, deviations) in found.deviations() {
         let unknown = &plan.unknowns[index];
         let along = if plan.of(unknown).is_logarithmic { "relative deviation" } else { "deviation" };
-        rows.push(with(row(format!("{along} of {} over specimens", unknown.name), &deviations), none.clone()));
+        rows.push(own(format!("{along} of {} over specimens", unknown.name), &deviations));
         for test in plan.sharing(unknown.parameter) {
             let values: Vec<f64> = found.in_test(test).map(|x| plan.of(unknown).value(x[index])).collect();
-            rows.push(with(row(format!("{} of {}", unknown.name, plan.tests[test].name), &values), none.clone()));
+            rows.push(own(format!("{} of {}", unknown.name, plan.tests[test].name), &values));
         }
     }
     if plan.estimates_share() {
-        rows.push(with(row("model error".into(), &found.shares(plan)), none));
+        rows.push(own("model error".into(), &found.shares(plan)));
     }
     rows
 }

@@ -111,9 +111,24 @@ impl Test {
             return Err(in_test(format!("`weight` is {weight}, which must be above zero")));
         }
         let outcomes = outcome::read(&map, &study, session).map_err(|error| in_test(error.to_string()))?;
+        if outcomes.as_ref().is_some_and(Outcomes::all_broke) && map.contains_key("compare") {
+            return Err(in_test(
+                "its film broke, and signals beside outcomes are those of film that holds: compare them in a test of their own, \
+                with `on_rupture: \"keep\"` or a `window` that ends before".into(),
+            ));
+        }
         let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
         if outcomes.is_some() && !map.contains_key("compare") {
+            let inert = ["recordings", "window", "over", "noise", "distance", "error"];
+            if let Some(key) = inert.iter().find(|key| map.contains_key(**key)) {
+                return Err(in_test(format!(
+                    "`{key}` has no effect here: beside an outcome, signals count where `compare` names them"
+                )));
+            }
             return Ok(Test { name, study, own, weight, signals: Vec::new(), outcomes, pull: None });
+        }
+        if let Some(key) = ["compare", "over"].iter().find(|key| map.contains_key("pull") && map.contains_key(**key)) {
+            return Err(in_test(format!("`{key}` has no effect here: with `pull` stress is compared over strain")));
         }
         let pull = map.get("pull").map(|given| pulled::across(given, &study).map_err(in_test)).transpose()?;
         let names = signals_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
@@ -298,7 +313,7 @@ impl Reading<'_> {
         class: Option<f64>,
     ) -> HostResult<Signal> {
         let correlation = match (self.tolerances.correlation, self.over) {
-            // A time says nothing of a travel.
+            // A time says nothing of a travel; a finding says so.
             (Correlation::Length(_), Some(_)) => USUAL_CORRELATION,
             (correlation, _) => correlation,
         };
@@ -359,6 +374,11 @@ impl Signal {
             return Compared::curves(&own, &measured);
         }
         Compared::signals(simulated, &self.measured, all)
+    }
+
+    /// Whether it is compared over a travel, a depth or a strain and not over time.
+    pub(super) fn is_over_travel(&self) -> bool {
+        self.over.is_some()
     }
 
     /// Words of the axis and of the abscissa in plots.

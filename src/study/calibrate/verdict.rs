@@ -66,16 +66,18 @@ pub(super) fn linear(plan: &Plan, x: &[f64], jacobian: &DMatrix<f64>, at_bounds:
     known.collect()
 }
 
-/// The verdicts on all unknowns with this covariance about `x`; the Jacobian tells what each would be if the others were known.
+/// The verdicts on all unknowns with this covariance about `x`, of which these are at their bounds; the Jacobian tells what each
+/// would be if the others were known.
 pub(super) fn of_covariance(
     plan: &Plan,
     x: &[f64],
     covariance: &DMatrix<f64>,
     jacobian: &DMatrix<f64>,
+    at_bounds: &[(usize, Side)],
 ) -> Vec<Knowledge> {
     let information = information(plan, jacobian);
     let alone = |index: usize| information[(index, index)].sqrt().recip().min(covariance[(index, index)].sqrt());
-    (0..x.len()).map(|index| judged(plan, x, index, covariance, alone(index), &[])).collect()
+    (0..x.len()).map(|index| judged(plan, x, index, covariance, alone(index), at_bounds)).collect()
 }
 
 /// JᵀJ with what is known before the tests: the residuals have the rows of distributions, bounds count as uniform ones.
@@ -122,7 +124,8 @@ pub(super) fn judged(
         false => NORMAL_95 * deviation / x[index].abs().max(0.05 * (high - low)),
     };
     let ends = [x[index] - NORMAL_95 * deviation, x[index] + NORMAL_95 * deviation];
-    let prior_share = (deviation / parameter.prior_deviation()).min(1.0);
+    let of_prior = |deviation: f64| (deviation / parameter.prior_deviation()).min(1.0);
+    let (prior_share, prior_share_alone) = (of_prior(deviation), of_prior(alone));
     let (wide, alone) = (half_width(deviation), half_width(alone));
     let correlation =
         |other: usize| covariance[(index, other)] / (covariance[(index, index)] * covariance[(other, other)]).sqrt();
@@ -137,7 +140,7 @@ pub(super) fn judged(
     let verdict = match bound {
         Some((_, side)) => Verdict::AtBound(*side),
         None if wide <= plan.precision && prior_share < OF_PRIOR => Verdict::Determined,
-        None if alone <= 0.5 * plan.precision.max(0.5 * wide) && x.len() > 1 && alone < 0.5 * wide => {
+        None if alone <= plan.precision && prior_share_alone < OF_PRIOR && x.len() > 1 => {
             Verdict::OnlyTogether(partners())
         }
         None => Verdict::NotDetermined,

@@ -51,6 +51,22 @@ findings! {
             meaning "a calibration estimated the error of the model from what the best parameters leave: intervals contain it";
             remedy "none is needed; `discrepancy` gives it another size or correlation";
             message "the model's error is estimated as {} of each signal, correlated over {correlation} (assumed)", percent(*share);
+        ErrorsNotSettled {
+            change: f64, "last relative change of a noise or of the model's error" => "change";
+            rounds: usize, "searches so far" => "rounds";
+        } = "errors-not-settled", Warning;
+            meaning "the noise of the signals or the model's error, which follow from what the best parameters leave, still changed by \
+                more than 15 % after the last search that they weigh";
+            remedy "give `discrepancy` a size, or refine the mesh where contact makes the signals rough";
+            message "noise or model error still changed by {} in the last of {rounds} searches", percent(*change);
+        CorrelationOverTravel {
+            tests: Vec<String>, "tests whose signals are over a travel, a depth or a strain" => "tests";
+        } = "correlation-over-travel", Note;
+            meaning "the correlation of the model's error is given as a time, which says nothing of signals over a travel: there it is \
+                3 % of the window";
+            remedy "none is needed; a `correlation` that is a number is a share of every window";
+            message "the model's error of {} is correlated over 3 % of the window (assumed): a time says nothing of a travel",
+                tests.join(", ");
         PosteriorNotConverged {
             parameter: String, "the parameter" => "parameter";
             r_hat: f64, "its R-hat" => "r_hat";
@@ -94,6 +110,11 @@ findings! {
                 test has a value of its own";
             remedy "none is needed where the scenario does not depend on it; otherwise set its key in the scenario";
             message "{parameter} has no part in the prediction of {scenario}, which has a value of its own or none";
+        LeftOutNotConverged { test: String, "what was left out" => "test" } = "left-out-not-converged", Warning;
+            meaning "a search without tests stopped at its limit of evaluations or at a bound, so that the error of what was left out \
+                may be that of the search";
+            remedy "raise `max_evaluations`, widen `within`, or fix what the other tests do not determine";
+            message "the search without {test} has not converged";
         PredictionFailed {
             scenario: String, "the scenario" => "scenario";
             failed: usize, "runs without a value" => "failed";

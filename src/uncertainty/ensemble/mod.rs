@@ -23,7 +23,7 @@ pub const LARGEST_R_HAT: f64 = 1.01;
 /// How a density is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Walkers of each ensemble, even and at least twice the dimensions; none for four times the dimensions and at least
+    /// Walkers of each ensemble, even, at least twice the dimensions and four; none for four times the dimensions and at least
     /// 32.
     pub walkers: Option<usize>,
     /// Steps of each walker, of which the first half is discarded; doubled until R̂ and effective size suffice.
@@ -46,7 +46,7 @@ impl Default for Options {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EnsembleError {
     /// The number of walkers is odd or too small.
-    #[error("{walkers} walkers for {dimensions} dimensions: an even number of at least {} is needed", 2 * dimensions)]
+    #[error("{walkers} walkers for {dimensions} dimensions: an even number of at least {} is needed", fewest(*dimensions))]
     Walkers {
         /// Their number.
         walkers: usize,
@@ -120,7 +120,7 @@ pub fn sample(
         return Err(EnsembleError::NoCoordinate);
     }
     let walkers = options.walkers.unwrap_or_else(|| (4 * dimensions).max(32));
-    if !walkers.is_multiple_of(2) || walkers < 2 * dimensions {
+    if !walkers.is_multiple_of(2) || walkers < fewest(dimensions) {
         return Err(EnsembleError::Walkers { walkers, dimensions });
     }
     let starts = starts(log_density, &mut start, ENSEMBLES * walkers)?;
@@ -133,6 +133,11 @@ pub fn sample(
         }
         steps *= 2;
     }
+}
+
+/// Fewest walkers of an ensemble: a step along the difference of two needs two others in its half.
+fn fewest(dimensions: usize) -> usize {
+    (2 * dimensions).max(4)
 }
 
 /// So many starts with a density above zero.
@@ -216,6 +221,8 @@ fn r_hat(chains: &[Vec<f64>], walkers: usize) -> f64 {
 fn effective_size(chains: &[Vec<f64>], walkers: usize) -> f64 {
     /// Times of autocorrelation after which the sum of correlations ends.
     const WINDOW: f64 = 5.0;
+    /// Length of a chain over the longest lag that counts.
+    const SHORTEST: usize = 4;
     let all: Vec<f64> = chains.concat();
     let (Some(mean), Some(variance)) = (mean(&all), variance(&all)) else { return 0.0 };
     let steps = chains.iter().map(|chain| chain.len() / walkers).min().unwrap_or(0);
@@ -230,7 +237,8 @@ fn effective_size(chains: &[Vec<f64>], walkers: usize) -> f64 {
         sum / count as f64 / variance
     };
     let mut time = 1.0;
-    for lag in 1..steps {
+    // Correlations of chains that mix so slowly are noise farther out, and cost a pass over the chains each; R̂ tells of such chains.
+    for lag in 1..steps / SHORTEST {
         time += 2.0 * correlation(lag);
         if lag as f64 >= WINDOW * time {
             break;

@@ -3,6 +3,7 @@
 
 use super::surrogate::TestSurrogate;
 use crate::calibrate::plan::{BreakUnknowns, Plan};
+use uncertainty::normal;
 
 /// Median and deviation of the logarithm of the model's error before the tests, as a share of a signal (assumed): 0.3 to
 /// 15 % with 95 %.
@@ -72,11 +73,31 @@ impl Layout {
 
     /// The model's error of a state.
     pub(super) fn share(&self, state: &[f64], plan: &Plan) -> f64 {
-        match (self.share, plan.discrepancy) {
-            (Some(place), _) => state[place].exp(),
-            (None, discrepancy) => discrepancy.first(),
-        }
+        self.share.map_or_else(|| plan.first_share(), |place| state[place].exp())
     }
+
+    /// What a coordinate is called in results.
+    pub(super) fn name(&self, place: usize, plan: &Plan) -> String {
+        if let Some(unknown) = plan.unknowns.get(place) {
+            return unknown.name.clone();
+        }
+        let of = |own: &Scattered| {
+            let unknown = &plan.unknowns[own.unknown];
+            if own.deviation == place {
+                let along = if plan.of(unknown).is_logarithmic { "relative deviation" } else { "deviation" };
+                return Some(format!("{along} of {} over specimens", unknown.name));
+            }
+            let (test, _) = own.values.iter().find(|(_, own)| *own == place)?;
+            Some(format!("{} of {}", unknown.name, plan.tests[*test].name))
+        };
+        self.scattered.iter().find_map(of).unwrap_or_else(|| "model error".into())
+    }
+}
+
+/// Probability of a standard normal value between two others; of the tail that they lie in where both are far from zero.
+fn mass_between(low: f64, high: f64) -> f64 {
+    let (low, high) = if low > 0.0 { (-high, -low) } else { (low, high) };
+    (normal::cumulative(high) - normal::cumulative(low)).max(f64::MIN_POSITIVE)
 }
 
 /// A posterior on surrogates of the tests.
@@ -123,12 +144,15 @@ impl Density<'_> {
             let deviation = logarithm.exp();
             // A half-normal distribution of the deviation; the logarithm has its density times the deviation.
             sum += logarithm - 0.5 * (deviation / own.expected).powi(2);
-            let [low, high] = self.plan.of(&self.plan.unknowns[own.unknown]).ends();
+            let ends = self.plan.of(&self.plan.unknowns[own.unknown]).ends();
+            let standard = |x: f64| (x - state[own.unknown]) / deviation;
+            // Specimens lie within the bounds, too: what lies beyond them of the normal distribution is shared out.
+            let inside = mass_between(standard(ends[0]), standard(ends[1])).ln();
             for (_, place) in &own.values {
-                if !(low..=high).contains(&state[*place]) {
+                if !(ends[0]..=ends[1]).contains(&state[*place]) {
                     return f64::NEG_INFINITY;
                 }
-                sum -= 0.5 * ((state[*place] - state[own.unknown]) / deviation).powi(2) + logarithm;
+                sum -= 0.5 * standard(state[*place]).powi(2) + logarithm + inside;
             }
         }
         if let Some(place) = self.layout.share {

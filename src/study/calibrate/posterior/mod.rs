@@ -11,13 +11,13 @@ use uncertainty::statistics::quantiles;
 
 use super::fit::Fit;
 use super::objective::{CalibrationObjective, cause};
-use super::parameter::Role;
 use super::plan::{BreakUnknowns, Plan};
 use super::verdict;
 use super::warning::Warning;
-use crate::script::{HostResult, Session, refuse};
+use crate::identify::Side;
+use crate::script::{HostResult, Session, check_stop, refuse};
 use density::{Density, Layout};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use surrogate::{Region, TestSurrogate};
 
 /// Half width of the first region of a surrogate, in standard deviations of the linear model whose tests are tempered.
@@ -39,6 +39,11 @@ const SMALL_ERROR: f64 = 0.5;
 const LOOK: usize = 1000;
 /// Samples that are kept.
 const KEPT: usize = 4000;
+/// Distance of an end of an interval of 95 % from a bound, as a share of the distance of the bounds, at which the posterior is
+/// at that bound.
+const AT_BOUND: f64 = 0.01;
+/// Least effective size of a coordinate whose interval of 95 % counts.
+const LEAST_EFFECTIVE: f64 = 400.0;
 
 /// How a posterior is sampled.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +74,17 @@ pub(super) struct Posterior {
     /// Error of the surrogate of each test at new points.
     pub(super) errors: Vec<f64>,
     pub(super) warnings: Vec<Warning>,
+}
+
+/// A draw of a posterior, for a specimen that was not tested.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Draw {
+    /// The unknowns; of what scatters over specimens, the value of this one.
+    pub(super) x: Vec<f64>,
+    /// The model's error.
+    pub(super) share: f64,
+    /// How far its break strains along MD and TD are from their medians, in deviations of their logarithm.
+    pub(super) breaks: [f64; 2],
 }
 
 /// The runs of one test: unknowns that act on it, and differences.
@@ -131,29 +147,42 @@ impl Posterior {
         self.states.iter().map(|state| self.layout.share(state, plan)).collect()
     }
 
-    /// So many draws for a specimen that was not tested: unknowns and model's error.
-    pub(super) fn draws(&self, plan: &Plan, count: usize, seed: u64) -> Vec<(Vec<f64>, f64)> {
+    /// So many draws.
+    pub(super) fn draws(&self, plan: &Plan, count: usize, seed: u64) -> Vec<Draw> {
         let mut stream = Stream::new(seed);
         let draw = |place: usize| {
             // Evenly over the samples, so that few draws are of all ensembles.
             let state = &self.states[(place * self.states.len()) / count];
             let mut x = state[..self.layout.unknowns].to_vec();
             for own in &self.layout.scattered {
-                let [low, high] = plan.of(&plan.unknowns[own.unknown]).ends();
-                x[own.unknown] = (x[own.unknown] + state[own.deviation].exp() * stream.normal()).clamp(low, high);
+                let ends = plan.of(&plan.unknowns[own.unknown]).ends();
+                x[own.unknown] = within(ends, x[own.unknown], state[own.deviation].exp(), &mut stream);
             }
-            let values = plan.values(&x);
-            for (index, unknown) in plan.unknowns.iter().enumerate() {
-                // The break strains of one specimen.
-                if let Role::Break(along) = plan.of(unknown).role {
-                    let test = unknown.test.or_else(|| plan.sharing(unknown.parameter).next()).unwrap_or(0);
-                    let scatter = plan.break_unknowns(test).at(&values).scatter[usize::from(!along[0])];
-                    x[index] += scatter * stream.normal();
-                }
-            }
-            (x, self.layout.share(state, plan))
+            Draw { x, share: self.layout.share(state, plan), breaks: [stream.normal(), stream.normal()] }
         };
         (0..count).map(draw).collect()
+    }
+
+    /// The unknowns whose interval of 95 % begins or ends at a bound.
+    pub(super) fn at_bounds(&self, plan: &Plan) -> Vec<(usize, Side)> {
+        let side = |index: usize| {
+            let own: Vec<f64> = self.states.iter().map(|state| state[index]).collect();
+            let [low, high] = plan.of(&plan.unknowns[index]).ends();
+            let near = AT_BOUND * (high - low);
+            let interval = quantiles(&own, &[0.025, 0.975])?;
+            match (interval[0] - low < near, high - interval[1] < near) {
+                (true, false) => Some((index, Side::Lower)),
+                (false, true) => Some((index, Side::Upper)),
+                _ => None,
+            }
+        };
+        (0..self.layout.unknowns).filter_map(side).collect()
+    }
+
+    /// R̂ and effective size of a coordinate, which is an unknown, or of what scatters, or the model's error.
+    pub(super) fn convergence(&self, name: &str, plan: &Plan) -> Option<[f64; 2]> {
+        let place = (0..self.layout.len()).find(|place| self.layout.name(*place, plan) == name)?;
+        Some([self.r_hat[place], self.effective[place]])
     }
 
     /// Medians of the unknowns.
@@ -185,7 +214,7 @@ impl Sampling<'_> {
         let mut runs: Vec<Runs> = vec![Vec::new(); tests];
         let mut failed: Vec<(usize, String)> = vec![(0, String::new()); tests];
         let mut computed = 0;
-        let mut centre = self.first_states(fit);
+        let mut centre = self.first_states(fit, &regions);
         let mut stream = Stream::new(self.options.seed);
         for round in 0.. {
             let points = regions.iter().zip(&runs).map(|(region, runs)| self.design(region, runs, round));
@@ -220,13 +249,12 @@ impl Sampling<'_> {
         Err(refuse("the posterior has no round"))
     }
 
-    /// The covariance of a linear model about the best point whose tests are tempered: of one test where specimens scatter,
-    /// since each alone decides its own values, else of all.
-    fn tempered(&self, fit: &Fit, test: usize) -> DMatrix<f64> {
+    /// The covariance of a linear model about the best point whose tests are tempered, of all tests or of one.
+    fn tempered(&self, fit: &Fit, test: Option<usize>) -> DMatrix<f64> {
         let ends = self.objective.ends();
-        let (first, count) = match self.layout.scattered.is_empty() {
-            true => (0, ends[ends.len() - 1]),
-            false => (ends[test], ends[test + 1] - ends[test]),
+        let (first, count) = match test {
+            None => (0, ends[ends.len() - 1]),
+            Some(test) => (ends[test], ends[test + 1] - ends[test]),
         };
         let rows = fit.jacobian.rows(first, count);
         let mut information = rows.tr_mul(&rows) / TEMPER;
@@ -239,7 +267,8 @@ impl Sampling<'_> {
     /// Boxes about the best point, by the linear model of each test's own unknowns.
     fn first_regions(&self, fit: &Fit) -> Vec<Region> {
         let region = |test: usize| {
-            let covariance = self.tempered(fit, test);
+            // Where specimens scatter, each test alone decides its own values.
+            let covariance = self.tempered(fit, Some(test).filter(|_| !self.layout.scattered.is_empty()));
             let side = |sign: f64| {
                 let end = |index: &usize| {
                     let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
@@ -282,9 +311,7 @@ impl Sampling<'_> {
             .collect();
         let found: Vec<Computed<'_>> =
             all.into_par_iter().map(|(test, point)| (test, point, self.differences(test, point))).collect();
-        if self.session.cancellation().is_cancelled() {
-            return Err(refuse("the study was stopped"));
-        }
+        check_stop(self.session)?;
         let count = found.len();
         for (test, point, found) in found {
             match found {
@@ -302,13 +329,14 @@ impl Sampling<'_> {
 
     /// The differences of a test at values of the unknowns that act on it.
     fn differences(&self, test: usize, point: &[f64]) -> Result<Vec<f64>, String> {
+        // No run begins once the study is told to stop.
+        check_stop(self.session).map_err(|error| cause(&error))?;
         let mut values = self.plan.start();
         for (index, coordinate) in self.acting[test].iter().zip(point) {
             values[*index] = self.plan.of(&self.plan.unknowns[*index]).value(*coordinate);
         }
         let session = self.session.with_trial(self.session.cancellation());
-        let simulated = self.objective.signals(test, &values, &session).map_err(|error| cause(&error))?;
-        let demands = self.objective.demands(test, &values, &session).map_err(|error| cause(&error))?;
+        let (simulated, demands) = self.objective.simulated(test, &values, &session).map_err(|error| cause(&error))?;
         if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
             return Err(rupture.clone());
         }
@@ -321,25 +349,41 @@ impl Sampling<'_> {
         Ok(all)
     }
 
-    /// Starts of the walkers: the linear model of each test.
-    fn first_states(&self, fit: &Fit) -> Samples {
+    /// Starts of the walkers, within all regions: of the linear model of all tests, and of each test what scatters.
+    fn first_states(&self, fit: &Fit, regions: &[Region]) -> Samples {
         let mut stream = Stream::new(self.options.seed);
-        let factor = self.tempered(fit, 0).cholesky().map(|own| own.l());
-        let state = |_: usize| {
-            let normals = nalgebra::DVector::from_fn(self.layout.unknowns, |_, _| stream.normal());
+        let factor = |test| self.tempered(fit, test).cholesky().map(|own| own.l());
+        let (of_all, of_tests) = (factor(None), (0..regions.len()).map(|test| factor(Some(test))).collect::<Vec<_>>());
+        let draw = |factor: &Option<DMatrix<f64>>, stream: &mut Stream| {
+            let normals = DVector::from_fn(self.layout.unknowns, |_, _| stream.normal());
             let shift = factor.as_ref().map_or(normals.clone() * 1e-3, |factor| factor * normals);
-            let mut state = vec![0.0; self.layout.len()];
-            for (index, unknown) in self.plan.unknowns.iter().enumerate() {
-                let [low, high] = self.plan.of(unknown).ends();
-                let margin = 1e-3 * (high - low);
-                state[index] = (fit.x[index] + 0.5 * shift[index]).clamp(low + margin, high - margin);
+            fit.x.iter().zip(shift.iter()).map(|(x, shift)| x + 0.5 * shift).collect::<Vec<f64>>()
+        };
+        // Within the bounds, and within the region of every test on which an unknown acts.
+        let inside = |index: usize, tests: &[usize]| {
+            let [mut low, mut high] = self.plan.of(&self.plan.unknowns[index]).ends();
+            for test in tests {
+                if let Some(place) = self.acting[*test].iter().position(|own| *own == index) {
+                    (low, high) = (low.max(regions[*test].low[place]), high.min(regions[*test].high[place]));
+                }
             }
+            let margin = 1e-3 * (high - low);
+            [low + margin, high - margin]
+        };
+        let all: Vec<usize> = (0..regions.len()).collect();
+        let is_scattered = |index: usize| self.layout.scattered.iter().any(|own| own.unknown == index);
+        let state = |_: usize| {
+            let mut state = draw(&of_all, &mut stream);
+            for (index, x) in state.iter_mut().enumerate() {
+                let [low, high] = inside(index, if is_scattered(index) { &[] } else { &all });
+                *x = x.clamp(low, high);
+            }
+            state.resize(self.layout.len(), 0.0);
             for own in &self.layout.scattered {
-                let [low, high] = self.plan.of(&self.plan.unknowns[own.unknown]).ends();
                 state[own.deviation] = (0.3 * own.expected).ln() + 0.3 * stream.normal();
-                for (_, place) in &own.values {
-                    let near = 0.3 * state[own.deviation].exp() * stream.normal();
-                    state[*place] = (state[own.unknown] + near).clamp(low, high);
+                for (test, place) in &own.values {
+                    let [low, high] = inside(own.unknown, &[*test]);
+                    state[*place] = draw(&of_tests[*test], &mut stream)[own.unknown].clamp(low, high);
                 }
             }
             if let Some(place) = self.layout.share {
@@ -477,10 +521,12 @@ impl Sampling<'_> {
         if !is_inside {
             warnings.push(Warning::PosteriorCut { rounds: MOVES * self.options.rounds });
         }
-        for (index, unknown) in self.plan.unknowns.iter().enumerate() {
-            let (r_hat, effective) = (samples.r_hat[index], samples.effective[index]);
-            if r_hat > LARGEST_R_HAT || effective < 400.0 {
-                warnings.push(Warning::PosteriorNotConverged { parameter: unknown.name.clone(), r_hat, effective });
+        for (place, (r_hat, effective)) in
+            samples.r_hat.iter().copied().zip(samples.effective.iter().copied()).enumerate()
+        {
+            if r_hat > LARGEST_R_HAT || effective < LEAST_EFFECTIVE {
+                let parameter = self.layout.name(place, self.plan);
+                warnings.push(Warning::PosteriorNotConverged { parameter, r_hat, effective });
             }
         }
         for (test, own) in self.plan.tests.iter().enumerate() {
@@ -494,10 +540,9 @@ impl Sampling<'_> {
                 warnings.push(Warning::PosteriorRuns { test: own.name.clone(), failed: count, runs, cause });
             }
         }
-        let step = samples.points.len().div_ceil(KEPT).max(1);
         Posterior {
             layout: self.layout.clone(),
-            states: samples.points.into_iter().step_by(step).collect(),
+            states: kept(samples.points, self.options.seed),
             r_hat: samples.r_hat,
             effective: samples.effective,
             acceptance: samples.acceptance,
@@ -505,5 +550,53 @@ impl Sampling<'_> {
             errors,
             warnings,
         }
+    }
+}
+
+/// At most [`KEPT`] of the samples, drawn one from each of as many parts: every so many would be the same few walkers throughout
+/// where that number and the number of walkers have a common factor.
+fn kept(samples: Vec<Vec<f64>>, seed: u64) -> Vec<Vec<f64>> {
+    if samples.len() <= KEPT {
+        return samples;
+    }
+    let mut stream = Stream::new(seed);
+    let edge = |part: usize| part * samples.len() / KEPT;
+    (0..KEPT).map(|part| samples[edge(part) + stream.below(edge(part + 1) - edge(part))].clone()).collect()
+}
+
+/// A draw of a normal distribution between two ends.
+fn within([low, high]: [f64; 2], mean: f64, deviation: f64, stream: &mut Stream) -> f64 {
+    /// Draws before the nearer end counts, of a distribution that hardly lies between the ends.
+    const DRAWS: usize = 1000;
+    let draws = (0..DRAWS).map(|_| mean + deviation * stream.normal()).find(|x| (low..=high).contains(x));
+    draws.unwrap_or_else(|| mean.clamp(low, high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Walkers that never move, 64 of them: the samples that are kept are of all.
+    #[test]
+    fn samples_of_all_walkers_are_kept() {
+        for (walkers, steps) in [(64, 250), (64, 500), (64, 4000), (63, 1000)] {
+            let samples: Vec<Vec<f64>> = (0..walkers * steps).map(|place| vec![(place % walkers) as f64]).collect();
+            let mut counts = vec![0_usize; walkers];
+            kept(samples, 1).iter().for_each(|state| counts[state[0] as usize] += 1);
+            let mean = counts.iter().sum::<usize>() as f64 / walkers as f64;
+            let off = counts.iter().map(|count| (*count as f64 - mean).abs()).fold(0.0, f64::max);
+            assert!(off < 5.0 * mean.sqrt(), "{walkers} walkers, {steps} steps: {counts:?}");
+        }
+    }
+
+    #[test]
+    fn a_specimen_lies_within_the_bounds_and_not_on_them() {
+        let mut stream = Stream::new(2);
+        let drawn: Vec<f64> = (0..4000).map(|_| within([0.0, 1.0], 0.0, 0.5, &mut stream)).collect();
+        assert!(drawn.iter().all(|x| *x > 0.0 && *x < 1.0));
+        // The mean of a half-normal distribution that is cut at two deviations: 0.5 √(2/π) (1 − e⁻²)/(2 Φ(2) − 1).
+        let expected = 0.5 * (2.0 / std::f64::consts::PI).sqrt() * (1.0 - (-2.0_f64).exp()) / 0.954_499_7;
+        let mean = drawn.iter().sum::<f64>() / 4000.0;
+        assert!((mean - expected).abs() < 0.015, "{mean} for {expected}");
     }
 }
