@@ -8,6 +8,7 @@ mod check;
 mod checkpoint;
 mod codes;
 mod columns;
+mod command_line;
 mod compare;
 mod complete;
 mod deck;

@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use super::command_line::command_line;
 use super::failure::Failure;
 use base::diagnostic::shown_path;
 use base::periodic;
-use base::shell::quoted;
 use report::{PageTime, StudyCall, StudyProgress, StudyState};
 use study::evaluate::{Evaluations, RunEvent};
 use study::identify::SearchEvent;
@@ -54,7 +54,7 @@ impl LivePage {
     pub(super) fn new(name: &str, folder: ProgressFolder, tell: impl Fn(&str) + Send + Sync + 'static) -> LivePage {
         let call = StudyCall {
             name: name.to_owned(),
-            command: command(),
+            command: command_line(),
             folder: std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default(),
             stop: cfg!(unix).then(|| format!("kill -INT {}", std::process::id())),
         };
@@ -258,12 +258,6 @@ impl LivePage {
     fn written(&self) -> MutexGuard<'_, Written> {
         self.0.written.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// The command that started this process, which goes on after a stop.
-fn command() -> String {
-    let words = std::env::args().skip(1).map(|word| quoted(&word));
-    std::iter::once("droptower".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

@@ -626,7 +626,15 @@ fn coupons_at_any_angle_are_reduced() {
         json["directions"].as_array().expect("a list").iter().filter_map(|along| along["direction"].as_str()).collect();
     assert_eq!(names, ["MD", "TD", "D3", "15deg", "30deg", "60deg", "75deg"]);
 
+    // A material of MD, TD and D3 knows nothing of the others, and says so.
     let folder = tempfile::tempdir().expect("a folder");
+    let film = folder.path().join("film.toml");
+    let written = [&arguments[..], &["-o", film.to_str().expect("a path")]].concat();
+    let json: Json = serde_json::from_str(&workbench::printed(&droptower(&written))).expect("JSON");
+    let unused = json["findings"].as_array().expect("a list").iter().find(|own| own["code"] == "directions-not-used");
+    assert_eq!(unused.expect("a finding")["directions"], serde_json::json!(["15deg", "30deg", "60deg", "75deg"]));
+    assert_eq!(fs::read_to_string(&film).expect("a film").matches("In no curve below.").count(), 4);
+
     let out = folder.path().join("angles");
     succeed(&["script", "scripts/make-virtual-angles.rhai", "--quiet", "--out", out.to_str().expect("a path")]);
     for file in &files {

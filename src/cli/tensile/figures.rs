@@ -11,7 +11,7 @@ use base::finding::Finding;
 use base::number::significant;
 use lab::experiment::Warning;
 use lab::experiment::coupon::average::SampleStatistics;
-use lab::experiment::coupon::{Coupon, CouponTest, CurveEnd, DirectionMeans, SpeedMeans};
+use lab::experiment::coupon::{Coupon, CouponTest, CurveEnd, Direction, DirectionMeans, SpeedMeans};
 
 /// All figures; SI.
 #[derive(Serialize)]
@@ -98,6 +98,14 @@ impl Figures {
         let mut warnings = warnings(reduced);
         warnings.extend((is_density_assumed && !written.is_empty()).then_some(Warning::DensityAssumed));
         warnings.extend((!written.is_empty()).then_some(Warning::NoAbsorption));
+        // D4 is the other diagonal of D3, measured to compare them.
+        let is_unused =
+            |direction: &Direction| !matches!(direction, Direction::Md | Direction::Td | Direction::D3 | Direction::D4);
+        let unused = reduced.reduction.directions.iter().map(|along| along.direction).filter(is_unused);
+        let directions: Vec<Direction> = unused.collect();
+        warnings.extend(
+            (!written.is_empty() && !directions.is_empty()).then_some(Warning::DirectionsNotUsed { directions }),
+        );
         Figures {
             recordings: reduced.reduction.recordings(),
             virtual_recordings: reduced.reduction.virtual_recordings(),

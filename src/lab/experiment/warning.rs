@@ -200,6 +200,15 @@ findings! {
             meaning "the mean curve of a direction has no double yield point, so the material takes the curve itself";
             remedy "nothing, or choose another window for the modulus";
             message "{direction}: {reason}";
+        DirectionsNotUsed {
+            directions: Vec<Direction>, "of the film" => "directions" = directions.iter().map(Direction::to_string).collect::<Vec<_>>();
+        } = "directions-not-used", Warning;
+            meaning "the material that is written takes the curves of MD and TD and its shear from D3; coupons at other angles are \
+                reduced, and count in nothing of it";
+            remedy "`calibrate` fits one law to coupons at any angles (scripts/coupons-at-angles.rhai), and says how far it is off \
+                at each";
+            message "coupons of {} are in no curve of the material that is written",
+                directions.iter().map(Direction::to_string).collect::<Vec<_>>().join(", ");
         SpeedNotMeasured {
             direction: Direction, "of the film" => "direction" = direction.to_string();
             velocity: f64, "speed of the jaws, m/s" => "velocity_m_s";

@@ -38,6 +38,8 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnos
 struct Film {
     name: Option<String>,
     material: Material,
+    /// Whether its break strains are not those of its curves: `break_factor` moves them.
+    break_is_moved: bool,
     /// Standard deviation of the break strains of layers over their mean.
     break_scatter: f64,
     /// The MD and TD curves without multipliers, to which film relaxes on the frame; none where it does not.
@@ -81,7 +83,9 @@ fn film(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostic
     let material = material::check(written, path, mistakes)?;
     let break_scatter = written.fabric.as_ref().map_or(0.0, |fabric| fabric.break_scatter);
     let relaxed = relaxed(written, path, mistakes);
-    Some(Film { name: written.name.clone(), material, break_scatter, relaxed })
+    let moves = |fabric: &scenario::Fabric| [&fabric.md, &fabric.td].iter().any(|fibre| fibre.break_factor != 1.0);
+    let break_is_moved = written.fabric.as_ref().is_some_and(moves);
+    Some(Film { name: written.name.clone(), material, break_is_moved, break_scatter, relaxed })
 }
 
 /// The curves without multipliers where film relaxes to them; those with them were checked before.
@@ -121,6 +125,7 @@ fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Model
         layers: layers.count,
         film: film.name.clone(),
         material: film.of_layers(layers.count),
+        break_is_moved: film.break_is_moved,
         md_angle: scenario.specimen.md_angle.0,
         prestrain: film.prestrain([layers.prestrain.md, layers.prestrain.td]),
         meshing: meshing.clone(),
@@ -153,6 +158,7 @@ fn single(
         layers: layer.count,
         film: film.name.clone(),
         material: film.of_layers(layer.count),
+        break_is_moved: film.break_is_moved,
         md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
         prestrain: film.prestrain([layer.prestrain.md, layer.prestrain.td]),
         meshing: meshing?,

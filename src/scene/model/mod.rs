@@ -253,6 +253,8 @@ pub struct Face {
     pub film: Option<String>,
     /// Material of one layer.
     pub material: Material,
+    /// Whether its break strains are not those of its curves: `break_factor` moves them.
+    pub break_is_moved: bool,
     /// Angle from the x axis to MD, rad; under a stretch it puts the direction of loading along x.
     pub md_angle: f64,
     /// Engineering pre-strain along MD and TD: the film's own length is the span / (1 + pre-strain).

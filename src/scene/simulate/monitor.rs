@@ -309,7 +309,9 @@ impl Monitor {
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
         out.extend((outside > bounds::RATES && !nothing_hit).then_some(Warning::StrainRateOutside { share: outside }));
         let of_curves = |face: &Face| {
-            face.material.rupture.is_none() && matches!(face.material.law, Law::Fabric(_) | Law::RateFabric(_))
+            face.material.rupture.is_none()
+                && !face.break_is_moved
+                && matches!(face.material.law, Law::Fabric(_) | Law::RateFabric(_))
         };
         let is_drop = matches!(model.loading, Loading::Impact(_)) && model.faces.iter().all(of_curves);
         out.extend(rupture_time.filter(|_| is_drop).map(|time| Warning::BreakStrainOfCoupons { time }));

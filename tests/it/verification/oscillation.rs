@@ -71,8 +71,17 @@ impl Film {
             Film::Square => PRESTRAIN,
         };
         let prestrain = [PRESTRAIN, across];
-        let face =
-            Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing, settle: true, film: None };
+        let face = Face {
+            height: 0.0,
+            layers: 1,
+            material,
+            break_is_moved: false,
+            md_angle: 0.0,
+            prestrain,
+            meshing,
+            settle: true,
+            film: None,
+        };
         let shape = Outline::Rectangle { x: SPAN, y: self.width(edge) };
         let mesh = mesh::build(&shape, [false; 2], &face.meshing).expect("a mesh");
         let (film, mut nodes) = mounted(&mesh, &face);

@@ -53,7 +53,17 @@ fn patch(element: Element) -> Mesh {
 
 fn face(material: Material, element: Element) -> Face {
     let meshing = Meshing { element, size: SIDE / 3.0, grading: None };
-    Face { height: 0.0, layers: 1, material, md_angle: 0.3, prestrain: [0.0; 2], meshing, settle: true, film: None }
+    Face {
+        height: 0.0,
+        layers: 1,
+        material,
+        break_is_moved: false,
+        md_angle: 0.3,
+        prestrain: [0.0; 2],
+        meshing,
+        settle: true,
+        film: None,
+    }
 }
 
 fn elastic() -> Material {

@@ -87,7 +87,17 @@ pub fn deform(nodes: &mut Nodes, random: &mut Random) {
 /// A film of one material and kind of element, MD along x, as mounted with `prestrain`.
 pub fn face(material: Material, element: Element, prestrain: [f64; 2]) -> Face {
     let meshing = Meshing { element, size: 1.0, grading: None };
-    Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing, settle: true, film: None }
+    Face {
+        height: 0.0,
+        layers: 1,
+        material,
+        break_is_moved: false,
+        md_angle: 0.0,
+        prestrain,
+        meshing,
+        settle: true,
+        film: None,
+    }
 }
 
 /// St. Venant–Kirchhoff film of LLDPE's density and thickness.

@@ -15,11 +15,17 @@ fn runs_outside_the_valid_range_have_warnings() {
         "loading.impact.duration=40ms",
         "specimen.material.fabric.scale_break=false",
     ];
+    let voce = &[
+        "specimen.mesh.size=4mm",
+        "impactor.mass=600g",
+        r#"specimen.material.plastic.hardening={ voce = { yield = "8 MPa", saturation = "20 MPa", rate = 8 } }"#,
+        r#"specimen.material.rupture={ criterion = "strain", limit = 1.0, energy = "30 kJ/m2" }"#,
+    ][..];
     let drop = "drop/1008.toml";
     let md = "stretch/md-0.02.toml";
     let shipped_mesh = "specimen.mesh.size=10mm";
     let fast: &[&str] = &["specimen.mesh.size=50mm", "loading.impact.velocity=6"];
-    let cases: [(&str, &str, &[&str], bool); 14] = [
+    let cases: [(&str, &str, &[&str], bool); 17] = [
         ("coarse-contact", drop, &["specimen.mesh.size=40mm"], true),
         ("coarse-contact", drop, &[shipped_mesh, "loading.impact.duration=40ms"], false),
         ("strain-localisation", drop, &[&flat_td[..], &[shipped_mesh]].concat(), true),
@@ -35,6 +41,14 @@ fn runs_outside_the_valid_range_have_warnings() {
         ("break-strain-of-coupons", "drop/1508.toml", fast, true),
         ("break-strain-of-coupons", drop, &["specimen.mesh.size=40mm"], false),
         ("break-strain-of-coupons", "drop/1508-tear.toml", fast, false),
+        (
+            "break-strain-of-coupons",
+            "drop/1508.toml",
+            &[fast, &["specimen.material.fabric.md.break_factor=0.6"]].concat(),
+            false,
+        ),
+        ("thinning-before-break", "drop/plastic.toml", voce, true),
+        ("thinning-before-break", "drop/plastic.toml", &voce[..3], false),
         ("strain-rate-outside", md, &["loading.stretch.velocity=0.00002", "output.sample_rate=2"], true),
         ("strain-rate-outside", md, &["loading.stretch.velocity=2", "output.sample_rate=200kHz"], true),
         ("strain-rate-outside", md, &[], false),

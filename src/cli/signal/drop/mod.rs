@@ -14,6 +14,7 @@ pub(super) use args::DropArgs;
 use serde::Serialize;
 
 use super::{output, remarks};
+use crate::command_line::command_line;
 use crate::{Failure, Shared, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
@@ -71,7 +72,7 @@ fn one(args: &DropArgs, test: DropTest, shared: &Shared) -> Result<(), Failure> 
     }
     if is_shown(&test) {
         let tests = std::slice::from_ref(&test);
-        let command = outputs::command();
+        let command = command_line();
         let page = DropPage { tests, is_list: false, scatter: &[], figures: &rows, left_out: &[], command: &command };
         outputs::write_page(args, &page)?;
     }

@@ -1,10 +1,9 @@
-//! The files of a call, checked before a recording is read, and the command that the page repeats.
+//! The files of a call, checked before a recording is read.
 
 use std::path::PathBuf;
 
 use super::args::DropArgs;
 use crate::{Failure, output};
-use base::shell::quoted;
 use report::{DropPage, drop_page};
 
 /// Refuses a table or a page that may not be written.
@@ -27,10 +26,4 @@ pub(super) fn write_page(args: &DropArgs, page: &DropPage<'_>) -> Result<(), Fai
         Some(path) => output::write(path, |file| file.write_all(drop_page(page).as_bytes())),
         None => Ok(()),
     }
-}
-
-/// The command as it was given.
-pub(super) fn command() -> String {
-    let words = std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy()));
-    std::iter::once("droptower".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }

@@ -9,6 +9,7 @@ use super::outputs;
 use super::places::Recordings;
 use super::reduce::{Reading, Reducer};
 use super::scatter::scatter;
+use crate::command_line::command_line;
 use crate::failure::ExitStatus;
 use crate::{Failure, Shared, findings, output, print_figures, table};
 use base::diagnostic::{Diagnostic, shown_path};
@@ -93,7 +94,7 @@ pub(super) fn run(
     if let Some(out) = &args.out {
         output::write(out, |file| file.write_all(&to_csv(&columns(&tests))?))?;
     }
-    let command = outputs::command();
+    let command = command_line();
     let page = DropPage {
         tests: &tests,
         is_list: true,

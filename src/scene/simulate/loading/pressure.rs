@@ -102,6 +102,7 @@ mod tests {
             layers: 1,
             film: None,
             material,
+            break_is_moved: false,
             md_angle: 0.0,
             prestrain: [0.0; 2],
             meshing,
