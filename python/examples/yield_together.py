@@ -2,18 +2,19 @@
 
 Fits the curves of MD, TD and shear to coupons at 0, 45 and 90 degrees, as they are (chi = 0) and where
 they yield together (chi = 1; docs/theory.md, equation 339), and prints how far both are off at every
-angle. Needs NumPy and SciPy; from the repository:
+angle. Files are called 22.5deg-1.csv, …, with columns of time (s), displacement (m) and force (N). Needs NumPy
+and SciPy; from the repository:
 
     python python/examples/yield_together.py data/virtual_angles
+    python python/examples/yield_together.py lab --gauge 100 --width 15 --thickness 25
 """
 
-import sys
+import argparse
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import least_squares
 
-GAUGE, SECTION = 0.05, 10e-3 * 50e-6  # of the coupons, m and m2
 STRAINS = np.array([0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2])
 FIBRE = np.array([0.012, 0.025, 0.035, 0.045, 0.06, 0.1, 0.15, 0.25])  # strains of the points of a fibre curve
 SHEAR = np.array([0.012, 0.025, 0.04, 0.055, 0.075, 0.1, 0.16, 0.25, 0.4])  # angles of the points of the shear curve
@@ -83,14 +84,19 @@ def pull(curves, chi, angle):
     return np.array(stresses)
 
 
-def recordings(folder):
+def recordings(folder, gauge, section):
     """Mean stresses at the strains, by angle in degrees."""
     found = {}
     for path in sorted(Path(folder).glob("*deg-*.csv")):
         rows = [line for line in path.read_text().splitlines() if not line.startswith("#")]
         data = np.loadtxt(rows[1:], delimiter=",")
-        stress = np.interp(STRAINS, data[:, 1] / GAUGE, data[:, 2] / SECTION)
-        found.setdefault(int(path.name.split("deg")[0]), []).append(stress)
+        stress = np.interp(STRAINS, data[:, 1] / gauge, data[:, 2] / section)
+        found.setdefault(float(path.name.split("deg")[0]), []).append(stress)
+    missing = [str(angle) for angle in AXES if angle not in found]
+    if missing:
+        raise SystemExit(
+            f"{folder} has no coupons at {', '.join(missing)} degrees: files such as {missing[0]}deg-1.csv"
+        )
     return {angle: np.mean(stresses, axis=0) for angle, stresses in sorted(found.items())}
 
 
@@ -115,15 +121,21 @@ def fitted(measured, chi):
     return curves(least_squares(residuals, start, diff_step=1e-4, max_nfev=15).x)
 
 
-def main(folder):
-    measured = recordings(folder)
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", help="of the recordings")
+    parser.add_argument("--gauge", type=float, default=50, help="length between the jaws, mm")
+    parser.add_argument("--width", type=float, default=10, help="of a coupon, mm")
+    parser.add_argument("--thickness", type=float, default=50, help="of the film, um")
+    args = parser.parse_args()
+    measured = recordings(args.folder, 1e-3 * args.gauge, 1e-9 * args.width * args.thickness)
     for chi in (0.0, 1.0):
         curves = fitted(measured, chi)
         print(f"chi = {chi:g}, fitted to {AXES}: off by")
         for angle, stress in measured.items():
             off = 100 * (pull(curves, chi, np.radians(angle)) / stress - 1.0)
-            print(f"  {angle:3} degrees  mean {off.mean():+5.1f} %  largest {np.abs(off).max():4.1f} %")
+            print(f"  {angle:5g} degrees  mean {off.mean():+5.1f} %  largest {np.abs(off).max():4.1f} %")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main()
