@@ -156,7 +156,7 @@ impl Search {
 
     /// The title that all its phases have.
     pub(super) fn common_title(&self) -> String {
-        Labels { phase: None, ..self.labels.clone() }.full_title(self.number)
+        self.labels.common_title(self.number)
     }
 
     /// The name of its phase; empty of a search in one.

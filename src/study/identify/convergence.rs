@@ -35,9 +35,14 @@ pub struct Phase {
 }
 
 impl Labels {
-    /// The title, or that of the search of this number, from zero; with the phase where there is one.
+    /// The title, or that of the search of this number, from zero.
+    pub fn common_title(&self, number: usize) -> String {
+        self.title.clone().unwrap_or_else(|| format!("search {}", number + 1))
+    }
+
+    /// The same with the phase where there is one.
     pub fn full_title(&self, number: usize) -> String {
-        let title = self.title.clone().unwrap_or_else(|| format!("search {}", number + 1));
+        let title = self.common_title(number);
         self.phase.as_ref().map_or_else(|| title.clone(), |phase| format!("{title}, {}", phase.name))
     }
 

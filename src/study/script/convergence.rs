@@ -10,7 +10,7 @@ use base::units::Unit;
 pub struct ConvergenceHistory {
     /// The title that the script gave, or `search 1`.
     pub title: String,
-    /// Whether it goes on where the search before it ended, whose curves its own replace.
+    /// Whether it goes on where the search before it ended: both are phases of one search.
     pub continues: bool,
     /// Names of the unknowns.
     pub unknowns: Vec<String>,
@@ -22,6 +22,25 @@ pub struct ConvergenceHistory {
     pub fits: Vec<FitHistory>,
     /// Whether all references are virtual recordings.
     pub is_virtual: bool,
+}
+
+impl ConvergenceHistory {
+    /// This phase of a search behind those `before` it: iterations are counted on, and curves approach the same references from
+    /// the first start on. Objective values are of this phase alone, since each weighs its signals in its own way.
+    pub(super) fn behind(mut self, before: ConvergenceHistory) -> ConvergenceHistory {
+        let offset = before.history.last().map_or(0, |at| at.iteration);
+        self.history.iter_mut().for_each(|at| at.iteration += offset);
+        self.objectives.iter_mut().flatten().for_each(|(iteration, _)| *iteration += offset);
+        self.fits.iter_mut().flat_map(|fit| &mut fit.improvements).for_each(|own| own.at.iteration += offset);
+        self.history.splice(..0, before.history);
+        for (fit, before) in self.fits.iter_mut().zip(before.fits) {
+            // Stages may compare with other references.
+            if fit.target == before.target {
+                fit.improvements.splice(..0, before.improvements);
+            }
+        }
+        ConvergenceHistory { continues: before.continues, ..self }
+    }
 }
 
 /// Simulated curves that approach one reference.

@@ -247,6 +247,14 @@ pub fn thrown(value: &Dynamic) -> String {
     value.read_lock::<NumericalFailure>().map_or_else(|| value.to_string(), |failure| failure.0.to_string())
 }
 
+/// What went wrong, in words: the thrown value, or the error itself.
+pub fn cause(error: &EvalAltResult) -> String {
+    match error {
+        EvalAltResult::ErrorRuntime(value, _) => thrown(value),
+        other => other.to_string(),
+    }
+}
+
 /// Registers the text operations on such a failure.
 pub(super) fn register(engine: &mut Engine) {
     engine

@@ -31,7 +31,7 @@ pub use arguments::Arguments;
 pub use compared::{Compared, Over, Target};
 pub use console::Console;
 pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
-pub use fault::{Fault, HostResult, is_numerical, key_mistake, numerical_failure, refuse, refuse_key, thrown};
+pub use fault::{Fault, HostResult, cause, is_numerical, key_mistake, numerical_failure, refuse, refuse_key, thrown};
 pub(crate) use files::MOST_BYTES;
 pub use files::{File, FileError, Files};
 pub use host::stop_beyond;

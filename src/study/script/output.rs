@@ -124,12 +124,13 @@ impl OutputCollector {
 
     /// Adds the convergence history of a search; where there are too many, a finding says so once.
     pub fn add_search(&self, convergence: ConvergenceHistory) {
-        if convergence.continues
-            && let Some(before) = self.lock().searches.last_mut()
-        {
-            before.fits.clear();
-        }
-        self.add(convergence, |output| &mut output.searches);
+        // The phases of a search are one search.
+        let before = if convergence.continues { self.lock().searches.pop() } else { None };
+        let whole = match before {
+            Some(before) => convergence.behind(before),
+            None => convergence,
+        };
+        self.add(whole, |output| &mut output.searches);
     }
 
     /// Adds the correlation of what a search found; where there are too many, a finding says so once.
@@ -263,6 +264,7 @@ impl OutputCollector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::script::Iterate;
 
     #[test]
     fn searches_without_plots_are_reported_once() {
@@ -279,6 +281,23 @@ mod tests {
             is_virtual: false,
             continues: false,
         };
+        let phase = |iteration: usize, continues| ConvergenceHistory {
+            continues,
+            history: vec![Iterate { iteration, f: 1.0, x: vec![] }],
+            objectives: vec![vec![(iteration, 1.0)]],
+            ..search.clone()
+        };
+        let phases = OutputCollector::new(vec![]);
+        [phase(3, false), phase(2, true), phase(1, false)].into_iter().for_each(|phase| phases.add_search(phase));
+        let found = phases.output().searches;
+        let iterations = |search: &ConvergenceHistory| search.history.iter().map(|at| at.iteration).collect::<Vec<_>>();
+        assert_eq!(
+            found.iter().map(iterations).collect::<Vec<_>>(),
+            [vec![3, 5], vec![1]],
+            "two phases are one search"
+        );
+        assert_eq!(found[0].objectives, [[(5, 1.0)]]);
+
         (0..MOST_SEARCHES + 2).for_each(|_| collector.add_search(search.clone()));
         let output = collector.output();
         assert_eq!(output.searches.len(), MOST_SEARCHES);

@@ -119,7 +119,7 @@ impl SearchHost {
                 (self.observer)(SearchEvent::Progress(begun + number, &progress.update(iteration)));
             };
             let result = minimize(search, evaluator, &mut observer)?;
-            let title = labels.full_title(begun + number);
+            let title = labels.common_title(begun + number);
             let history =
                 convergence_history(&result, title, &search.names, labels, session.is_all_virtual(), evaluator);
             Ok::<_, SearchError>((result, history))
