@@ -1,6 +1,7 @@
 //! The search of a calibration: stage by stage, again with the model's error that it leaves, and linearized at its end.
 
 use nalgebra::DMatrix;
+use serde_json::Value;
 
 use super::error_model::{Correlation, ErrorModel, most_likely_share};
 use super::objective::CalibrationObjective;
@@ -12,7 +13,7 @@ use crate::identify::{
     HostSearch, Labels, LinearizationError, Method, Phase, SearchFailure, SearchHost, SearchResult, SignalLabel,
     failure, weigh_at_start,
 };
-use crate::script::{HostResult, Session, check_stop, refuse};
+use crate::script::{HostResult, Session, cause, check_stop, refuse};
 use base::finding::Finding;
 use lab::signal::Series;
 
@@ -121,6 +122,7 @@ impl Fit {
         });
         let demands = demands.collect::<HostResult<Vec<_>>>()?;
         findings.extend(doubts(plan, &known).map(|warning| Finding::new(&warning)));
+        findings.extend(of_runs(plan, &values, session)?.iter().map(Finding::new));
         Ok(Fit { result, iterations, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
     }
 }
@@ -228,6 +230,45 @@ fn over_travel(plan: &Plan) -> Option<Warning> {
     let along = |test: &&Test| test.signals.iter().any(|own| own.is_over_travel() && own.distance.is_residuals());
     let tests: Vec<String> = plan.tests.iter().filter(along).map(|test| test.name.clone()).collect();
     (!tests.is_empty()).then_some(Warning::CorrelationOverTravel { tests })
+}
+
+/// What the runs of the tests with these values warn of, each warning once with the tests that have it.
+fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Warning>> {
+    let mut found: Vec<Warning> = Vec::new();
+    for (place, test) in plan.tests.iter().enumerate().filter(|(_, test)| test.pull.is_none()) {
+        let study = test.study.with(plan.changes_with_breaks(place, values), session)?;
+        let run = match study.simulate(session) {
+            Ok(run) => run,
+            Err(error) => {
+                // A run goes on behind the window of its recording, where it was not needed.
+                check_stop(session)?;
+                let (tests, message) = (vec![test.name.clone()], cause(&error));
+                found.push(Warning::OfRuns { tests, of: "the run failed".into(), message });
+                continue;
+            }
+        };
+        let all = run.summary().get("findings").and_then(Value::as_array).into_iter().flatten();
+        for finding in all.filter(|own| own["severity"] == "warning") {
+            let [Some(code), Some(message)] = ["code", "message"].map(|key| finding[key].as_str()) else { continue };
+            // Of recordings the script says so itself.
+            if code == "virtual-reference" {
+                continue;
+            }
+            let same = found.iter_mut().find_map(|own| match own {
+                Warning::OfRuns { tests, of, .. } if of == code => Some(tests),
+                _ => None,
+            });
+            match same {
+                Some(tests) => tests.push(test.name.clone()),
+                None => found.push(Warning::OfRuns {
+                    tests: vec![test.name.clone()],
+                    of: code.into(),
+                    message: message.into(),
+                }),
+            }
+        }
+    }
+    Ok(found)
 }
 
 /// Findings of what is not determined.

@@ -117,14 +117,6 @@ impl<'a> CalibrationObjective<'a> {
     }
 }
 
-/// Why a run has no value, in words.
-pub(super) fn cause(error: &EvalAltResult) -> String {
-    match error {
-        EvalAltResult::ErrorRuntime(value, _) => thrown(value),
-        other => other.to_string(),
-    }
-}
-
 impl Objective for CalibrationObjective<'_> {
     fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
         self.trial(x, cancellation).evaluation

@@ -9,7 +9,7 @@ use super::parameter::{Parameter, Role, Unknown};
 use super::test::{self, Test, Tolerances};
 use crate::identify::{Bounds, Method, Search, Starts};
 use crate::scenario_functions::{Scenarios, Study};
-use crate::script::{HostResult, Options, Session, number, refuse};
+use crate::script::{HostResult, Options, Session, cause, number, refuse};
 use base::units::Time;
 
 /// Share of the model's error with which a search begins that estimates it: the error of the study's own curves.
@@ -161,11 +161,11 @@ impl Plan {
             // A key that the scenario does not have, or a value that it refuses, is found before the search.
             let own = &plan.tests[place];
             own.study.with(plan.changes(place, &start), session).map_err(|error| {
-                refuse(format!(
-                    "test `{}` at the start: {error} (a parameter that only some tests have names them: \
-                    `tests: [\"…\"]`)",
-                    own.name
-                ))
+                let hint = match plan.tests.len() {
+                    1 => "",
+                    _ => " (a parameter that only some tests have names them: `tests: [\"…\"]`)",
+                };
+                refuse(format!("test `{}` at the start: {}{hint}", own.name, cause(&error)))
             })?;
         }
         plan.stages = stages(given.get("stages"), &plan.tests, session)?;

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::objective::cause;
 use super::outcome::{self, BREAK_FACTORS};
 use super::parameter::{Role, Unknown};
 use super::plan::{BreakUnknowns, Plan};
@@ -14,7 +13,7 @@ use super::rows::object;
 use super::warning::Warning;
 use crate::post::Run;
 use crate::scenario_functions::Study;
-use crate::script::{HostResult, Row, Session, check_stop, refuse};
+use crate::script::{HostResult, Row, Session, cause, check_stop, refuse};
 use lab::signal::Series;
 use plot::{Curve, Look, Plot};
 use uncertainty::statistics::{mean, quantiles, variance, wilson};
@@ -23,6 +22,9 @@ use uncertainty::statistics::{mean, quantiles, variance, wilson};
 const PLACES: usize = 200;
 /// Probabilities of the ends of a band, and of its middle.
 const BAND: [f64; 3] = [0.025, 0.5, 0.975];
+
+/// Share of a recording within the band of 95 % below which a finding says so.
+const LEAST_WITHIN: f64 = 0.8;
 
 /// What is asked of a prediction.
 pub(super) struct Asked {
@@ -96,6 +98,12 @@ impl Prediction {
         for signal in &asked.signals {
             let (plot, inside) = band((name, study), signal, &runs)?;
             bands.push(plot);
+            if let Some(share) = inside.as_ref().and_then(|row| row["share_within_band"].as_f64())
+                && share < LEAST_WITHIN
+            {
+                let (scenario, signal) = (name.into(), signal.clone());
+                warnings.push(Warning::PredictionOutside { scenario, signal, share });
+            }
             covered.extend(inside);
         }
         Ok(Prediction {
@@ -246,7 +254,7 @@ fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row>
         let what = if figure == "ruptured" { "film breaks".to_owned() } else { format!("{figure} above {limit}") };
         Some(object(json!({
             "scenario": scenario, "what": what, "probability": count / found.len() as f64,
-            "lower_95": interval.low, "upper_95": interval.high, "runs": found.len(),
+            "lower_95_probability": interval.low, "upper_95_probability": interval.high, "runs": found.len(),
         })))
     };
     all.filter_map(row).collect()

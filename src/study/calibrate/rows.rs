@@ -116,7 +116,7 @@ pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> 
 pub(super) fn surrogates(plan: &Plan, found: &Posterior) -> Vec<Row> {
     let row = |(test, error): (&super::test::Test, &f64)| {
         object(
-            json!({ "test": test.name, "surrogate_error": error, "runs_of_all": found.runs, "acceptance": found.acceptance }),
+            json!({ "test": test.name, "surrogate_off": error, "runs_of_all": found.runs, "acceptance": found.acceptance }),
         )
     };
     plan.tests.iter().zip(&found.errors).map(row).collect()

@@ -51,6 +51,16 @@ findings! {
             meaning "a calibration estimated the error of the model from what the best parameters leave: intervals contain it";
             remedy "none is needed; `discrepancy` gives it another size or correlation";
             message "the model's error is estimated as {} of each signal, correlated over {correlation} (assumed)", percent(*share);
+        OfRuns {
+            tests: Vec<String>, "the tests" => "tests";
+            of: String, "the code of the warning of their runs" => "of";
+            message: String, "that of the first" => "of_message";
+        } = "runs-warn", Warning;
+            meaning "the runs of tests with the best values have a warning of their own: parameters that were found with it may be \
+                those of a mesh or a law rather than of the film, whatever their intervals are";
+            remedy "`droptower explain` with that code says what to do; a mesh that is coarse in contact is refined by \
+                `specimen.mesh.size`";
+            message "{}: {of}, {message}", tests.join(", ");
         ErrorsNotSettled {
             change: f64, "last relative change of a noise or of the model's error" => "change";
             rounds: usize, "searches so far" => "rounds";
@@ -115,6 +125,16 @@ findings! {
                 may be that of the search";
             remedy "raise `max_evaluations`, widen `within`, or fix what the other tests do not determine";
             message "the search without {test} has not converged";
+        PredictionOutside {
+            scenario: String, "the scenario" => "scenario";
+            signal: String, "the signal" => "signal";
+            share: f64, "share of the recording that lies in the band of 95 %" => "share";
+        } = "prediction-outside-band", Warning;
+            meaning "a recording of a scenario that was predicted lies outside of its band far oftener than in one place of twenty: the \
+                model is further off there than the tests of the calibration show";
+            remedy "count that test in the calibration, refine the mesh, or give the tests more freedom (`hierarchy`, a larger \
+                `discrepancy`)";
+            message "{scenario}: only {} of its recorded {signal} lie in the band of 95 % that was predicted", percent(*share);
         PredictionFailed {
             scenario: String, "the scenario" => "scenario";
             failed: usize, "runs without a value" => "failed";

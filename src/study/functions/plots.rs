@@ -337,8 +337,14 @@ mod tests {
                 "plot(\"a\", #{ polar: true, x: \"angle\", log_y: true }, [[0, 90], [1, 2]])",
                 "a polar diagram has neither a window nor logarithmic axes",
             ),
-            ("plot(\"a\", #{ polar: true, window_name: \"w\" }, [[0, 90], [1, 2]])", "neither a window nor"),
-            ("plot(\"a\", #{ polar: true }, [[0, 90], [1, -2]])", "the radius -2 at 90 degrees is below zero"),
+            (
+                "plot(\"a\", #{ polar: true, x: \"x\", y: \"y\", window_name: \"w\" }, [[0, 90], [1, 2]])",
+                "neither a window nor",
+            ),
+            (
+                "plot(\"a\", #{ polar: true, x: \"x\", y: \"y\" }, [[0, 90], [1, -2]])",
+                "the radius -2 at 90 degrees is below zero",
+            ),
             (
                 "plot(\"a\", #{ polar: true }, signal([0, 1], [1, 2]))",
                 "a polar diagram takes pairs of angles (degrees) and radii",

@@ -10,12 +10,12 @@ use uncertainty::random::Stream;
 use uncertainty::statistics::quantiles;
 
 use super::fit::Fit;
-use super::objective::{CalibrationObjective, cause};
+use super::objective::CalibrationObjective;
 use super::plan::{BreakUnknowns, Plan};
 use super::verdict;
 use super::warning::Warning;
 use crate::identify::Side;
-use crate::script::{HostResult, Session, check_stop, refuse};
+use crate::script::{HostResult, Session, cause, check_stop, refuse};
 use density::{Density, Layout};
 use nalgebra::{DMatrix, DVector};
 use surrogate::{Region, TestSurrogate};
