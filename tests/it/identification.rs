@@ -169,11 +169,7 @@ fn a_killed_search_resumes_with_the_same_bits_and_repeats_no_trial() {
 fn known_multipliers_are_found_from_the_signals_of_a_run() {
     let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
     let script = shipped("scripts/identify.rhai");
-    let arguments = bench.over_the_recording(
-        &script,
-        &scenario,
-        &["--arg", "method=levenberg-marquardt", "--arg", "starts=1", "--json"],
-    );
+    let arguments = bench.over_the_recording(&script, &scenario, &["--json"]);
     let output = bench.droptower(&arguments);
     assert!(output.status.success(), "{}", error(&output));
     let summary: Json = serde_json::from_slice(&output.stdout).expect("JSON");

@@ -189,8 +189,8 @@ impl Engine {
         for film in &self.films {
             film.for_each_intact(|corners| {
                 for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                    let [x, y, z] =
-                        [0, 1, 2].map(|k| position.value_at(*b as usize)[k] - position.value_at(*a as usize)[k]);
+                    let (a, b) = (position.value_at(*a as usize), position.value_at(*b as usize));
+                    let [x, y, z] = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
                     slope_squared = slope_squared.max(z * z / (x * x + y * y));
                 }
             });

@@ -193,6 +193,17 @@ impl Bounds {
         };
         x.iter().zip(self.pairs()).map(u).collect()
     }
+
+    /// Of how much each entry of `u` a difference is a share: its own size, as of a value without bounds. Between two bounds at
+    /// least one, since there u is zero at the centre of the interval, which is a place like any other.
+    pub(super) fn scales(&self, u: &[f64]) -> Vec<f64> {
+        let scale = |(u, [lower, upper]): (&f64, [f64; 2])| match (upper - lower).is_finite() {
+            true => u.abs().max(1.0),
+            false if *u == 0.0 => 1.0,
+            false => u.abs(),
+        };
+        u.iter().zip(self.pairs()).map(scale).collect()
+    }
 }
 
 /// Width of the interval of an unknown; its size at `x`, at least one, where that is infinite.

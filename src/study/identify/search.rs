@@ -163,6 +163,19 @@ mod tests {
         }
     }
 
+    /// In the transform the centre is zero; a share of that would show the roughness rather than the slope.
+    #[test]
+    fn a_rough_objective_is_left_from_the_centre_of_its_bounds() {
+        let rough = |x: &[f64]| vec![x[0] - 2.0 + 1e-3 * (1e4 * x[0]).sin()];
+        let bounds = Bounds::new(&unnamed(1), Some(vec![0.0]), Some(vec![10.0])).unwrap();
+        for start in [4.999, 5.0, 5.0001] {
+            let method = Search::new(Method::LevenbergMarquardt, vec![start]);
+            let search = Search { bounds: bounds.clone(), difference: 0.01, ..method };
+            let best = found(&search, &rough, 1).unwrap().best;
+            assert!((best.x[0] - 2.0).abs() < 5e-3, "from {start}: {best:?}");
+        }
+    }
+
     /// The unknowns of the minimum are 0 and 0.004: the first lies on its bound, the second beside it.
     #[test]
     fn each_unknown_beside_a_bound_is_moved_onto_it_on_its_own() {

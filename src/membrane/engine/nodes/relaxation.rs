@@ -29,9 +29,10 @@ impl Nodes {
     pub(in crate::engine) fn relax(&mut self, nodes: Range<usize>, step: &RelaxationStep) -> f64 {
         let mut kinetic = 0.0;
         for n in nodes {
-            let (mut v, mut x, kick) = (self.velocity.value_at(n), self.position.value_at(n), self.kick(n, step));
-            for axis in (0..3).filter(|axis| kick[*axis].is_some()) {
-                v[axis] += kick[axis].unwrap_or(0.0);
+            let (mut v, mut x) = (self.velocity.value_at(n), self.position.value_at(n));
+            for axis in 0..3 {
+                let Some(kick) = self.kick(n, axis, step) else { continue };
+                v[axis] += kick;
                 x[axis] += v[axis] * step.dt;
                 kinetic += 0.5 * self.mass[n] / step.lightness(axis) * v[axis] * v[axis];
             }
@@ -44,22 +45,21 @@ impl Nodes {
     /// Puts some nodes, which [`Nodes::relax`] has just stepped, back to the middle of the step before.
     pub(in crate::engine) fn return_to_peak(&mut self, nodes: Range<usize>, step: &RelaxationStep) {
         for n in nodes {
-            let (v, mut x, kick) = (self.velocity.value_at(n), self.position.value_at(n), self.kick(n, step));
-            for axis in (0..3).filter(|axis| kick[*axis].is_some()) {
-                let before = v[axis] - kick[axis].unwrap_or(0.0);
-                x[axis] -= v[axis] * step.dt + 0.5 * before * step.last;
+            let (v, mut x) = (self.velocity.value_at(n), self.position.value_at(n));
+            for axis in 0..3 {
+                let Some(kick) = self.kick(n, axis, step) else { continue };
+                x[axis] -= v[axis] * step.dt + 0.5 * (v[axis] - kick) * step.last;
             }
             self.position.set(n, x);
         }
     }
 
-    /// Change of a node's velocity in a step along each free axis, m/s.
-    fn kick(&self, node: usize, step: &RelaxationStep) -> [Option<f64>; 3] {
-        let (force, inverse_mass) = (self.force.value_at(node), self.effective_inverse_mass.value_at(node));
-        [0, 1, 2].map(|axis| {
-            let field = if axis == 2 { -step.gravity } else { 0.0 };
-            let kick = step.kick * step.lightness(axis) * (force[axis] * inverse_mass[axis] + field);
-            (inverse_mass[axis] > 0.0).then_some(kick)
-        })
+    /// Change of a node's velocity in a step along an axis, m/s; none where it is held.
+    #[inline(always)]
+    fn kick(&self, node: usize, axis: usize, step: &RelaxationStep) -> Option<f64> {
+        let inverse_mass = self.effective_inverse_mass.axes()[axis][node];
+        let field = if axis == 2 { -step.gravity } else { 0.0 };
+        let kick = step.kick * step.lightness(axis) * (self.force.axes()[axis][node] * inverse_mass + field);
+        (inverse_mass > 0.0).then_some(kick)
     }
 }

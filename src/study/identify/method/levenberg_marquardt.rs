@@ -145,8 +145,12 @@ impl LeastSquares<'_, '_, '_> {
 
     /// Steps of u for the differences, towards the centre of its range.
     fn steps(&self) -> Vec<f64> {
-        let difference = self.state.borrow().context.search.difference;
-        self.u.iter().map(|u| if *u == 0.0 { difference } else { -difference * u }).collect()
+        let state = self.state.borrow();
+        let search = state.context.search;
+        let scales = search.bounds.scales(self.u.as_slice());
+        let step =
+            |(u, scale): (&f64, f64)| if *u > 0.0 { -search.difference * scale } else { search.difference * scale };
+        self.u.iter().zip(scales).map(step).collect()
     }
 
     /// The points of the differences around the present one.
