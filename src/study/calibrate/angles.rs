@@ -30,6 +30,9 @@ const USUAL_TOLERANCE: f64 = 0.05;
 /// Label of the angle in diagrams.
 const ANGLE: &str = "angle from MD";
 
+/// Options of `angles`.
+pub(super) const OPTIONS: [&str; 3] = ["strains", "modulus", "tolerance"];
+
 /// What a script asks for.
 pub(super) struct Asked {
     strains: Vec<f64>,
@@ -58,7 +61,7 @@ struct Coupon<'a> {
 impl Asked {
     /// `#{ strains, modulus, tolerance }`.
     pub(super) fn read(options: &Options<'_>, plan: &Plan) -> HostResult<Asked> {
-        options.check(&["strains", "modulus", "tolerance"])?;
+        options.check(&OPTIONS)?;
         let list = |name: &str| -> HostResult<Option<Vec<f64>>> {
             let Some(given) = options.map.get(name) else { return Ok(None) };
             let list = given.read_lock::<Array>().map(|list| list.clone());

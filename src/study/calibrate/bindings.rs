@@ -7,18 +7,40 @@ use serde_json::{Value, json};
 
 use super::angles::{self, Angles};
 use super::candidates;
+use super::curve_parameter;
 use super::fit::Fit;
 use super::left_out;
-use super::parameter::{Role, texts};
-use super::plan::Plan;
+use super::parameter::{self, Role, texts};
+use super::plan::{self, Plan};
 use super::posterior::{Posterior, PosteriorOptions};
 use super::prediction::{Asked, Prediction};
 use super::rows;
+use super::test;
 use super::verdict;
 use crate::identify::SearchHost;
 use crate::scenario_functions::{Scenarios, Study};
-use crate::script::{Chapter, Entry, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse};
+use crate::script::{
+    CallOptions, Chapter, Entry, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse,
+};
 use base::finding::Finding;
+
+const OF_POSTERIOR: [&str; 6] = ["hierarchy", "scatter", "runs", "rounds", "steps", "seed"];
+const OF_PREDICT: [&str; 6] = ["samples", "figures", "signals", "above", "errors", "seed"];
+
+/// What scripts are checked against before they run, since a search takes long.
+const DECLARED: [CallOptions; 6] = [
+    CallOptions { of: "calibrate", function: "calibrate", inside: None, names: &[&plan::OPTIONS] },
+    CallOptions { of: "a test of calibrate", function: "calibrate", inside: Some("tests"), names: &[&test::OPTIONS] },
+    CallOptions {
+        of: "a parameter of calibrate",
+        function: "calibrate",
+        inside: Some("parameters"),
+        names: &[&parameter::OPTIONS, &curve_parameter::OPTIONS],
+    },
+    CallOptions { of: "posterior", function: "posterior", inside: None, names: &[&OF_POSTERIOR] },
+    CallOptions { of: "predict", function: "predict", inside: None, names: &[&OF_PREDICT] },
+    CallOptions { of: "angles", function: "angles", inside: None, names: &[&angles::OPTIONS] },
+];
 
 /// The result of a calibration in a script. Cheap to clone.
 #[derive(Clone)]
@@ -44,6 +66,8 @@ struct Answers {
 /// and findings go to `collector`.
 pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, collector: &OutputCollector) {
     let (scenarios, host, collector) = (scenarios.clone(), host.clone(), collector.clone());
+    let session = Session::of_engine(engine);
+    DECLARED.iter().for_each(|options| session.declare_options(*options));
     engine
         .register_type_with_name::<Calibration>("calibration")
         .register_fn("calibrate", move |context: NativeCallContext, options: Map| {
@@ -273,7 +297,7 @@ impl Calibration {
 
 /// `#{ hierarchy, scatter, runs, rounds, steps, seed }`.
 fn posterior_options(plan: &Plan, options: &Options<'_>) -> HostResult<PosteriorOptions> {
-    options.check(&["hierarchy", "scatter", "runs", "rounds", "steps", "seed"])?;
+    options.check(&OF_POSTERIOR)?;
     let names = match options.map.get("hierarchy") {
         None => Vec::new(),
         Some(given) if given.as_bool() == Ok(false) => Vec::new(),
@@ -316,7 +340,7 @@ fn posterior_options(plan: &Plan, options: &Options<'_>) -> HostResult<Posterior
 
 /// `#{ samples, figures, signals, above, errors, seed }`.
 fn asked(options: &Options<'_>) -> HostResult<Asked> {
-    options.check(&["samples", "figures", "signals", "above", "errors", "seed"])?;
+    options.check(&OF_PREDICT)?;
     let list = |name: &str| -> HostResult<Vec<String>> {
         options.map.get(name).map_or(Ok(Vec::new()), |given| texts(given, name).map_err(refuse))
     };

@@ -18,7 +18,8 @@ const MOST_RISE: f64 = 3.0;
 /// Least stress of a start over its largest: a search along a bound is slow.
 const LEAST_RISE: f64 = 1e-3;
 
-const OPTIONS: [&str; 5] = ["curve", "start", "strains", "end", "tests"];
+/// Options of a curve that is a parameter.
+pub(super) const OPTIONS: [&str; 5] = ["curve", "start", "strains", "end", "tests"];
 
 /// Whether a parameter of a script is a curve.
 pub(super) fn is_curve(given: &Dynamic) -> bool {
@@ -116,6 +117,7 @@ pub(super) fn changes<'a>(values: impl Iterator<Item = (&'a Parameter, f64)>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::script::cause;
 
     fn given(more: &[(&str, Dynamic)]) -> Dynamic {
         let start = Curve::new(vec![0.0, 0.1, 0.4], vec![0.0, 4e6, 10e6]).unwrap();
@@ -153,7 +155,7 @@ mod tests {
             (vec![("start", Dynamic::from(1.0))], "`start` is a curve"),
             (vec![("within", Dynamic::from(1.0))], "has no option `within`"),
         ] {
-            let error = read("md", &given(&more)).unwrap_err().to_string();
+            let error = cause(&read("md", &given(&more)).unwrap_err());
             assert!(error.contains(expected), "{error}");
         }
     }

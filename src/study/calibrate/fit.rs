@@ -10,9 +10,10 @@ use super::test::Test;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
 use crate::identify::{
-    HostSearch, Labels, LinearizationError, Method, Phase, SearchFailure, SearchHost, SearchResult, SignalLabel,
+    HostSearch, Labels, LinearizationError, Method, Phase, SearchFailure, SearchHost, SearchResult, Side, SignalLabel,
     failure, weigh_at_start,
 };
+use crate::post::VIRTUAL_REFERENCE;
 use crate::script::{HostResult, Session, cause, check_stop, refuse};
 use base::finding::Finding;
 use lab::signal::Series;
@@ -57,64 +58,31 @@ impl Fit {
         let mut values = plan.start();
         let simulated = simulated_at(plan, &values, session)?;
         add_roughness(plan, &simulated);
-        let mut share = plan.first_share();
-        let (mut iterations, mut evaluations) = (0, 0);
-        let mut findings = Vec::new();
-        let mut phase = Phases::default();
+        let mut so_far = SoFar::default();
         let stages: Vec<_> = plan.stages.clone().into_iter().chain([plan.last_stage()]).collect();
         for (number, stage) in stages.iter().enumerate() {
             let smooth = CalibrationObjective::new(plan, plan.first_share().max(LEAST_SMOOTH), session);
             let objective = CalibrationObjective { stage: stage.clone(), is_plain: true, ..smooth };
-            let labels = phase.labels(plan, format!("stage {} of {}", number + 1, stages.len()));
-            let found = searched(plan, host, &objective, values, [number == 0, false], &labels)?;
-            iterations += found.best.iterations;
-            evaluations += total(&found);
-            findings.extend(found.warnings.iter().map(Finding::new));
+            let labels = so_far.labels(plan, format!("stage {} of {}", number + 1, stages.len()));
+            // Only the last stage leads to the minimum: in a curved valley a coarse tolerance ends far from it.
+            let is_last = number + 1 == stages.len();
+            let found = searched(plan, host, &objective, values, [number == 0, is_last], &labels)?;
+            so_far.add(&found);
+            so_far.findings.extend(found.warnings.iter().map(Finding::new));
             values = found.best.x;
         }
-        let mut rounds = 0;
-        let (result, simulated) = loop {
-            let objective = CalibrationObjective::new(plan, share, session);
-            let labels = phase.labels(plan, format!("with what was left, {}", rounds + 1));
-            let found = searched(plan, host, &objective, values, [false, true], &labels)?;
-            iterations += found.best.iterations;
-            evaluations += total(&found);
-            values = found.best.x.clone();
-            rounds += 1;
-            let before = noises(plan);
-            let simulated = simulated_at(plan, &values, session)?;
-            add_roughness(plan, &simulated);
-            let changes = noises(plan).into_iter().zip(before).map(|(now, before)| (now / before).ln().abs());
-            let mut change = changes.fold(0.0, f64::max);
-            if plan.estimates_share() {
-                let estimated = most_likely_share(&left(plan, &simulated)?);
-                change = change.max((estimated.max(1e-4) / share.max(1e-4)).ln().abs());
-                share = estimated;
-            }
-            if change < SAME || rounds == ROUNDS {
-                if change >= SAME {
-                    findings.push(Finding::new(&Warning::ErrorsNotSettled { change: change.exp_m1(), rounds }));
-                }
-                break (found, simulated);
-            }
-        };
+        let (result, simulated, share) = with_what_is_left(plan, values, host, session, &mut so_far)?;
+        let values = result.best.x.clone();
+        let SoFar { mut findings, phases, iterations, evaluations } = so_far;
         findings.extend(result.warnings.iter().map(Finding::new));
         if plan.estimates_share() {
             findings.push(Finding::new(&Warning::ModelError { share, correlation: correlation(plan) }));
         }
         findings.extend(over_travel(plan).map(|warning| Finding::new(&warning)));
-        let objective = CalibrationObjective::new(plan, share, session);
-        let search = plan.search_from(values.clone(), false, true)?;
-        let labels = phase.labels(plan, "slopes at its end".to_owned());
-        let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective: &objective }];
-        let linear = host.run(session, &own, |evaluator, _| weigh_at_start(&search, evaluator))?;
-        let linear = linear.map_err(|(_, error): (_, LinearizationError)| ended(session, &error))?.remove(0);
-        let mut jacobian = linear.jacobian;
-        for (index, unknown) in plan.unknowns.iter().enumerate() {
-            jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(values[index]));
-        }
+        let (jacobian, at_bounds) = slopes(plan, &values, share, host, session, phases)?;
         let x = plan.coordinates(&values);
-        let known = verdict::linear(plan, &x, &jacobian, &search.bounds.active(&values));
+        let known = verdict::linear(plan, &x, &jacobian, &at_bounds);
+        let objective = CalibrationObjective::new(plan, share, session);
         let trial = session.with_trial(session.cancellation());
         let demands = (0..plan.tests.len()).map(|test| match plan.tests[test].outcomes {
             Some(_) => Ok(objective.simulated(test, &values, &trial)?.1),
@@ -127,16 +95,87 @@ impl Fit {
     }
 }
 
-/// The phases of a calibration, counted.
-#[derive(Default)]
-struct Phases(usize);
+/// Searches with the noise and the model's error that the last search leaves, until both stay: the last search, the signals at its
+/// best point, and the model's error.
+fn with_what_is_left(
+    plan: &mut Plan,
+    mut values: Vec<f64>,
+    host: &SearchHost,
+    session: &Session,
+    so_far: &mut SoFar,
+) -> HostResult<(SearchResult, Vec<Vec<Series>>, f64)> {
+    let mut share = plan.first_share();
+    let mut rounds = 0;
+    loop {
+        let objective = CalibrationObjective::new(plan, share, session);
+        let labels = so_far.labels(plan, format!("with what was left, {}", rounds + 1));
+        let found = searched(plan, host, &objective, values, [false, true], &labels)?;
+        so_far.add(&found);
+        values = found.best.x.clone();
+        rounds += 1;
+        let before = noises(plan);
+        let simulated = simulated_at(plan, &values, session)?;
+        add_roughness(plan, &simulated);
+        let changes = noises(plan).into_iter().zip(before).map(|(now, before)| (now / before).ln().abs());
+        let mut change = changes.fold(0.0, f64::max);
+        if plan.estimates_share() {
+            let estimated = most_likely_share(&left(plan, &simulated)?);
+            change = change.max((estimated.max(1e-4) / share.max(1e-4)).ln().abs());
+            share = estimated;
+        }
+        if change < SAME {
+            return Ok((found, simulated, share));
+        }
+        if rounds == ROUNDS {
+            so_far.findings.push(Finding::new(&Warning::ErrorsNotSettled { change: change.exp_m1(), rounds }));
+            return Ok((found, simulated, share));
+        }
+    }
+}
 
-impl Phases {
-    /// The labels of the next phase.
+/// Derivatives of the residuals by the coordinates at the end of a search, and the unknowns that are at a bound there.
+fn slopes(
+    plan: &Plan,
+    values: &[f64],
+    share: f64,
+    host: &SearchHost,
+    session: &Session,
+    phase: usize,
+) -> HostResult<(DMatrix<f64>, Vec<(usize, Side)>)> {
+    let objective = CalibrationObjective::new(plan, share, session);
+    let search = plan.search_from(values.to_vec(), false, true)?;
+    let labels = Labels { phase: Some(Phase { number: phase, name: "slopes at its end".into() }), ..labels(plan) };
+    let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective: &objective }];
+    let linear = host.run(session, &own, |evaluator, _| weigh_at_start(&search, evaluator))?;
+    let linear = linear.map_err(|(_, error): (_, LinearizationError)| ended(session, &error))?.remove(0);
+    let mut jacobian = linear.jacobian;
+    for (index, unknown) in plan.unknowns.iter().enumerate() {
+        jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(values[index]));
+    }
+    Ok((jacobian, search.bounds.active(values)))
+}
+
+/// What the searches of a calibration came to so far.
+#[derive(Default)]
+struct SoFar {
+    /// Searches, which are the phases of one on its page.
+    phases: usize,
+    iterations: usize,
+    evaluations: usize,
+    findings: Vec<Finding>,
+}
+
+impl SoFar {
+    /// The labels of the next search.
     fn labels(&mut self, plan: &Plan, name: String) -> Labels {
-        let phase = Phase { number: self.0, name };
-        self.0 += 1;
+        let phase = Phase { number: self.phases, name };
+        self.phases += 1;
         Labels { phase: Some(phase), ..labels(plan) }
+    }
+
+    fn add(&mut self, found: &SearchResult) {
+        self.iterations += found.best.iterations;
+        self.evaluations += found.starts.iter().map(|start| start.evaluations).sum::<usize>();
     }
 }
 
@@ -175,10 +214,6 @@ pub(super) fn labels(plan: &Plan) -> Labels {
         test.signals.iter().map(move |signal| format!("{} of {} ({})", signal.name, test.name, signal.column.unit))
     });
     Labels { title: Some(title), phase: None, signals: signals.map(|text| SignalLabel::parse(&text)).collect() }
-}
-
-fn total(found: &SearchResult) -> usize {
-    found.starts.iter().map(|start| start.evaluations).sum()
 }
 
 /// What these simulated signals, of those that are compared along their length, leave, in the eigenvectors of the model's error,
@@ -242,8 +277,7 @@ fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<War
             Err(error) => {
                 // A run goes on behind the window of its recording, where it was not needed.
                 check_stop(session)?;
-                let (tests, message) = (vec![test.name.clone()], cause(&error));
-                found.push(Warning::OfRuns { tests, of: "the run failed".into(), message });
+                found.push(Warning::RunFailed { test: test.name.clone(), cause: cause(&error) });
                 continue;
             }
         };
@@ -251,7 +285,7 @@ fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<War
         for finding in all.filter(|own| own["severity"] == "warning") {
             let [Some(code), Some(message)] = ["code", "message"].map(|key| finding[key].as_str()) else { continue };
             // Of recordings the script says so itself.
-            if code == "virtual-reference" {
+            if code == VIRTUAL_REFERENCE.name {
                 continue;
             }
             let same = found.iter_mut().find_map(|own| match own {

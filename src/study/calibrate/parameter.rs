@@ -83,7 +83,7 @@ pub(super) struct Unknown {
 }
 
 /// Options of a parameter.
-const OPTIONS: [&str; 7] = ["key", "start", "within", "log", "prior", "tests", "scatter"];
+pub(super) const OPTIONS: [&str; 7] = ["key", "start", "within", "log", "prior", "tests", "scatter"];
 
 impl Parameter {
     /// Reads `#{ key, start, within, log, prior, tests, scatter }`.
@@ -164,6 +164,11 @@ impl Parameter {
             role: Role::Scatter(along),
             scatter: None,
         })
+    }
+
+    /// Whether its value is written to this key.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.keys.iter().any(|own| own.name == key)
     }
 
     /// The changes of a scenario with this value.
@@ -317,6 +322,7 @@ fn prior(given: &Dynamic) -> Result<Distribution, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::script::cause;
 
     fn read(text: &str) -> HostResult<Parameter> {
         Parameter::read("p", &rhai::Engine::new_raw().eval::<Dynamic>(text).unwrap())
@@ -393,7 +399,7 @@ mod tests {
                 "`scatter` is a relative deviation such as 0.1",
             ),
         ] {
-            let found = read(text).unwrap_err().to_string();
+            let found = cause(&read(text).unwrap_err());
             assert!(found.contains(expected), "{text}: {found}");
         }
     }

@@ -9,7 +9,7 @@ use super::parameter::{Parameter, Role, Unknown};
 use super::test::{self, Test, Tolerances};
 use crate::identify::{Bounds, Method, Search, Starts};
 use crate::scenario_functions::{Scenarios, Study};
-use crate::script::{HostResult, Options, Session, cause, number, refuse};
+use crate::script::{HostResult, Options, Session, at_key, cause, number, refuse, refuse_key, refused_key};
 use base::units::Time;
 
 /// Share of the model's error with which a search begins that estimates it: the error of the study's own curves.
@@ -86,7 +86,8 @@ pub(super) struct SearchOptions {
     pub(super) seed: u64,
 }
 
-const OPTIONS: [&str; 15] = [
+/// Options of `calibrate`.
+pub(super) const OPTIONS: [&str; 15] = [
     "tests",
     "parameters",
     "noise",
@@ -109,7 +110,8 @@ impl Plan {
     pub(super) fn read(given: &Map, scenarios: &Scenarios, session: &Session) -> HostResult<Plan> {
         let options = Options { of: "calibrate", map: given };
         options.check(&OPTIONS)?;
-        let (discrepancy, correlation) = discrepancy(given.get("discrepancy")).map_err(refuse)?;
+        let (discrepancy, correlation) =
+            discrepancy(given.get("discrepancy")).map_err(|text| refuse_key("discrepancy", &text, None))?;
         let noise = given.get("noise").map_or(Ok(Noise::FromRecording), test::noise).map_err(refuse)?;
         let tolerances = Tolerances { noise, correlation };
         let listed = options.value("tests")?.read_lock::<Array>().map(|list| list.clone());
@@ -129,6 +131,7 @@ impl Plan {
             true => curve_parameter::read(name, given),
             false => Parameter::read(name, given).map(|own| vec![own]),
         };
+        let read = |(name, given)| read((name, given)).map_err(|error| at_key(name, error));
         let mut parameters = map.iter().map(read).collect::<HostResult<Vec<_>>>()?.concat();
         if parameters.iter().any(|own| own.point.is_some()) && tests.iter().any(|own| own.outcomes.is_some()) {
             return Err(refuse("a curve that is a parameter ends where it breaks: it cannot stand beside outcomes"));
@@ -141,7 +144,10 @@ impl Plan {
         let keeps_ruptured = match given.get("on_rupture").map(Dynamic::to_string).as_deref() {
             None | Some("fail") => false,
             Some("keep") => true,
-            Some(other) => return Err(refuse(format!("`on_rupture` is \"fail\" or \"keep\", not \"{other}\""))),
+            Some(other) => {
+                let text = format!("`on_rupture` is \"fail\" or \"keep\", not \"{other}\"");
+                return Err(refuse_key("on_rupture", &text, None));
+            }
         };
         let name = given.get("name").map(Dynamic::to_string);
         let mut plan = Plan {
@@ -165,10 +171,16 @@ impl Plan {
                     1 => "",
                     _ => " (a parameter that only some tests have names them: `tests: [\"…\"]`)",
                 };
-                refuse(format!("test `{}` at the start: {}{hint}", own.name, cause(&error)))
+                let wrong = refuse(format!("test `{}` at the start: {}{hint}", own.name, cause(&error)));
+                let key = refused_key(&error);
+                let has = |parameter: &&Parameter| key.as_ref().is_some_and(|key| parameter.has(key));
+                match plan.parameters.iter().find(has) {
+                    Some(parameter) => at_key(&parameter.name, wrong),
+                    None => wrong,
+                }
             })?;
         }
-        plan.stages = stages(given.get("stages"), &plan.tests, session)?;
+        plan.stages = stages(given.get("stages"), &plan.tests, session).map_err(|error| at_key("stages", error))?;
         Ok(plan)
     }
 
@@ -418,13 +430,15 @@ impl SearchOptions {
             let Some(value) = options.map.get(name) else { return Ok(usual) };
             let found = value.as_int().ok().and_then(|found| usize::try_from(found).ok());
             let found = found.filter(|found| (1..=100_000).contains(found));
-            found.ok_or_else(|| refuse(format!("`{name}` is a whole number from 1 to 100000, not {value}")))
+            found.ok_or_else(|| {
+                refuse_key(name, &format!("`{name}` is a whole number from 1 to 100000, not {value}"), None)
+            })
         };
         let method = options.map.get("method").map_or_else(|| "levenberg-marquardt".to_owned(), Dynamic::to_string);
         let known = Method::NAMES.iter().find(|(name, _)| *name == method).map(|(_, own)| *own);
         let method = known.ok_or_else(|| {
             let names = Method::NAMES.map(|(name, _)| name).join(", ");
-            refuse(format!("unknown method `{method}` (there are {names})"))
+            refuse_key("method", &format!("unknown method `{method}` (there are {names})"), None)
         })?;
         Ok(SearchOptions {
             method,

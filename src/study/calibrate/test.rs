@@ -62,7 +62,7 @@ pub(super) struct Tolerances {
 }
 
 /// Options of a test.
-const OPTIONS: [&str; 16] = [
+pub(super) const OPTIONS: [&str; 16] = [
     "scenario",
     "name",
     "set",

@@ -61,6 +61,13 @@ findings! {
             remedy "`droptower explain` with that code says what to do; a mesh that is coarse in contact is refined by \
                 `specimen.mesh.size`";
             message "{}: {of}, {message}", tests.join(", ");
+        RunFailed {
+            test: String, "the test" => "test";
+            cause: String, "why its run failed" => "cause";
+        } = "best-run-failed", Warning;
+            meaning "a test runs with the best values as long as its recording is compared, and fails behind: its whole run has no figures";
+            remedy "run the test with the values found, as `study.test(…)` gives it, to see what it does there";
+            message "{test}: its whole run with the best values failed behind what is compared, {cause}";
         ErrorsNotSettled {
             change: f64, "last relative change of a noise or of the model's error" => "change";
             rounds: usize, "searches so far" => "rounds";

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rhai::Engine;
 
 use super::{register_output, register_reading};
-use crate::script::{Entry, Limits, OutputCollector, ShippedModule};
+use crate::script::{Entry, Limits, OutputCollector, ShippedModule, key_mistake};
 
 /// The interpreter with every function of this module.
 pub(crate) fn engine() -> Engine {
@@ -18,7 +18,8 @@ pub(crate) fn engine() -> Engine {
 /// Asserts that each script fails with a message that contains the words beside it.
 pub(crate) fn assert_refused(engine: &Engine, cases: &[(&str, &str)]) {
     for (text, expected) in cases {
-        let error = engine.run(text).unwrap_err().to_string();
+        let error = engine.run(text).unwrap_err();
+        let error = key_mistake(&error).unwrap_or_else(|| error.to_string());
         assert!(error.contains(expected), "{text} gave: {error}");
     }
 }

@@ -32,8 +32,8 @@ pub use remedies::failure as failure_message;
 pub use results::{EvaluateError, HEADER, Measures, Results, ranking_figure};
 pub use run::Run;
 pub use stretch::Stretch;
-pub use warning::FAILED_RUN;
 pub use warning::{CODES, RunFindings, Warning};
+pub use warning::{FAILED_RUN, VIRTUAL_REFERENCE};
 
 /// The reference of runs in scripts.
 pub const REFERENCE: &[Chapter] = &[Chapter { title: "the run ([post] script)", entries: run::ENTRIES }];

@@ -50,7 +50,7 @@ pub const ENTRIES: &[Entry] = &[Entry {
 mod tests {
     use super::*;
     use crate::functions::{engine, register_reading};
-    use crate::script::Limits;
+    use crate::script::{Limits, cause};
 
     #[test]
     fn mistakes_are_reported() {
@@ -68,7 +68,7 @@ mod tests {
             ),
             (", #{ density: \"5 m\" })", "density: expected a density"),
         ] {
-            let error = engine.run(&format!("{unknown}{end}")).unwrap_err().to_string();
+            let error = cause(engine.run(&format!("{unknown}{end}")).unwrap_err().unwrap_inner());
             assert!(error.contains(expected), "{error}");
         }
     }

@@ -213,6 +213,16 @@ pub fn refuse_key(key: &str, message: &str, hint: Option<String>) -> Box<EvalAlt
     Box::new(EvalAltResult::ErrorRuntime(Dynamic::from(thrown), Position::NONE))
 }
 
+/// The refusal `error` of what stands at the key `key` of a map; one that has a place already keeps it.
+pub fn at_key(key: &str, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
+    match *error {
+        EvalAltResult::ErrorRuntime(value, Position::NONE) if value.is_string() => {
+            refuse_key(key, &value.to_string(), None)
+        }
+        other => Box::new(other),
+    }
+}
+
 impl KeyMistake {
     fn text(&self) -> String {
         let hint = self.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
@@ -229,6 +239,14 @@ pub fn numerical_failure(message: impl Display) -> Box<EvalAltResult> {
 /// Whether the error is an uncaught numerical failure of a simulation.
 pub fn is_numerical(error: &EvalAltResult) -> bool {
     matches!(error.unwrap_inner(), EvalAltResult::ErrorRuntime(value, _) if value.is::<NumericalFailure>())
+}
+
+/// The key of a map that the error refuses.
+pub fn refused_key(error: &EvalAltResult) -> Option<String> {
+    match error.unwrap_inner() {
+        EvalAltResult::ErrorRuntime(value, _) => value.read_lock::<KeyMistake>().map(|mistake| mistake.key.to_string()),
+        _ => None,
+    }
 }
 
 /// The text of an uncaught mistake in a key of a map, which [`thrown`] gives.

@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use super::fault::TooLarge;
 use super::module::{self, Finder, Import, LONGEST_SCRIPT, Resolver, SourceText, Unit};
-use super::{Fault, Session, calls, fields, panic, places};
+use super::{Fault, Session, call_options, calls, fields, panic, places};
 use base::cancellation::Cancellation;
 use base::file::{self, FileError};
 
@@ -190,6 +190,7 @@ impl Script {
         let units = module::load(engine, &finder, source, program)?;
         let mut faults = calls::undefined(engine, &units);
         faults.extend(fields::unknown(&session.fields(), &units));
+        faults.extend(call_options::unknown(&session.call_options(), &units));
         if faults.is_empty() { Ok(Script { units }) } else { Err(faults) }
     }
 

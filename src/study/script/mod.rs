@@ -5,6 +5,7 @@
 
 mod about;
 mod arguments;
+mod call_options;
 mod calls;
 mod compared;
 mod console;
@@ -28,10 +29,14 @@ mod warning;
 
 pub use about::{About, Declared, Kind, argument_value};
 pub use arguments::Arguments;
+pub use call_options::CallOptions;
 pub use compared::{Compared, Over, Target};
 pub use console::Console;
 pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
-pub use fault::{Fault, HostResult, cause, is_numerical, key_mistake, numerical_failure, refuse, refuse_key, thrown};
+pub use fault::{
+    Fault, HostResult, at_key, cause, is_numerical, key_mistake, numerical_failure, refuse, refuse_key, refused_key,
+    thrown,
+};
 pub(crate) use files::MOST_BYTES;
 pub use files::{File, FileError, Files};
 pub use host::stop_beyond;

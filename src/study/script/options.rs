@@ -1,6 +1,7 @@
 use rhai::{Dynamic, ImmutableString, Map};
 
-use super::{HostResult, number, refuse};
+use super::{HostResult, number, refuse, refuse_key};
+use base::diagnostic::closest;
 use base::units::Dimension;
 
 /// The options of a host function: a map from a script.
@@ -12,11 +13,12 @@ pub struct Options<'a> {
 }
 
 impl Options<'_> {
-    /// Refuses names other than the `known` ones.
+    /// Refuses names other than the `known` ones, at their place.
     pub fn check(&self, known: &[&str]) -> HostResult<()> {
-        let unknown = self.map.keys().find(|key| !known.contains(&key.as_str()));
-        let message = |key| format!("{} has no option `{key}`; it takes {}", self.of, known.join(", "));
-        unknown.map_or(Ok(()), |key| Err(refuse(message(key))))
+        let Some(key) = self.map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
+        let message = format!("{} has no option `{key}`; it takes {}", self.of, known.join(", "));
+        let meant = closest(key, known.iter().copied());
+        Err(refuse_key(key, &message, meant.map(|name| format!("did you mean `{name}`?"))))
     }
 
     /// The option `name`.

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use rhai::{Dynamic, Engine, NativeCallContext, Position};
 
 use super::module::{Programs, ShippedModule};
-use super::{Compared, OutputCollector};
+use super::{CallOptions, Compared, OutputCollector};
 use base::budget::Budget;
 use base::cancellation::Cancellation;
 use base::file::{Digest, FileError};
@@ -38,6 +38,7 @@ pub struct Session {
     budget: Budget,
     last_call: Arc<Mutex<Position>>,
     fields: Arc<Mutex<Vec<Fields>>>,
+    options: Arc<Mutex<Vec<CallOptions>>>,
     output: Arc<Mutex<Option<OutputCollector>>>,
     modules: Arc<Mutex<(Vec<ShippedModule>, bool)>>,
     programs: Programs,
@@ -99,6 +100,16 @@ impl Session {
     /// The declared fields.
     pub fn fields(&self) -> Vec<Fields> {
         lock(&self.fields).clone()
+    }
+
+    /// Declares the options of a function of the host, which scripts are checked against before they run.
+    pub fn declare_options(&self, options: CallOptions) {
+        lock(&self.options).push(options);
+    }
+
+    /// The declared options.
+    pub(super) fn call_options(&self) -> Vec<CallOptions> {
+        lock(&self.options).clone()
     }
 
     /// Offers these modules to scripts.
