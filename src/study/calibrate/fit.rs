@@ -60,12 +60,16 @@ impl Fit {
         add_roughness(plan, &simulated);
         let mut so_far = SoFar::default();
         let stages: Vec<_> = plan.stages.clone().into_iter().chain([plan.last_stage()]).collect();
-        for (number, stage) in stages.iter().enumerate() {
+        // Coarse searches from all starts, stage by stage, then one to the minimum: in a curved valley a coarse tolerance ends far
+        // from it.
+        for number in 0..=stages.len() {
+            let stage = &stages[number.min(stages.len() - 1)];
             let smooth = CalibrationObjective::new(plan, plan.first_share().max(LEAST_SMOOTH), session);
             let objective = CalibrationObjective { stage: stage.clone(), is_plain: true, ..smooth };
-            let labels = so_far.labels(plan, format!("stage {} of {}", number + 1, stages.len()));
-            // Only the last stage leads to the minimum: in a curved valley a coarse tolerance ends far from it.
-            let is_last = number + 1 == stages.len();
+            let is_last = number == stages.len();
+            let name =
+                if is_last { "plain differences".into() } else { format!("stage {} of {}", number + 1, stages.len()) };
+            let labels = so_far.labels(plan, name);
             let found = searched(plan, host, &objective, values, [number == 0, is_last], &labels)?;
             so_far.add(&found);
             so_far.findings.extend(found.warnings.iter().map(Finding::new));
@@ -175,7 +179,7 @@ impl SoFar {
 
     fn add(&mut self, found: &SearchResult) {
         self.iterations += found.best.iterations;
-        self.evaluations += found.starts.iter().map(|start| start.evaluations).sum::<usize>();
+        self.evaluations += found.screened + found.starts.iter().map(|start| start.evaluations).sum::<usize>();
     }
 }
 

@@ -11,9 +11,13 @@ use crate::identify::{Bounds, Method, Search, Starts};
 use crate::scenario_functions::{Scenarios, Study};
 use crate::script::{HostResult, Options, Session, at_key, cause, number, refuse, refuse_key, refused_key};
 use base::units::Time;
+use uncertainty::design::{self, Levels};
 
 /// Share of the model's error with which a search begins that estimates it: the error of the study's own curves.
 const FIRST_SHARE: f64 = 0.03;
+
+/// Points of which the best are starts, for each unknown.
+const SCREENED: usize = 6;
 
 /// A checked calibration.
 #[derive(Clone)]
@@ -332,7 +336,10 @@ impl Plan {
         let side = |side: usize| Some(ends.iter().map(|ends| ends[side]).collect());
         let bounds = Bounds::new(&names, side(0), side(1)).map_err(refuse)?;
         let [tol_x, tol_f] = if is_last { [own.tol_x, own.tol_f] } else { [own.tol_x.max(1e-2), own.tol_f.max(1e-3)] };
-        let starts = if is_first && own.starts > 1 { Starts::Spread(own.starts) } else { Starts::One };
+        let starts = match is_first && own.starts > 1 {
+            true => Starts::Lowest(own.starts, self.screened()?),
+            false => Starts::One,
+        };
         Ok(Search {
             names,
             bounds,
@@ -345,6 +352,20 @@ impl Plan {
             starts,
             ..Search::new(own.method, start)
         })
+    }
+
+    /// Points among which starts are chosen, spread over the bounds along the coordinates.
+    fn screened(&self) -> HostResult<Vec<Vec<f64>>> {
+        let count = SCREENED * self.unknowns.len();
+        let factors = vec![Levels::Continuous; self.unknowns.len()];
+        let points =
+            design::points(design::Method::LatinHypercube, &factors, count, self.search.seed).map_err(refuse)?;
+        let value = |(unknown, share): (&Unknown, &f64)| {
+            let [low, high] = self.of(unknown).ends();
+            let [least, most] = self.of(unknown).within;
+            self.of(unknown).value(low + (high - low) * share).clamp(least, most)
+        };
+        Ok(points.iter().map(|point| self.unknowns.iter().zip(point).map(value).collect()).collect())
     }
 
     /// The name of a table of the results.

@@ -47,17 +47,8 @@ pub enum Starts {
     Spread(usize),
     /// These.
     Given(Vec<Vec<f64>>),
-}
-
-impl Starts {
-    /// Their largest number.
-    pub(super) fn most(&self) -> usize {
-        match self {
-            Starts::One => 1,
-            Starts::Spread(count) => *count,
-            Starts::Given(others) => 1 + others.len(),
-        }
-    }
+    /// This number in all, the others those of these points whose values are lowest.
+    Lowest(usize, Vec<Vec<f64>>),
 }
 
 /// A search: method, start, tolerances and limits.
@@ -155,6 +146,7 @@ impl Starts {
             Starts::One => 1,
             Starts::Spread(count) => *count,
             Starts::Given(others) => 1 + others.len(),
+            Starts::Lowest(count, points) => 1 + points.len().min(count.saturating_sub(1)),
         }
     }
 }
@@ -225,10 +217,10 @@ impl Search {
                 return Err(OptionsError::Range { option: "starts", found: *count as f64, range: "1 to 1000" });
             }
             Starts::Spread(_) => return Err(OptionsError::Unbounded),
-            Starts::Given(starts) if starts.len() >= most => {
+            Starts::Given(starts) | Starts::Lowest(_, starts) if starts.len() >= most => {
                 return Err(OptionsError::Range { option: "starts", found: starts.len() as f64, range: "1 to 1000" });
             }
-            Starts::Given(starts) => starts,
+            Starts::Given(starts) | Starts::Lowest(_, starts) => starts,
         };
         for (number, start) in std::iter::once(&self.start).chain(starts).chain(&self.fallback).enumerate() {
             if start.len() != unknowns {

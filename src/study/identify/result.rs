@@ -31,6 +31,8 @@ pub struct SearchResult {
     pub best: StartResult,
     /// The results of all starts, in their order.
     pub starts: Vec<StartResult>,
+    /// Points that were evaluated to choose starts among them.
+    pub screened: usize,
     /// Doubts about the result.
     pub warnings: Vec<Warning>,
 }

@@ -27,7 +27,8 @@ pub fn minimize(
     let mut warnings = Vec::new();
     let mut failures = Failures::default();
     let mut left_out = Vec::new();
-    for (number, start) in starts::all(search).into_iter().enumerate() {
+    let (starts, screened) = starts::all(search, evaluator)?;
+    for (number, start) in starts.into_iter().enumerate() {
         // Each start has its own count of trials and failures, so that its result does not depend on those before it.
         let trials = Trials::new(search, evaluator);
         let (start, replaced) = match trials.beginning(start) {
@@ -75,14 +76,14 @@ pub fn minimize(
         warnings.push(Warning::OnBound { parameter, value, side, falls_beyond });
     }
     warnings.extend(starts::disagreement(search, &best, &results));
-    Ok(SearchResult { best, starts: results, warnings })
+    Ok(SearchResult { best, starts: results, screened, warnings })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::identify::bounds::{Bounds, Side};
-    use crate::identify::objective::Objective;
+    use crate::identify::objective::{Evaluation, Objective, ObjectiveValue};
     use crate::identify::options::OnFailure;
     use crate::identify::point::unnamed;
     use crate::identify::pool::trial_pool::{Problem, with_evaluator};
@@ -174,6 +175,24 @@ mod tests {
             let best = found(&search, &rough, 1).unwrap().best;
             assert!((best.x[0] - 2.0).abs() < 5e-3, "from {start}: {best:?}");
         }
+    }
+
+    /// From 0 the search ends in the minimum beside it, from the lowest of the points in the other one; a point without a value is
+    /// none, and does not count as a failed trial.
+    #[test]
+    fn the_lowest_of_several_points_are_starts() {
+        let two = |x: &[f64]| match x[0] < -5.0 {
+            true => Evaluation::failed("nowhere"),
+            false => ObjectiveValue::Residuals(vec![(x[0] * (x[0] - 4.0)).powi(2) + 0.5 * (4.0 - x[0]), 0.0]).into(),
+        };
+        let points = vec![vec![-6.0], vec![1.9], vec![4.3], vec![0.4]];
+        let search = Search { tol_x: 1e-6, tol_f: 1e-9, ..Search::new(Method::NelderMead, vec![0.1]) };
+        let alone = found(&search, &two, 1).unwrap();
+        assert!(alone.best.x[0].abs() < 0.1 && alone.screened == 0, "{alone:?}");
+        let both = found(&Search { starts: Starts::Lowest(2, points), ..search }, &two, 2).unwrap();
+        assert!((both.best.x[0] - 4.0).abs() < 0.1, "{both:?}");
+        assert_eq!((both.starts.len(), both.screened), (2, 4));
+        assert!(!both.warnings.iter().any(|own| matches!(own, Warning::FailedTrials { .. })), "{both:?}");
     }
 
     /// The unknowns of the minimum are 0 and 0.004: the first lies on its bound, the second beside it.

@@ -5,8 +5,10 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
 
 use super::error::SearchError;
+use super::objective::Evaluation;
 use super::options::{Search, Starts};
 use super::point::Point;
+use super::pool::trial_pool::{Evaluator, PoolError};
 use super::result::StartResult;
 use super::warning::Warning;
 
@@ -14,14 +16,32 @@ use super::warning::Warning;
 /// tolerances are not wider.
 const DIFFERENT: f64 = 0.01;
 
-/// The starts of `search`, its own first.
-pub(super) fn all(search: &Search) -> Vec<Vec<f64>> {
-    let others = match &search.starts {
-        Starts::One => vec![],
-        Starts::Given(starts) => starts.clone(),
-        Starts::Spread(count) => spread(search, count.saturating_sub(1)),
+/// The starts of `search`, its own first, and how many evaluations they took.
+///
+/// # Errors
+/// An evaluation is fatal.
+pub(super) fn all(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<(Vec<Vec<f64>>, usize), SearchError> {
+    let (others, evaluations) = match &search.starts {
+        Starts::One => (vec![], 0),
+        Starts::Given(starts) => (starts.clone(), 0),
+        Starts::Spread(count) => (spread(search, count.saturating_sub(1)), 0),
+        Starts::Lowest(_, points) => (lowest(points, search.starts.count() - 1, evaluator)?, points.len()),
     };
-    std::iter::once(search.start.clone()).chain(others).collect()
+    Ok((std::iter::once(search.start.clone()).chain(others).collect(), evaluations))
+}
+
+/// The `count` points with the lowest values; those without a value are none.
+fn lowest(points: &[Vec<f64>], count: usize, evaluator: &Evaluator<'_, '_>) -> Result<Vec<Vec<f64>>, SearchError> {
+    let mut found: Vec<(f64, &Vec<f64>)> = Vec::new();
+    for (x, evaluation) in points.iter().zip(evaluator.evaluate_all(points)?) {
+        match evaluation {
+            Evaluation::Value(value) => found.push((value.value(), x)),
+            Evaluation::Failed { .. } => {}
+            Evaluation::Fatal(error) => return Err(PoolError::Fatal(error).into()),
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(found.into_iter().take(count).map(|(_, x)| x.clone()).collect())
 }
 
 /// A Latin hypercube: along every axis, each of `count` equal parts of the box holds one point (McKay, Beckman and
@@ -88,15 +108,15 @@ mod tests {
         let bounds = Bounds::new(&unnamed(2), Some(vec![-1.0, 10.0]), Some(vec![1.0, 20.0])).unwrap();
         let starts = Starts::Spread(9);
         let search = Search { bounds, starts, seed: 7, ..Search::new(Method::NelderMead, vec![0.0, 11.0]) };
-        let points = all(&search);
-        assert_eq!((points.len(), &points[0]), (9, &search.start));
+        let points = spread(&search, 8);
+        assert_eq!(points.len(), 8);
         for (axis, [lower, upper]) in search.bounds.pairs().enumerate() {
             let mut parts: Vec<usize> =
-                points[1..].iter().map(|x| (8.0 * (x[axis] - lower) / (upper - lower)) as usize).collect();
+                points.iter().map(|x| (8.0 * (x[axis] - lower) / (upper - lower)) as usize).collect();
             parts.sort_unstable();
             assert_eq!(parts, [0, 1, 2, 3, 4, 5, 6, 7]);
         }
-        assert_ne!(all(&Search { seed: 8, ..search.clone() }), points);
-        assert_eq!(all(&search), points);
+        assert_ne!(spread(&Search { seed: 8, ..search.clone() }, 8), points);
+        assert_eq!(spread(&search, 8), points);
     }
 }

@@ -38,7 +38,7 @@ fn minimize(host: &SearchHost, context: &NativeCallContext, search: ScriptSearch
 
 fn minimize_all(host: &SearchHost, context: &NativeCallContext, searches: &[ScriptSearch]) -> HostResult<Vec<Map>> {
     let values = |ScriptSearch { search, .. }: &ScriptSearch| {
-        result::history_values(searches.len(), search.starts.most(), search.start.len())
+        result::history_values(searches.len(), search.starts.count(), search.start.len())
     };
     let Some(values) = searches.iter().map(values).collect::<Option<Vec<_>>>() else {
         let count = searches.len();
