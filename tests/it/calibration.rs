@@ -8,8 +8,8 @@ use droptower::cancellation::Cancellation;
 use droptower::functions;
 use droptower::identify::{self, SearchEvent, SearchHost, TrialEvent};
 use droptower::scenario_functions::{self, Scenarios};
-use droptower::script::{Limits, OutputCollector, ScriptOutput, Session};
-use rhai::{Dynamic, Engine};
+use droptower::script::{Limits, OutputCollector, ScriptOutput, Session, key_mistake};
+use rhai::{Dynamic, Engine, EvalAltResult};
 
 /// An interpreter with `calibrate`, and what it leaves.
 fn engine() -> (Engine, OutputCollector) {
@@ -30,7 +30,8 @@ fn engine_with(host: SearchHost) -> (Engine, OutputCollector) {
 /// What a script gives, and its output. `pulled` is a strip that is pulled to 20 %, `recorded` its force over the travel.
 fn run(text: &str) -> Result<(Dynamic, ScriptOutput), String> {
     let (engine, collector) = engine();
-    let found = engine.eval::<Dynamic>(&format!("{HELPERS}\n{text}")).map_err(|error| error.to_string())?;
+    let words = |error: Box<EvalAltResult>| key_mistake(&error).unwrap_or_else(|| error.to_string());
+    let found = engine.eval::<Dynamic>(&format!("{HELPERS}\n{text}")).map_err(words)?;
     Ok((found, collector.output()))
 }
 

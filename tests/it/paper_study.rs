@@ -113,7 +113,7 @@ fn coarse(script: &str, more: &[&str]) -> Json {
 /// and a tower that is less known, widen them. Searches from one signal end far off although their misfit is small.
 #[test]
 fn further_signals_make_multipliers_identifiable() {
-    let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm", "--arg", "evaluations=16"];
+    let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm", "--arg", "evaluations=30"];
     let summary = coarse("scripts/identifiability.rhai", &scenario);
     let [three, six, others @ ..] = rows(&summary, "half_width") else { panic!("no rows") };
     for name in ["k1", "ke", "ky"] {

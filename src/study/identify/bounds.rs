@@ -22,6 +22,9 @@ const INWARDS: f64 = 0.01;
 /// before it.
 const CLOSE: f64 = 1e-4;
 
+/// Least size of u, of the π/2 at a bound, of which a difference is a share.
+const CENTRAL: f64 = 0.3;
+
 /// A box: lower and upper bounds of the unknowns, infinite where there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds {
@@ -195,10 +198,10 @@ impl Bounds {
     }
 
     /// Of how much each entry of `u` a difference is a share: its own size, as of a value without bounds. Between two bounds at
-    /// least one, since there u is zero at the centre of the interval, which is a place like any other.
+    /// least [`CENTRAL`], since there u is zero at the centre of the interval, which is a place like any other.
     pub(super) fn scales(&self, u: &[f64]) -> Vec<f64> {
         let scale = |(u, [lower, upper]): (&f64, [f64; 2])| match (upper - lower).is_finite() {
-            true => u.abs().max(1.0),
+            true => u.abs().max(CENTRAL),
             false if *u == 0.0 => 1.0,
             false => u.abs(),
         };

@@ -4,22 +4,9 @@ use std::collections::HashSet;
 
 use rhai::{ASTNode, Expr, FnCallExpr, Position, Stmt};
 
-use super::Fault;
 use super::module::Unit;
+use super::{CallOptions, Fault};
 use base::diagnostic::closest;
-
-/// Options of a host function, or of the maps within one of them.
-#[derive(Clone, Copy, Debug)]
-pub struct CallOptions {
-    /// What has the options, as messages name it.
-    pub of: &'static str,
-    /// The function, whose last argument is the map.
-    pub function: &'static str,
-    /// The option whose own maps have these options: the items of its list, or the values of its map.
-    pub inside: Option<&'static str>,
-    /// The names of the options, in groups of which all may be given.
-    pub names: &'static [&'static [&'static str]],
-}
 
 /// Every option in `units` that its function does not have, in the order of the texts. Functions that a text defines itself, or that
 /// it has as a key or a text, are not those of the host.

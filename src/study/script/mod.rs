@@ -29,7 +29,6 @@ mod warning;
 
 pub use about::{About, Declared, Kind, argument_value};
 pub use arguments::Arguments;
-pub use call_options::CallOptions;
 pub use compared::{Compared, Over, Target};
 pub use console::Console;
 pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
@@ -51,6 +50,6 @@ pub use panic::silence_panics;
 pub use plots::PlotError;
 pub use profile::{Line, LineUse, Profile};
 pub use reference::{Chapter, Entry};
-pub use session::{Fields, Session, Trial, fingerprint};
+pub use session::{CallOptions, Fields, Session, Trial, fingerprint};
 pub use value::{from_json, number, to_json, window};
 pub use warning::{CODES, Warning};

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use rhai::{Dynamic, Engine, NativeCallContext, Position};
 
 use super::module::{Programs, ShippedModule};
-use super::{CallOptions, Compared, OutputCollector};
+use super::{Compared, OutputCollector};
 use base::budget::Budget;
 use base::cancellation::Cancellation;
 use base::file::{Digest, FileError};
@@ -25,6 +25,19 @@ pub struct Fields {
     pub map: &'static str,
     /// The names of its fields.
     pub names: &'static [&'static str],
+}
+
+/// Options of a host function, or of the maps within one of them.
+#[derive(Clone, Copy, Debug)]
+pub struct CallOptions {
+    /// What has the options, as messages name it.
+    pub of: &'static str,
+    /// The function, whose last argument is the map.
+    pub function: &'static str,
+    /// The option whose own maps have these options: the items of its list, or the values of its map.
+    pub inside: Option<&'static str>,
+    /// The names of the options, in groups of which all may be given.
+    pub names: &'static [&'static [&'static str]],
 }
 
 /// State that host functions share while a script runs; each engine has one, as its tag. Cheap to clone.
