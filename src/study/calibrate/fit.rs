@@ -83,7 +83,7 @@ impl Fit {
             findings.push(Finding::new(&Warning::ModelError { share, correlation: correlation(plan) }));
         }
         findings.extend(over_travel(plan).map(|warning| Finding::new(&warning)));
-        let (jacobian, at_bounds) = slopes(plan, &values, share, host, session, phases)?;
+        let Linear { jacobian, at_bounds } = linear(plan, &values, share, host, session, phases)?;
         let x = plan.coordinates(&values);
         let known = verdict::linear(plan, &x, &jacobian, &at_bounds);
         let objective = CalibrationObjective::new(plan, share, session);
@@ -137,26 +137,34 @@ fn with_what_is_left(
     }
 }
 
-/// Derivatives of the residuals by the coordinates at the end of a search, and the unknowns that are at a bound there.
-fn slopes(
+/// The end of a search in the linear model.
+struct Linear {
+    /// Derivatives of the residuals by the coordinates.
+    jacobian: DMatrix<f64>,
+    /// The unknowns at a bound.
+    at_bounds: Vec<(usize, Side)>,
+}
+
+/// The linear model at the end of a search.
+fn linear(
     plan: &Plan,
     values: &[f64],
     share: f64,
     host: &SearchHost,
     session: &Session,
     phase: usize,
-) -> HostResult<(DMatrix<f64>, Vec<(usize, Side)>)> {
+) -> HostResult<Linear> {
     let objective = CalibrationObjective::new(plan, share, session);
     let search = plan.search_from(values.to_vec(), false, true)?;
     let labels = Labels { phase: Some(Phase { number: phase, name: "slopes at its end".into() }), ..labels(plan) };
     let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective: &objective }];
-    let linear = host.run(session, &own, |evaluator, _| weigh_at_start(&search, evaluator))?;
-    let linear = linear.map_err(|(_, error): (_, LinearizationError)| ended(session, &error))?.remove(0);
-    let mut jacobian = linear.jacobian;
+    let found = host.run(session, &own, |evaluator, _| weigh_at_start(&search, evaluator))?;
+    let found = found.map_err(|(_, error): (_, LinearizationError)| ended(session, &error))?.remove(0);
+    let mut jacobian = found.jacobian;
     for (index, unknown) in plan.unknowns.iter().enumerate() {
         jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(values[index]));
     }
-    Ok((jacobian, search.bounds.active(values)))
+    Ok(Linear { jacobian, at_bounds: search.bounds.active(values) })
 }
 
 /// What the searches of a calibration came to so far.

@@ -135,7 +135,7 @@ impl Plan {
             true => curve_parameter::read(name, given),
             false => Parameter::read(name, given).map(|own| vec![own]),
         };
-        let read = |(name, given)| read((name, given)).map_err(|error| at_key(name, error));
+        let read = |(name, given)| read((name, given)).map_err(|error| at_key(name, *error));
         let mut parameters = map.iter().map(read).collect::<HostResult<Vec<_>>>()?.concat();
         if parameters.iter().any(|own| own.point.is_some()) && tests.iter().any(|own| own.outcomes.is_some()) {
             return Err(refuse("a curve that is a parameter ends where it breaks: it cannot stand beside outcomes"));
@@ -179,12 +179,12 @@ impl Plan {
                 let key = refused_key(&error);
                 let has = |parameter: &&Parameter| key.as_ref().is_some_and(|key| parameter.has(key));
                 match plan.parameters.iter().find(has) {
-                    Some(parameter) => at_key(&parameter.name, wrong),
+                    Some(parameter) => at_key(&parameter.name, *wrong),
                     None => wrong,
                 }
             })?;
         }
-        plan.stages = stages(given.get("stages"), &plan.tests, session).map_err(|error| at_key("stages", error))?;
+        plan.stages = stages(given.get("stages"), &plan.tests, session).map_err(|error| at_key("stages", *error))?;
         Ok(plan)
     }
 

@@ -214,8 +214,8 @@ pub fn refuse_key(key: &str, message: &str, hint: Option<String>) -> Box<EvalAlt
 }
 
 /// The refusal `error` of what stands at the key `key` of a map; one that has a place already keeps it.
-pub fn at_key(key: &str, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
-    match *error {
+pub fn at_key(key: &str, error: EvalAltResult) -> Box<EvalAltResult> {
+    match error {
         EvalAltResult::ErrorRuntime(value, Position::NONE) if value.is_string() => {
             refuse_key(key, &value.to_string(), None)
         }
