@@ -18,17 +18,30 @@ pub(super) struct WeightedNodes {
 impl WeightedNodes {
     /// `of` some nodes, with `weights`.
     pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
-        let response = std::array::from_fn(|k| {
-            Vector3::from(nodes.effective_inverse_mass().value_at(of[k] as usize)) * weights[k]
-        });
-        let count = weights.iter().rposition(|weight| *weight != 0.0).map_or(0, |last| last + 1);
+        let mut response = [Vector3::zeros(); 4];
+        let mut count = 0;
+        for k in 0..4 {
+            response[k] = Vector3::from(nodes.effective_inverse_mass().value_at(of[k] as usize)) * weights[k];
+            if weights[k] != 0.0 {
+                count = k + 1;
+            }
+        }
         WeightedNodes { nodes: of, weights, response, count }
     }
 
     /// The sum of what the nodes have: of their velocities, that of the point, m/s.
     #[inline(always)]
     pub(super) fn sum(&self, of: &Vectors) -> Vector3<f64> {
-        (0..self.count).map(|k| Vector3::from(of.value_at(self.nodes[k] as usize)) * self.weights[k]).sum()
+        // Loops, not iterators: sums of vectors and maps of arrays are generic functions of other crates, each a call
+        // in a build without optimisation across units.
+        let mut sum = [0.0; 3];
+        for k in 0..self.count {
+            let value = of.value_at(self.nodes[k] as usize);
+            for axis in 0..3 {
+                sum[axis] += value[axis] * self.weights[k];
+            }
+        }
+        Vector3::new(sum[0], sum[1], sum[2])
     }
 
     /// Adds what an `impulse` (N s) on the sum does to the velocities of the nodes; multiplied by a time, to their
@@ -36,7 +49,8 @@ impl WeightedNodes {
     #[inline(always)]
     pub(super) fn apply(&self, impulse: &Vector3<f64>, to: &mut Vectors) {
         for k in 0..self.count {
-            to.add(self.nodes[k] as usize, self.response[k].component_mul(impulse).into());
+            let response = &self.response[k];
+            to.add(self.nodes[k] as usize, [response.x * impulse.x, response.y * impulse.y, response.z * impulse.z]);
         }
     }
 

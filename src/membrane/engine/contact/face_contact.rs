@@ -262,7 +262,8 @@ impl Contact {
             if self.has_small_sagitta(element, nodes) {
                 continue;
             }
-            let corners = element.corners.map(in_body);
+            let [a, b, c, d] = element.corners;
+            let corners = [in_body(a), in_body(b), in_body(c), in_body(d)];
             if clearances[place].holds(&corners) {
                 continue;
             }
@@ -402,7 +403,10 @@ impl Contact {
         let found = self.rounded.deep_points(pose, &positions, bound, followed, FOLLOWED * self.neighbours.allowance);
         let recovery = if self.surface.is_round() && !is_supported { RECOVERY } else { RECOVERY_AT_EDGES };
         for DeepestPoint { projection, weights, side, .. } in found.points {
-            let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
+            let mut point = Vector3::zeros();
+            for a in 0..4 {
+                point += positions[a].coords * weights[a];
+            }
             let arm = point - pose.translation.vector;
             let normal = projection.normal;
             let film = WeightedNodes::new(corners, weights, nodes);

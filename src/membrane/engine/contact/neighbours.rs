@@ -98,14 +98,14 @@ impl Contact {
             if distance_squared(n) >= radius * radius {
                 return false;
             }
+            if let Some(nearest) = nearest.get_mut(n as usize) {
+                let arm = nodes.position_of(n as usize).coords - pose.translation.vector;
+                return surface.is_mesh_within(pose, &arm, margin, nearest);
+            }
             // A node is asked for by itself and by each element around it, with different margins.
             let distance = &mut distances[n as usize];
             if distance.is_nan() {
-                let arm = nodes.position_of(n as usize).coords - pose.translation.vector;
-                *distance = match nearest.get_mut(n as usize) {
-                    Some(nearest) => surface.project_on_mesh(pose, &arm, None, nearest).distance,
-                    None => surface.project(pose, &nodes.position_of(n as usize)).distance,
-                };
+                *distance = surface.project(pose, &nodes.position_of(n as usize)).distance;
             }
             *distance < margin
         };

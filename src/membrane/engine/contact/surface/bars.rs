@@ -350,7 +350,8 @@ mod tests {
                 [[-0.05, 0.193, 0.0], [0.05, 0.197, 0.0], [0.04, 0.189, -0.004], [-0.04, 0.189, -0.004]],
             ] {
                 let corners = [a, b, c, d].map(nalgebra::Point3::from);
-                let Some(found) = surface.deepest_point(&pose, &corners, f64::INFINITY) else { panic!("none") };
+                let found = surface.deepest_point(&pose, &corners, f64::INFINITY, f64::INFINITY);
+                let Some(found) = found else { panic!("none") };
                 let mean = (corners[0].coords + corners[1].coords + corners[2].coords + corners[3].coords) * 0.25;
                 let mut least = f64::INFINITY;
                 let parts = 200;

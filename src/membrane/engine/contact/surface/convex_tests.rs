@@ -71,7 +71,9 @@ fn the_nearest_point_of_a_triangle_is_nearer_than_its_samples() {
             let places =
                 (0..=count).flat_map(|i| (0..=count - i).map(move |j| [i, j].map(|x| f64::from(x) / f64::from(count))));
             let least = places.map(|place| solid.project_local(&at(place)).distance).fold(f64::INFINITY, f64::min);
-            let start = [turns[n].x.abs() * 0.5, turns[n].y.abs() * 0.5];
+            let [u, v] = [turns[n].x.abs() * 0.5, turns[n].y.abs() * 0.5];
+            // Inside, and on each edge.
+            let start = [[u, v], [u, 1.0 - u], [u, 0.0], [0.0, v]][n % 4];
             for within in [f64::INFINITY, 0.0] {
                 match minimum(solid, &corners, start, within, tolerance) {
                     Minimum::At { projection, place } => {
@@ -154,4 +156,71 @@ fn a_projection_that_follows_its_triangle_is_that_of_the_whole_mesh() {
         );
     }
     assert!(kept > 4000, "{kept}");
+}
+
+/// No sample of an element is deeper than what its corners tell, also where one tells no more than a bound, and what is
+/// known of the depth changes no deepest point.
+#[test]
+fn an_element_is_no_deeper_than_its_bound() {
+    let (vertices, triangles) = Ball::new(0.1).to_trimesh(30, 20);
+    let mesh = TriMesh::new(vertices, triangles).unwrap();
+    let vertices = |scale: f64| mesh.vertices().iter().map(|v| Point3::new(v.x, v.y, v.z * scale)).collect::<Vec<_>>();
+    let dented = |mut vertices: Vec<Point3<f64>>| {
+        vertices.iter_mut().filter(|v| v.x > 0.08).for_each(|v| v.coords *= 0.9);
+        vertices
+    };
+    let of = |vertices| Surface::closed_mesh((vertices, mesh.indices().to_vec())).unwrap();
+    let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
+    let (size, count) = (0.01, 12);
+    let mut met = [0; 2];
+    let bodies = [of(vertices(0.7)), of(dented(vertices(1.0))), Surface::cylinder(0.05, 0.1, 1e-4).unwrap()];
+    for (b, body) in bodies.into_iter().enumerate() {
+        let turns: Vec<_> = points(1.0, 400).collect();
+        for (n, near) in points(1.1 * body.bounding_radius(), 400).enumerate() {
+            let projection = body.shape.project(&Isometry3::identity(), &near);
+            let height = size * (0.01 * f64::from(n as u32 % 7) - 0.02);
+            let middle = near - projection.normal * (projection.distance - height);
+            let across = [turns[n], turns[399 - n]]
+                .map(|turn| (turn - projection.normal * turn.dot(&projection.normal) * (0.9 + 0.1 * turn.x)) * size);
+            let corners = [across[0], across[1], -across[0], -across[1]].map(|arm| pose * Point3::from(middle + arm));
+            let arms = corners.map(|corner| corner.coords - pose.translation.vector);
+            let mut nearest = [Nearest::default(); 4];
+            let mut at = [Projection { distance: 0.0, normal: Vector3::zeros() }; 4];
+            for k in 0..4 {
+                at[k] = body.project_on_mesh(&pose, &arms[k], None, &mut nearest[k]);
+                // As of nodes that are not near: by a face, or by a bound of the distance alone.
+                if n % 5 == k {
+                    at[k] = Projection { distance: at[k].distance - 1e-4, normal: Vector3::zeros() };
+                } else if let Some(of_face) = body.face_of_mesh(&pose, &arms[k], &nearest[k]).filter(|_| n % 3 == k) {
+                    at[k] = of_face;
+                }
+            }
+            let outward = at.iter().map(|at| at.normal).sum::<Vector3<f64>>().normalize();
+            let outward = Some(&outward).filter(|_| body.is_convex());
+            let [mut bound, _] = body.least_distance(&pose, &corners, &at, outward, Some(&nearest[0]));
+            if let Some(outward) = outward {
+                bound = bound.max(body.least_over_triangles(&pose, &corners, &at, outward, Some(&nearest[0])));
+            }
+            let mean = corners.iter().map(|corner| corner.coords).sum::<Vector3<f64>>() * 0.25;
+            for a in 0..4 {
+                for (i, j) in (0..=count).flat_map(|i| (0..=count - i).map(move |j| (i, j))) {
+                    let [u, v] = [i, j].map(|x| f64::from(x) / f64::from(count));
+                    let point = mean + (corners[a].coords - mean) * u + (corners[(a + 1) % 4].coords - mean) * v;
+                    let distance = body.project(&pose, &point.into()).distance;
+                    assert!(distance >= bound - 1e-12, "{b}, {n}: {distance} below {bound}");
+                }
+            }
+            for within in [2e-4, 0.0, -1e-4] {
+                let [all, known] =
+                    [f64::INFINITY, -bound].map(|depth| body.deepest_point(&pose, &corners, within, depth));
+                met[usize::from(all.is_some())] += 1;
+                // In a dent, depth along the film's own normal may be more than that from the nearest point.
+                if b != 1 || all.is_none_or(|all| all.projection.distance >= bound) {
+                    let distance = |found: Option<DeepestPoint>| found.map(|found| found.projection.distance);
+                    assert_eq!(distance(all), distance(known), "{b}, {n}: {bound}");
+                }
+            }
+        }
+    }
+    assert!(met[0] > 300 && met[1] > 300, "{met:?}");
 }

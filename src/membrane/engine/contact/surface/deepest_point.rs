@@ -7,6 +7,7 @@ use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
 
 use super::element_points::{DeepPoints, DeepestPoint, Followed, Search, corner_weights, sides};
+use super::nearest::Nearest;
 use super::projection::{Projection, nearest_on_axis};
 use super::solid::Solid;
 use super::triangle_minimum::{Minimum, minimum};
@@ -17,23 +18,87 @@ use crate::lane::{larger, smaller};
 const LEAST_TOLERANCE: f64 = 1e-9;
 
 impl Surface {
-    /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to
-    /// the axis of a capsule or a bar, or the centre of a ball, than √(d² − l²/3), with the distance d of the nearest
-    /// corner and the longest line l; other shapes have no bound.
+    /// Bound on the penetration (m, negative outside) of any point of an element into a round body. No point of a
+    /// triangle is nearer to the axis of a capsule or a bar, or the centre of a ball, than √(d² − l²/3), with the
+    /// distance d of the nearest corner and the longest line l.
     pub(in crate::engine::contact) fn penetration_bound(
         &self,
         pose: &Isometry3<f64>,
         corners: &[Point3<f64>; 4],
     ) -> f64 {
-        if !self.is_round() {
-            return f64::INFINITY;
-        }
-        let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+        let mean = mean_of(corners);
         let nearest = corners.iter().chain([&mean]).map(|c| self.axis_distance_squared(pose, c));
         let lines = (0..4).flat_map(|a| [(corners[a], corners[(a + 1) % 4]), (corners[a], mean)]);
         let longest = lines.map(|(a, b)| nalgebra::distance_squared(&a, &b)).fold(0.0, f64::max);
         // No point of a triangle is farther than l/√3 from its nearest corner.
         self.size - larger(nearest.fold(f64::INFINITY, f64::min) - longest / 3.0, 0.0).sqrt()
+    }
+
+    /// A lower bound of the signed distance of all points of an element from the body at `pose`, whose `corners` have the
+    /// projections `at`; where one has no normal, its distance is a bound itself. Of a convex body `outward` is the mean
+    /// of the normals, and of a mesh a `nearest` triangle tells where to begin.
+    ///
+    /// No point is nearer than its distance from a corner admits, and from a convex body none lies below the tangents at
+    /// the corners (theory.md, equation 212), or below the plane on the body that is upright to the mean of their
+    /// normals, which is the closest of these where film lies on a curved face. With it goes the distance of the mean of
+    /// the corners from that plane, or the bound again where there is none.
+    pub(in crate::engine::contact) fn least_distance(
+        &self,
+        pose: &Isometry3<f64>,
+        corners: &[Point3<f64>; 4],
+        at: &[Projection; 4],
+        outward: Option<&Vector3<f64>>,
+        nearest: Option<&Nearest>,
+    ) -> [f64; 2] {
+        let (mut least, mut at_mean) = (f64::NEG_INFINITY, None);
+        if let Some(outward) = outward {
+            let reach = self.convex_reach(pose, outward, nearest);
+            let height = |point: &Point3<f64>| outward.dot(&(point.coords - pose.translation.vector)) - reach;
+            least = corners.iter().map(height).fold(f64::INFINITY, f64::min);
+            at_mean = Some(height(&mean_of(corners)));
+        }
+        for (Projection { distance, normal }, corner) in at.iter().zip(corners) {
+            let is_tangent = outward.is_some() && *normal != Vector3::zeros();
+            let over = corners.iter().map(|point| {
+                let arm = point - corner;
+                distance + if is_tangent { normal.dot(&arm) } else { -arm.norm() }
+            });
+            least = least.max(over.fold(f64::INFINITY, f64::min));
+        }
+        [least, at_mean.unwrap_or(least)]
+    }
+
+    /// A closer one of a convex body at `pose`, triangle by triangle: by the tangents at the corners and by the planes on
+    /// the body that are parallel to a triangle, with the normal on the side of `outward`, or upright to that.
+    pub(in crate::engine::contact) fn least_over_triangles(
+        &self,
+        pose: &Isometry3<f64>,
+        corners: &[Point3<f64>; 4],
+        at: &[Projection; 4],
+        outward: &Vector3<f64>,
+        nearest: Option<&Nearest>,
+    ) -> f64 {
+        let mean = mean_of(corners);
+        let arm = |point: &Point3<f64>| point.coords - pose.translation.vector;
+        let reach = self.convex_reach(pose, outward, nearest);
+        let mut least = f64::INFINITY;
+        for [a, b] in sides(4) {
+            let triangle = [corners[a], corners[b], mean];
+            let over = |height: &dyn Fn(&Point3<f64>) -> f64| triangle.iter().map(height).fold(f64::INFINITY, f64::min);
+            let mut own = over(&|point| outward.dot(&arm(point))) - reach;
+            for (Projection { distance, normal }, corner) in at.iter().zip(corners) {
+                if *normal != Vector3::zeros() {
+                    own = own.max(over(&|point| distance + normal.dot(&(point - corner))));
+                }
+            }
+            let cross = (corners[a] - mean).cross(&(corners[b] - mean));
+            if let Some(normal) = cross.try_normalize(0.0) {
+                let normal = if cross.dot(outward) < 0.0 { -normal } else { normal };
+                own = own.max(normal.dot(&arm(&mean)) - self.convex_reach(pose, &normal, nearest));
+            }
+            least = least.min(own);
+        }
+        least
     }
 
     /// Squared distance of `point` from the axis of a capsule or a bar, from the centre of other shapes, m².
@@ -52,14 +117,16 @@ impl Surface {
     /// The point of an element with the least signed distance from the body at `pose`; `None` where that is not below
     /// `within` (m). The element is taken as the four triangles between its edges and the mean of its corners.
     ///
-    /// The point is exact for all shapes but meshes, whose corners and edges each have one.
+    /// The point is exact for all shapes but meshes, whose corners and edges each have one. No point of the element is
+    /// known to be deeper than `depth` (m).
     pub(in crate::engine::contact) fn deepest_point(
         &self,
         pose: &Isometry3<f64>,
         corners: &[Point3<f64>; 4],
         within: f64,
+        depth: f64,
     ) -> Option<DeepestPoint> {
-        let mut search = Search::within(within, false);
+        let mut search = Search { depth, ..Search::within(within, false) };
         deepest(&self.shape, pose, corners, &mut search);
         search.found.pop()
     }
@@ -85,9 +152,15 @@ impl Surface {
     }
 }
 
+/// The mean of the corners of an element.
+#[inline(always)]
+fn mean_of(corners: &[Point3<f64>; 4]) -> Point3<f64> {
+    Point3::from((corners[0].coords + corners[1].coords + corners[2].coords + corners[3].coords) * 0.25)
+}
+
 /// Offers points in `shape` at `pose`.
 fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
-    let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+    let mean = mean_of(corners);
     // A triangle repeats its last corner, which leaves one of the four without area.
     let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
     let mut best: Option<DeepestPoint> = None;
@@ -147,13 +220,18 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
 
 /// Offers points in `solid` at `pose`.
 fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
-    let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
-    let points = [corners[0], corners[1], corners[2], corners[3], mean]
-        .map(|c| pose.rotation.inverse_transform_vector(&(c.coords - pose.translation.vector)));
+    let mut points = [mean_of(corners).coords; 5];
+    for k in 0..4 {
+        points[k] = corners[k].coords;
+    }
+    for point in &mut points {
+        *point = pose.rotation.inverse_transform_vector(&(*point - pose.translation.vector));
+    }
     let count = if corners[2] == corners[3] { 3 } else { 4 };
     let mut own = Search {
         followed: search.followed,
         tolerance: search.tolerance,
+        depth: search.depth,
         ..Search::within(search.within, search.keeps_all)
     };
     match (solid.features(), solid.core().as_trimesh()) {
@@ -174,7 +252,7 @@ fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>
 /// in body axes.
 fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
     for [a, b] in sides(count) {
-        let corners = [a, b, 4].map(|k| points[k]);
+        let corners = [points[a], points[b], points[4]];
         // Negative where nothing is known: the search begins at the third corner, the mean.
         let known = search.followed.map(|followed| followed[a].place).filter(|place| place[0] >= 0.0);
         // Below round-off of a distance no tangent would ever confirm the minimum.
@@ -272,7 +350,7 @@ mod tests {
             let z = surface.lowest(&UnitQuaternion::identity()) + 1e-3;
             let [a, b, c, d] = [[-0.5, -0.4], [0.5, -0.4], [0.6, 0.5], [-0.4, 0.6]].map(|[x, y]| Point3::new(x, y, z));
             for corners in [[a, b, c, d], [a, b, c, c]] {
-                let found = surface.deepest_point(&Isometry3::identity(), &corners, 0.0).unwrap();
+                let found = surface.deepest_point(&Isometry3::identity(), &corners, 0.0, f64::INFINITY).unwrap();
                 assert!((found.projection.distance + 1e-3).abs() < 1e-6, "{found:?}");
                 assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             }
@@ -292,7 +370,8 @@ mod tests {
             let side = Vector3::new(-sin, cos, 0.4 * (2.1 * turn).cos()) * 0.02;
             let up = Vector3::new(0.3 * cos, 0.3 * sin, 1.0) * 0.015;
             let corners = [middle - side, middle + side, middle + up, middle + up].map(|c| pose * Point3::from(c));
-            let Some(found) = surface.deepest_point(&pose, &corners, f64::INFINITY) else { panic!("no point at {k}") };
+            let found = surface.deepest_point(&pose, &corners, f64::INFINITY, f64::INFINITY);
+            let Some(found) = found else { panic!("no point at {k}") };
             let local = |a: usize| vector(&(pose.inverse() * corners[a]).coords);
             let triangle = Triangle::new(local(0), local(1), local(2));
             let distance = query::distance(&Pose::IDENTITY, &triangle, &Pose::IDENTITY, &axis).unwrap().distance;

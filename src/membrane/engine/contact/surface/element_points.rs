@@ -51,6 +51,8 @@ pub(super) struct Search {
     pub(super) tolerance: f64,
     /// No point of the element is nearer than that, m.
     pub(super) least: f64,
+    /// No point of the element is deeper inside the body than that, m.
+    pub(super) depth: f64,
 }
 
 /// Where the corners of an element were, body axes, when no point of it was near the body, and how far they may move
@@ -100,7 +102,8 @@ const SAME: f64 = 1e-3;
 impl Search {
     /// A search that has found nothing yet.
     pub(super) fn within(within: f64, keeps_all: bool) -> Search {
-        Search { within, keeps_all, found: vec![], followed: None, tolerance: 0.0, least: f64::INFINITY }
+        let (least, depth) = (f64::INFINITY, f64::INFINITY);
+        Search { within, keeps_all, found: vec![], followed: None, tolerance: 0.0, least, depth }
     }
 
     /// Records where the deepest point of the triangle of the side from corner `side` is.

@@ -167,11 +167,35 @@ impl Features {
         self.edge_radius
     }
 
+    /// How far a convex body reaches along the unit vector `direction`, m, searched from a corner of `triangle` on.
+    pub(super) fn reach(&self, direction: &Vector3<f64>, triangle: u32) -> f64 {
+        let mut at = self.triangles[triangle as usize][0];
+        let mut reach = self.vertex(at).dot(direction);
+        // Uphill from corner to corner: on a convex body no other corner lies beyond one whose neighbours do not.
+        loop {
+            let before = at;
+            for next in self.around(before) {
+                let along = self.vertex(*next).dot(direction);
+                if along > reach {
+                    (at, reach) = (*next, along);
+                }
+            }
+            if at == before {
+                return reach;
+            }
+        }
+    }
+
+    /// The corners that an edge joins with `vertex`.
+    fn around(&self, vertex: u32) -> &[u32] {
+        let [first, end] = [0, 1].map(|k| self.first[vertex as usize + k] as usize);
+        &self.around[first..end]
+    }
+
     /// Whether the body lies below `vertex` along the unit vector `normal`.
     fn supports(&self, vertex: u32, normal: &Vector3<f64>) -> bool {
         let at = self.vertex(vertex);
-        let [first, end] = [0, 1].map(|k| self.first[vertex as usize + k] as usize);
-        self.around[first..end].iter().all(|n| {
+        self.around(vertex).iter().all(|n| {
             let side = self.vertex(*n) - at;
             side.dot(normal) <= ROUND_OFF * side.norm()
         })
@@ -197,10 +221,13 @@ impl Features {
             (low, high) = (low.inf(point), high.sup(point));
         }
         // Points deeper than a share of the element have not come through it.
-        let reach = 0.5 * (high - low).norm();
-        search.least = search.least.min(reach);
+        let half = 0.5 * (high - low).norm();
         // A little more than is asked for, so that it need not be looked for again when the element has moved.
-        let beyond = if search.keeps_all { BEYOND * reach } else { 0.0 };
+        let beyond = if search.keeps_all { BEYOND * half } else { 0.0 };
+        // What the element has of depth along one normal of the body, it has over the cosine of the angle between them
+        // along its own: twice that up to 60 degrees. Nothing is asked of points that are as far outside.
+        let reach = half.min(2.0 * search.depth.max(search.within + beyond));
+        search.least = search.least.min(reach);
         // By the box of the whole element: its four triangles share the corners and edges that are found.
         let near = self.near(mesh, [low, high], reach.max(search.within + beyond));
         let mut heights = vec![];

@@ -17,6 +17,10 @@ pub(in crate::engine::contact) struct Projection {
 }
 
 impl Projection {
+    /// Of a point of which nothing is known.
+    pub(in crate::engine::contact) const UNKNOWN: Projection =
+        Projection { distance: f64::NEG_INFINITY, normal: Vector3::new(0.0, 0.0, 0.0) };
+
     /// This projection with its normal turned as `pose` is.
     pub(super) fn turned(self, pose: &Isometry3<f64>) -> Projection {
         Projection { normal: pose.rotation * self.normal, ..self }
