@@ -11,6 +11,12 @@ use super::solid::Solid;
 /// Largest number of tangents along one edge.
 const TANGENTS: usize = 40;
 
+/// Largest number of places on the edge that the nearest point was on before.
+const FOLLOWED: usize = 5;
+
+/// Weight of a corner below which a point counts as being on the opposite edge.
+const ON_EDGE: f64 = 1e-9;
+
 /// Knowledge of the least signed distance of a triangle.
 pub(super) enum Minimum {
     /// No point is nearer than `bound` (m), which is beyond what counts; `place` is where this was seen.
@@ -36,8 +42,16 @@ impl Tangent {
     }
 }
 
+#[inline(always)]
 fn least(of: &[f64; 3]) -> f64 {
     of[0].min(of[1]).min(of[2])
+}
+
+/// A value of each of three corners. Written out, since an array's own `map` is a call in a build without optimisation
+/// across units.
+#[inline(always)]
+fn of_each<T>(corners: &[T; 3], value: impl Fn(&T) -> f64) -> [f64; 3] {
+    [value(&corners[0]), value(&corners[1]), value(&corners[2])]
 }
 
 /// The search on one triangle.
@@ -50,6 +64,7 @@ struct Descent<'a> {
 }
 
 impl Descent<'_> {
+    #[inline(always)]
     fn tangent(&self, weights: [f64; 3]) -> Tangent {
         tangent(self.solid, self.corners, weights)
     }
@@ -68,7 +83,7 @@ impl Descent<'_> {
     /// on a curve.
     fn edge(&mut self, ends: [usize; 2], tolerance: f64) {
         let slope = |tangent: &Tangent| tangent.at[ends[1]] - tangent.at[ends[0]];
-        let corner = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == ends[k])));
+        let corner = |k: usize| of_each(&[0, 1, 2], |i| f64::from(u8::from(*i == ends[k])));
         let [mut left, mut right] = [self.tangent(corner(0)), self.tangent(corner(1))];
         self.take(&left, left.least());
         self.take(&right, right.least());
@@ -88,7 +103,9 @@ impl Descent<'_> {
             // triangle.
             // `falls` < 0 < `rises` here, so the share lies within 0 and 1.
             let share = rises / (rises - falls);
-            self.bound = self.bound.max(least(&[0, 1, 2].map(|k| left.at[k] * share + right.at[k] * (1.0 - share))));
+            self.bound = self
+                .bound
+                .max(least(&of_each(&[0, 1, 2], |k: &usize| left.at[*k] * share + right.at[*k] * (1.0 - share))));
             let [from, to] = [left.weights[ends[1]], right.weights[ends[1]]];
             let along = if turn % 2 == 0 {
                 (right.at[ends[0]] - left.at[ends[0]]) / (falls - rises)
@@ -109,6 +126,43 @@ impl Descent<'_> {
                 right = next;
             }
         }
+    }
+
+    /// Finds the nearest point on the edge that it was on before, from the tangent there. Where a sharp edge of the body
+    /// meets the edge of the triangle, normals turn within micrometres along it, and a tangent is far below the distance
+    /// next to its point. A plane on the body that is level along the edge of the triangle is as far below at the
+    /// second order alone; the next place is under the point of the body that it touches.
+    fn follow(&mut self, mut from: Tangent, within: f64, tolerance: f64) -> Option<Minimum> {
+        for _ in 0..FOLLOWED {
+            let weights = from.weights;
+            let on_edge =
+                |k: &usize| weights[*k] <= ON_EDGE && weights[(k + 1) % 3].min(weights[(k + 2) % 3]) > ON_EDGE;
+            let opposite = (0..3).find(on_edge)?;
+            let ends = [(opposite + 1) % 3, (opposite + 2) % 3];
+            let [a, b] = [self.corners[ends[0]], self.corners[ends[1]]];
+            let (along, outward) = (b - a, from.projection.normal);
+            let squared = along.norm_squared();
+            let normal = (outward - along * (outward.dot(&along) / squared)).try_normalize(0.0)?;
+            let support = self.solid.support_of_core(&normal)?;
+            let reach = normal.dot(&support) + self.solid.edge();
+            // The whole body lies below that plane, so no point of the triangle is nearer than its corners are to it.
+            let bound = least(&of_each(self.corners, |corner| normal.dot(corner) - reach));
+            self.bound = self.bound.max(bound);
+            let place = [weights[0], weights[1]];
+            if bound >= within {
+                return Some(Minimum::Beyond { bound, place });
+            }
+            let distance = from.projection.distance;
+            if distance - bound <= tolerance {
+                return Some(Minimum::At { projection: Projection { distance, normal }, place });
+            }
+            let share = ((support - a).dot(&along) / squared).clamp(0.0, 1.0);
+            let mut weights = [0.0; 3];
+            (weights[ends[0]], weights[ends[1]]) = (1.0 - share, share);
+            from = self.tangent(weights);
+            self.take(&from, from.least());
+        }
+        None
     }
 
     fn place(&self) -> [f64; 2] {
@@ -140,7 +194,7 @@ impl Descent<'_> {
 fn tangent(solid: &Solid, corners: &[Vector3<f64>; 3], weights: [f64; 3]) -> Tangent {
     let point = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
     let projection = solid.project_local(&point);
-    let at = corners.map(|corner| projection.distance + projection.normal.dot(&(corner - point)));
+    let at = of_each(corners, |corner| projection.distance + projection.normal.dot(&(corner - point)));
     Tangent { projection, weights, at }
 }
 
@@ -167,6 +221,9 @@ pub(super) fn minimum(
         (projection.distance - best.least() <= tolerance).then(|| Minimum::At { projection, place: descent.place() })
     };
     if let Some(minimum) = ends(&descent) {
+        return minimum;
+    }
+    if let Some(minimum) = descent.follow(first, within, tolerance).or_else(|| ends(&descent)) {
         return minimum;
     }
     let is_apart = descent.under_core();
