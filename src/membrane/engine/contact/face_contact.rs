@@ -34,7 +34,7 @@ const TOLERANCE: f64 = 1e-3;
 const FOLLOWED: f64 = 0.02;
 
 /// A contact constraint: the least normal velocity of a node, or of the deepest point of an element, over the surface.
-struct Constraint {
+pub(super) struct Constraint {
     film: WeightedNodes,
     normal: Vector3<f64>,
     arm: Vector3<f64>,
@@ -60,11 +60,13 @@ struct Sweep {
 
 impl Constraint {
     /// Velocity of the point over the surface, m/s.
+    #[inline(always)]
     fn relative_velocity(&self, velocity: &Vectors, body: &RigidBody) -> Vector3<f64> {
         self.film.sum(velocity) - body.velocity_at(&self.arm)
     }
 
     /// Applies `impulse` (N s) to the film and its opposite to the body.
+    #[inline(always)]
     fn apply(&self, impulse: &Vector3<f64>, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) {
         self.film.apply(impulse, velocity);
         body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
@@ -145,48 +147,80 @@ impl Contact {
         body: &mut RigidBody,
         dt: f64,
         pool: &ThreadPool,
-        mut between: Option<&mut FilmContact>,
+        between: Option<&mut FilmContact>,
     ) {
         // The node contacts have been solved already; without anything between nodes that solution is final.
         if between.is_none() && self.neighbours.face_candidates.is_empty() {
             return;
         }
         let pose = body.predicted(dt);
-        // Taken out of the list so that `self` may be borrowed for the projections; put back on every path below.
+        // Taken out so that `self` may be borrowed for the projections, and put back; constraints for their capacity.
         let mut followed = std::mem::take(&mut self.neighbours.followed);
-        let mut clearances = std::mem::take(&mut self.neighbours.clearances);
-        let faces = self.faces(nodes, body, (&pose, dt), &mut followed, &mut clearances);
-        self.neighbours.clearances = clearances;
-        let has_faces = !faces.is_empty();
-        if !has_faces && between.is_none() {
-            self.neighbours.followed = followed;
-            return;
+        let mut constraints = std::mem::take(&mut self.constraints);
+        let mut faces = std::mem::take(&mut self.faces);
+        self.find_faces(nodes, body, (&pose, dt), &mut followed, &mut faces);
+        if !faces.is_empty() || between.is_some() {
+            let kept = self.couple_nodes(nodes, body, &faces, between.is_some(), &mut constraints);
+            constraints.append(&mut faces);
+            if self.sweep(nodes, body, (&pose, dt), pool, between, &mut followed, &mut constraints) {
+                // An impulse that a neighbour took over entirely has neither work nor a node in contact.
+                let active = constraints.drain(..).filter(|constraint| constraint.normal_impulse > 0.0);
+                self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
+            }
+            constraints.clear();
         }
+        self.neighbours.followed = followed;
+        (self.constraints, self.faces) = (constraints, faces);
+    }
+
+    /// Adds the constraints of nodes in contact that are solved again with those of `faces`. Returns the impulses of the
+    /// others: they are in the sums that the energy balance is made of.
+    fn couple_nodes(
+        &self,
+        nodes: &Nodes,
+        body: &RigidBody,
+        faces: &[Constraint],
+        has_films: bool,
+        to: &mut Vec<Constraint>,
+    ) -> Vec<Impulse> {
         // Beside the elements that are too deep, nodes of a body with edges stay where their own contact put them.
-        let mut coupled: Vec<u32> = faces.iter().flat_map(|face| face.film.nodes).collect();
+        let takes_all = has_films || self.surface.is_round();
+        let mut coupled: Vec<u32> = if takes_all { vec![] } else { faces.iter().flat_map(|f| f.film.nodes).collect() };
         coupled.sort_unstable();
         coupled.dedup();
-        let takes_all = between.is_some() || self.surface.is_round();
-        let is_coupled = |impulse: &&Impulse| takes_all || coupled.binary_search(&(impulse.node as u32)).is_ok();
-        let at_nodes = self.contacts.iter().flat_map(|contacts| &contacts.impulses);
-        let mut constraints: Vec<Constraint> = at_nodes
-            .clone()
-            .filter(is_coupled)
-            .map(|impulse| self.node_constraint(impulse, nodes, body))
-            .chain(faces)
-            .collect();
-        // Uncoupled impulses are not solved again, but are in the sums that the energy balance is made of.
-        let kept: Vec<Impulse> = at_nodes.filter(|impulse| !is_coupled(impulse)).cloned().collect();
+        let mut kept = vec![];
+        for impulse in self.contacts.iter().flat_map(|contacts| &contacts.impulses) {
+            if takes_all || coupled.binary_search(&(impulse.node as u32)).is_ok() {
+                to.push(self.node_constraint(impulse, nodes, body));
+            } else {
+                kept.push(impulse.clone());
+            }
+        }
+        kept
+    }
+
+    /// Solves `constraints` by sweeps, with those `between` faces. Returns whether there was anything to solve.
+    #[expect(clippy::too_many_arguments, reason = "what a step resolves together")]
+    fn sweep(
+        &mut self,
+        nodes: &mut Nodes,
+        body: &mut RigidBody,
+        (pose, dt): (&Isometry3<f64>, f64),
+        pool: &ThreadPool,
+        mut between: Option<&mut FilmContact>,
+        followed: &mut [Followed],
+        constraints: &mut Vec<Constraint>,
+    ) -> bool {
         let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction };
+        let has_faces = constraints.last().is_some_and(|last| last.source.is_some());
         // After the node constraints: their targets are the velocities with which the corrector put nodes onto the
         // surface, before `begin` changes any.
         let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
         if !has_faces && !films_meet {
-            self.neighbours.followed = followed;
-            return;
+            return false;
         }
         // Warm start by the force of the last step: unlike its impulse it does not depend on the step's length.
-        for constraint in &mut constraints {
+        for constraint in constraints.iter_mut() {
             if let Some([place, side]) = constraint.source
                 && let Some(points) = followed.get(place)
             {
@@ -195,23 +229,27 @@ impl Contact {
             }
         }
         // Points without a constraint in this step must not start from an old force in a later one.
-        followed.iter_mut().flatten().for_each(|point| point.force = [0.0; 3]);
+        for place in self.neighbours.pushed.drain(..) {
+            followed[place as usize].iter_mut().for_each(|point| point.force = [0.0; 3]);
+        }
         if let Some(between) = &between {
-            self.add_near_constraints(&mut constraints, [dt, between.detected_within()], nodes, body, &pose);
+            self.add_near_constraints(constraints, [dt, between.detected_within()], nodes, body, pose);
         }
         let [most, rounds] =
             if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [self.most_sweeps(), 1] };
         for _ in 0..rounds {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
-                for constraint in &mut constraints {
+                for constraint in constraints.iter_mut() {
                     let of_this = constraint.solve(&mut nodes.velocity, body, &sweep);
                     change = change.max(of_this);
                     largest = largest.max(constraint.normal_impulse);
                     // Film on film converges by distances, as its own sweeps do, here over the distance of film from
                     // the surface.
-                    let offset = self.offset[constraint.film.nodes[0] as usize];
-                    moved = moved.max(of_this * constraint.inverse_effective_mass * dt / offset);
+                    if of_this > 0.0 && between.is_some() {
+                        let offset = self.offset[constraint.film.nodes[0] as usize];
+                        moved = moved.max(of_this * constraint.inverse_effective_mass * dt / offset);
+                    }
                 }
                 let is_converged = match &mut between {
                     // The body's share is waited for no longer than without film on film; `between` has to converge by
@@ -230,51 +268,56 @@ impl Contact {
             if !between.extend(nodes, dt, pool) {
                 break;
             }
-            self.add_near_constraints(&mut constraints, [dt, between.detected_within()], nodes, body, &pose);
+            self.add_near_constraints(constraints, [dt, between.detected_within()], nodes, body, pose);
         }
-        for constraint in &constraints {
+        for constraint in constraints.iter() {
             if let Some([place, side]) = constraint.source
                 && let Some(points) = followed.get_mut(place)
             {
                 points[side].force = (constraint.impulse() / dt).into();
+                self.neighbours.pushed.push(place as u32);
             }
         }
-        self.neighbours.followed = followed;
-        // An impulse that a neighbour took over entirely has neither work nor a node in contact.
-        let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
-        self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
+        true
     }
 
-    /// The constraints of all candidates over a step of `dt` (s), with the body at `pose`.
-    fn faces(
-        &self,
+    /// Adds the constraints of all candidates over a step of `dt` (s), with the body at `pose`.
+    fn find_faces(
+        &mut self,
         nodes: &Nodes,
         body: &RigidBody,
         (pose, dt): (&Isometry3<f64>, f64),
         followed: &mut [Followed],
-        clearances: &mut [Clearance],
-    ) -> Vec<Constraint> {
-        // Clearances are kept in body axes, where a body that only moves or turns with the film leaves them valid.
-        let to_body = pose.rotation.inverse().to_rotation_matrix();
-        let in_body = |n: u32| to_body * (nodes.position_of(n as usize).coords - pose.translation.vector);
-        let mut faces = vec![];
+        faces: &mut Vec<Constraint>,
+    ) {
+        // Clearances are kept in body axes, where a body that only moves or turns with the film leaves them valid. Each
+        // node is turned into these once, and column by column: a product of nalgebra's matrices is a call.
+        let rotation = pose.rotation.inverse().to_rotation_matrix();
+        let [x, y, z] = [0, 1, 2].map(|k| rotation.matrix().column(k).into_owned());
+        let mut in_body = std::mem::take(&mut self.in_body);
+        in_body.clear();
+        in_body.extend(self.neighbours.candidate_nodes.iter().map(|n| {
+            let arm = nodes.position_of(*n as usize).coords - pose.translation.vector;
+            x * arm.x + y * arm.y + z * arm.z
+        }));
+        let mut clearances = std::mem::take(&mut self.neighbours.clearances);
         for (place, element) in self.neighbours.face_candidates.iter().enumerate() {
             if self.has_small_sagitta(element, nodes) {
                 continue;
             }
-            let [a, b, c, d] = element.corners;
-            let corners = [in_body(a), in_body(b), in_body(c), in_body(d)];
+            let [a, b, c, d] = self.neighbours.candidate_corners[place];
+            let corners = [in_body[a as usize], in_body[b as usize], in_body[c as usize], in_body[d as usize]];
             if clearances[place].holds(&corners) {
                 continue;
             }
             let mut unknown = UNKNOWN;
             let followed = followed.get_mut(place).unwrap_or(&mut unknown);
             let known = faces.len();
-            let margin =
-                self.add_face_constraints((place, element.corners), nodes, body, (pose, dt), followed, &mut faces);
+            let margin = self.add_face_constraints((place, element.corners), nodes, body, (pose, dt), followed, faces);
             clearances[place] = if faces.len() > known { Clearance::NONE } else { Clearance::new(&corners, margin) };
         }
-        faces
+        self.neighbours.clearances = clearances;
+        self.in_body = in_body;
     }
 
     /// Largest number of sweeps in a step, without contact between faces.

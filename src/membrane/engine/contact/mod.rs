@@ -37,6 +37,7 @@ use super::film_contact::FilmContact;
 use super::nodes::{Nodes, Vectors, VelocityRecord};
 use super::rigid_body::{CoupledFilm, RigidBody};
 use super::thread_pool::ThreadPool;
+use face_contact::Constraint;
 use friction::Friction;
 use impulse_sums::ImpulseSums;
 use neighbours::NeighbourList;
@@ -69,6 +70,12 @@ pub struct Contact {
     pub(super) work: Work,
     /// Impulses of all sweeps of the last step; none where there is one body, whose contact takes one sweep.
     swept: Option<Vec<Impulse>>,
+    /// Constraints of the step and those of faces before they join them, both empty between steps: kept for their
+    /// capacity.
+    constraints: Vec<Constraint>,
+    faces: Vec<Constraint>,
+    /// Positions of the nodes of the candidates for face contact in the axes of the body, m.
+    in_body: Vec<Vector3<f64>>,
     /// Impulse of the guide on the body in the last step, N s; none without friction of the guide.
     pub(super) guide_impulse: Option<f64>,
 }
@@ -144,6 +151,9 @@ impl Contact {
             lists_impulses: false,
             work: Work::default(),
             swept: None,
+            constraints: vec![],
+            faces: vec![],
+            in_body: vec![],
             guide_impulse: None,
         }
     }

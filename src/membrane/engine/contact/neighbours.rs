@@ -30,6 +30,14 @@ pub(super) struct NeighbourList {
     pub(super) elements: Vec<NeighbourElement>,
     /// Elements that may penetrate between their nodes by more than is allowed.
     pub(super) face_candidates: Vec<NeighbourElement>,
+    /// The nodes of `face_candidates`, ascending, and for each of these the places of its corners among them.
+    #[serde(skip)]
+    pub(super) candidate_nodes: Vec<u32>,
+    #[serde(skip)]
+    pub(super) candidate_corners: Vec<[u32; 4]>,
+    /// Places of the candidates at which a followed point has a force, some of them several times.
+    #[serde(skip)]
+    pub(super) pushed: Vec<u32>,
     /// Of each of `face_candidates`, on a convex body with edges.
     pub(super) followed: Vec<Followed>,
     /// Of each of `face_candidates`.
@@ -169,8 +177,15 @@ impl NeighbourList {
         corners.sort_unstable();
         corners.dedup();
         self.impulse_nodes.clone_from(&self.nodes);
-        self.impulse_nodes.extend(corners.into_iter().filter(|n| self.nodes.binary_search(n).is_err()));
+        self.impulse_nodes.extend(corners.iter().filter(|n| self.nodes.binary_search(n).is_err()));
         self.impulse_nodes.sort_unstable();
+        let place = |n: u32| corners.partition_point(|corner| *corner < n) as u32;
+        self.candidate_corners.clear();
+        self.candidate_corners.extend(self.face_candidates.iter().map(|element| element.corners.map(place)));
+        self.candidate_nodes = corners;
+        let is_pushed = |followed: &Followed| followed.iter().any(|point| point.force != [0.0; 3]);
+        let pushed = self.followed.iter().enumerate().filter(|(_, followed)| is_pushed(followed));
+        self.pushed = pushed.map(|(place, _)| place as u32).collect();
     }
 
     /// Index of the first listed node whose number is not below `node`.
