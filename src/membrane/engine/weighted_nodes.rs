@@ -56,7 +56,11 @@ impl WeightedNodes {
 
     /// Velocity of the sum per impulse along each axis, 1/kg.
     pub(super) fn inverse_mass(&self) -> Vector3<f64> {
-        (0..4).map(|k| self.response[k] * self.weights[k]).sum()
+        let mut sum = Vector3::zeros();
+        for k in 0..4 {
+            sum += self.response[k] * self.weights[k];
+        }
+        sum
     }
 
     /// Inverse mass of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in
@@ -64,7 +68,8 @@ impl WeightedNodes {
     pub(super) fn inverse_free_mass(&self) -> f64 {
         let free = |k: usize| {
             // The response of its free direction, as if all were free; zero only where none is.
-            let largest = self.response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs()));
+            let response = &self.response[k];
+            let largest = response.x.abs().max(response.y.abs()).max(response.z.abs());
             self.weights[k] * largest.copysign(self.weights[k])
         };
         (0..4).map(free).sum()

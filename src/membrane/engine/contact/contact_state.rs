@@ -122,7 +122,14 @@ impl Contact {
             let nearest = self.nearest.get(corners[0] as usize);
             let normals = at[0].normal + at[1].normal + at[2].normal + at[3].normal;
             let outward = normals.try_normalize(0.0).filter(|_| is_convex);
-            let [least, at_mean] = self.rounded.least_distance(pose, &positions, &at, outward.as_ref(), nearest);
+            let [least, at_mean] = self.rounded.least_distance(
+                pose,
+                &positions,
+                &at,
+                outward.as_ref(),
+                nearest,
+                offset + tolerance + self.rounding(),
+            );
             let [penetration, estimate] = [least, at_mean].map(|distance| offset - distance + self.rounding());
             let is_touching = corners_at.iter().any(|(_, is_touching)| *is_touching);
             Bounded { positions, at, offset, penetration, estimate, outward, nearest, is_touching }

@@ -58,10 +58,10 @@ pub(super) struct Carried {
 impl Carried {
     /// Applies `factor` times the impulse to the nodes, and moves them on for `dt` (s).
     pub(super) fn apply(&self, factor: f64, nodes: &mut Nodes, dt: f64) {
-        let [normal, tangential] = [self.normal, self.tangential_impulse].map(Vector3::from);
+        let (normal, tangential) = (Vector3::from(self.normal), Vector3::from(self.tangential_impulse));
         let impulse = (normal * self.normal_impulse + tangential) * factor;
-        for (node, weight) in self.nodes.iter().zip(self.weights) {
-            nodes.apply_impulse(*node as usize, &(impulse * weight), dt);
+        for k in 0..4 {
+            nodes.apply_impulse(self.nodes[k] as usize, &(impulse * self.weights[k]), dt);
         }
     }
 

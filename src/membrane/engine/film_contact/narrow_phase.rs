@@ -155,9 +155,9 @@ impl FilmContact {
         for CloseNode { node, weights: [a, b, c], normal, distance } in &found.nodes.close {
             let n = *node as usize;
             // In the order of the tracking, which may be turned so that the corner under the node comes first.
-            let corners = tracking.corners.each_ref().map(|corner| corner[n]);
+            let [first, second, third] = &tracking.corners;
             let pair = Pair {
-                nodes: [*node, corners[0], corners[1], corners[2]],
+                nodes: [*node, first[n], second[n], third[n]],
                 weights: [1.0, -a, -b, -c],
                 normal: Vector3::from(*normal),
                 distance: *distance,
@@ -197,8 +197,9 @@ impl FilmContact {
         let crossings = &self.crossings;
         close_crossings(pool.width(), crossings, &nodes.position, range, margin, &mut found.crossings);
         for CloseCrossing { place, shares: [s, t], normal, distance } in &found.crossings.close {
+            let [first, second, third, fourth] = &crossings.nodes;
             let pair = Pair {
-                nodes: crossings.nodes.each_ref().map(|all| all[*place]),
+                nodes: [first[*place], second[*place], third[*place], fourth[*place]],
                 weights: [1.0 - s, *s, *t - 1.0, -*t],
                 normal: Vector3::from(*normal),
                 distance: *distance,
@@ -327,7 +328,8 @@ fn close_nodes_lanewise(
             }
             if is_close[l] != 0 {
                 let (b, c) = (of_b[l] / squared[l], of_c[l] / squared[l]);
-                let normal = [area[0][l], area[1][l], area[2][l]].map(|axis| axis * (sign[l] / length[l]));
+                let scale = sign[l] / length[l];
+                let normal = [area[0][l] * scale, area[1][l] * scale, area[2][l] * scale];
                 found.close.push(CloseNode {
                     node: nodes[l],
                     weights: [1.0 - b - c, b, c],

@@ -96,9 +96,12 @@ impl Nodes {
     }
 
     /// Applies `impulse` (N s) to a node and moves it by the change of velocity times `dt` (s).
+    #[inline]
     pub(super) fn apply_impulse(&mut self, node: usize, impulse: &Vector3<f64>, dt: f64) {
-        // SAFETY: there is one thread.
-        unsafe { self.correction().apply_impulse(node, &(*impulse).into(), dt) };
+        let inverse_mass = self.effective_inverse_mass.value_at(node);
+        let change = [impulse.x * inverse_mass[0], impulse.y * inverse_mass[1], impulse.z * inverse_mass[2]];
+        self.position.add(node, [change[0] * dt, change[1] * dt, change[2] * dt]);
+        self.velocity.add(node, change);
     }
 
     /// Bytes of its arrays.

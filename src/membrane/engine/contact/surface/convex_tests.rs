@@ -197,7 +197,7 @@ fn an_element_is_no_deeper_than_its_bound() {
             }
             let outward = at.iter().map(|at| at.normal).sum::<Vector3<f64>>().normalize();
             let outward = Some(&outward).filter(|_| body.is_convex());
-            let [mut bound, _] = body.least_distance(&pose, &corners, &at, outward, Some(&nearest[0]));
+            let [mut bound, _] = body.least_distance(&pose, &corners, &at, outward, Some(&nearest[0]), f64::INFINITY);
             if let Some(outward) = outward {
                 bound = bound.max(body.least_over_triangles(&pose, &corners, &at, outward, Some(&nearest[0])));
             }

@@ -40,8 +40,9 @@ impl Surface {
     ///
     /// No point is nearer than its distance from a corner admits, and from a convex body none lies below the tangents at
     /// the corners (theory.md, equation 212), or below the plane on the body that is upright to the mean of their
-    /// normals, which is the closest of these where film lies on a curved face. With it goes the distance of the mean of
-    /// the corners from that plane, or the bound again where there is none.
+    /// normals, which is the closest of these where film lies on a curved face and looked for only where those admit
+    /// less than `beyond` (m). With the bound goes the distance of the mean of the corners from that plane, or the bound
+    /// again where there is none.
     pub(in crate::engine::contact) fn least_distance(
         &self,
         pose: &Isometry3<f64>,
@@ -49,23 +50,21 @@ impl Surface {
         at: &[Projection; 4],
         outward: Option<&Vector3<f64>>,
         nearest: Option<&Nearest>,
+        beyond: f64,
     ) -> [f64; 2] {
-        let (mut least, mut at_mean) = (f64::NEG_INFINITY, None);
-        if let Some(outward) = outward {
-            let reach = self.convex_reach(pose, outward, nearest);
-            let height = |point: &Point3<f64>| outward.dot(&(point.coords - pose.translation.vector)) - reach;
-            least = corners.iter().map(height).fold(f64::INFINITY, f64::min);
-            at_mean = Some(height(&mean_of(corners)));
-        }
+        let mut least = f64::NEG_INFINITY;
         for (Projection { distance, normal }, corner) in at.iter().zip(corners) {
             let is_tangent = outward.is_some() && *normal != Vector3::zeros();
-            let over = corners.iter().map(|point| {
+            raise(&mut least, corners, |point| {
                 let arm = point - corner;
                 distance + if is_tangent { normal.dot(&arm) } else { -arm.norm() }
             });
-            least = least.max(over.fold(f64::INFINITY, f64::min));
         }
-        [least, at_mean.unwrap_or(least)]
+        let Some(outward) = outward.filter(|_| least < beyond) else { return [least; 2] };
+        let reach = self.convex_reach(pose, outward, nearest);
+        let height = |point: &Point3<f64>| outward.dot(&(point.coords - pose.translation.vector)) - reach;
+        raise(&mut least, corners, height);
+        [least, height(&mean_of(corners))]
     }
 
     /// A closer one of a convex body at `pose`, triangle by triangle: by the tangents at the corners and by the planes on
@@ -150,6 +149,14 @@ impl Surface {
         }
         DeepPoints { points: search.found, least: search.least }
     }
+}
+
+/// Raises `bound` to the least value of an affine or concave function at the corners of an element, which is that of all
+/// its points.
+#[inline(always)]
+fn raise(bound: &mut f64, corners: &[Point3<f64>; 4], value: impl Fn(&Point3<f64>) -> f64) {
+    let least = value(&corners[0]).min(value(&corners[1])).min(value(&corners[2])).min(value(&corners[3]));
+    *bound = bound.max(least);
 }
 
 /// The mean of the corners of an element.
