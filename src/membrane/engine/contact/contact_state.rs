@@ -35,14 +35,15 @@ impl Contact {
         // Where the deepest come first, most others need not be looked at.
         elements.sort_by(|a, b| b.estimate.total_cmp(&a.estimate));
         for Bounded { positions, at, offset, penetration, outward, nearest, is_touching, .. } in &elements {
-            if *penetration <= -tolerance {
+            let mut within = offset + tolerance + self.neighbours.edge;
+            // No point of it is as near as that.
+            if offset - penetration + rounding >= within {
                 continue;
             }
             let edge = longest_edge(positions);
             if *is_touching {
                 out.longest_edge = out.longest_edge.max(edge);
             }
-            let mut within = offset + tolerance + self.neighbours.edge;
             if edge <= out.longest_edge {
                 // Neither of both results can grow by such an element.
                 let closer = |outward: &Vector3<f64>| {
@@ -77,8 +78,8 @@ impl Contact {
         if self.surface.is_mesh() { 0.0 } else { self.neighbours.edge }
     }
 
-    /// The elements next to the impactor at `pose`, with bounds on their penetration; in contact is what penetrates by
-    /// more than minus the `tolerance` (m).
+    /// The elements next to the impactor at `pose`, with bounds on their penetration; what is nearer than the distance in
+    /// contact and the `tolerance` (m) counts as touching.
     fn bounded_elements(&self, nodes: &Nodes, pose: &Isometry3<f64>, tolerance: f64) -> Vec<Bounded<'_>> {
         // Of each node, once it is asked for.
         let mut followed = self.nearest.clone();
@@ -122,14 +123,8 @@ impl Contact {
             let nearest = self.nearest.get(corners[0] as usize);
             let normals = at[0].normal + at[1].normal + at[2].normal + at[3].normal;
             let outward = normals.try_normalize(0.0).filter(|_| is_convex);
-            let [least, at_mean] = self.rounded.least_distance(
-                pose,
-                &positions,
-                &at,
-                outward.as_ref(),
-                nearest,
-                offset + tolerance + self.rounding(),
-            );
+            let [least, at_mean] =
+                self.rounded.least_distance(pose, &positions, &at, outward.as_ref(), nearest, within);
             let [penetration, estimate] = [least, at_mean].map(|distance| offset - distance + self.rounding());
             let is_touching = corners_at.iter().any(|(_, is_touching)| *is_touching);
             Bounded { positions, at, offset, penetration, estimate, outward, nearest, is_touching }
@@ -145,7 +140,7 @@ struct Bounded<'a> {
     at: [Projection; 4],
     /// Of its mid-surface from the impactor in contact, m.
     offset: f64,
-    /// Bound on its penetration, m; negative where it is not in contact.
+    /// Bound on its penetration, m.
     penetration: f64,
     /// About how deep its middle is, m.
     estimate: f64,

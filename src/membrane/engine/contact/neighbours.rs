@@ -1,5 +1,6 @@
 //! The neighbour list: nodes and elements that may come into contact before it is rebuilt.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -120,7 +121,7 @@ impl Contact {
         let list = &mut self.neighbours;
         list.nodes.clear();
         list.elements.clear();
-        list.face_candidates.clear();
+        let known = list.take_known();
         for film in films {
             // In ascending order, on which the ranges, the binary searches and the order of sums rely.
             list.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
@@ -148,19 +149,32 @@ impl Contact {
                 }
             });
         }
-        // Both are indexed by the place among the candidates, which is a new one.
-        list.clearances.clear();
-        list.clearances.resize(list.face_candidates.len(), Clearance::NONE);
-        list.followed.clear();
-        if self.surface.is_convex_solid() {
-            list.followed.resize(list.face_candidates.len(), UNKNOWN);
-        }
+        list.place_known(&known, self.surface.is_convex_solid());
         list.partition(films);
         list.margin = skin;
     }
 }
 
 impl NeighbourList {
+    /// Takes out the candidates with what is known of each, by their corners.
+    fn take_known(&mut self) -> HashMap<[u32; 4], (Clearance, Followed)> {
+        let followed = self.followed.drain(..).chain(std::iter::repeat(UNKNOWN));
+        let known = self.clearances.drain(..).zip(followed);
+        self.face_candidates.drain(..).map(|element| element.corners).zip(known).collect()
+    }
+
+    /// Places what is `known` of the candidates at their new places: it is of the film and of the body, not of the list,
+    /// and what is new is looked at.
+    fn place_known(&mut self, known: &HashMap<[u32; 4], (Clearance, Followed)>, is_convex_solid: bool) {
+        for element in &self.face_candidates {
+            let (clearance, followed) = known.get(&element.corners).copied().unwrap_or((Clearance::NONE, UNKNOWN));
+            self.clearances.push(clearance);
+            if is_convex_solid {
+                self.followed.push(followed);
+            }
+        }
+    }
+
     /// Derives the ranges and the nodes that may get an impulse from the rest of the list.
     pub(super) fn partition(&mut self, films: &[Film]) {
         self.ranges.clear();

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 use parry3d_f64::shape::{Ball, TriMesh};
 
-use super::triangle_minimum::{Minimum, minimum};
+use super::triangle_minimum::{Minimum, minimum, over_plane};
 use super::*;
 
 /// Points around a body, inside and outside, from a sequence that fills space.
@@ -82,8 +82,10 @@ fn the_nearest_point_of_a_triangle_is_nearer_than_its_samples() {
                         let again = solid.project_local(&at(place));
                         assert!((again.distance - projection.distance).abs() < 1e-15, "{k}, {n}");
                     }
-                    Minimum::Beyond { bound, .. } => {
+                    Minimum::Beyond { bound, normal, .. } => {
                         met[1] += 1;
+                        let over = over_plane(solid, &corners, &normal, within).unwrap().0;
+                        assert!(over <= least + 1e-15, "{k}, {n}: {over}, {least}");
                         assert!(bound >= within && bound <= least + 1e-15, "{k}, {n}: {bound}, {least}");
                     }
                     Minimum::Cut => met[2] += 1,

@@ -6,11 +6,11 @@ use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
 use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
 
-use super::element_points::{DeepPoints, DeepestPoint, Followed, Search, corner_weights, sides};
+use super::element_points::{DeepPoints, DeepestPoint, Followed, FollowedPoint, Search, corner_weights, sides};
 use super::nearest::Nearest;
 use super::projection::{Projection, nearest_on_axis};
 use super::solid::Solid;
-use super::triangle_minimum::{Minimum, minimum};
+use super::triangle_minimum::{Minimum, minimum, over_plane};
 use super::{Part, Shape, Surface, vector};
 use crate::lane::{larger, smaller};
 
@@ -260,13 +260,22 @@ fn deepest_in_solid(solid: &Solid, pose: &Isometry3<f64>, corners: &[Point3<f64>
 fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, search: &mut Search) {
     for [a, b] in sides(count) {
         let corners = [points[a], points[b], points[4]];
+        // Where film slides over an edge, its points move past it while the plane between both hardly turns.
+        if let Some(FollowedPoint { place, beyond, .. }) = search.followed.map(|followed| followed[a])
+            && let Some((bound, normal)) = over_plane(solid, &corners, &beyond.into(), search.within)
+            && bound >= search.within
+        {
+            search.follow(a, place, normal);
+            search.least = search.least.min(bound);
+            continue;
+        }
         // Negative where nothing is known: the search begins at the third corner, the mean.
         let known = search.followed.map(|followed| followed[a].place).filter(|place| place[0] >= 0.0);
         // Below round-off of a distance no tangent would ever confirm the minimum.
         let tolerance = search.tolerance.max(LEAST_TOLERANCE);
         let (projection, place) = match minimum(solid, &corners, known.unwrap_or([0.0; 2]), search.within, tolerance) {
-            Minimum::Beyond { bound, place } => {
-                search.place(a, place);
+            Minimum::Beyond { bound, place, normal } => {
+                search.follow(a, place, normal);
                 search.least = search.least.min(bound);
                 continue;
             }
@@ -280,7 +289,7 @@ fn deepest_in_convex(solid: &Solid, points: &[Vector3<f64>; 5], count: usize, se
                 }
             },
         };
-        search.place(a, place);
+        search.follow(a, place, Vector3::zeros());
         let [u, v] = place;
         let point = corners[0] * u + corners[1] * v + corners[2] * (1.0 - u - v);
         // Reported penetration is measured to the edges as given, not to the rounded ones (theory.md, section 6).

@@ -89,12 +89,15 @@ pub(in crate::engine::contact) type Followed = [FollowedPoint; 4];
 pub(in crate::engine::contact) struct FollowedPoint {
     /// Shares of the two sides from the mean of the corners; negative where it is not known.
     pub(super) place: [f64; 2],
+    /// Upright to a plane on the body, body axes, that had all of the triangle beyond it; zero where none is known.
+    pub(super) beyond: [f64; 3],
     /// Mean force on the film there, N.
     pub(in crate::engine::contact) force: [f64; 3],
 }
 
 /// Deepest points that are not known.
-pub(in crate::engine::contact) const UNKNOWN: Followed = [FollowedPoint { place: [-1.0; 2], force: [0.0; 3] }; 4];
+pub(in crate::engine::contact) const UNKNOWN: Followed =
+    [FollowedPoint { place: [-1.0; 2], beyond: [0.0; 3], force: [0.0; 3] }; 4];
 
 /// Difference of the weights of corners and of the normals below which two points are one.
 const SAME: f64 = 1e-3;
@@ -106,10 +109,11 @@ impl Search {
         Search { within, keeps_all, found: vec![], followed: None, tolerance: 0.0, least, depth }
     }
 
-    /// Records where the deepest point of the triangle of the side from corner `side` is.
-    pub(super) fn place(&mut self, side: usize, place: [f64; 2]) {
+    /// Records where the deepest point of the triangle of the side from corner `side` is, and the normal of a plane on
+    /// the body beyond which it lies, or zero.
+    pub(super) fn follow(&mut self, side: usize, place: [f64; 2], beyond: Vector3<f64>) {
         if let Some(followed) = &mut self.followed {
-            followed[side].place = place;
+            (followed[side].place, followed[side].beyond) = (place, beyond.into());
         }
     }
 

@@ -19,8 +19,9 @@ const ON_EDGE: f64 = 1e-9;
 
 /// Knowledge of the least signed distance of a triangle.
 pub(super) enum Minimum {
-    /// No point is nearer than `bound` (m), which is beyond what counts; `place` is where this was seen.
-    Beyond { bound: f64, place: [f64; 2] },
+    /// No point is nearer than `bound` (m), which is beyond what counts; `place` is where this was seen, and `normal`
+    /// that of a plane on the body which tells it.
+    Beyond { bound: f64, place: [f64; 2], normal: Vector3<f64> },
     /// The nearest point, to within the tolerance.
     At { projection: Projection, place: [f64; 2] },
     /// The plane of the triangle cuts the core, perhaps within the triangle.
@@ -61,6 +62,8 @@ struct Descent<'a> {
     best: Tangent,
     /// Lower bound, m.
     bound: f64,
+    /// Of the plane from which it follows.
+    normal: Vector3<f64>,
 }
 
 impl Descent<'_> {
@@ -74,7 +77,15 @@ impl Descent<'_> {
         if tangent.projection.distance < self.best.projection.distance {
             self.best = *tangent;
         }
-        self.bound = self.bound.max(bound);
+        self.raise(bound, || tangent.projection.normal);
+    }
+
+    /// Takes a lower `bound` (m) that a plane with a `normal` tells.
+    #[inline(always)]
+    fn raise(&mut self, bound: f64, normal: impl FnOnce() -> Vector3<f64>) {
+        if bound > self.bound {
+            (self.bound, self.normal) = (bound, normal());
+        }
     }
 
     /// Finds the least distance on the edge between the corners `ends`, where the slope along it is zero to within
@@ -103,9 +114,8 @@ impl Descent<'_> {
             // triangle.
             // `falls` < 0 < `rises` here, so the share lies within 0 and 1.
             let share = rises / (rises - falls);
-            self.bound = self
-                .bound
-                .max(least(&of_each(&[0, 1, 2], |k: &usize| left.at[*k] * share + right.at[*k] * (1.0 - share))));
+            let level = least(&of_each(&[0, 1, 2], |k: &usize| left.at[*k] * share + right.at[*k] * (1.0 - share)));
+            self.raise(level, || left.projection.normal * share + right.projection.normal * (1.0 - share));
             let [from, to] = [left.weights[ends[1]], right.weights[ends[1]]];
             let along = if turn % 2 == 0 {
                 (right.at[ends[0]] - left.at[ends[0]]) / (falls - rises)
@@ -131,34 +141,41 @@ impl Descent<'_> {
     /// Finds the nearest point on the edge that it was on before, from the tangent there. Where a sharp edge of the body
     /// meets the edge of the triangle, normals turn within micrometres along it, and a tangent is far below the distance
     /// next to its point. A plane on the body that is level along the edge of the triangle is as far below at the
-    /// second order alone; the next place is under the point of the body that it touches.
-    fn follow(&mut self, mut from: Tangent, within: f64, tolerance: f64) -> Option<Minimum> {
+    /// second order alone. The next place is under the point of the body that this plane touches; then where the slopes
+    /// at the last two places say that the edge is level.
+    fn follow(&mut self, first: Tangent, within: f64, tolerance: f64) -> Option<Minimum> {
+        let opposite = (0..3).find(|k| first.weights[*k] <= ON_EDGE)?;
+        let ends = [(opposite + 1) % 3, (opposite + 2) % 3];
+        let [a, b] = [self.corners[ends[0]], self.corners[ends[1]]];
+        let along = b - a;
+        let squared = along.norm_squared();
+        let mut from = first;
+        // Share of the edge and slope along it at the place before.
+        let mut before: Option<[f64; 2]> = None;
         for _ in 0..FOLLOWED {
-            let weights = from.weights;
-            let on_edge =
-                |k: &usize| weights[*k] <= ON_EDGE && weights[(k + 1) % 3].min(weights[(k + 2) % 3]) > ON_EDGE;
-            let opposite = (0..3).find(on_edge)?;
-            let ends = [(opposite + 1) % 3, (opposite + 2) % 3];
-            let [a, b] = [self.corners[ends[0]], self.corners[ends[1]]];
-            let (along, outward) = (b - a, from.projection.normal);
-            let squared = along.norm_squared();
+            let Tangent { projection: Projection { distance, normal: outward }, weights, at } = from;
             let normal = (outward - along * (outward.dot(&along) / squared)).try_normalize(0.0)?;
             let support = self.solid.support_of_core(&normal)?;
             let reach = normal.dot(&support) + self.solid.edge();
             // The whole body lies below that plane, so no point of the triangle is nearer than its corners are to it.
             let bound = least(&of_each(self.corners, |corner| normal.dot(corner) - reach));
-            self.bound = self.bound.max(bound);
+            self.raise(bound, || normal);
             let place = [weights[0], weights[1]];
             if bound >= within {
-                return Some(Minimum::Beyond { bound, place });
+                return Some(Minimum::Beyond { bound, place, normal });
             }
-            let distance = from.projection.distance;
             if distance - bound <= tolerance {
                 return Some(Minimum::At { projection: Projection { distance, normal }, place });
             }
-            let share = ((support - a).dot(&along) / squared).clamp(0.0, 1.0);
+            let (share, slope) = (weights[ends[1]], at[ends[1]] - at[ends[0]]);
+            let level = before
+                .map(|[share_before, slope_before]| share - slope * (share - share_before) / (slope - slope_before));
+            // Also where both slopes are the same and that place is not a number.
+            let next = level.filter(|level| (0.0..=1.0).contains(level));
+            let next = next.unwrap_or_else(|| ((support - a).dot(&along) / squared).clamp(0.0, 1.0));
+            before = Some([share, slope]);
             let mut weights = [0.0; 3];
-            (weights[ends[0]], weights[ends[1]]) = (1.0 - share, share);
+            (weights[ends[0]], weights[ends[1]]) = (1.0 - next, next);
             from = self.tangent(weights);
             self.take(&from, from.least());
         }
@@ -190,6 +207,31 @@ impl Descent<'_> {
     }
 }
 
+/// The least height of a triangle over a plane on a convex body, m: no point of it is nearer. The plane is upright to
+/// `direction`, or levelled along the edge between the two lowest corners where the first is not `within` (m) below.
+/// None without a direction.
+#[inline(always)]
+pub(super) fn over_plane(
+    solid: &Solid,
+    corners: &[Vector3<f64>; 3],
+    direction: &Vector3<f64>,
+    within: f64,
+) -> Option<(f64, Vector3<f64>)> {
+    let mut normal = direction.try_normalize(0.0)?;
+    for is_last in [false, true] {
+        let reach = normal.dot(&solid.support_of_core(&normal)?) + solid.edge();
+        let heights = of_each(corners, |corner| normal.dot(corner) - reach);
+        let bound = least(&heights);
+        if bound >= within || is_last {
+            return Some((bound, normal));
+        }
+        let highest = (0..3).fold(0, |highest, k| if heights[k] > heights[highest] { k } else { highest });
+        let along = corners[(highest + 1) % 3] - corners[(highest + 2) % 3];
+        normal = (normal - along * (normal.dot(&along) / along.norm_squared())).try_normalize(0.0)?;
+    }
+    None
+}
+
 /// The signed distance at the point of a triangle that has these `weights` of its `corners`.
 fn tangent(solid: &Solid, corners: &[Vector3<f64>; 3], weights: [f64; 3]) -> Tangent {
     let point = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
@@ -209,11 +251,11 @@ pub(super) fn minimum(
     tolerance: f64,
 ) -> Minimum {
     let first = tangent(solid, corners, [place[0], place[1], 1.0 - place[0] - place[1]]);
-    let mut descent = Descent { solid, corners, best: first, bound: first.least() };
+    let mut descent = Descent { solid, corners, best: first, bound: first.least(), normal: first.projection.normal };
     let ends = |descent: &Descent<'_>| {
         let Descent { best, bound, .. } = descent;
         if *bound >= within {
-            return Some(Minimum::Beyond { bound: *bound, place: descent.place() });
+            return Some(Minimum::Beyond { bound: *bound, place: descent.place(), normal: descent.normal });
         }
         let projection = best.projection;
         // Its own tangent must say so: where several together do, as in the core, none of their normals is that of the
@@ -249,7 +291,7 @@ pub(super) fn minimum(
     // edges.
     let Descent { best, bound, .. } = descent;
     if best.projection.distance >= within {
-        return Minimum::Beyond { bound: bound.max(within), place: descent.place() };
+        return Minimum::Beyond { bound: bound.max(within), place: descent.place(), normal: descent.normal };
     }
     Minimum::At { projection: best.projection, place: descent.place() }
 }
