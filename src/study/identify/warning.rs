@@ -48,8 +48,8 @@ findings! {
                 count as worse than all others";
             remedy "tighten the bounds if many failed; use on_failure \"retry\" for a rough objective and on_rupture \
                 \"keep\" for tests that rupture";
-            message "{count} trials failed{} and counted as worst, the first at {first}: {cause}",
-                if *retried { ", also when repeated," } else { "" };
+            message "{count} {} failed{} and counted as worst, the first at {first}: {cause}",
+                if *count == 1 { "trial" } else { "trials" }, if *retried { ", also when repeated," } else { "" };
         NotConverged { reason: StopReason, "why it stopped" => "reason" } = "not-converged" as NOT_CONVERGED, Warning;
             meaning "a search stopped before its tolerances were met";
             remedy "raise max_iterations and max_evaluations, or loosen tol_x and tol_f if the objective is rough";
