@@ -106,8 +106,7 @@ mod tests {
     #[test]
     fn every_part_of_every_axis_holds_one_start() {
         let bounds = Bounds::new(&unnamed(2), Some(vec![-1.0, 10.0]), Some(vec![1.0, 20.0])).unwrap();
-        let starts = Starts::Spread(9);
-        let search = Search { bounds, starts, seed: 7, ..Search::new(Method::NelderMead, vec![0.0, 11.0]) };
+        let search = Search { bounds, seed: 7, ..Search::new(Method::NelderMead, vec![0.0, 11.0]) };
         let points = spread(&search, 8);
         assert_eq!(points.len(), 8);
         for (axis, [lower, upper]) in search.bounds.pairs().enumerate() {

@@ -4,24 +4,18 @@ use std::collections::HashSet;
 
 use rhai::{ASTNode, Expr, FnCallExpr, Position, Stmt};
 
+use super::calls::Words;
 use super::module::Unit;
 use super::{CallOptions, Fault};
 use base::diagnostic::closest;
 
 /// Every option in `units` that its function does not have, in the order of the texts. Functions that a text defines itself, or that
-/// it has as a key or a text, are not those of the host.
+/// it has as a key, a property or a text, are not those of the host.
 pub(super) fn unknown(known: &[CallOptions], units: &[Unit]) -> Vec<Fault> {
     let mut own: HashSet<String> = HashSet::new();
     for unit in units {
         own.extend(unit.program.iter_functions().map(|function| function.name.to_owned()));
-        unit.program.walk(&mut |path: &[ASTNode]| {
-            match path.last() {
-                Some(ASTNode::Expr(Expr::Map(map, _))) => own.extend(map.0.iter().map(|(key, _)| key.name.to_string())),
-                Some(ASTNode::Expr(Expr::StringConstant(text, _))) => drop(own.insert(text.to_string())),
-                _ => {}
-            }
-            true
-        });
+        own.extend(Words::from_program(&unit.program).mentioned);
     }
     units.iter().flat_map(|unit| of_unit(known, unit, &own)).collect()
 }

@@ -60,15 +60,15 @@ struct Call {
 
 /// The calls of a script, and other names in it.
 #[derive(Default)]
-struct Words {
+pub(super) struct Words {
     calls: Vec<Call>,
     /// Keys of maps, properties and texts.
-    mentioned: HashSet<String>,
+    pub(super) mentioned: HashSet<String>,
     variables: HashSet<String>,
 }
 
 impl Words {
-    fn from_program(program: &AST) -> Words {
+    pub(super) fn from_program(program: &AST) -> Words {
         let mut words = Words::default();
         program.walk(&mut |path: &[ASTNode]| {
             match path.last() {
