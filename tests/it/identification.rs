@@ -336,7 +336,7 @@ fn a_ruptured_run_counts_as_on_rupture_sets() {
     };
     let failed = warnings("fail");
     assert!(
-        failed.contains("1 trials failed and counted as worst") && failed.contains("the film broke at"),
+        failed.contains("1 trial failed and counted as worst") && failed.contains("the film broke at"),
         "{failed}"
     );
     assert_eq!(warnings("keep"), "not converged: max_evaluations was reached; ");
