@@ -17,6 +17,11 @@ const ENSEMBLES: usize = 4;
 /// Deviation of the factor of a step along the difference of two walkers, about its mean 2.38/√(2 d).
 const DIFFERENCE_SPREAD: f64 = 1e-5;
 
+/// Most steps of each walker whose points are kept: of more, every second, third …
+const MOST_KEPT: usize = 1000;
+/// Steps of each walker whose points are in memory at once.
+const PIECE: usize = 250;
+
 /// Largest R̂ with which samples count as those of the density (Vehtari et al. 2021).
 pub const LARGEST_R_HAT: f64 = 1.01;
 
@@ -26,7 +31,8 @@ pub struct Options {
     /// Walkers of each ensemble, even, at least twice the dimensions and four; none for four times the dimensions and at least
     /// 32.
     pub walkers: Option<usize>,
-    /// Steps of each walker, of which the first half is discarded; doubled until R̂ and effective size suffice.
+    /// Steps of each walker, of which the first half is discarded; doubled until R̂ and effective size suffice, each time with the
+    /// first half of all discarded.
     pub steps: usize,
     /// Steps that are not exceeded by doubling.
     pub most_steps: usize,
@@ -69,7 +75,7 @@ pub enum EnsembleError {
 /// Samples of a density.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// Points, in the order of the ensembles, then of steps, then of walkers.
+    /// Points, in the order of the ensembles, then of steps, of which not all may be kept, then of walkers.
     pub points: Vec<Vec<f64>>,
     /// R̂ of every coordinate over the halves of the ensembles' chains.
     pub r_hat: Vec<f64>,
@@ -124,14 +130,18 @@ pub fn sample(
         return Err(EnsembleError::Walkers { walkers, dimensions });
     }
     let starts = starts(log_density, &mut start, ENSEMBLES * walkers)?;
-    let mut steps = options.steps.clamp(8, options.most_steps.max(8));
+    let mut walk = Walk { log_density, walkers, seed: options.seed, at: starts, done: 0 };
+    // The first half of all steps is discarded, so that what doubling adds is what is kept.
+    let mut steps = (options.steps / 2).max(4);
+    walk.on(steps);
     loop {
-        let samples = chains(log_density, &starts, walkers, steps, options.seed);
+        let kept = walk.on(steps);
+        let samples = kept.samples(walk.walkers, walk.done);
         let is_enough = samples.is_converged() && samples.effective.iter().all(|size| *size >= options.effective);
-        if is_enough || 2 * steps > options.most_steps {
+        if is_enough || 2 * walk.done > options.most_steps {
             return Ok(samples);
         }
-        steps *= 2;
+        steps = walk.done;
     }
 }
 
@@ -153,48 +163,109 @@ fn starts(
     if found.len() < needed { Err(EnsembleError::Starts { found: found.len(), needed }) } else { Ok(found) }
 }
 
-/// All ensembles, each in a thread, with so many steps.
-fn chains(
-    log_density: &(impl Fn(&[f64]) -> f64 + Sync),
-    starts: &[Vec<f64>],
+/// Ensembles on their way.
+struct Walk<'a, F> {
+    log_density: &'a F,
+    /// Walkers of each ensemble.
     walkers: usize,
-    steps: usize,
     seed: u64,
-) -> Samples {
-    let ensemble = |number: usize, starts: &[Vec<f64>]| {
-        let generator = |walker: usize| {
-            let mut generator = ChaCha8Rng::seed_from_u64(seed);
-            generator.set_stream((number * walkers + walker) as u64);
-            generator
-        };
-        let start = starts.iter().cloned().enumerate().map(|(walker, start)| (start, generator(walker)));
-        let factor = 2.38 / (2.0 * starts[0].len() as f64).sqrt();
-        let steps_of =
+    /// Where the walkers of all ensembles are.
+    at: Vec<Vec<f64>>,
+    /// Steps that each has taken.
+    done: usize,
+}
+
+/// What is kept of some steps.
+struct Kept {
+    /// Points of each ensemble: of all its walkers, every so many steps.
+    chains: Vec<Vec<Vec<f64>>>,
+    /// Share of the steps that were accepted.
+    acceptance: f64,
+}
+
+impl<F: Fn(&[f64]) -> f64 + Sync> Walk<'_, F> {
+    /// So many steps on, each ensemble in a thread; at most [`MOST_KEPT`] of them are kept, evenly.
+    fn on(&mut self, steps: usize) -> Kept {
+        let every = steps.div_ceil(MOST_KEPT);
+        let (walk, count) = (&*self, self.walkers);
+        let found: Vec<(Vec<Vec<f64>>, Vec<Vec<f64>>, usize)> = std::thread::scope(|scope| {
+            let threads: Vec<_> = self
+                .at
+                .chunks(count)
+                .enumerate()
+                .map(|(number, at)| scope.spawn(move || walk.ensemble(number, at.to_vec(), steps, every)))
+                .collect();
+            threads
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+                .collect()
+        });
+        let accepted: usize = found.iter().map(|(_, _, accepted)| accepted).sum();
+        let acceptance = accepted as f64 / (ENSEMBLES * count * steps) as f64;
+        let (mut chains, mut at) = (Vec::new(), Vec::new());
+        for (chain, last, _) in found {
+            chains.push(chain);
+            at.extend(last);
+        }
+        (self.at, self.done) = (at, self.done + steps);
+        Kept { chains, acceptance }
+    }
+
+    /// Points of an ensemble every so many of its steps, where its walkers are in the end, and how many steps were accepted.
+    fn ensemble(
+        &self,
+        number: usize,
+        mut at: Vec<Vec<f64>>,
+        steps: usize,
+        every: usize,
+    ) -> (Vec<Vec<f64>>, Vec<Vec<f64>>, usize) {
+        let count = self.walkers;
+        let factor = 2.38 / (2.0 * at[0].len() as f64).sqrt();
+        let moves =
             Mixture::from(((Stretch::default(), 1), (DifferentialEvolution::new(factor, DIFFERENCE_SPREAD), 1)));
-        run(&Density(log_density), &steps_of, start, MinChainLen(walkers * steps), Serial)
-    };
-    let found: Vec<(Vec<Vec<f64>>, usize)> = std::thread::scope(|scope| {
-        let threads: Vec<_> = starts
-            .chunks(walkers)
-            .enumerate()
-            .map(|(number, starts)| scope.spawn(move || ensemble(number, starts)))
-            .collect();
-        threads
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
-    });
-    let accepted: usize = found.iter().map(|(_, accepted)| accepted).sum();
-    let half = walkers * (steps / 2);
-    let kept: Vec<Vec<Vec<f64>>> = found.into_iter().map(|(mut chain, _)| chain.split_off(half)).collect();
-    let dimensions = starts[0].len();
-    let acceptance = accepted as f64 / (starts.len() * steps) as f64;
-    let of = |index: usize| -> Vec<Vec<f64>> {
-        kept.iter().map(|chain| chain.iter().map(|point| point[index]).collect()).collect()
-    };
-    let r_hat = (0..dimensions).map(|index| r_hat(&of(index), walkers)).collect();
-    let effective = (0..dimensions).map(|index| effective_size(&of(index), walkers)).collect();
-    Samples { points: kept.into_iter().flatten().collect(), r_hat, effective, acceptance, steps }
+        let (mut kept, mut accepted, mut done) = (Vec::new(), 0, 0);
+        while done < steps {
+            // A few steps at a time, since all points of them are in memory.
+            let piece = (every * PIECE.div_ceil(every)).min(steps - done);
+            let generator = |walker: usize| {
+                let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
+                // Steps before this one, so that each piece has random numbers of its own.
+                generator.set_stream(((self.done + done) * ENSEMBLES * count + number * count + walker) as u64);
+                generator
+            };
+            let start = at.into_iter().enumerate().map(|(walker, start)| (start, generator(walker)));
+            let (mut points, own) = run(&Density(self.log_density), &moves, start, MinChainLen(count * piece), Serial);
+            accepted += own;
+            at = points[points.len() - count..].to_vec();
+            if every == 1 {
+                kept.append(&mut points);
+            } else {
+                let of_step = |step: usize| step % every == every - 1;
+                kept.extend(
+                    points
+                        .chunks(count)
+                        .enumerate()
+                        .filter(|(step, _)| of_step(*step))
+                        .flat_map(|(_, own)| own.to_vec()),
+                );
+            }
+            done += piece;
+        }
+        (kept, at, accepted)
+    }
+}
+
+impl Kept {
+    fn samples(self, walkers: usize, steps: usize) -> Samples {
+        let dimensions = self.chains[0][0].len();
+        let of = |index: usize| -> Vec<Vec<f64>> {
+            self.chains.iter().map(|chain| chain.iter().map(|point| point[index]).collect()).collect()
+        };
+        let r_hat = (0..dimensions).map(|index| r_hat(&of(index), walkers)).collect();
+        let effective = (0..dimensions).map(|index| effective_size(&of(index), walkers)).collect();
+        let acceptance = self.acceptance;
+        Samples { points: self.chains.into_iter().flatten().collect(), r_hat, effective, acceptance, steps }
+    }
 }
 
 /// R̂ over the halves of chains whose points are `walkers` a step.

@@ -15,11 +15,11 @@ pub enum Family {
 }
 
 impl Family {
-    /// Values of degree 0 … `highest` at the point `u` of the open unit interval.
+    /// Values of degree 0, 1, 2 … at the point `u` of the open unit interval, as many as `values` holds.
     ///
     /// By the three-term recurrence of the monic polynomials, P₍ₙ₊₁₎ = x Pₙ − bₙ P₍ₙ₋₁₎, divided by their norms
     /// (Gautschi 2004): √b₍ₙ₊₁₎ p₍ₙ₊₁₎ = x pₙ − √bₙ p₍ₙ₋₁₎.
-    pub(super) fn values(self, u: f64, highest: usize) -> Vec<f64> {
+    pub(super) fn fill(self, u: f64, values: &mut [f64]) {
         let x = match self {
             Self::Legendre => 2.0 * u - 1.0,
             Self::Hermite => normal::quantile(u),
@@ -31,13 +31,14 @@ impl Family {
                 Self::Hermite => n.sqrt(),
             }
         };
-        let mut values = vec![1.0];
-        for n in 0..highest {
+        if let Some(first) = values.first_mut() {
+            *first = 1.0;
+        }
+        for n in 0..values.len().saturating_sub(1) {
             // Normalized within the recurrence, so that values stay of the order of one at any degree.
             let before = if n == 0 { 0.0 } else { norm(n) * values[n - 1] };
-            values.push((x * values[n] - before) / norm(n + 1));
+            values[n + 1] = (x * values[n] - before) / norm(n + 1);
         }
-        values
     }
 }
 
@@ -80,6 +81,12 @@ pub(super) fn hyperbolic(inputs: usize, degree: usize, q: f64, most: usize) -> O
 mod tests {
     use super::*;
 
+    fn values(family: Family, u: f64) -> [f64; 6] {
+        let mut values = [0.0; 6];
+        family.fill(u, &mut values);
+        values
+    }
+
     #[test]
     fn polynomials_are_orthonormal() {
         // Midpoint rule over the probability, and over the score, where the density makes it exact but for the tails.
@@ -87,7 +94,7 @@ mod tests {
         let scores = (-800..=800).map(|i| f64::from(i) / 100.0);
         let by_score: Vec<(f64, f64)> = scores.map(|z| (normal::cumulative(z), normal::density(z) / 100.0)).collect();
         for (family, rule, allowed) in [(Family::Legendre, by_probability, 1e-6), (Family::Hermite, by_score, 1e-6)] {
-            let values: Vec<(Vec<f64>, f64)> = rule.iter().map(|&(u, weight)| (family.values(u, 5), weight)).collect();
+            let values: Vec<([f64; 6], f64)> = rule.iter().map(|&(u, weight)| (values(family, u), weight)).collect();
             for one in 0..=5 {
                 for other in 0..=5 {
                     let product: f64 = values.iter().map(|(v, weight)| weight * v[one] * v[other]).sum();
@@ -101,7 +108,7 @@ mod tests {
     #[test]
     fn hermite_polynomials_are_the_known_ones() {
         let z = normal::quantile(0.9);
-        let values = Family::Hermite.values(0.9, 3);
+        let values = values(Family::Hermite, 0.9);
         assert!((values[2] - (z * z - 1.0) / 2.0_f64.sqrt()).abs() < 1e-14);
         assert!((values[3] - (z.powi(3) - 3.0 * z) / 6.0_f64.sqrt()).abs() < 1e-14);
     }

@@ -5,6 +5,8 @@
 //! squares of its coefficients (Sudret 2008).
 
 mod basis;
+mod components;
+mod output;
 mod pursuit;
 mod validation;
 
@@ -15,6 +17,8 @@ use crate::random::Stream;
 use crate::statistics::present;
 use basis::Degrees;
 pub use basis::Family;
+pub use components::{Components, Likelihood};
+pub use output::Output;
 use pursuit::Pursuit;
 use validation::cross_validated;
 
@@ -172,8 +176,12 @@ impl Surrogate {
     /// The point has another number of coordinates than the fit.
     pub fn predict(&self, point: &[f64]) -> f64 {
         assert_eq!(point.len(), self.families.len(), "one coordinate an input");
-        let values = polynomials(&self.families, point, self.degree);
-        self.terms.iter().map(|term| term.coefficient * product(&term.degrees, &values)).sum()
+        self.sum_of_terms(&polynomials(&self.families, point, self.degree))
+    }
+
+    /// The output where the polynomials of the inputs have these values, of at least the degree of this model.
+    fn sum_of_terms(&self, values: &Polynomials) -> f64 {
+        self.terms.iter().map(|term| term.coefficient * values.product(&term.degrees)).sum()
     }
 
     /// Q²: share of the variance of outputs that were left out of the fit that is predicted; 1 is perfect, 0 as good as
@@ -238,12 +246,27 @@ impl Surrogate {
 }
 
 /// Values of the polynomials of every input at a point.
-fn polynomials(families: &[Family], point: &[f64], degree: usize) -> Vec<Vec<f64>> {
-    families.iter().zip(point).map(|(family, &u)| family.values(u, degree)).collect()
+struct Polynomials {
+    /// Of degree zero and above, input after input.
+    values: Vec<f64>,
+    /// Values an input.
+    stride: usize,
 }
 
-fn product(degrees: &Degrees, values: &[Vec<f64>]) -> f64 {
-    degrees.iter().map(|&(input, own)| values[input][own]).product()
+impl Polynomials {
+    /// The product of the polynomials of these degrees.
+    fn product(&self, degrees: &Degrees) -> f64 {
+        degrees.iter().map(|&(input, own)| self.values[input * self.stride + own]).product()
+    }
+}
+
+fn polynomials(families: &[Family], point: &[f64], degree: usize) -> Polynomials {
+    let stride = degree + 1;
+    let mut values = vec![0.0; families.len() * stride];
+    for ((family, &u), own) in families.iter().zip(point).zip(values.chunks_exact_mut(stride)) {
+        family.fill(u, own);
+    }
+    Polynomials { values, stride }
 }
 
 /// The candidates of one degree, and how many of them to take.
@@ -265,8 +288,8 @@ impl Choice {
 
 /// Values of every candidate at all points.
 fn columns(families: &[Family], candidates: &[Degrees], points: &[&[f64]], degree: usize) -> Vec<Vec<f64>> {
-    let values: Vec<Vec<Vec<f64>>> = points.iter().map(|u| polynomials(families, u, degree)).collect();
-    candidates.iter().map(|degrees| values.iter().map(|values| product(degrees, values)).collect()).collect()
+    let values: Vec<Polynomials> = points.iter().map(|u| polynomials(families, u, degree)).collect();
+    candidates.iter().map(|degrees| values.iter().map(|values| values.product(degrees)).collect()).collect()
 }
 
 /// Points and outputs that are not missing.

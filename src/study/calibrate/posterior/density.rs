@@ -1,7 +1,7 @@
 //! The logarithm of a posterior: tests given their unknowns, what is known before, the model's error, and specimens that
 //! scatter about a mean.
 
-use super::surrogate::TestSurrogate;
+use super::surrogate::{Shares, TestSurrogate};
 use crate::calibrate::plan::{BreakUnknowns, Plan};
 use uncertainty::normal;
 
@@ -76,6 +76,11 @@ impl Layout {
         self.share.map_or_else(|| plan.first_share(), |place| state[place].exp())
     }
 
+    /// The model's errors that states can have.
+    pub(super) fn shares(&self, plan: &Plan) -> Shares {
+        if self.share.is_some() { Shares::Between(SHARES) } else { Shares::Given(plan.first_share()) }
+    }
+
     /// What a coordinate is called in results.
     pub(super) fn name(&self, place: usize, plan: &Plan) -> String {
         if let Some(unknown) = plan.unknowns.get(place) {
@@ -123,13 +128,12 @@ impl Density<'_> {
         for (test, surrogate) in self.surrogates.iter().enumerate() {
             let x = self.layout.in_test(state, test);
             let own: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
-            let Some((differences, demands)) = surrogate.at(&own) else { return f64::NEG_INFINITY };
+            let Some(found) = surrogate.at(&own) else { return f64::NEG_INFINITY };
             let own = &self.plan.tests[test];
-            let variances: Vec<f64> = own.signals.iter().flat_map(|signal| signal.variances(share)).collect();
-            sum += own.weight * surrogate.log_likelihood(&differences, &variances);
+            sum += own.weight * surrogate.log_likelihood(&found, share);
             if let Some(outcomes) = &own.outcomes {
                 let breaks = self.breaks[test].at(&self.plan.values(&x));
-                sum += own.weight * outcomes.log_likelihood(&demands, surrogate.demand_errors(), &breaks);
+                sum += own.weight * outcomes.log_likelihood(&found.demands, surrogate.demand_errors(), &breaks);
             }
         }
         sum

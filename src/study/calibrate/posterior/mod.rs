@@ -223,7 +223,8 @@ impl Sampling<'_> {
             let surrogates = regions.iter().zip(&runs).enumerate().map(|(test, (region, runs))| {
                 let name = &self.plan.tests[test].name;
                 let compared = self.objective.compared(test);
-                TestSurrogate::fit(region.clone(), runs, compared)
+                let variances = |share| self.variances(test, share);
+                TestSurrogate::fit(region.clone(), runs, compared, self.layout.shares(self.plan), variances)
                     .map_err(|error| refuse(format!("the surrogate of {name}: {error}")))
             });
             let surrogates = surrogates.collect::<HostResult<Vec<_>>>()?;
@@ -440,6 +441,11 @@ impl Sampling<'_> {
         self.acting.iter().enumerate().map(of_test).collect()
     }
 
+    /// Variances of the differences of a test for a model's error.
+    fn variances(&self, test: usize, share: f64) -> Vec<f64> {
+        self.plan.tests[test].signals.iter().flat_map(|signal| signal.variances(share)).collect()
+    }
+
     /// Root mean square over runs of the norm of a surrogate's error, each coordinate over its standard deviation.
     fn error(&self, test: usize, surrogate: &TestSurrogate, runs: &[(Vec<f64>, Vec<f64>)], state: &[f64]) -> f64 {
         if self.acting[test].is_empty() {
@@ -449,14 +455,18 @@ impl Sampling<'_> {
         let scatter = self.breaks[test].at(&self.plan.values(&self.layout.in_test(state, test))).scatter;
         let own = &self.plan.tests[test];
         let demands = own.outcomes.as_ref().map_or(0, |outcomes| outcomes.numbers());
-        let signals = own.signals.iter().flat_map(|signal| signal.variances(share));
         // Demands alternate between MD and TD.
-        let variances: Vec<f64> = signals.chain((0..demands).map(|place| scatter[place % 2].powi(2))).collect();
+        let variances: Vec<f64> = self
+            .variances(test, share)
+            .into_iter()
+            .chain((0..demands).map(|place| scatter[place % 2].powi(2)))
+            .collect();
         let squares: Vec<f64> = runs
             .iter()
             .filter_map(|(point, found)| {
-                let (differences, demands) = surrogate.at(point)?;
-                let own = differences.iter().chain(&demands).zip(found).zip(&variances);
+                let expected = surrogate.at(point)?;
+                let differences = surrogate.differences(&expected);
+                let own = differences.iter().chain(&expected.demands).zip(found).zip(&variances);
                 Some(own.map(|((a, b), variance)| (a - b).powi(2) / variance).sum::<f64>())
             })
             .collect();
