@@ -12,19 +12,19 @@ use scene::scenario::Document;
 use study::store::run_files;
 
 /// A film, and what it was made from.
-pub(super) struct Source {
-    pub(super) name: String,
-    pub(super) material: Material,
+pub(crate) struct Source {
+    pub(crate) name: String,
+    pub(crate) material: Material,
     /// Layers that it stands for: those of its face, one of a material.
-    pub(super) layers: u32,
+    pub(crate) layers: u32,
     /// The file that it was read from.
-    pub(super) file: PathBuf,
+    pub(crate) file: PathBuf,
     /// Lines for the head of a card.
-    pub(super) origin: Vec<String>,
+    pub(crate) origin: Vec<String>,
 }
 
 /// The film of a material, of a scenario or of a run's folder; of several faces that of `face`, counted from 1.
-pub(super) fn read(path: &Path, face: Option<usize>) -> Result<Source, Vec<Diagnostic>> {
+pub(crate) fn read(path: &Path, face: Option<usize>) -> Result<Source, Vec<Diagnostic>> {
     let file = if path.is_dir() { in_folder(path)? } else { path.to_path_buf() };
     let document = Document::read(&file)?;
     if document.is_material() {

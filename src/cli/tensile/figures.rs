@@ -13,6 +13,10 @@ use lab::experiment::Warning;
 use lab::experiment::coupon::average::SampleStatistics;
 use lab::experiment::coupon::{Coupon, CouponTest, CurveEnd, Direction, DirectionMeans, SpeedMeans};
 
+/// Width over length of a coupon beyond which its jaws hold it back: a tenth of the stress of film as strongly coupled as
+/// isotropic film (docs/theory.md, section 11).
+const MOST_WIDTH: f64 = 0.5;
+
 /// All figures; SI.
 #[derive(Serialize)]
 pub(super) struct Figures {
@@ -256,7 +260,9 @@ fn warnings(reduced: &Reduced) -> Vec<Warning> {
         let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
         (least < most).then_some(Warning::SpecimensDiffer { dimension, least, most })
     });
-    let doubts = under_load.chain(merged).chain(replaced).chain(differ).chain(no_yield);
+    let ratio = tests.iter().map(|test| test.coupon.width() / test.coupon.gauge()).fold(0.0, f64::max);
+    let held = (ratio > MOST_WIDTH).then_some(Warning::CouponHeldInWidth { ratio });
+    let doubts = under_load.chain(merged).chain(replaced).chain(differ).chain(held).chain(no_yield);
     doubts.chain(speeds_not_measured(reduced)).collect()
 }
 

@@ -33,7 +33,7 @@ pub(super) fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf
         coupon: reduced.coupon,
         density: args.density,
         shear_file: &shear_file,
-        elastic_corner: args.elastic_corner.then(|| args.window[1]),
+        elastic_corner: args.elastic_corner.then(|| args.coupons.window[1]),
         shear_by: args.shear_by,
         shear: given.as_deref().map(|text| GivenShear { source: &source, text }),
     };

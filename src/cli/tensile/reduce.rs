@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::args::{ReduceArgs, Reduced};
+use super::args::{CouponArgs, ReduceArgs, Reduced};
 use super::figures::Figures;
 use super::{material, output};
 use crate::faults;
@@ -15,7 +15,7 @@ use lab::experiment::coupon::{
 use lab::signal::file::ChannelSelection;
 
 pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
-    let reduced = reduced(args)?;
+    let reduced = reduced(&args.coupons)?;
     let texts = material::texts(args, &reduced)?;
     output::write(&texts)?;
     let written: Vec<PathBuf> = texts.into_iter().map(|(path, _)| path).collect();
@@ -23,7 +23,8 @@ pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
     print_figures(shared, &figures, || figures.text())
 }
 
-fn reduced(args: &ReduceArgs) -> Result<Reduced, Vec<Diagnostic>> {
+/// The recordings that arguments name, reduced.
+pub(super) fn reduced(args: &CouponArgs) -> Result<Reduced, Vec<Diagnostic>> {
     let one = |error: String| vec![Diagnostic::new(error)];
     check(args).map_err(one)?;
     let reader = reader(args).map_err(|mistake| vec![mistake])?;
@@ -36,7 +37,7 @@ fn reduced(args: &ReduceArgs) -> Result<Reduced, Vec<Diagnostic>> {
 }
 
 /// Refuses dimensions that no coupon has, before any file is read.
-fn check(args: &ReduceArgs) -> Result<(), String> {
+fn check(args: &CouponArgs) -> Result<(), String> {
     // In place of those that a file states, any will do.
     let [gauge, width, thickness] = [args.gauge, args.width, args.thickness].map(|given| given.unwrap_or(1.0));
     Coupon::new(gauge, width, thickness).map(drop).map_err(|error| error.to_string())
@@ -53,7 +54,7 @@ fn mean(tests: &[CouponTest]) -> Result<Coupon, CouponError> {
     Coupon::new(mean(Coupon::gauge), mean(Coupon::width), mean(Coupon::thickness))
 }
 
-fn reader(args: &ReduceArgs) -> Result<CouponReader, Diagnostic> {
+fn reader(args: &CouponArgs) -> Result<CouponReader, Diagnostic> {
     let window = [args.window[0], args.window[1]];
     let rules = Rules { window, break_share: args.break_share, toe_compensation: args.toe };
     Ok(CouponReader {

@@ -1,6 +1,7 @@
 //! The reduction of laboratory recordings: coupons and drops; fits of laws; virtual sensors.
 
 pub mod absorption;
+pub mod biaxial;
 pub mod contact;
 pub mod coupling;
 pub mod coupon;

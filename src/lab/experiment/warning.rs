@@ -231,6 +231,45 @@ findings! {
             meaning "no Poisson's ratio was given, so the material file states one that is assumed";
             remedy "give --poisson";
             message "Poisson's ratio in the material file is assumed: {}", significant(*poisson, 3);
+        CapAssumed = "cap-assumed", Note;
+            meaning "a bulge is reduced as a spherical cap that is strained evenly, while film at its top is strained more than \
+                near the clamp and curved otherwise";
+            remedy "none is needed for a first value; `calibrate` with the inflation as a test follows film as it is \
+                (scripts/find-coupling.rhai)";
+            message "the bulge is taken as a spherical cap: below its yield the coupling of a fabric is off by up to 0.06, the \
+                stress of isotropic film by up to 11 %";
+        CouponEdges {
+            ratio: f64, "width over length" => "width_over_length";
+            low: f64, "coupling with no such edges" => "coupling_low";
+            high: f64, "coupling with the longest" => "coupling_high";
+        } = "coupon-edges", Note;
+            meaning "free edges of a wide coupon contract and carry less, so that its coupling is too low by at most half of its \
+                length over its width";
+            remedy "pull coupons that are ten times as wide as long, or let `calibrate` run the coupon with its edges \
+                (scripts/find-coupling.rhai)";
+            message "a coupon {} times as wide as long: the coupling is {} to {} with its free edges",
+                significant(*ratio, 3), significant(*low, 3), significant(*high, 3);
+        CouplingVaries {
+            at: [[f64; 2]; 2], "strain and coupling where it is least and largest"
+                => "strain_of_least" = at[0][0], "least" = at[0][1], "strain_of_largest" = at[1][0], "largest" = at[1][1];
+        } = "coupling-varies", Warning;
+            meaning "the coupling that a test shows changes with its strain, so that one number, as a fabric has it, does not \
+                follow the test";
+            remedy "take the coupling at the strains of the test that is to be simulated, or another law: an isotropic or \
+                plastic one, fitted to the curves";
+            message "the coupling is {} at a strain of {} and {} at {}: one number does not follow the test",
+                significant(at[0][1], 2), significant(at[0][0], 2), significant(at[1][1], 2), significant(at[1][0], 2);
+        CurvesEnd { end: f64, "last strain" => "strain" } = "curves-end", Note;
+            meaning "the curves of MD and TD end before the test does; what follows says nothing of their coupling";
+            remedy "nothing, if the strains before it are those of interest";
+            message "the curves of the film end at a strain of {}; the test beyond is left out", significant(*end, 3);
+        CouponHeldInWidth { ratio: f64, "largest width over length" => "width_over_length" } = "coupon-held-in-width", Note;
+            meaning "jaws hold the width of a coupon that is not long for it, so that its curve carries a part of the coupling of \
+                MD and TD, and a coupling that is added to such curves counts twice";
+            remedy "measure the coupling (`tensile wide`, `tensile bulge`) against curves of coupons at least four times as long \
+                as wide, or find curves and coupling in one calibration";
+            message "coupons are {} times as wide as long: the jaws hold their width in part, and their curves carry a part of \
+                the coupling of MD and TD", significant(*ratio, 3);
         MaterialIncomplete { keys: String, "the keys in words" => "keys" } = "material-incomplete", Warning;
             meaning "the material file lacks keys that a material needs, since they were not given: a scenario cannot \
                 use it before they are written";

@@ -149,7 +149,7 @@ impl Drawn<'_> {
                 changes.insert(key.into(), logarithm.exp().into());
             }
         }
-        let run = self.study.with(changes, session).and_then(|own| own.simulate(session));
+        let run = self.study.with(changes, session).and_then(|own| own.simulate_with_post(session));
         run.map_err(|error| cause(&error))
     }
 }

@@ -12,7 +12,7 @@ use super::coupon_material;
 use super::modules;
 use crate::evaluate::{Description, EvaluationError, Evaluations, NoOutcome, RunEvent, trial};
 use crate::post::run::{self, ReferenceSignals};
-use crate::post::{Plan, ReferenceComparison, Run};
+use crate::post::{EvaluateError, Plan, ReferenceComparison, Results, Run};
 use crate::script::{
     Entry, HostResult, Options, Session, check_stop, from_json, number, numerical_failure, refuse, refuse_key, to_json,
 };
@@ -148,21 +148,29 @@ impl Study {
 
     /// The run, which was asked for, also where another process computes it.
     fn simulate_or_wait(&self, session: &Session) -> HostResult<Run> {
-        match self.simulate_with(session, Evaluations::outcome_of)? {
-            Some(run) => Ok(run),
-            None => Err(refuse("the run was cancelled")),
+        let run = self.simulate_with(session, Evaluations::outcome_of, Plan::measure)?;
+        run.ok_or_else(|| refuse("the run was cancelled"))
+    }
+
+    /// The run with the figures of its post script.
+    pub(crate) fn simulate_with_post(&self, session: &Session) -> HostResult<Run> {
+        if let Some(evaluations) = &self.0.evaluations {
+            evaluations.tell(RunEvent::Wanted(1));
         }
+        let run = self.simulate_with(session, Evaluations::outcome_of, Plan::evaluate)?;
+        run.ok_or_else(|| refuse("the run was cancelled"))
     }
 
     /// The run, unless another process computes it.
     fn simulate_unless_claimed(&self, session: &Session) -> HostResult<Option<Run>> {
-        self.simulate_with(session, Evaluations::outcome_unless_claimed)
+        self.simulate_with(session, Evaluations::outcome_unless_claimed, Plan::measure)
     }
 
     fn simulate_with<F: Into<Option<Found>>>(
         &self,
         session: &Session,
         outcome: impl Fn(&Evaluations, &Model, &Cancellation, &dyn Fn() -> Description) -> Result<F, EvaluationError>,
+        measure: impl Fn(&Plan, &Model, &Outcome) -> Result<Results, EvaluateError>,
     ) -> HostResult<Option<Run>> {
         let Parts { model, plan, evaluations, .. } = &*self.0;
         let cut = session.is_trial().then(|| trial::cut(model, plan.comparison()));
@@ -192,7 +200,7 @@ impl Study {
         if let Some(time) = outcome.rupture_time {
             session.add_rupture(&model.name, time);
         }
-        let mut results = plan.measure(model, &outcome).map_err(refuse)?;
+        let mut results = measure(plan, model, &outcome).map_err(refuse)?;
         if model.run_time() < self.0.model.run_time() {
             results = results.ended_early();
         }

@@ -1,0 +1,121 @@
+//! A bulge: a disc that is clamped on a circle and blown up, reduced to stress over strain at its top.
+
+use thiserror::Error;
+
+use crate::experiment::coupon::{Curve, CurveError};
+
+/// Height over the largest one below which a cap is too flat for the curvature that follows from its height.
+const FLAT: f64 = 0.1;
+
+/// A disc that is clamped on a circle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bulge {
+    radius: f64,
+    thickness: f64,
+}
+
+/// Why a bulge cannot be reduced.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BulgeError {
+    /// A dimension is not positive.
+    #[error("the {name} of the bulge must be above zero, and is {value} m")]
+    Dimension {
+        /// Which.
+        name: &'static str,
+        /// m.
+        value: f64,
+    },
+    /// The film does not rise under pressure.
+    #[error("the recording has no two samples in which film has risen under pressure")]
+    Flat,
+    /// The rise is no strain that grows.
+    #[error(transparent)]
+    Curve(#[from] CurveError),
+}
+
+impl Bulge {
+    /// A disc of this radius within the clamp (m) and this thickness before the test (m).
+    ///
+    /// # Errors
+    /// One of them is not positive.
+    pub fn new(radius: f64, thickness: f64) -> Result<Bulge, BulgeError> {
+        for (name, value) in [("radius", radius), ("thickness", thickness)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(BulgeError::Dimension { name, value });
+            }
+        }
+        Ok(Bulge { radius, thickness })
+    }
+
+    /// Radius within the clamp, m.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Nominal stress (Pa) over engineering strain, alike in all directions, of a spherical cap that is strained evenly
+    /// (docs/theory.md, equation 36b): `pressure` (Pa) and `height` of the top (m) sample by sample, from a tenth of the
+    /// largest height up to the largest pressure.
+    ///
+    /// # Errors
+    /// The film does not rise, or its rise goes back.
+    pub fn curve(&self, pressure: &[f64], height: &[f64]) -> Result<Curve, BulgeError> {
+        let top = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Held at the largest pressure film may go on to rise; what follows when it falls is another curve.
+        let end = pressure.iter().rposition(|own| *own == top).map_or(0, |place| place + 1);
+        let least = FLAT * height.iter().take(end).copied().fold(0.0, f64::max);
+        let is_cap = |(pressure, height): &(&f64, &f64)| **pressure > 0.0 && **height > 0.0 && **height >= least;
+        let risen = pressure[..end].iter().zip(height).filter(is_cap);
+        let (strain, stress): (Vec<f64>, Vec<f64>) =
+            risen.map(|(pressure, height)| self.point(*pressure, *height)).unzip();
+        if strain.len() < 2 {
+            return Err(BulgeError::Flat);
+        }
+        Ok(Curve::new(strain, stress)?)
+    }
+
+    /// Strain and nominal stress.
+    fn point(&self, pressure: f64, height: f64) -> (f64, f64) {
+        let radius = (self.radius * self.radius + height * height) / (2.0 * height);
+        // The angle from the top to the clamp; above a half sphere it is more than a right one.
+        let angle = 2.0 * height.atan2(self.radius);
+        let stretch = radius * angle / self.radius;
+        (stretch - 1.0, 0.5 * pressure * radius * stretch / self.thickness)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A half sphere: π/2 times the radius along the meridian, and p a/2 per length of its edge.
+    #[test]
+    fn a_half_sphere_has_its_stretch_and_stress() {
+        let bulge = Bulge::new(0.05, 1e-5).unwrap();
+        let curve = bulge.curve(&[0.0, 100.0, 400.0, 300.0], &[0.0, 0.01, 0.05, 0.049]).unwrap();
+        let [strain, stress] = curve.samples().last().unwrap();
+        let stretch = 0.5 * std::f64::consts::PI;
+        assert!((strain - (stretch - 1.0)).abs() < 1e-12);
+        assert!((stress - 400.0 * 0.05 / 2.0 * stretch / 1e-5).abs() < 1e-3);
+        assert_eq!(curve.strain().len(), 2);
+    }
+
+    /// A flat cap: the strain 2 h²/(3 a²) and the stress p a²/(4 h t).
+    #[test]
+    fn a_flat_cap_has_the_known_series() {
+        let (a, h, p, t) = (0.05, 5e-4, 10.0, 1e-5);
+        let curve = Bulge::new(a, t).unwrap().curve(&[5.0, p], &[4e-4, h]).unwrap();
+        let [strain, stress] = curve.samples().last().unwrap();
+        assert!((strain / (2.0 * h * h / (3.0 * a * a)) - 1.0).abs() < 1e-3, "{strain}");
+        assert!((stress / (p * a * a / (4.0 * h * t)) - 1.0).abs() < 1e-3, "{stress}");
+    }
+
+    #[test]
+    fn what_is_no_bulge_is_refused() {
+        assert!(matches!(Bulge::new(0.05, 0.0), Err(BulgeError::Dimension { name: "thickness", .. })));
+        let bulge = Bulge::new(0.05, 1e-5).unwrap();
+        assert_eq!(bulge.curve(&[0.0, 1.0], &[0.0, 0.0]), Err(BulgeError::Flat));
+        assert_eq!(bulge.curve(&[], &[]), Err(BulgeError::Flat));
+        let back = bulge.curve(&[1.0, 2.0, 3.0], &[0.01, 0.002, 0.02]);
+        assert!(matches!(back, Err(BulgeError::Curve(CurveError::GoesBack { sample: 2, .. }))), "{back:?}");
+    }
+}
