@@ -6,6 +6,7 @@ mod cards;
 mod commands;
 mod compare;
 mod conversions;
+mod coupling;
 mod coupon_materials;
 mod coupons;
 mod diagnostics;

@@ -133,6 +133,16 @@ fn puncture_tests_give_force_travel_and_energy() {
             close(energies[2], last.expect("a cell").parse().expect("a number"), 5e-3);
         }
     }
+    // Both ends of the coupling of MD and TD, in one table.
+    printed(&droptower(
+        folder.path(),
+        &["sweep", "en14477.toml", "--set", "specimen.mesh.size=0.15mm", "--out", "ends"],
+    ));
+    let mut table = csv::Reader::from_path(folder.path().join("ends/table.csv")).expect("a table");
+    let force =
+        table.headers().expect("a header").iter().position(|name| name == "puncture_force_N").expect("a column");
+    let forces: Vec<f64> = table.records().map(|row| row.expect("a row")[force].parse().expect("a number")).collect();
+    assert!(forces.len() == 2 && forces[1] > 1.7 * forces[0], "{forces:?}");
 }
 
 /// The bisected mass parts darts that the film holds from those that break it, and the staircase finds it within a

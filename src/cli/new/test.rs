@@ -90,7 +90,10 @@ impl Test {
                 format!("droptower script {} --scenario {scenario}   (the failure mass)", shown_path(&script))
             }
             Test::D7192(_) | Test::D5748(_) | Test::Iso7765(_) | Test::En14477(_) => {
-                format!("droptower run {scenario}   (force, travel and energy of the puncture)")
+                format!(
+                    "droptower run {scenario}   (force, travel and energy of the puncture); droptower sweep {scenario}   (the same for \
+                     both ends of what coupons do not tell)"
+                )
             }
             Test::Drop(_) | Test::Coupon(_) | Test::Indent(_) | Test::Pressure(_) | Test::Volume(_) => {
                 format!("droptower check {scenario}")
