@@ -233,11 +233,12 @@ fn coupons_become_a_material_that_a_scenario_uses() {
     let figures: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!((&figures["recordings"], &figures["virtual_recordings"]), (&66.into(), &66.into()));
     let notes: Vec<&str> = figures["notes"].as_array().expect("notes").iter().filter_map(Json::as_str).collect();
-    assert!(notes.len() == 2 && notes[0] == "D4 was not measured at 0.2 m/s", "{notes:?}");
-    assert!(notes[1].starts_with("the material file has no `absorption`"), "{notes:?}");
-    assert_eq!(figures["findings"][1]["code"], "no-absorption");
-    assert_eq!(figures["findings"][0]["code"], "speed-not-measured");
-    assert_eq!(figures["findings"][0]["velocity_m_s"], 0.2);
+    assert!(notes[0].starts_with("coupons are 2 times as wide as long"), "{notes:?}");
+    assert!(notes.len() == 3 && notes[1] == "D4 was not measured at 0.2 m/s", "{notes:?}");
+    assert!(notes[2].starts_with("the material file has no `absorption`"), "{notes:?}");
+    let codes = ["coupon-held-in-width", "speed-not-measured", "no-absorption"];
+    assert!((0..3).all(|place| figures["findings"][place]["code"] == codes[place]), "{}", figures["findings"]);
+    assert_eq!(figures["findings"][1]["velocity_m_s"], 0.2);
     let elongation = figures["directions"][1]["break_elongation"]["mean"].as_f64().unwrap();
     assert!((elongation - 7.01).abs() < 0.005);
 
