@@ -229,7 +229,7 @@ fn mistakes_are_named_before_any_search() {
 /// fibres break, in film that does not break.
 const DROP: &str = r#"
     let md = "specimen.material.fabric.md.break_factor";
-    let drop = scenario("scenarios/drop/1508.toml").with(#{ "specimen.mesh.size": "50 mm", "loading.impact.velocity": "4.5 m/s",
+    let drop = scenario("scenarios/drop/1508.toml").with(#{ "specimen.mesh.size": "80 mm", "loading.impact.velocity": "4.5 m/s",
         "loading.impact.duration": "80 ms", "output.frames": (), post: () });
     let broken_at = |factor| { let own = #{}; own[md] = factor; drop.with(own).simulate() };
     let whole = broken_at.call(5);
@@ -385,7 +385,7 @@ fn signals_beside_outcomes_are_those_of_film_that_holds() {
             parameters: #{
                 k1: #{ key: "specimen.material.fabric.scale.k1", start: 1.8, within: [0.5, 8], log: true },
                 md: parameter + #{ start: 0.8 * demand },
-            }, discrepancy: 0.02, stages: [#{ "specimen.mesh.size": "60 mm" }, #{}], starts: 1, tol_x: 1e-3 });
+            }, discrepancy: 0.02, stages: [#{ "specimen.mesh.size": "100 mm" }, #{}], starts: 1, tol_x: 1e-3 });
         let film = found.test("drop");
         [found.tests[0].relative_error, found.x.md / demand, found.iterations * 1.0,
             if film.simulate().summary.ruptured { 1.0 } else { 0.0 }]"#;

@@ -19,7 +19,7 @@ use crate::workbench::{command, droptower, error};
 
 /// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
 const SLOW: [&str; 6] =
-    ["--set", "specimen.mesh.size=8mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=40ms"];
+    ["--set", "specimen.mesh.size=8mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=20ms"];
 
 /// A folder with the template of a drop test in it.
 fn bench() -> TempDir {
@@ -304,8 +304,8 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [
         ("drop-1508", &["output.frames=20"][..]),
         ("free-sphere", &["output.frames=20"]),
-        ("drop-1508", &["output.frames=20", "specimen.material.fabric.wrinkling=true"]),
-        ("drop-1508", &["output.frames=20", "specimen.material.fabric.biaxial=0.5"]),
+        ("drop-1508", &["output.frames=20", "loading.impact.duration=25ms", "specimen.material.fabric.wrinkling=true"]),
+        ("drop-1508", &["output.frames=20", "loading.impact.duration=25ms", "specimen.material.fabric.biaxial=0.5"]),
         (
             "free-sphere",
             &[
@@ -318,7 +318,10 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("dart-disc", &["specimen.mesh.element=quad4-full"]),
         ("drop-different-faces", &[]),
         ("drop-different-faces", &["contact.film=true", "specimen.damping=20"]),
-        ("drop-1508", &["output.frames=20", "contact.film=true", "specimen.mesh.size=40mm"]),
+        (
+            "drop-1508",
+            &["output.frames=20", "loading.impact.duration=25ms", "contact.film=true", "specimen.mesh.size=40mm"],
+        ),
         ("stretch-oblique-triangles", &[]),
         ("stretch-md", &[]),
         ("indent-disc", &[]),
@@ -345,6 +348,7 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
             "drop-1508",
             &[
                 "output.frames=20",
+                "loading.impact.duration=25ms",
                 "specimen.mesh.size=20mm",
                 "frame.springs={ curve = [[0, 0], [0.002, 5], [0.05, 200]], count = 80, length = 0.06, mass = 0.02, damping = 5 }",
             ],

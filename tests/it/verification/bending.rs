@@ -69,7 +69,9 @@ impl Bent {
 fn a_bent_strip_wrinkles_over_the_share_of_stein_and_hedgepeth() {
     let mut claims = Claims::of("bending");
     for element in ELEMENTS {
-        for share in [0.2, 0.4, 0.6, 0.8] {
+        // All shares on one kind of element, two on the others.
+        let shares = if element == ELEMENTS[0] { &[0.2, 0.4, 0.6, 0.8][..] } else { &[0.2, 0.6] };
+        for share in shares.iter().copied() {
             let bent = Bent::new(sheet::wrinkling(YOUNG, POISSON), element, share);
             let what = |claim: &str| format!("{element:?}, wrinkled over {share}, {claim}");
             let tension = 0.5 * YOUNG * THICKNESS * EDGE_STRAIN * HEIGHT * (1.0 - share);

@@ -19,6 +19,10 @@ use crate::identify::result::StartResult;
 /// Norm of the residuals of a failed trial over that at the start.
 const WORST: f64 = 1e3;
 
+/// Iterations in a row that reduce the sum of squares by less than the tolerance after which a descent ends: the crate also asks
+/// whether the linear model promises no more, which it does for ever where an objective is rough.
+const SLOW_ITERATIONS: usize = 3;
+
 /// Largest number of restarts with the best point on a bound.
 const MAX_RESTARTS: usize = 5;
 
@@ -79,6 +83,7 @@ fn descend(
             before: before.map_or(0, |before| before.iterations),
             iterations: before.map_or(0, |before| before.iterations),
             history: before.map_or_else(Vec::new, |before| before.history.clone()),
+            squares: vec![],
             end: None,
         }),
     };
@@ -91,6 +96,7 @@ fn descend(
     state.observe(Step::Final);
     let State { context, best: (x, f), iterations, history, end, .. } = state;
     let (converged, reason) = match end {
+        Some(End::Slow) => (true, StopReason::SumOfSquaresTolerance),
         Some(_) => (false, StopReason::limit(iterations, search)),
         None => (report.termination.was_successful(), stop_reason(&report.termination)),
     };
@@ -118,12 +124,16 @@ struct State<'s, 'c, 'a> {
     before: usize,
     iterations: usize,
     history: Vec<Iteration>,
+    /// Sums of squares at the iterations of this descent.
+    squares: Vec<f64>,
     end: Option<End>,
 }
 
 /// Why the crate was stopped.
 enum End {
     Limit,
+    /// Iterations reduce the sum of squares by less than the tolerance.
+    Slow,
     Error(SearchError),
 }
 
@@ -264,16 +274,23 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for LeastSquares<'_, '_, '_> {
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let ended = {
+        let end = {
             let mut state = self.state.borrow_mut();
             state.iterations += 1;
             // The crate asks for a Jacobian at the start and after each accepted step: iterations are counted by these.
             let step = if state.iterations == state.before + 1 { Step::Initial } else { Step::Accepted };
             state.observe(step);
-            state.iterations >= state.context.search.max_iterations
+            let square = norm(&state.here).powi(2);
+            state.squares.push(square);
+            let is_over = state.iterations >= state.context.search.max_iterations;
+            if is_over {
+                Some(End::Limit)
+            } else {
+                is_slow(&state.squares, state.context.search.tol_f).then_some(End::Slow)
+            }
         };
-        if ended {
-            self.state.borrow_mut().end = Some(End::Limit);
+        if end.is_some() {
+            self.state.borrow_mut().end = end;
             return None;
         }
         self.unless_ended(self.evaluate_jacobian())
@@ -285,6 +302,12 @@ fn residuals(value: ObjectiveValue) -> Result<Vec<f64>, SearchError> {
         ObjectiveValue::Residuals(residuals) => Ok(residuals),
         ObjectiveValue::Scalar(_) => Err(SearchError::NotResiduals),
     }
+}
+
+/// Whether the last iterations each reduced the sum of squares by less than `tolerance` of itself.
+fn is_slow(squares: &[f64], tolerance: f64) -> bool {
+    let last = squares.len().checked_sub(SLOW_ITERATIONS + 1).map(|first| &squares[first..]);
+    last.is_some_and(|last| last.windows(2).all(|pair| pair[0] - pair[1] < tolerance * pair[0]))
 }
 
 fn norm(residuals: &[f64]) -> f64 {
@@ -304,5 +327,23 @@ fn stop_reason(reason: &TerminationReason) -> StopReason {
             StopReason::Unavailable(quantity)
         }
         TerminationReason::NoParameters | TerminationReason::NoResiduals => StopReason::Empty,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_small_reductions_in_a_row_end_a_descent() {
+        for (squares, expected) in [
+            (&[9.0, 4.0, 3.9999, 3.9998, 3.9997][..], true),
+            (&[9.0, 4.0, 3.9999, 3.9998], false),
+            (&[4.0, 3.9999, 3.9, 3.8999, 3.8998], false),
+            (&[4.0, 3.9999, 3.9998], false),
+            (&[], false),
+        ] {
+            assert_eq!(is_slow(squares, 1e-4), expected, "{squares:?}");
+        }
     }
 }
