@@ -31,26 +31,25 @@ pub(super) struct Contents<'a> {
     pub formats: Formats,
 }
 
-/// Writes all files of a run into the draft and gives their names.
-pub(super) fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreError> {
-    let Contents { model, outcome, results, scenario, script, failure, formats } = contents;
+/// Writes all files of a run into the draft, by as many threads as there are, and gives their names.
+pub(super) fn fill<'a>(draft: &'a Draft, contents: &'a Contents<'a>) -> Result<Vec<String>, StoreError> {
+    let Contents { model, outcome, results, scenario, script, failure, formats } = *contents;
     let mut files = Files::new(draft, formats.parquet);
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
-    files.write(run_files::SIGNALS, recording(signals)?)?;
-    files.write(run_files::ENERGIES, recording(&outcome.energies)?)?;
-    files.parquet(run_files::SIGNALS_PARQUET, || signals.columns())?;
-    files.parquet(run_files::ENERGIES_PARQUET, || outcome.energies.columns())?;
+    files.later(run_files::SIGNALS, || recording(signals));
+    files.later(run_files::ENERGIES, || recording(&outcome.energies));
+    files.parquet_later(run_files::SIGNALS_PARQUET, || signals.columns());
+    files.parquet_later(run_files::ENERGIES_PARQUET, || outcome.energies.columns());
     if let Some(field) = results.and_then(|results| results.field.as_ref()) {
-        let columns = field.columns();
         let failed = |error| StoreError::write(draft.path().join(run_files::FIELD), error);
-        files.write(run_files::FIELD, table::to_csv(&columns).map_err(failed)?)?;
-        files.parquet(run_files::FIELD_PARQUET, || columns)?;
+        files.later(run_files::FIELD, move || table::to_csv(&field.columns()).map_err(failed));
+        files.parquet_later(run_files::FIELD_PARQUET, || field.columns());
     }
     if let Some(results) = results {
-        files.write(run_files::SUMMARY, json(&results.summary(model))?)?;
+        files.later(run_files::SUMMARY, || json(&results.summary(model)));
         files.script_output(&results.script_output)?;
         #[cfg(feature = "rerun")]
-        files.recording(contents, results)?;
+        files.recording(contents, results);
     }
     if formats.vtu {
         files.snapshots(vtu::files(model, outcome))?;
@@ -66,9 +65,9 @@ pub(super) fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, St
         files.write(run_files::FAILURE, format!("{cause}\n").into_bytes())?;
     }
     if let Some(results) = results {
-        files.page(contents, results)?;
+        files.page(contents, results);
     }
-    Ok(files.names)
+    files.written()
 }
 
 /// Writes all files of a study into the draft and gives their names.
@@ -84,7 +83,7 @@ pub(super) fn fill_study(
     #[cfg(feature = "rerun")]
     files.study_recording(study)?;
     files.write(run_files::REPORT, report::study_page(study).into_bytes())?;
-    Ok(files.names)
+    files.written()
 }
 
 /// Writes all files of tests into the draft and gives their names.
@@ -96,7 +95,7 @@ pub(super) fn fill_tests(
     let mut files = Files::new(draft, false);
     files.write(run_files::SUMMARY, json(summary)?)?;
     files.write(run_files::REPORT, report::test_page(verdicts).into_bytes())?;
-    Ok(files.names)
+    files.written()
 }
 
 /// Writes all files of a sweep into the draft and gives their names.
@@ -109,7 +108,7 @@ pub(super) fn fill_sweep(draft: &Draft, page: &SweepPage, scenario: &str) -> Res
     files.write(run_files::TABLE, table::to_csv(columns).map_err(failed(run_files::TABLE))?)?;
     files.write(run_files::PARQUET, table::to_parquet(columns, &[]).map_err(failed(run_files::PARQUET))?)?;
     files.write(run_files::REPORT, report::sweep_page(page).into_bytes())?;
-    Ok(files.names)
+    files.written()
 }
 
 /// Writes all files of a comparison into the draft and gives their names.
@@ -126,7 +125,7 @@ pub(super) fn fill_comparison(
     #[cfg(feature = "rerun")]
     files.comparison(comparison)?;
     files.write(run_files::REPORT, compare_page::compare_page(comparison, outside).into_bytes())?;
-    Ok(files.names)
+    files.written()
 }
 
 /// The content of `summary.json` of a comparison; with bounds, how far runs are outside of them.
@@ -138,14 +137,30 @@ pub(super) fn summary_of_comparison(comparison: &RunComparison, outside: Option<
 
 struct Files<'a> {
     draft: &'a Draft,
+    /// Of all files, those that are written later among them.
     names: Vec<String>,
+    /// What writes the files that are written later.
+    later: Vec<Box<dyn FnOnce() -> Result<(), StoreError> + Send + 'a>>,
     /// Whether tables are also written as Apache Parquet.
     parquet: bool,
 }
 
 impl<'a> Files<'a> {
     fn new(draft: &'a Draft, parquet: bool) -> Files<'a> {
-        Files { draft, names: Vec::new(), parquet }
+        Files { draft, names: Vec::new(), later: Vec::new(), parquet }
+    }
+
+    /// Writes what is to be written later, by as many threads as there are; the names of all files.
+    fn written(self) -> Result<Vec<String>, StoreError> {
+        self.later.into_par_iter().map(|write| write()).collect::<Result<(), StoreError>>()?;
+        Ok(self.names)
+    }
+
+    /// A file whose content is made while others are.
+    fn later(&mut self, name: &str, content: impl FnOnce() -> Result<Vec<u8>, StoreError> + Send + 'a) {
+        let (draft, own) = (self.draft, name.to_owned());
+        self.later.push(Box::new(move || draft.write(&own, content()?)));
+        self.names.push(name.into());
     }
 
     fn write(&mut self, name: &str, content: Vec<u8>) -> Result<(), StoreError> {
@@ -154,21 +169,25 @@ impl<'a> Files<'a> {
         Ok(())
     }
 
-    /// Writes the page, which lists the files written before it.
-    fn page(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+    /// The page, which lists the files before it.
+    fn page(&mut self, contents: &'a Contents<'a>, results: &'a Results) {
         let Contents { model, outcome, scenario, failure, .. } = *contents;
-        let page = report::run_page(&RunPage { model, outcome, results, scenario, failure, files: &self.names });
-        self.write(run_files::REPORT, page.into_bytes())
+        let files = self.names.clone();
+        self.later(run_files::REPORT, move || {
+            let page = report::run_page(&RunPage { model, outcome, results, scenario, failure, files: &files });
+            Ok(page.into_bytes())
+        });
     }
 
     #[cfg(feature = "rerun")]
-    fn recording(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+    fn recording(&mut self, contents: &'a Contents<'a>, results: &'a Results) {
         let Contents { model, outcome, scenario, failure, .. } = *contents;
-        let path = self.draft.path().join(run_files::RECORDING);
-        report::recording::write(&path, &RunPage { model, outcome, results, scenario, failure, files: &self.names })
-            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
+        let (path, files) = (self.draft.path().join(run_files::RECORDING), self.names.clone());
+        self.later.push(Box::new(move || {
+            report::recording::write(&path, &RunPage { model, outcome, results, scenario, failure, files: &files })
+                .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))
+        }));
         self.names.push(run_files::RECORDING.into());
-        Ok(())
     }
 
     #[cfg(feature = "rerun")]
@@ -213,6 +232,16 @@ impl<'a> Files<'a> {
         }
         let content = table::to_parquet(&columns(), &[]);
         self.write(name, content.map_err(|error| StoreError::write(self.draft.path().join(name), error))?)
+    }
+
+    /// The same of a table that is made while others are.
+    fn parquet_later(&mut self, name: &'static str, columns: impl FnOnce() -> Vec<Column> + Send + 'a) {
+        let draft = self.draft;
+        if self.parquet {
+            self.later(name, move || {
+                table::to_parquet(&columns(), &[]).map_err(|error| StoreError::write(draft.path().join(name), error))
+            });
+        }
     }
 
     fn script_output(&mut self, output: &ScriptOutput) -> Result<(), StoreError> {
