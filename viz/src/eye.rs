@@ -44,7 +44,7 @@ impl Default for Extent {
 }
 
 impl Extent {
-    /// Extended by the corners of the visible triangles of `film` in a snapshot.
+    /// Extended by the corners of the visible triangles of `film` in a snapshot, and by the frame on whose springs it hangs.
     pub fn with(self, film: &FilmTrack, snapshot: &FilmSnapshot) -> Extent {
         let visible = film.triangles.iter().zip(&snapshot.visible).filter(|(_, is_visible)| **is_visible);
         let corners =
@@ -52,7 +52,8 @@ impl Extent {
         let images = |extent: Extent, point: &[f32; 3]| {
             film.images.iter().fold(extent.around(*point), |extent, image| extent.around(mirrored(*point, *image)))
         };
-        corners.fold(self, images)
+        let anchors = film.springs.iter().map(|spring| &spring.anchor);
+        corners.chain(anchors).fold(self, images)
     }
 
     /// Its longest side; zero where there is nothing.

@@ -10,7 +10,7 @@ use crate::colour;
 use crate::eye::Extent;
 use crate::normals;
 use crate::quantity::Quantity;
-use crate::scene::{FilmSnapshot, FilmTrack};
+use crate::scene::{FilmSnapshot, FilmTrack, SpringTrack};
 use crate::series::Moment;
 
 /// Name of the colours of one quantity among the components of a film.
@@ -42,6 +42,7 @@ pub(crate) struct Film {
 struct Shown {
     visible: Vec<bool>,
     held: Vec<[[f32; 3]; 2]>,
+    springs: Vec<[[f32; 3]; 2]>,
     in_contact: bool,
 }
 
@@ -83,6 +84,7 @@ impl Film {
         stream.log(entity(track), &[&mesh as &dyn AsComponents, &colours])?;
         self.states += 1;
         self.log_held(stream, track, snapshot)?;
+        self.log_springs(stream, track, snapshot)?;
         self.log_contact(stream, track, snapshot)
     }
 
@@ -103,6 +105,30 @@ impl Film {
         let lines = LineStrips3D::new(whole).with_colors([FRAME]).with_radii([Radius::new_ui_points(2.0)]);
         stream.log(format!("scene/frame/{}", track.name), &lines)?;
         self.shown.held = held;
+        Ok(())
+    }
+
+    /// The springs, from the frame to the edge, where they have moved.
+    fn log_springs(
+        &mut self,
+        stream: &RecordingStream,
+        track: &FilmTrack,
+        snapshot: &FilmSnapshot,
+    ) -> RecordingStreamResult<()> {
+        let line = |spring: &SpringTrack| {
+            let [from, to] = spring.nodes.map(|node| snapshot.positions[node as usize]);
+            let end = [0, 1, 2].map(|axis| from[axis] * spring.shares[0] + to[axis] * spring.shares[1]);
+            [spring.anchor, end].map(|end| rounded(&end, self.step))
+        };
+        let springs: Vec<_> = track.springs.iter().map(line).collect();
+        if springs == self.shown.springs {
+            return Ok(());
+        }
+        let whole =
+            images(track).flat_map(|image| springs.iter().map(move |line| line.map(|end| mirrored(end, image))));
+        let lines = LineStrips3D::new(whole).with_colors([FRAME]).with_radii([Radius::new_ui_points(1.0)]);
+        stream.log(format!("scene/springs/{}", track.name), &lines)?;
+        self.shown.springs = springs;
         Ok(())
     }
 

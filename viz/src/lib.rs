@@ -31,7 +31,9 @@ pub use diagram::{Axis, Curve, Diagram, Look, State, Window};
 pub use eye::Extent;
 pub use live::{Address, AddressError};
 pub use quantity::Quantity;
-pub use scene::{BodyTrack, Document, Event, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose, Scene, Severity};
+pub use scene::{
+    BodyTrack, Document, Event, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose, Scene, Severity, SpringTrack,
+};
 pub use series::{Chart, ITERATION, Moment, Places, SignalTrack, TIME};
 pub use stage::Stage;
 pub use stroke::Stroke;

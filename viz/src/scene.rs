@@ -50,8 +50,21 @@ pub struct FilmTrack {
     pub triangles: Vec<[u32; 3]>,
     /// Edges by which a frame or jaws hold it, as pairs of nodes.
     pub held: Vec<[u32; 2]>,
+    /// Springs between the frame and its edges.
+    pub springs: Vec<SpringTrack>,
     /// Factors on x, y and z of the mirror images that complete the picture.
     pub images: Vec<[f32; 3]>,
+}
+
+/// A spring between a frame that stands still and the edge of a film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringTrack {
+    /// Its end on the frame, m.
+    pub anchor: [f32; 3],
+    /// Nodes between which its other end is.
+    pub nodes: [u32; 2],
+    /// Their weights.
+    pub shares: [f32; 2],
 }
 
 /// A film at one time.
@@ -157,7 +170,8 @@ impl Scene {
 impl FilmTrack {
     /// Refuses a snapshot that is not of this film with so many quantities.
     pub(crate) fn check(&self, snapshot: &FilmSnapshot, quantities: usize) -> Result<(), VizError> {
-        let named = self.triangles.iter().flatten().chain(self.held.iter().flatten()).chain(&snapshot.in_contact).max();
+        let edges = self.held.iter().chain(self.springs.iter().map(|spring| &spring.nodes)).flatten();
+        let named = self.triangles.iter().flatten().chain(edges).chain(&snapshot.in_contact).max();
         let nodes = named.map_or(0, |node| *node as usize + 1).max(self.nodes);
         let film = || self.name.clone();
         let time = snapshot.time;

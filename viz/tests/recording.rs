@@ -5,8 +5,8 @@ use std::time::Duration;
 use droptower_viz::playback::Playback;
 use droptower_viz::{
     Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmSnapshot, FilmTrack, ITERATION, Look, Moment,
-    Places, PointState, PointTrack, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError,
-    Window, write,
+    Places, PointState, PointTrack, Pose, Quantity, Scene, Severity, SignalTrack, SpringTrack, Stage, State, Stroke,
+    TIME, VizError, Window, write,
 };
 use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Points2D, Transform3D};
 use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, PlaybackSpeed, TimelineName, ViewClass};
@@ -29,6 +29,7 @@ fn film(n: u32, snapshots: usize) -> Film {
         nodes: ((n + 1) * (n + 1)) as usize,
         triangles: cells.flat_map(|[row, column]| cell(row, column)).collect(),
         held: vec![[0, 1]],
+        springs: vec![SpringTrack { anchor: [0.1, -0.1, 0.0], nodes: [0, 1], shares: [0.25, 0.75] }],
         images: vec![[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]],
     };
     (track, (0..snapshots).map(|index| state(n, index, snapshots)).collect())
@@ -151,6 +152,16 @@ fn everything_in_the_scene_comes_back() {
     let strips = LineStrips3D::descriptor_strips().component;
     let held = played.rows::<LineStrip3D>(TIME, "/scene/frame/film", strips);
     assert_eq!(held.iter().map(|(_, strips)| strips.len()).collect::<Vec<_>>(), [4; 5], "edges that move follow");
+    let springs = played.rows::<LineStrip3D>(TIME, "/scene/springs/film", LineStrips3D::descriptor_strips().component);
+    assert_eq!(
+        springs.iter().map(|(_, strips)| strips.len()).collect::<Vec<_>>(),
+        [4; 5],
+        "springs follow their edges"
+    );
+    let [from, to] = [0, 1].map(|node| films[0].1[4].positions[node]);
+    for (axis, (read, anchor)) in springs[4].1[0].0[1].0.iter().zip(springs[4].1[0].0[0].0).enumerate() {
+        assert!((read - (0.25 * from[axis] + 0.75 * to[axis])).abs() < 1e-4 && (anchor - [0.1, -0.1, 0.0][axis]).abs() < 1e-4);
+    }
 
     let values = played.values(TIME, "/signals/velocity_m_s");
     assert_eq!((values.len(), values[1199].0, values[7].1), (1200, 119_900_000, f64::from((0.07_f32).sin())));
@@ -267,7 +278,8 @@ fn views(played: &Playback) -> Vec<String> {
 
 #[test]
 fn a_small_film_is_rounded_by_its_own_size() {
-    let (track, mut snapshots) = film(10, 2);
+    let (mut track, mut snapshots) = film(10, 2);
+    track.springs.clear();
     let tiny = |snapshot: &mut FilmSnapshot| snapshot.positions.iter_mut().flatten().for_each(|c| *c *= 2.5e-3);
     snapshots.iter_mut().for_each(tiny);
     let films = [(track, snapshots)];

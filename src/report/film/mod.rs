@@ -284,7 +284,18 @@ mod tests {
         let corner = |at: u32| at / n * row + at % n;
         let quads = (0..n * n).map(|at| [corner(at), corner(at) + 1, corner(at) + row + 1, corner(at) + row]).collect();
         let quality = Quality::from_mesh(&Mesh::default());
-        (points, Film { nodes: (row * row) as usize, quads, tris: vec![], mirrored: [true; 2], held: vec![], quality })
+        (
+            points,
+            Film {
+                nodes: (row * row) as usize,
+                quads,
+                tris: vec![],
+                mirrored: [true; 2],
+                held: vec![],
+                springs: vec![],
+                quality,
+            },
+        )
     }
 
     fn snapshot(time: f64, points: &[[f32; 3]], film: &Film) -> Snapshot {

@@ -1,10 +1,10 @@
 //! Faces of film in a recording: triangles, coloured by strain or thickness.
 
-use viz::{Extent, FilmSnapshot, FilmTrack, Quantity};
+use viz::{Extent, FilmSnapshot, FilmTrack, Quantity, SpringTrack};
 
 use crate::field::Field;
 use plot::viridis::VIRIDIS;
-use scene::simulate::{Film, Image, Snapshot};
+use scene::simulate::{Film, FilmSpring, Image, Snapshot};
 
 /// The quantities, with a range from zero to the largest of an intact element in any of `snapshots`.
 pub(super) fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
@@ -39,8 +39,13 @@ fn track(film: &Film, face: usize) -> FilmTrack {
         nodes: film.nodes,
         triangles: triangles(film),
         held: film.held.clone(),
+        springs: film.springs.iter().map(spring).collect(),
         images: film.images().skip(1).map(Image::signs).collect(),
     }
+}
+
+fn spring(FilmSpring { anchor, nodes, shares }: &FilmSpring) -> SpringTrack {
+    SpringTrack { anchor: *anchor, nodes: *nodes, shares: *shares }
 }
 
 /// One face in a snapshot.
@@ -84,6 +89,7 @@ mod tests {
             quads: vec![[0, 1, 2, 3]],
             tris: vec![[1, 4, 2], [4, 5, 2]],
             held: vec![],
+            springs: vec![],
             mirrored: [false; 2],
             quality: Quality::from_mesh(&Mesh::default()),
         };

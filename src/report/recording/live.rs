@@ -308,7 +308,15 @@ mod tests {
 
     fn film() -> Film {
         let quality = Quality::from_mesh(&Mesh::default());
-        Film { nodes: 3, quads: vec![], tris: vec![[0, 1, 2]], held: vec![], mirrored: [false; 2], quality }
+        Film {
+            nodes: 3,
+            quads: vec![],
+            tris: vec![[0, 1, 2]],
+            held: vec![],
+            springs: vec![],
+            mirrored: [false; 2],
+            quality,
+        }
     }
 
     /// The triangle, stretched.

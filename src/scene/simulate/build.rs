@@ -69,13 +69,13 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         films.push(film);
         mount::mirror(&mut nodes, &mesh, first);
         held.mount(&mesh, first);
-        let topology = topology(&mesh, model);
+        let mut topology = topology(&mesh, model);
         crest.mount(&topology.held, first);
         frame::check_clamp(model, films.len(), &mesh, &topology.held)?;
         clamped.extend(frame::clamped(model, &nodes, &mesh, &topology.held, first));
         match &mut springs {
             // Their ends on the frame are held, and no node is.
-            Some(springs) => springs.mount(model, films.len(), &mesh, &topology.held, first)?,
+            Some(springs) => topology.springs = springs.mount(model, films.len(), &mesh, &topology.held, first)?,
             None => loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold)),
         }
         topologies.push(topology);
@@ -133,6 +133,7 @@ fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {
         quads: mesh.quads.clone(),
         tris: mesh.tris.clone(),
         held: held_edges(mesh, &model.frame.hold),
+        springs: vec![],
         mirrored: model.specimen.symmetry.mirrors(),
         quality: Quality::from_mesh(mesh),
     }

@@ -18,10 +18,24 @@ pub struct Film {
     /// Edges by which the frame or the jaws hold it, as pairs of nodes.
     #[serde(skip)]
     pub held: Vec<[u32; 2]>,
+    /// Springs of the frame on which it hangs.
+    #[serde(skip)]
+    pub springs: Vec<FilmSpring>,
     /// Whether x = 0 and y = 0 are mirror planes.
     pub mirrored: [bool; 2],
     /// Shape of its elements.
     pub quality: Quality,
+}
+
+/// A spring between the frame and the edge of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmSpring {
+    /// Its end on the frame, m.
+    pub anchor: [f32; 3],
+    /// Nodes between which its other end is, counted among those of the face.
+    pub nodes: [u32; 2],
+    /// Their weights.
+    pub shares: [f32; 2],
 }
 
 impl Film {

@@ -65,7 +65,7 @@ mod tests {
             ([false, false], &[0]),
         ] {
             let quality = Quality::from_mesh(&Mesh::default());
-            let film = Film { nodes: 0, quads: vec![], tris: vec![], held: vec![], mirrored, quality };
+            let film = Film { nodes: 0, quads: vec![], tris: vec![], held: vec![], springs: vec![], mirrored, quality };
             let found: Vec<u32> = film.images().map(|image| image.number).collect();
             assert_eq!(found, numbers);
             for image in film.images() {

@@ -37,7 +37,7 @@ pub use check::check;
 pub use checkpoint::{Checkpoint, Checkpoints, Restart};
 pub use energy_check::energy_columns;
 pub use fault::{Failure, Fault, RunError};
-pub use film::Film;
+pub use film::{Film, FilmSpring};
 pub use image::Image;
 use lab::signal::Recording;
 pub use membrane::engine::EnergyTerm;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Point3, Vector3};
 
 use super::fault::RunError;
+use super::film::FilmSpring;
 use super::prestress;
 use crate::mesh::{self, Mesh};
 use crate::model::{Face, Model, Spread, Springs as Written};
@@ -42,7 +43,7 @@ impl Mounted {
     }
 
     /// Adds the springs of the last of `faces` of `model`, with `mesh` and the `held` edges, whose first node is the
-    /// `first` of all.
+    /// `first` of all; how they look.
     ///
     /// # Errors
     /// [`RunError::SpringsUneven`], [`RunError::SpringTooShort`].
@@ -53,8 +54,8 @@ impl Mounted {
         mesh: &Mesh,
         held: &[[u32; 2]],
         first: usize,
-    ) -> Result<(), RunError> {
-        let (Some(written), Some(face)) = (&model.frame.springs, model.faces.get(faces - 1)) else { return Ok(()) };
+    ) -> Result<Vec<FilmSpring>, RunError> {
+        let (Some(written), Some(face)) = (&model.frame.springs, model.faces.get(faces - 1)) else { return Ok(vec![]) };
         let (pieces, before) = (pieces(mesh, held), self.springs.len());
         let length: f64 = pieces.iter().map(Piece::length).sum();
         let copies = model.specimen.symmetry.copies();
@@ -84,7 +85,7 @@ impl Mounted {
                 attach(piece, [1.0, 0.0], [of_half, spacing])?;
                 attach(piece, [0.0, 1.0], [of_half, spacing])?;
             }
-            return Ok(());
+            return Ok(self.shown(before, first));
         }
         let runs = runs(pieces, mesh);
         for (run, count) in runs.iter().zip(counts(&runs, count as usize)?) {
@@ -97,8 +98,18 @@ impl Mounted {
         if self.springs.len() == before {
             Err(RunError::NoSprings { spacing, length: length * copies })
         } else {
-            Ok(())
+            Ok(self.shown(before, first))
         }
+    }
+
+    /// The springs from a number on, of the face whose first node is the `first` of all.
+    fn shown(&self, from: usize, first: usize) -> Vec<FilmSpring> {
+        let shown = |spring: &Spring| FilmSpring {
+            anchor: spring.anchor.coords.map(|x| x as f32).into(),
+            nodes: spring.nodes.map(|node| (node - first) as u32),
+            shares: spring.shares.map(|share| share as f32),
+        };
+        self.springs[from..].iter().map(shown).collect()
     }
 
     /// The springs of all faces, with the mass of film multiplied by `mass_scaling`, which theirs follows.
