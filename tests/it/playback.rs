@@ -35,6 +35,16 @@ fn outcome(out: &Path) -> Outcome {
     simulate::run(&model.expect("a model"), &mut |_| {}).expect("an outcome")
 }
 
+/// Film on springs: each is a line from the frame, and its other end is on the film.
+#[test]
+fn a_recording_draws_the_springs_of_the_frame() {
+    let changes = ["specimen.mesh.size=200mm", "loading.impact.duration=40ms", "output.frames=4"];
+    let (_folder, out) = run("scenarios/trampoline/bed.toml", &changes);
+    let played = Playback::read(&out.join("recording.rrd")).expect("a recording");
+    let entities: BTreeSet<&str> = played.entities().collect();
+    assert!(entities.contains("/scene/springs/face-1"), "{entities:?}");
+}
+
 #[test]
 fn a_recording_holds_what_the_engine_computed() {
     let changes =
