@@ -160,7 +160,10 @@ fn everything_in_the_scene_comes_back() {
     );
     let [from, to] = [0, 1].map(|node| films[0].1[4].positions[node]);
     for (axis, (read, anchor)) in springs[4].1[0].0[1].0.iter().zip(springs[4].1[0].0[0].0).enumerate() {
-        assert!((read - (0.25 * from[axis] + 0.75 * to[axis])).abs() < 1e-4 && (anchor - [0.1, -0.1, 0.0][axis]).abs() < 1e-4);
+        assert!(
+            (read - (0.25 * from[axis] + 0.75 * to[axis])).abs() < 1e-4
+                && (anchor - [0.1, -0.1, 0.0][axis]).abs() < 1e-4
+        );
     }
 
     let values = played.values(TIME, "/signals/velocity_m_s");

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::args::CouplingArgs;
+use super::figures::Statistics;
 use crate::card::source;
 use crate::{Failure, findings, output, table};
 use base::diagnostic::{Diagnostic, shown_path};
@@ -40,7 +41,7 @@ pub(super) struct Test {
 pub(super) struct Figures {
     tests: Vec<TestFigures>,
     /// The coupling of all tests; none without a film.
-    coupling: Option<Mean>,
+    coupling: Option<Statistics>,
     findings: Vec<Finding>,
     written: Vec<String>,
 }
@@ -67,13 +68,6 @@ struct CouplingFigures {
     relative_rms: f64,
     /// Strain, and the coupling there.
     by_strain: Vec<[f64; 2]>,
-}
-
-#[derive(Serialize)]
-struct Mean {
-    mean: f64,
-    deviation: f64,
-    count: usize,
 }
 
 /// The fabric of the film that arguments name.
@@ -136,9 +130,7 @@ pub(super) fn doubts(coupling: &Coupling) -> impl Iterator<Item = Warning> + use
 impl Figures {
     pub(super) fn new(tests: &[Test], warnings: &[Warning], written: Vec<String>) -> Figures {
         let values: Vec<f64> = tests.iter().filter_map(|test| Some(test.coupling.as_ref()?.value)).collect();
-        let coupling = SampleStatistics::from_figures(&values)
-            .ok()
-            .map(|SampleStatistics { mean, deviation, count }| Mean { mean, deviation, count });
+        let coupling = SampleStatistics::from_figures(&values).ok().map(Statistics::from);
         let findings = warnings.iter().map(Finding::new).collect();
         Figures { tests: tests.iter().map(figures).collect(), coupling, findings, written }
     }
@@ -146,7 +138,7 @@ impl Figures {
     /// The figures as tables, in MPa and per cent.
     pub(super) fn text(&self) -> String {
         let mut text: String = self.tests.iter().map(TestFigures::text).collect();
-        if let Some(Mean { mean, deviation, count }) = &self.coupling {
+        if let Some(Statistics { mean, deviation, count }) = &self.coupling {
             let of_all = match count {
                 1 => String::new(),
                 count => format!(" +- {} ({count} tests)", figure(*deviation, 2)),

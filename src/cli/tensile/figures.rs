@@ -83,11 +83,12 @@ struct SpeedFigures {
     break_elongation: Statistics,
 }
 
+/// Mean and spread of several figures.
 #[derive(Clone, Copy, Serialize)]
-struct Statistics {
-    mean: f64,
-    deviation: f64,
-    count: usize,
+pub(super) struct Statistics {
+    pub(super) mean: f64,
+    pub(super) deviation: f64,
+    pub(super) count: usize,
 }
 
 impl From<SampleStatistics> for Statistics {
