@@ -335,10 +335,7 @@ fn a_ruptured_run_counts_as_on_rupture_sets() {
         engine.eval::<String>(&text).unwrap_or_else(|error| panic!("{error}"))
     };
     let failed = warnings("fail");
-    assert!(
-        failed.contains("1 trial failed and counted as worst") && failed.contains("the film broke at"),
-        "{failed}"
-    );
+    assert!(failed.contains("1 trial failed and counted as worst") && failed.contains("the film broke at"), "{failed}");
     assert_eq!(warnings("keep"), "not converged: max_evaluations was reached; ");
 }
 

@@ -185,8 +185,7 @@ fn neither_force_nor_moment_acts_on_free_film_and_rotations_store_nothing() {
         let forces = bending_forces(&film, &bent);
         let sizes: f64 = forces.iter().map(|f| f.norm()).sum();
         let net: Vector3<f64> = forces.iter().sum();
-        let moment: Vector3<f64> =
-            forces.iter().enumerate().map(|(n, f)| bent.position_of(n).coords.cross(f)).sum();
+        let moment: Vector3<f64> = forces.iter().enumerate().map(|(n, f)| bent.position_of(n).coords.cross(f)).sum();
         assert!(net.norm() < 1e-11 * sizes, "{kind:?}: {net}");
         assert!(moment.norm() < 1e-12 * sizes, "{kind:?}: {moment}");
         let rotation = Rotation3::from_euler_angles(0.7, -1.9, 2.4);
@@ -279,7 +278,8 @@ fn a_free_strip_vibrates_as_a_beam() {
             let [x, ..] = nodes.position.value_at(n);
             nodes.velocity.set(n, [0.0, 0.0, 1e-6 * omega * shape(x)]);
         }
-        let middle = (0..nodes.mass.len()).find(|n| (nodes.position_of(*n).x - 0.5 * length).abs() < 1e-9).expect("a node");
+        let middle =
+            (0..nodes.mass.len()).find(|n| (nodes.position_of(*n).x - 0.5 * length).abs() < 1e-9).expect("a node");
         let loads = Loads { multiplicity: 1.0, step_factor: 1.0, ..Loads::default() };
         let mut engine = Engine::new(vec![film], nodes, [], loads);
         let (mut crossings, mut before) = (vec![], (0.0, 0.0));
@@ -451,5 +451,34 @@ fn bits_depend_on_neither_threads_nor_width() {
         for threads in [1, 3] {
             assert!(run(threads, width, true) == expected, "{threads} threads, {width:?}");
         }
+    }
+}
+
+/// What a pass over the forces costs with bending and without.
+#[test]
+#[ignore = "prints times"]
+fn cost() {
+    for kind in [Kind::Quads, Kind::Tris, Kind::Crossed] {
+        let mut mesh = rectangle(kind, [0.2, 0.2], [20, 20], 0.0);
+        mesh.mirrors = [0, 1].map(|axis| {
+            (0..mesh.nodes.len() as u32).filter(|n| mesh.nodes[*n as usize][axis] == 0.0).collect::<Vec<u32>>()
+        });
+        let (film, mut nodes) = film(&mesh, &section(), 1, &edges(&mesh, |p| p.x == 0.2 || p.y == 0.2));
+        let mut bare = film.clone();
+        bare.bending = None;
+        let mut films = [bare, film];
+        let mut times = [vec![], vec![]];
+        for _ in 0..200 {
+            for (film, times) in films.iter_mut().zip(&mut times) {
+                let begin = std::time::Instant::now();
+                (0..50).for_each(|_| film.add_forces(&mut nodes, 0.0));
+                times.push(begin.elapsed().as_secs_f64() / 50.0 / film.elements() as f64);
+            }
+        }
+        let [a, b] = times.map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            times[times.len() / 2] * 1e9
+        });
+        println!("{kind:?}: {a:.1} and {b:.1} ns an element");
     }
 }

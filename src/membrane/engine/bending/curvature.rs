@@ -50,7 +50,8 @@ impl Curvature {
         plate: &Plate,
         own_elements: usize,
     ) -> Option<Curvature> {
-        let area: f64 = outline.around[node as usize].iter().map(|element| share(outline, *element, node, mounted)).sum();
+        let area: f64 =
+            outline.around[node as usize].iter().map(|element| share(outline, *element, node, mounted)).sum();
         // Wider where the nodes next to it do not decide the curvatures: four triangles around a node.
         let reaches = [Reach::Next, Reach::Near, Reach::Second];
         let of_reach = |reach| Some((reach, fitted(outline, node, reach, mounted, plate)?));
@@ -132,8 +133,7 @@ fn fitted(outline: &Outline, node: u32, reach: Reach, mounted: &Mounted, plate: 
 /// and the same moment in both would be out of balance.
 fn share(outline: &Outline, element: u32, node: u32, mounted: &Mounted) -> f64 {
     let corners = &outline.elements[element as usize];
-    let at: Vec<[f64; 2]> =
-        corners.iter().map(|corner| mounted.stress_free(outline.between(node, *corner))).collect();
+    let at: Vec<[f64; 2]> = corners.iter().map(|corner| mounted.stress_free(outline.between(node, *corner))).collect();
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - b[0] * a[1];
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     let twice: f64 = at.iter().zip(at.iter().cycle().skip(1)).map(|(a, b)| cross(*a, *b)).sum();

@@ -87,8 +87,10 @@ mod tests {
     #[test]
     fn quadratic_functions_are_exact() {
         let value = |[x, y]: [f64; 2]| 3.0 * x - 2.0 * y + 0.5 * 7.0 * x * x + 0.5 * 11.0 * y * y - 5.0 * x * y;
-        let pentagon: Vec<[f64; 2]> =
-            (0..5).map(|k| (0.4 + 1.2566 * f64::from(k)).sin_cos()).map(|(s, c)| [0.02 * c, 0.07 * s + 0.003]).collect();
+        let pentagon: Vec<[f64; 2]> = (0..5)
+            .map(|k| (0.4 + 1.2566 * f64::from(k)).sin_cos())
+            .map(|(s, c)| [0.02 * c, 0.07 * s + 0.003])
+            .collect();
         let grid: Vec<[f64; 2]> = (0..9)
             .filter(|k| *k != 4)
             .map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0])
@@ -127,7 +129,15 @@ mod tests {
         let grid: Vec<[f64; 2]> =
             (0..9).filter(|k| *k != 4).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0]).collect();
         let weights = weights(&grid, Terms::All).expect("weights");
-        let value = |x: f64| if x < 0.0 { 2.0 } else if x > 0.0 { 5.0 } else { 0.0 };
+        let value = |x: f64| {
+            if x < 0.0 {
+                2.0
+            } else if x > 0.0 {
+                5.0
+            } else {
+                0.0
+            }
+        };
         let curvature = |k: usize| weights.iter().zip(&grid).map(|(weight, [x, _])| weight[k] * value(*x)).sum::<f64>();
         assert!((curvature(0) - 7.0).abs() < 1e-12 && curvature(1).abs() < 1e-12 && curvature(2).abs() < 1e-12);
     }

@@ -87,7 +87,9 @@ impl Bending {
             if node as usize >= own && !is_near() {
                 continue;
             }
-            let Some(curvature) = Curvature::at_node(&outline, node, &mounted, &plate, elements.len()) else { continue };
+            let Some(curvature) = Curvature::at_node(&outline, node, &mounted, &plate, elements.len()) else {
+                continue;
+            };
             for (place, other) in curvature.nodes.iter().enumerate().filter(|(_, other)| (**other as usize) < own) {
                 at_nodes[*other as usize].push((curvatures.len() as u32, place as u32));
             }
@@ -112,7 +114,8 @@ impl Bending {
         let rows: Vec<Vec<Entry>> = (0..own).map(|node| bending.row(node)).collect();
         // Stiffness of any vector over the mass, row by row, bounds the largest eigenvalue (Gershgorin).
         let of_row = |(node, row): (usize, &Vec<Entry>)| {
-            row.iter().map(|(.., stiffness)| stiffness.abs()).sum::<f64>() / nodes.mass[first + node]
+            let along = |axis: usize| row.iter().map(|(_, stiffness)| stiffness[axis].abs()).sum::<f64>();
+            along(0).max(along(1)).max(along(2)) / nodes.mass[first + node]
         };
         bending.squared_frequency = rows.iter().enumerate().map(of_row).fold(0.0, f64::max);
         bending.rows = Rows::new(&rows);
@@ -134,11 +137,19 @@ impl Bending {
         }
         // Stable: those of one column are summed in the order of the curvatures.
         entries.sort_by_key(|(node, _)| *node);
-        let sum = |group: &[(u32, f64)]| {
+        let mut row: Vec<Entry> = vec![];
+        for group in entries.chunk_by(|a, b| a.0 == b.0) {
             let (own, signs) = self.source[group[0].0 as usize];
-            (own, signs, self.shares[node] * group.iter().map(|(_, stiffness)| stiffness).sum::<f64>())
+            let stiffness = self.shares[node] * group.iter().map(|(_, stiffness)| stiffness).sum::<f64>();
+            row.push((own, signs.map(|sign| sign * stiffness)));
+        }
+        // A node moves together with its images.
+        row.sort_by_key(|(own, _)| *own);
+        let sum = |group: &[Entry]| {
+            let along = |axis: usize| group.iter().map(|(_, stiffness)| stiffness[axis]).sum::<f64>();
+            (group[0].0, [along(0), along(1), along(2)])
         };
-        entries.chunk_by(|a, b| a.0 == b.0).map(sum).collect()
+        row.chunk_by(|a, b| a.0 == b.0).map(sum).collect()
     }
 
     /// Makes the mounted positions those without forces.

@@ -53,18 +53,11 @@ pub(super) enum Place {
     /// Within the film.
     Inside,
     /// On an edge that is held, whose film goes on behind it, with its normal into the film.
-    BuiltIn {
-        inward: [f64; 2],
-    },
+    BuiltIn { inward: [f64; 2] },
     /// On a free edge along this direction.
-    Free {
-        along: [f64; 2],
-    },
+    Free { along: [f64; 2] },
     /// At the end of a free edge along a direction, where a held one begins.
-    FreeAtBuiltIn {
-        along: [f64; 2],
-        inward: [f64; 2],
-    },
+    FreeAtBuiltIn { along: [f64; 2], inward: [f64; 2] },
     /// At a corner, or where edges meet.
     Corner,
 }

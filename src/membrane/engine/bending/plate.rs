@@ -69,7 +69,9 @@ fn tangent(law: &Law) -> [[f64; 3]; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{CompressibleNeoHookean, Elastic, HyperelasticLaw, Hyperelastic, LawVisitor, MembraneLaw, TensionField};
+    use crate::material::{
+        CompressibleNeoHookean, Elastic, Hyperelastic, HyperelasticLaw, LawVisitor, MembraneLaw, TensionField,
+    };
 
     struct Moduli;
     impl LawVisitor for Moduli {
@@ -117,6 +119,8 @@ mod tests {
         }
         // Fibres without coupling: across them, the edge is as stiff as the other set.
         let fibres = Plate([[3.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 0.0]]);
-        assert!((fibres.along_edge([1.0, 0.0]) - 3.0).abs() < 1e-12 && (fibres.along_edge([0.0, 1.0]) - 5.0).abs() < 1e-12);
+        assert!(
+            (fibres.along_edge([1.0, 0.0]) - 3.0).abs() < 1e-12 && (fibres.along_edge([0.0, 1.0]) - 5.0).abs() < 1e-12
+        );
     }
 }

@@ -4,10 +4,14 @@ use std::ops::Range;
 
 use crate::engine::disjoint::Disjoint;
 use crate::engine::footprint::bytes;
-use crate::lane::{LANES, Lane, Lane3, Stored, Width, at_width, splat};
+use crate::lane::{LANES, Lane, Stored, Width, at_width, splat};
 
-/// An entry of a row: the film's own node, the signs by which its position is multiplied, the stiffness (N/m).
-pub(super) type Entry = (u32, [f64; 3], f64);
+/// An entry of a row: its column and the stiffness (N/m) against motion along each axis, which differs where motion of an
+/// image behind a mirror plane is in it.
+pub(super) type Entry = (u32, [f64; 3]);
+
+/// Columns that rows of one block may have together, over the most that any of them has.
+const COMMON: f64 = 1.5;
 
 /// Successive rows, one a lane.
 #[derive(Clone, Debug)]
@@ -15,37 +19,39 @@ struct Block {
     /// Its first row.
     first: u32,
     near: Range<usize>,
-    listed: Range<usize>,
+    by_axis: Range<usize>,
+    /// Where the single entries of each of its rows begin, and where those of the last one end.
+    single: [u32; LANES + 1],
+    /// Whether its vectors reach over an end of the arrays.
+    is_at_end: bool,
 }
 
-/// Entries of the rows of a block whose columns follow each other as the rows do, so that they are loaded as one vector.
-#[derive(Clone, Debug)]
-struct Near {
-    stiffness: Stored<LANES>,
-    first: u32,
-}
-
-/// Entries of the rows of a block at any columns.
-#[derive(Clone, Debug)]
-struct Listed {
-    stiffness: Stored<LANES>,
-    nodes: [u32; LANES],
-    signs: [f64; 3],
-}
-
-/// Rows of a matrix that has the same entries for all three axes but for the signs at mirror planes.
+/// A matrix over the nodes of a film for each axis, by rows. Entries of the rows of a block whose columns follow each other
+/// as the rows do are one vector, which begins at a column that may lie before all.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     count: usize,
     blocks: Vec<Block>,
-    near: Vec<Near>,
-    listed: Vec<Listed>,
+    near: Vec<Stored<LANES>>,
+    near_first: Vec<i32>,
+    /// Those that are not alike for all axes.
+    by_axis: Vec<[Stored<LANES>; 3]>,
+    by_axis_first: Vec<i32>,
+    single: Vec<Entry>,
 }
 
 impl Rows {
-    /// The matrix of these rows, whose entries ascend by their columns and have each column and signs once.
+    /// The matrix of these rows, whose entries ascend by their columns.
     pub(super) fn new(rows: &[Vec<Entry>]) -> Rows {
-        let mut out = Rows { count: rows.len(), blocks: vec![], near: vec![], listed: vec![] };
+        let mut out = Rows {
+            count: rows.len(),
+            blocks: vec![],
+            near: vec![],
+            near_first: vec![],
+            by_axis: vec![],
+            by_axis_first: vec![],
+            single: vec![],
+        };
         for (number, of_block) in rows.chunks(LANES).enumerate() {
             out.add(number * LANES, of_block);
         }
@@ -53,77 +59,62 @@ impl Rows {
     }
 
     fn add(&mut self, first: usize, rows: &[Vec<Entry>]) {
-        let (near_from, listed_from) = (self.near.len(), self.listed.len());
         // Columns from their rows. Rows of a structured mesh have the same, where some have no entry too.
-        let mut offsets: Vec<i64> = vec![];
+        let mut offsets: Vec<i32> = vec![];
         for (lane, row) in rows.iter().enumerate() {
-            let plain = row.iter().filter(|(_, signs, _)| *signs == [1.0; 3]);
-            offsets.extend(plain.map(|(node, ..)| i64::from(*node) - (first + lane) as i64));
+            offsets.extend(row.iter().map(|(node, _)| *node as i32 - (first + lane) as i32));
         }
         offsets.sort_unstable();
         offsets.dedup();
         let longest = rows.iter().map(Vec::len).max().unwrap_or(0);
-        let count = self.count as i64;
-        let within = |offset: &i64| (0..=count - LANES as i64).contains(&(first as i64 + offset));
-        let is_near = 2 * offsets.len() <= 3 * longest && offsets.iter().all(within) && rows.len() == LANES;
-        if is_near {
-            let near = |offset: &i64| Near { stiffness: Stored(splat(0.0)), first: (first as i64 + offset) as u32 };
-            self.near.extend(offsets.iter().map(near));
-        }
-        // Of each signs, the rows side by side, entry by entry.
-        let mut kinds: Vec<[f64; 3]> = rows.iter().flatten().map(|(_, signs, _)| *signs).collect();
-        kinds.sort_by_key(|signs| signs.map(|sign| sign < 0.0));
-        kinds.dedup();
-        for signs in kinds.into_iter().filter(|signs| !is_near || *signs != [1.0; 3]) {
-            let of_kind: Vec<Vec<u32>> = (0..LANES)
-                .map(|lane| {
-                    let row = rows.get(lane).map_or(&[][..], Vec::as_slice);
-                    row.iter().filter(|(_, s, _)| *s == signs).map(|(node, ..)| *node).collect()
-                })
-                .collect();
-            for place in 0..of_kind.iter().map(Vec::len).max().unwrap_or(0) {
-                // Lanes without an entry repeat the first node of the block, with no stiffness.
-                let nodes = std::array::from_fn(|l| of_kind[l].get(place).copied().unwrap_or(first as u32));
-                self.listed.push(Listed { stiffness: Stored(splat(0.0)), nodes, signs });
+        let is_near = offsets.len() as f64 <= COMMON * longest as f64 && rows.len() == LANES;
+        let is_alike = rows.iter().flatten().all(|(_, [x, y, z])| x == y && y == z);
+        let from = [self.near.len(), self.by_axis.len()];
+        let mut is_at_end = false;
+        for offset in offsets.into_iter().filter(|_| is_near) {
+            let column = first as i32 + offset;
+            is_at_end |= column < 0 || column as usize + LANES > self.count;
+            if is_alike {
+                self.near.push(Stored(splat(0.0)));
+                self.near_first.push(column);
+            } else {
+                self.by_axis.push([Stored(splat(0.0)); 3]);
+                self.by_axis_first.push(column);
             }
         }
-        let block = Block {
-            first: first as u32,
-            near: near_from..self.near.len(),
-            listed: listed_from..self.listed.len(),
-        };
-        self.blocks.push(block);
+        let mut single = [self.single.len() as u32; LANES + 1];
+        for lane in 0..LANES {
+            let row = rows.get(lane).filter(|_| !is_near).map_or(&[][..], Vec::as_slice);
+            self.single.extend_from_slice(row);
+            single[lane + 1] = self.single.len() as u32;
+        }
+        let (near, by_axis) = (from[0]..self.near.len(), from[1]..self.by_axis.len());
+        self.blocks.push(Block { first: first as u32, near, by_axis, single, is_at_end });
         self.fill(self.blocks.len() - 1, rows);
     }
 
     /// Replaces the stiffness of all entries of the block of this number by those of its `rows`, which have no others than
     /// when it was made.
     pub(super) fn fill(&mut self, block: usize, rows: &[Vec<Entry>]) {
-        let Block { first, near, listed } = self.blocks[block].clone();
-        for Near { stiffness, first: column } in &mut self.near[near.clone()] {
-            stiffness.0 = splat(0.0);
-            for (lane, row) in rows.iter().enumerate() {
-                let node = *column + lane as u32;
-                let found = row.iter().find(|(n, signs, _)| *n == node && *signs == [1.0; 3]);
-                stiffness.0[lane] = found.map_or(0.0, |(.., value)| *value);
+        let Block { near, by_axis, single, .. } = self.blocks[block].clone();
+        let value = |lane: usize, node: i64| {
+            let row = &rows[lane];
+            row.binary_search_by_key(&node, |(n, _)| i64::from(*n)).map_or([0.0; 3], |place| row[place].1)
+        };
+        for (stiffness, first) in self.near[near.clone()].iter_mut().zip(&self.near_first[near]) {
+            (0..LANES).for_each(|lane| stiffness.0[lane] = value(lane, i64::from(*first) + lane as i64)[0]);
+        }
+        for (stiffness, first) in self.by_axis[by_axis.clone()].iter_mut().zip(&self.by_axis_first[by_axis]) {
+            for lane in 0..LANES {
+                let value = value(lane, i64::from(*first) + lane as i64);
+                (0..3).for_each(|axis| stiffness[axis].0[lane] = value[axis]);
             }
         }
-        let is_near = !near.is_empty();
-        let mut used = vec![vec![]; rows.len()];
-        for Listed { stiffness, nodes, signs } in &mut self.listed[listed] {
-            stiffness.0 = splat(0.0);
-            for (lane, row) in rows.iter().enumerate() {
-                let found = row.iter().position(|(n, s, _)| *n == nodes[lane] && s == signs);
-                // Lanes without an entry repeat a node that may have one elsewhere.
-                let Some(found) = found.filter(|found| !used[lane].contains(found)) else { continue };
-                if is_near && *signs == [1.0; 3] {
-                    continue;
-                }
-                used[lane].push(found);
-                stiffness.0[lane] = row[found].2;
+        for lane in 0..rows.len() {
+            for (node, stiffness) in &mut self.single[single[lane] as usize..single[lane + 1] as usize] {
+                *stiffness = value(lane, i64::from(*node));
             }
         }
-        debug_assert!(first as usize + rows.len() <= self.count);
     }
 
     /// Number of blocks.
@@ -149,69 +140,156 @@ impl Rows {
         beside: &[&[f64]; 3],
         out: &[Disjoint<'_, f64>; 3],
     ) {
-        let first = self.blocks.get(blocks.start).map_or(0, |block| block.first as usize);
+        let Some(first) = self.blocks.get(blocks.start).map(|block| block.first as usize) else { return };
         let rows = first..self.count.min(first + blocks.len() * LANES);
         // SAFETY: by the contract no other thread accesses these rows.
-        let out = out.each_ref().map(|axis| unsafe { axis.range(rows.clone()) });
-        subtract(width, self, blocks, x, beside, out);
+        let mut out = out.each_ref().map(|axis| unsafe { axis.range(rows.clone()) });
+        let mut from = blocks.start;
+        for group in self.blocks[blocks].chunk_by(|a, b| a.is_at_end == b.is_at_end) {
+            let of_group = from..from + group.len();
+            from += group.len();
+            if group[0].is_at_end {
+                let (copies, begin) = self.copied(group, x);
+                let near = copies.each_ref().map(Vec::as_slice);
+                subtract(width, self, of_group, (&near, begin), (x, beside), (&mut out, first));
+            } else {
+                subtract(width, self, of_group, (x, 0), (x, beside), (&mut out, first));
+            }
+        }
+    }
+
+    /// A copy of the part of `x` that vectors of the blocks of a group reach, zero behind the ends, and its first column.
+    fn copied(&self, group: &[Block], x: &[&[f64]; 3]) -> ([Vec<f64>; 3], i32) {
+        let columns = || {
+            let near = group.iter().flat_map(|block| &self.near_first[block.near.clone()]);
+            near.chain(group.iter().flat_map(|block| &self.by_axis_first[block.by_axis.clone()])).copied()
+        };
+        let (begin, end) = columns().fold((i32::MAX, i32::MIN), |(least, most), c| (least.min(c), most.max(c)));
+        let end = end + LANES as i32;
+        let known = begin.max(0) as usize..(end as usize).min(self.count);
+        let copy = |axis: &[f64]| {
+            let mut copy = vec![0.0; (end - begin) as usize];
+            copy[(known.start as i32 - begin) as usize..][..known.len()].copy_from_slice(&axis[known.clone()]);
+            copy
+        };
+        ([copy(x[0]), copy(x[1]), copy(x[2])], begin)
     }
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
-        bytes(&self.blocks) + bytes(&self.near) + bytes(&self.listed)
+        let near = bytes(&self.near) + bytes(&self.near_first);
+        let by_axis = bytes(&self.by_axis) + bytes(&self.by_axis_first);
+        bytes(&self.blocks) + near + by_axis + bytes(&self.single)
     }
 }
 
 at_width! {
     fn subtract[](
-        rows: &Rows, blocks: Range<usize>, x: &[&[f64]; 3], beside: &[&[f64]; 3], out: [&mut [f64]; 3],
+        rows: &Rows,
+        blocks: Range<usize>,
+        near: (&[&[f64]; 3], i32),
+        arrays: (&[&[f64]; 3], &[&[f64]; 3]),
+        out: (&mut [&mut [f64]; 3], usize),
     ) = subtract_lanewise
 }
 
+/// `arrays` has the vectors and what is beside them, `near` the vectors from a column on, `out` the rows from one on.
 #[inline(always)]
-fn subtract_lanewise(rows: &Rows, blocks: Range<usize>, x: &[&[f64]; 3], beside: &[&[f64]; 3], out: [&mut [f64]; 3]) {
-    let begin = rows.blocks.get(blocks.start).map_or(0, |block| block.first as usize);
+fn subtract_lanewise(
+    rows: &Rows,
+    blocks: Range<usize>,
+    (near, begin): (&[&[f64]; 3], i32),
+    (x, beside): (&[&[f64]; 3], &[&[f64]; 3]),
+    (out, row): (&mut [&mut [f64]; 3], usize),
+) {
     for block in &rows.blocks[blocks] {
-        let product = product(rows, block, x);
         let first = block.first as usize;
         let count = LANES.min(rows.count - first);
+        if block.single[0] < block.single[LANES] {
+            for lane in 0..count {
+                let of_row = &rows.single[block.single[lane] as usize..block.single[lane + 1] as usize];
+                let sum = row_product(of_row, x);
+                for axis in 0..3 {
+                    out[axis][first + lane - row] += beside[axis][first + lane] - sum[axis];
+                }
+            }
+            continue;
+        }
+        if count < LANES {
+            // The last rows, which have no entries.
+            continue;
+        }
+        let entries = block.near.clone();
+        let (plain, plain_first) = (&rows.near[entries.clone()], &rows.near_first[entries]);
+        let entries = block.by_axis.clone();
+        let (by_axis, by_axis_first) = (&rows.by_axis[entries.clone()], &rows.by_axis_first[entries]);
         for axis in 0..3 {
-            let (to, beside) = (&mut out[axis][first - begin..][..count], &beside[axis][first..][..count]);
-            if count == LANES {
+            let x = |first: &i32| lane_of(near[axis], (first - begin) as usize);
+            // Four sums that do not wait for each other.
+            let mut sums: [Lane; 4] = [splat(0.0); 4];
+            let (fours, rest) = plain.as_chunks::<4>();
+            let (fours_first, rest_first) = plain_first.as_chunks::<4>();
+            for (stiffness, first) in fours.iter().zip(fours_first) {
+                for k in 0..4 {
+                    let x = x(&first[k]);
+                    for l in 0..LANES {
+                        sums[k][l] += stiffness[k].0[l] * x[l];
+                    }
+                }
+            }
+            for (stiffness, first) in rest.iter().zip(rest_first) {
+                let x = x(first);
                 for l in 0..LANES {
-                    to[l] += beside[l] - product[axis][l];
+                    sums[0][l] += stiffness.0[l] * x[l];
                 }
-            } else {
-                for l in 0..count {
-                    to[l] += beside[l] - product[axis][l];
+            }
+            let (fours, rest) = by_axis.as_chunks::<4>();
+            let (fours_first, rest_first) = by_axis_first.as_chunks::<4>();
+            for (stiffness, first) in fours.iter().zip(fours_first) {
+                for k in 0..4 {
+                    let x = x(&first[k]);
+                    for l in 0..LANES {
+                        sums[k][l] += stiffness[k][axis].0[l] * x[l];
+                    }
                 }
+            }
+            for (stiffness, first) in rest.iter().zip(rest_first) {
+                let x = x(first);
+                for l in 0..LANES {
+                    sums[0][l] += stiffness[axis].0[l] * x[l];
+                }
+            }
+            let beside = lane_of(beside[axis], first);
+            let to: &mut Lane = out[axis][first - row..].first_chunk_mut().expect("a whole lane");
+            for l in 0..LANES {
+                to[l] += beside[l] - ((sums[0][l] + sums[1][l]) + (sums[2][l] + sums[3][l]));
             }
         }
     }
 }
 
-/// The products of the rows of a block with the vectors `x`.
+/// Successive values from a place on.
 #[inline(always)]
-fn product(rows: &Rows, block: &Block, x: &[&[f64]; 3]) -> Lane3 {
-    let mut sums: Lane3 = [splat(0.0); 3];
-    for Near { stiffness, first } in &rows.near[block.near.clone()] {
-        for axis in 0..3 {
-            let x = &x[axis][*first as usize..][..LANES];
-            for l in 0..LANES {
-                sums[axis][l] += stiffness.0[l] * x[l];
+fn lane_of(values: &[f64], from: usize) -> &Lane {
+    values[from..].first_chunk().expect("a whole lane")
+}
+
+/// The product of one row with the vectors `x`, in two sums that do not wait for each other.
+#[inline(always)]
+fn row_product(row: &[Entry], x: &[&[f64]; 3]) -> [f64; 3] {
+    let mut sums = [[0.0; 3]; 2];
+    let (pairs, last) = row.as_chunks::<2>();
+    for pair in pairs {
+        for (sums, (node, stiffness)) in sums.iter_mut().zip(pair) {
+            for axis in 0..3 {
+                sums[axis] += stiffness[axis] * x[axis][*node as usize];
             }
         }
     }
-    for Listed { stiffness, nodes, signs } in &rows.listed[block.listed.clone()] {
+    for (node, stiffness) in last {
         for axis in 0..3 {
-            let mut gathered: Lane = splat(0.0);
-            for l in 0..LANES {
-                gathered[l] = x[axis][nodes[l] as usize];
-            }
-            for l in 0..LANES {
-                sums[axis][l] += (signs[axis] * stiffness.0[l]) * gathered[l];
-            }
+            sums[0][axis] += stiffness[axis] * x[axis][*node as usize];
         }
     }
-    sums
+    [0, 1, 2].map(|axis| sums[0][axis] + sums[1][axis])
 }
