@@ -15,7 +15,7 @@ const THICKNESS: f64 = 2e-4;
 
 /// Kind of mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
     Quads,
     /// Diagonals of one direction.
     Tris,
@@ -24,7 +24,7 @@ enum Kind {
 }
 
 /// A rectangle from the origin, its cells moved by a share of their size at random within it.
-fn rectangle(kind: Kind, [x, y]: [f64; 2], [nx, ny]: [u32; 2], irregular: f64) -> Mesh {
+pub(super) fn rectangle(kind: Kind, [x, y]: [f64; 2], [nx, ny]: [u32; 2], irregular: f64) -> Mesh {
     let at = |i: u32, j: u32| j * (nx + 1) + i;
     let mut mesh = Mesh::default();
     let mut seed = 12345_u64;
@@ -67,7 +67,7 @@ fn section() -> Section {
 }
 
 /// Edges between successive nodes of the mesh for which `wanted`.
-fn edges(mesh: &Mesh, wanted: impl Fn(&Point3<f64>) -> bool) -> Vec<[u32; 2]> {
+pub(super) fn edges(mesh: &Mesh, wanted: impl Fn(&Point3<f64>) -> bool) -> Vec<[u32; 2]> {
     let corners = mesh.quads.iter().map(|q| q.to_vec()).chain(mesh.tris.iter().map(|t| t.to_vec()));
     let sides = corners.flat_map(|c| (0..c.len()).map(move |k| [c[k], c[(k + 1) % c.len()]]).collect::<Vec<_>>());
     sides.filter(|edge| edge.iter().all(|node| wanted(&mesh.nodes[*node as usize]))).collect()

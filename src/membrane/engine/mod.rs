@@ -6,6 +6,8 @@
 
 mod bending;
 #[cfg(test)]
+mod bending_equilibria;
+#[cfg(test)]
 mod bending_tests;
 mod bodies;
 mod clamp;
