@@ -53,9 +53,8 @@ fn elastica(load: f64) -> [f64; 2] {
     let shot = |slope: f64| {
         let steps = 4000;
         let h = 1.0 / f64::from(steps);
-        let rate = |s: f64, [angle, bend, ..]: [f64; 4]| {
-            [bend, -load * (1.0 - s) * angle.cos(), angle.cos(), angle.sin()]
-        };
+        let rate =
+            |s: f64, [angle, bend, ..]: [f64; 4]| [bend, -load * (1.0 - s) * angle.cos(), angle.cos(), angle.sin()];
         let mut y = [0.0, slope, 0.0, 0.0];
         let along = |y: [f64; 4], k: [f64; 4], h: f64| [0, 1, 2, 3].map(|i| y[i] + h * k[i]);
         for step in 0..steps {
@@ -106,6 +105,10 @@ fn hanging(kind: Kind, irregular: f64, load: f64, cells: [u32; 2]) -> [f64; 2] {
 fn the_elastica_is_a_beam_under_small_loads() {
     let [drop, reach] = elastica(1e-3);
     assert!((drop / 1e-3 * 8.0 - 1.0).abs() < 1e-5 && (reach - 1.0).abs() < 1e-6, "{drop} {reach}");
+    // The cantilever test of ASTM D1388 is defined so: the chord of an overhang of twice the bending length falls by 41.5°.
+    let [drop, reach] = elastica(8.0);
+    let angle = drop.atan2(reach).to_degrees();
+    assert!((angle - 41.5).abs() < 1.0, "{angle}");
 }
 
 #[test]
@@ -217,12 +220,12 @@ fn drape(kind: Kind, bending_length: f64, strain: f64, cells: [u32; 2]) -> (f64,
 #[test]
 fn a_disc_drapes_in_folds() {
     let coarse = [6, 60];
-    let (stiff, none) = drape(Kind::Quads, 0.12, 1e-2, coarse);
-    assert!(stiff > 0.95 && none <= 2, "{stiff} {none}");
+    let (stiff, _) = drape(Kind::Quads, 0.12, 1e-2, coarse);
+    assert!(stiff > 0.99, "{stiff}");
     let (middle, few) = drape(Kind::Quads, 0.03, 1e-2, coarse);
-    let (soft, many) = drape(Kind::Quads, 0.018, 1e-2, coarse);
-    assert!(soft < middle && middle < 0.95, "{soft} {middle}");
-    assert!((3..=8).contains(&few) && (4..=10).contains(&many) && many >= few, "{few} {many}");
+    let (soft, many) = drape(Kind::Quads, 0.02, 1e-2, coarse);
+    assert!((0.78..0.88).contains(&middle) && (0.54..0.66).contains(&soft), "{middle} {soft}");
+    assert!((5..=8).contains(&few) && (7..=10).contains(&many), "{few} {many}");
 }
 
 #[test]
@@ -282,8 +285,8 @@ fn wrinkles(kind: Kind, strain: f64, thickness: f64, [length, width]: [f64; 2], 
 
 #[test]
 fn a_stretched_sheet_wrinkles_at_the_length_of_its_stiffness() {
-    let [ratio, amplitude] = wrinkles(Kind::Quads, 0.05, 2e-4, [0.25, 0.1], 5e-3);
-    assert!((0.75..1.3).contains(&ratio) && amplitude > 2e-5, "{ratio} {amplitude}");
+    let [ratio, amplitude] = wrinkles(Kind::Quads, 0.05, 1e-4, [0.25, 0.1], 2.5e-3);
+    assert!((0.75..1.25).contains(&ratio) && amplitude > 1e-4, "{ratio} {amplitude}");
 }
 
 #[test]
@@ -291,10 +294,13 @@ fn a_stretched_sheet_wrinkles_at_the_length_of_its_stiffness() {
 fn wrinkles_over_strain_and_thickness() {
     for (kind, strain, thickness, size) in [
         (Kind::Quads, 0.05, 1e-4, 2.5e-3),
-        (Kind::Quads, 0.1, 1e-4, 2.5e-3),
+        (Kind::Quads, 0.05, 1e-4, 1.67e-3),
         (Kind::Tris, 0.05, 1e-4, 2.5e-3),
-        (Kind::Quads, 0.05, 2e-4, 2.5e-3),
+        (Kind::Quads, 0.1, 1e-4, 2e-3),
+        (Kind::Quads, 0.05, 5e-5, 1.67e-3),
+        (Kind::Quads, 0.1, 5e-5, 1.25e-3),
     ] {
-        wrinkles(kind, strain, thickness, [0.25, 0.1], size);
+        let [ratio, amplitude] = wrinkles(kind, strain, thickness, [0.25, 0.1], size);
+        assert!((0.7..1.25).contains(&ratio) && amplitude > 1e-4, "{ratio} {amplitude}");
     }
 }

@@ -18,40 +18,31 @@ const COMMON: f64 = 1.5;
 struct Block {
     /// Its first row.
     first: u32,
+    /// Entries whose columns follow each other as the rows do, so that they are loaded as one vector: their place among
+    /// all columns, and for each axis where the stiffness of the first of them is; axes that are alike share it.
     near: Range<usize>,
-    by_axis: Range<usize>,
+    stiffness: [usize; 3],
     /// Where the single entries of each of its rows begin, and where those of the last one end.
     single: [u32; LANES + 1],
     /// Whether its vectors reach over an end of the arrays.
     is_at_end: bool,
 }
 
-/// A matrix over the nodes of a film for each axis, by rows. Entries of the rows of a block whose columns follow each other
-/// as the rows do are one vector, which begins at a column that may lie before all.
+/// A matrix over the nodes of a film for each axis, by rows.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     count: usize,
     blocks: Vec<Block>,
-    near: Vec<Stored<LANES>>,
-    near_first: Vec<i32>,
-    /// Those that are not alike for all axes.
-    by_axis: Vec<[Stored<LANES>; 3]>,
-    by_axis_first: Vec<i32>,
+    /// First column of each vector, which may lie before all.
+    near: Vec<i32>,
+    stiffness: Vec<Stored<LANES>>,
     single: Vec<Entry>,
 }
 
 impl Rows {
     /// The matrix of these rows, whose entries ascend by their columns.
     pub(super) fn new(rows: &[Vec<Entry>]) -> Rows {
-        let mut out = Rows {
-            count: rows.len(),
-            blocks: vec![],
-            near: vec![],
-            near_first: vec![],
-            by_axis: vec![],
-            by_axis_first: vec![],
-            single: vec![],
-        };
+        let mut out = Rows { count: rows.len(), blocks: vec![], near: vec![], stiffness: vec![], single: vec![] };
         for (number, of_block) in rows.chunks(LANES).enumerate() {
             out.add(number * LANES, of_block);
         }
@@ -68,19 +59,24 @@ impl Rows {
         offsets.dedup();
         let longest = rows.iter().map(Vec::len).max().unwrap_or(0);
         let is_near = offsets.len() as f64 <= COMMON * longest as f64 && rows.len() == LANES;
-        let is_alike = rows.iter().flatten().all(|(_, [x, y, z])| x == y && y == z);
-        let from = [self.near.len(), self.by_axis.len()];
-        let mut is_at_end = false;
-        for offset in offsets.into_iter().filter(|_| is_near) {
-            let column = first as i32 + offset;
-            is_at_end |= column < 0 || column as usize + LANES > self.count;
-            if is_alike {
-                self.near.push(Stored(splat(0.0)));
-                self.near_first.push(column);
-            } else {
-                self.by_axis.push([Stored(splat(0.0)); 3]);
-                self.by_axis_first.push(column);
-            }
+        let from = self.near.len();
+        if is_near {
+            self.near.extend(offsets.iter().map(|offset| first as i32 + offset));
+        }
+        let near = from..self.near.len();
+        let is_beyond = |column: &i32| *column < 0 || *column as usize + LANES > self.count;
+        let is_at_end = self.near[near.clone()].iter().any(is_beyond);
+        let is_alike = |a: usize, b: usize| rows.iter().flatten().all(|(_, stiffness)| stiffness[a] == stiffness[b]);
+        let mut stiffness = [self.stiffness.len(); 3];
+        for axis in 0..3 {
+            stiffness[axis] = (0..axis).find(|other| is_alike(*other, axis)).map_or_else(
+                || {
+                    let begin = self.stiffness.len();
+                    self.stiffness.extend(near.clone().map(|_| Stored(splat(0.0))));
+                    begin
+                },
+                |other| stiffness[other],
+            );
         }
         let mut single = [self.single.len() as u32; LANES + 1];
         for lane in 0..LANES {
@@ -88,26 +84,23 @@ impl Rows {
             self.single.extend_from_slice(row);
             single[lane + 1] = self.single.len() as u32;
         }
-        let (near, by_axis) = (from[0]..self.near.len(), from[1]..self.by_axis.len());
-        self.blocks.push(Block { first: first as u32, near, by_axis, single, is_at_end });
+        self.blocks.push(Block { first: first as u32, near, stiffness, single, is_at_end });
         self.fill(self.blocks.len() - 1, rows);
     }
 
     /// Replaces the stiffness of all entries of the block of this number by those of its `rows`, which have no others than
     /// when it was made.
     pub(super) fn fill(&mut self, block: usize, rows: &[Vec<Entry>]) {
-        let Block { near, by_axis, single, .. } = self.blocks[block].clone();
+        let Block { near, stiffness, single, .. } = self.blocks[block].clone();
         let value = |lane: usize, node: i64| {
             let row = &rows[lane];
             row.binary_search_by_key(&node, |(n, _)| i64::from(*n)).map_or([0.0; 3], |place| row[place].1)
         };
-        for (stiffness, first) in self.near[near.clone()].iter_mut().zip(&self.near_first[near]) {
-            (0..LANES).for_each(|lane| stiffness.0[lane] = value(lane, i64::from(*first) + lane as i64)[0]);
-        }
-        for (stiffness, first) in self.by_axis[by_axis.clone()].iter_mut().zip(&self.by_axis_first[by_axis]) {
+        for (place, first) in self.near[near].iter().enumerate() {
             for lane in 0..LANES {
                 let value = value(lane, i64::from(*first) + lane as i64);
-                (0..3).for_each(|axis| stiffness[axis].0[lane] = value[axis]);
+                // Axes that share their entries are alike in film that tore, too: it has no other mirror planes.
+                (0..3).for_each(|axis| self.stiffness[stiffness[axis] + place].0[lane] = value[axis]);
             }
         }
         for lane in 0..rows.len() {
@@ -160,11 +153,8 @@ impl Rows {
 
     /// A copy of the part of `x` that vectors of the blocks of a group reach, zero behind the ends, and its first column.
     fn copied(&self, group: &[Block], x: &[&[f64]; 3]) -> ([Vec<f64>; 3], i32) {
-        let columns = || {
-            let near = group.iter().flat_map(|block| &self.near_first[block.near.clone()]);
-            near.chain(group.iter().flat_map(|block| &self.by_axis_first[block.by_axis.clone()])).copied()
-        };
-        let (begin, end) = columns().fold((i32::MAX, i32::MIN), |(least, most), c| (least.min(c), most.max(c)));
+        let columns = group.iter().flat_map(|block| &self.near[block.near.clone()]);
+        let (begin, end) = columns.fold((i32::MAX, i32::MIN), |(least, most), c| (least.min(*c), most.max(*c)));
         let end = end + LANES as i32;
         let known = begin.max(0) as usize..(end as usize).min(self.count);
         let copy = |axis: &[f64]| {
@@ -177,9 +167,7 @@ impl Rows {
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
-        let near = bytes(&self.near) + bytes(&self.near_first);
-        let by_axis = bytes(&self.by_axis) + bytes(&self.by_axis_first);
-        bytes(&self.blocks) + near + by_axis + bytes(&self.single)
+        bytes(&self.blocks) + bytes(&self.near) + bytes(&self.stiffness) + bytes(&self.single)
     }
 }
 
@@ -219,17 +207,14 @@ fn subtract_lanewise(
             // The last rows, which have no entries.
             continue;
         }
-        let entries = block.near.clone();
-        let (plain, plain_first) = (&rows.near[entries.clone()], &rows.near_first[entries]);
-        let entries = block.by_axis.clone();
-        let (by_axis, by_axis_first) = (&rows.by_axis[entries.clone()], &rows.by_axis_first[entries]);
+        let columns = &rows.near[block.near.clone()];
+        let (fours, rest) = columns.as_chunks::<4>();
         for axis in 0..3 {
             let x = |first: &i32| lane_of(near[axis], (first - begin) as usize);
+            let (by_fours, by_rest) = rows.stiffness[block.stiffness[axis]..][..columns.len()].as_chunks::<4>();
             // Four sums that do not wait for each other.
             let mut sums: [Lane; 4] = [splat(0.0); 4];
-            let (fours, rest) = plain.as_chunks::<4>();
-            let (fours_first, rest_first) = plain_first.as_chunks::<4>();
-            for (stiffness, first) in fours.iter().zip(fours_first) {
+            for (stiffness, first) in by_fours.iter().zip(fours) {
                 for k in 0..4 {
                     let x = x(&first[k]);
                     for l in 0..LANES {
@@ -237,26 +222,10 @@ fn subtract_lanewise(
                     }
                 }
             }
-            for (stiffness, first) in rest.iter().zip(rest_first) {
+            for (stiffness, first) in by_rest.iter().zip(rest) {
                 let x = x(first);
                 for l in 0..LANES {
                     sums[0][l] += stiffness.0[l] * x[l];
-                }
-            }
-            let (fours, rest) = by_axis.as_chunks::<4>();
-            let (fours_first, rest_first) = by_axis_first.as_chunks::<4>();
-            for (stiffness, first) in fours.iter().zip(fours_first) {
-                for k in 0..4 {
-                    let x = x(&first[k]);
-                    for l in 0..LANES {
-                        sums[k][l] += stiffness[k][axis].0[l] * x[l];
-                    }
-                }
-            }
-            for (stiffness, first) in rest.iter().zip(rest_first) {
-                let x = x(first);
-                for l in 0..LANES {
-                    sums[0][l] += stiffness[axis].0[l] * x[l];
                 }
             }
             let beside = lane_of(beside[axis], first);
