@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use super::{Engine, Film, Loads, Mesh, Nodes, Section, ThreadPool, Unobserved};
+use super::{Engine, Film, Jaw, Loads, Mesh, Nodes, Section, ThreadPool, Unobserved};
 use crate::lane::Width;
 use crate::material::{Elastic, Law};
 
@@ -481,4 +481,49 @@ fn cost() {
         });
         println!("{kind:?}: {a:.1} and {b:.1} ns an element");
     }
+}
+
+/// Film whose elements are deleted one after another: what bending stored there goes into `rupture`, what is left is that of
+/// film that was cut there before, and a restored engine has it, too.
+#[test]
+fn torn_film_bends_no_more_where_it_tore() {
+    use crate::material::{Criterion, Limit, Rupture};
+
+    let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.05), fracture_energy: 0.0 };
+    let section = Section { rupture: Some(rupture), thickness: 1e-3, ..section() };
+    let mesh = rectangle(Kind::Quads, [0.1, 0.06], [10, 6], 0.0);
+    let build = || {
+        let (film, mut nodes) = film(&mesh, &section, 1, &edges(&mesh, |p| p.x == 0.0));
+        nodes.hold((0..nodes.mass.len()).filter(|n| mesh.nodes[*n].x == 0.0 || mesh.nodes[*n].x == 0.1), [true; 3]);
+        for n in 0..nodes.mass.len() {
+            let [x, y, _] = nodes.position.value_at(n);
+            nodes.position.set(n, [x, y, 2e-3 * (60.0 * x).sin()]);
+            let pulled = if x == 0.1 { 8.0 } else { 80.0 * x };
+            nodes.velocity.set(n, [pulled, 0.0, 0.0]);
+        }
+        let right = (0..nodes.mass.len() as u32).filter(|n| mesh.nodes[*n as usize].x == 0.1).collect();
+        let jaws = vec![Jaw { nodes: right, velocity: 8.0 }];
+        Engine::new(vec![film], nodes, [], Loads { jaws, ..Loads::default() })
+    };
+    let mut engine = build();
+    assert!(engine.films[0].bending_energy(&engine.nodes.position) > 0.0);
+    let (mut failed, mut totals) = (0, vec![]);
+    while failed < 6 && engine.time() < 2e-3 {
+        totals.push(engine.read_step(|view| view.energies()).expect("a step"));
+        let film = &engine.films[0];
+        failed = film.elements() - film.intact().len();
+    }
+    assert!(failed >= 6, "{failed} elements tore");
+    let (first, last) = (totals[0], totals[totals.len() - 1]);
+    let gap = totals.iter().map(|e| (e.total() - first.total()).abs()).fold(0.0, f64::max);
+    let exchanged = last.exchanged(&first);
+    println!("{failed} elements tore; energy off by {:.1e}", gap / exchanged);
+    assert!(gap < 1e-2 * exchanged && last.rupture > 0.0, "{gap} of {exchanged}");
+    // From scratch, of the elements that are left.
+    let film = &engine.films[0];
+    let mut again = build();
+    again.restore(engine.state()).expect("a state");
+    let energies = [film, &again.films[0], &build().films[0]].map(|film| film.bending_energy(&engine.nodes.position));
+    let [found, restored, whole] = energies;
+    assert!(found.to_bits() == restored.to_bits() && found < whole, "{energies:?}");
 }

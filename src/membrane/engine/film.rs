@@ -306,7 +306,7 @@ impl Film {
     }
 
     /// Nodes of its elements that are not deleted, in order, counted from the first of its own.
-    fn intact(&self) -> Vec<Vec<u32>> {
+    pub(super) fn intact(&self) -> Vec<Vec<u32>> {
         let mut elements = vec![];
         let mut add = |corners: &[u32]| elements.push(corners.to_vec());
         self.chunks.iter().for_each(|chunk| chunk.group.for_each(0, true, &mut add));
