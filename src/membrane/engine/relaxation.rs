@@ -200,7 +200,7 @@ impl Engine {
         (VERTICAL_SHARE / share).clamp(1.0, MOST_LIGHTNESS)
     }
 
-    /// Bound on the stiffness of bending over that of the film along itself, which the time step bounds with it.
+    /// Bound on the stiffness of bending over that of the film along itself (theory.md, equation 357).
     fn bending_share(&self) -> f64 {
         let of_film = |film: &Film| {
             let bending = film.bending()?.squared_frequency();

@@ -1,4 +1,4 @@
-//! Curvatures at the nodes of a film and their stiffness (theory.md, equations 351 to 354).
+//! Curvatures at the nodes of a film and their stiffness (theory.md, equations 351 to 355).
 
 use super::fit::{self, Terms};
 use super::outline::{Outline, Place, Reach, behind};
