@@ -454,35 +454,6 @@ fn bits_depend_on_neither_threads_nor_width() {
     }
 }
 
-/// What a pass over the forces costs with bending and without.
-#[test]
-#[ignore = "prints times"]
-fn cost() {
-    for kind in [Kind::Quads, Kind::Tris, Kind::Crossed] {
-        let mut mesh = rectangle(kind, [0.2, 0.2], [20, 20], 0.0);
-        mesh.mirrors = [0, 1].map(|axis| {
-            (0..mesh.nodes.len() as u32).filter(|n| mesh.nodes[*n as usize][axis] == 0.0).collect::<Vec<u32>>()
-        });
-        let (film, mut nodes) = film(&mesh, &section(), 1, &edges(&mesh, |p| p.x == 0.2 || p.y == 0.2));
-        let mut bare = film.clone();
-        bare.bending = None;
-        let mut films = [bare, film];
-        let mut times = [vec![], vec![]];
-        for _ in 0..200 {
-            for (film, times) in films.iter_mut().zip(&mut times) {
-                let begin = std::time::Instant::now();
-                (0..50).for_each(|_| film.add_forces(&mut nodes, 0.0));
-                times.push(begin.elapsed().as_secs_f64() / 50.0 / film.elements() as f64);
-            }
-        }
-        let [a, b] = times.map(|mut times| {
-            times.sort_by(f64::total_cmp);
-            times[times.len() / 2] * 1e9
-        });
-        println!("{kind:?}: {a:.1} and {b:.1} ns an element");
-    }
-}
-
 /// Film whose elements are deleted one after another: what bending stored there goes into `rupture`, what is left is that of
 /// film that was cut there before, and a restored engine has it, too.
 #[test]
