@@ -29,13 +29,14 @@ type Section = fn(&Machine);
 fn main() {
     // The name of one section, which is then run alone.
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let sections: [(&str, Section); 8] = [
+    let sections: [(&str, Section); 9] = [
         ("kernel", |_| kernel()),
         ("laws", |_| laws()),
         ("drop", drop_test),
         ("parts", |_| parts()),
         ("sizes", |_| sizes()),
         ("faces", |_| faces()),
+        ("bending", |_| bending()),
         ("impactors", |_| impactors()),
         ("threads", |_| threads()),
     ];
@@ -532,6 +533,35 @@ fn faces() {
         let elements = simulate::engine(&with).expect("an engine").elements();
         let [plain, meeting] = [without, with].map(|model| whole(&model, 1, Width::best()).0);
         println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
+    }
+    println!();
+}
+
+/// The drop test with a bending stiffness of the film against that without, in turn.
+fn bending() {
+    println!("## Bending stiffness, one thread: 1008 over 60 ms\n");
+    println!("| film | elements | without, ns an element step | with, ns | times |\n|---|---|---|---|---|");
+    let scenes = [
+        ("a quarter, quadrilaterals", &[][..]),
+        ("whole, quadrilaterals", &["specimen.symmetry=none"]),
+        ("a quarter, triangles", &["specimen.mesh.element=tri3"]),
+    ];
+    for (name, changes) in scenes {
+        let with = |bends: bool| {
+            let own = [format!("specimen.bending={bends}"), "loading.impact.duration=60ms".to_owned()];
+            let own: Vec<&str> = own.iter().map(String::as_str).collect();
+            shipped(&[changes, &own].concat())
+        };
+        let models = [false, true].map(with);
+        let elements = simulate::engine(&models[0]).expect("an engine").elements();
+        let mut figures = [vec![], vec![]];
+        for _ in 0..REPEATS {
+            for (model, figures) in models.iter().zip(&mut figures) {
+                figures.push(whole(model, 1, Width::best()).0);
+            }
+        }
+        let [plain, bent] = figures.map(median);
+        println!("| {name} | {elements} | {plain:.1} | {bent:.1} | {:.2} |", bent / plain);
     }
     println!();
 }

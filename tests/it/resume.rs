@@ -298,7 +298,7 @@ fn assert_same(one: &Outcome, other: &Outcome, what: &str) {
 
 /// Every law, loading, element and kind of impactor that the golden cases have: rupture, a rotating sphere, faces of
 /// their own, triangles, a slow test whose mass is scaled, a graded mesh with added mass, bars, film that leaves its
-/// clamp, film on springs.
+/// clamp, film on springs, film that bends, also while it tears.
 #[test]
 fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [
@@ -344,6 +344,8 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
                 "loading.impact.duration=15ms",
             ],
         ),
+        ("drop-tear", &["output.frames=20", "specimen.bending=true"]),
+        ("strip-bending", &["output.frames=20"]),
         (
             "drop-1508",
             &[

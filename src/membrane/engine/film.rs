@@ -8,13 +8,16 @@ use std::ops::Range;
 use nalgebra::{Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
+use super::bending::{Bending, NotFlat};
 use super::colouring::first_fit;
 use super::disjoint::Disjoint;
 use super::element::{ElementDetail, ElementEnergy, ElementStrain, Forces, Torn};
 use super::element_group::ElementGroup;
 use super::failure::Failures;
 use super::film_history::FilmHistory;
+use super::mesh::Mesh;
 use super::nodes::{Nodes, Vectors};
+use super::section::Section;
 use super::thread_pool::ThreadPool;
 use crate::lane::Width;
 
@@ -28,6 +31,8 @@ pub struct Film {
     pub thickness: f64,
     /// Which of all nodes are this face's; elements count theirs from the first of them.
     pub nodes: Range<usize>,
+    /// Its bending stiffness, where it has one.
+    pub(super) bending: Option<Bending>,
 }
 
 /// Elements that one thread takes at a time.
@@ -68,7 +73,35 @@ impl Film {
             chunk
         };
         let chunks = groups.into_iter().zip(first_fit(&of_group)).map(chunk).collect();
-        Film { chunks, density, thickness, nodes }
+        Film { chunks, density, thickness, nodes, bending: None }
+    }
+
+    /// Gives it the bending stiffness of `section`, from which it was mounted on `nodes` with `mesh`, of so many `layers`
+    /// that slide on each other without friction; built in at the edges `built_in`, each two nodes of the mesh. Cuts and
+    /// added mass come before.
+    ///
+    /// # Errors
+    /// [`NotFlat`] where it was not mounted in a plane of constant height.
+    pub fn bend(
+        &mut self,
+        nodes: &Nodes,
+        mesh: &Mesh,
+        section: &Section,
+        layers: u32,
+        built_in: &[[u32; 2]],
+    ) -> Result<(), NotFlat> {
+        self.bending = Some(Bending::new(self.intact(), (nodes, self.nodes.start), (mesh, section), layers, built_in)?);
+        Ok(())
+    }
+
+    /// Its bending stiffness, where it has one.
+    pub(super) fn bending(&self) -> Option<&Bending> {
+        self.bending.as_ref()
+    }
+
+    /// Energy of its bending, J; `position` is that of all nodes.
+    pub fn bending_energy(&self, position: &Vectors) -> f64 {
+        self.bending.as_ref().map_or(0.0, |bending| bending.energy(&self.own(position.axes())))
     }
 
     /// Density with mass scaling, kg/m³.
@@ -108,7 +141,8 @@ impl Film {
 
     /// Bytes of its elements.
     pub(super) fn bytes(&self) -> usize {
-        self.chunks.iter().map(|chunk| chunk.group.bytes()).sum()
+        let elements: usize = self.chunks.iter().map(|chunk| chunk.group.bytes()).sum();
+        elements + self.bending.as_ref().map_or(0, Bending::bytes)
     }
 
     /// History variables of its elements.
@@ -123,6 +157,7 @@ impl Film {
         let mut reader = history.reader();
         self.chunks.iter_mut().for_each(|chunk| chunk.group.restore(&mut reader));
         self.find_tips();
+        self.tear_bending();
     }
 
     /// Resets the history variables of its elements to those of virgin film; deleted elements stay deleted.
@@ -160,6 +195,14 @@ impl Film {
         for chunk in order {
             // SAFETY: there is one thread.
             unsafe { film.add_forces(Width::best(), chunk, position.axes(), dt) };
+        }
+        if let Some(bending) = &self.bending {
+            let (position, force) = (position.range(own.clone()), force.axes_mut());
+            let force = force.map(|axis| Disjoint::new(&mut axis[own.clone()]));
+            for task in 0..bending.tasks() {
+                // SAFETY: there is one thread.
+                unsafe { bending.add_forces(Width::best(), task, &position, &force) };
+            }
         }
     }
 
@@ -200,7 +243,8 @@ impl Film {
         energies(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
-    /// Bound on the squared angular frequency of any of its elements, rad²/s² (theory.md, equation 17).
+    /// Bound on the squared angular frequency of any of its elements and of its bending, rad²/s² (theory.md, equations 17
+    /// and 356).
     pub fn frequency_bound(&self, position: &Vectors) -> f64 {
         frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
@@ -216,6 +260,13 @@ impl Film {
         }
         if total.opened || total.broken > 0 {
             self.find_tips();
+        }
+        if total.broken > 0 && self.bending.is_some() {
+            let energy = |film: &Film| film.bending.as_ref().map_or(0.0, |bending| bending.energy(&position));
+            let before = energy(self);
+            if self.tear_bending() {
+                total.energy.stored += before - energy(self);
+            }
         }
         total
     }
@@ -252,6 +303,22 @@ impl Film {
         let deleted = self.chunks.iter_mut().map(|chunk| chunk.group.delete(&crossed)).sum();
         self.find_tips();
         deleted
+    }
+
+    /// Nodes of its elements that are not deleted, in order, counted from the first of its own.
+    pub(super) fn intact(&self) -> Vec<Vec<u32>> {
+        let mut elements = vec![];
+        let mut add = |corners: &[u32]| elements.push(corners.to_vec());
+        self.chunks.iter().for_each(|chunk| chunk.group.for_each(0, true, &mut add));
+        elements
+    }
+
+    /// Takes the bending stiffness from film around deleted elements. Whether anything changed.
+    fn tear_bending(&mut self) -> bool {
+        let Some(mut bending) = self.bending.take() else { return false };
+        let changed = bending.update(&self.intact());
+        self.bending = Some(bending);
+        changed
     }
 
     /// Finds the elements at the tips of tears.
@@ -328,7 +395,7 @@ pub(super) fn energies(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3])
     totals
 }
 
-/// Bound on the squared angular frequency of any element of each film, rad²/s².
+/// Bound on the squared angular frequency of each film, rad²/s².
 pub(super) fn frequency_bounds(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<f64> {
     let mut largest = vec![0.0_f64; films.len()];
     let parts = for_each_chunk(films, pool, |f, chunk| {
@@ -337,6 +404,10 @@ pub(super) fn frequency_bounds(films: &[Film], pool: &ThreadPool, position: [&[f
     for (film, squared) in parts {
         let most = &mut largest[film];
         *most = if squared <= *most || most.is_nan() { *most } else { squared };
+    }
+    // Stiffnesses in parallel.
+    for (most, film) in largest.iter_mut().zip(films) {
+        *most += film.bending.as_ref().map_or(0.0, Bending::squared_frequency);
     }
     largest
 }

@@ -21,7 +21,8 @@ pub fn check(specimen: &scenario::Specimen, mistakes: &mut ModelDiagnostics<'_>)
         }
     };
     let cuts = specimen.cuts.iter().map(|cut| cut.iter().map(|point| point.map(|length| length.0)).collect()).collect();
-    Some(Specimen { shape, symmetry: symmetry(specimen), damping: specimen.damping.0, cuts })
+    let (symmetry, damping) = (symmetry(specimen), specimen.damping.0);
+    Some(Specimen { shape, symmetry, damping, cuts, bending: specimen.bending })
 }
 
 /// The outline with its holes, from corners or a drawing.
