@@ -46,7 +46,7 @@ fn test(own: &CouponTest, fabric: Option<&Fabric>) -> Result<Test, Diagnostic> {
         }
         (Some(_), None) => {
             let message = format!("{name}: the coupling of MD and TD shows in coupons along MD or TD, not {direction}");
-            return Err(Diagnostic::new(message).into());
+            return Err(Diagnostic::new(message));
         }
         (None, _) => None,
     };

@@ -175,6 +175,16 @@ struct Walk<'a, F> {
     done: usize,
 }
 
+/// Steps of one ensemble.
+struct Steps {
+    /// Points that are kept.
+    kept: Vec<Vec<f64>>,
+    /// Where its walkers are in the end.
+    at: Vec<Vec<f64>>,
+    /// How many steps were accepted.
+    accepted: usize,
+}
+
 /// What is kept of some steps.
 struct Kept {
     /// Points of each ensemble: of all its walkers, every so many steps.
@@ -188,7 +198,7 @@ impl<F: Fn(&[f64]) -> f64 + Sync> Walk<'_, F> {
     fn on(&mut self, steps: usize) -> Kept {
         let every = steps.div_ceil(MOST_KEPT);
         let (walk, count) = (&*self, self.walkers);
-        let found: Vec<(Vec<Vec<f64>>, Vec<Vec<f64>>, usize)> = std::thread::scope(|scope| {
+        let found: Vec<Steps> = std::thread::scope(|scope| {
             let threads: Vec<_> = self
                 .at
                 .chunks(count)
@@ -200,25 +210,19 @@ impl<F: Fn(&[f64]) -> f64 + Sync> Walk<'_, F> {
                 .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
                 .collect()
         });
-        let accepted: usize = found.iter().map(|(_, _, accepted)| accepted).sum();
+        let accepted: usize = found.iter().map(|steps| steps.accepted).sum();
         let acceptance = accepted as f64 / (ENSEMBLES * count * steps) as f64;
         let (mut chains, mut at) = (Vec::new(), Vec::new());
-        for (chain, last, _) in found {
-            chains.push(chain);
-            at.extend(last);
+        for steps in found {
+            chains.push(steps.kept);
+            at.extend(steps.at);
         }
         (self.at, self.done) = (at, self.done + steps);
         Kept { chains, acceptance }
     }
 
-    /// Points of an ensemble every so many of its steps, where its walkers are in the end, and how many steps were accepted.
-    fn ensemble(
-        &self,
-        number: usize,
-        mut at: Vec<Vec<f64>>,
-        steps: usize,
-        every: usize,
-    ) -> (Vec<Vec<f64>>, Vec<Vec<f64>>, usize) {
+    /// So many steps of an ensemble, of which each of so many is kept.
+    fn ensemble(&self, number: usize, mut at: Vec<Vec<f64>>, steps: usize, every: usize) -> Steps {
         let count = self.walkers;
         let factor = 2.38 / (2.0 * at[0].len() as f64).sqrt();
         let moves =
@@ -251,7 +255,7 @@ impl<F: Fn(&[f64]) -> f64 + Sync> Walk<'_, F> {
             }
             done += piece;
         }
-        (kept, at, accepted)
+        Steps { kept, at, accepted }
     }
 }
 
