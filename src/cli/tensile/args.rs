@@ -27,10 +27,7 @@ pub(crate) struct CouponArgs {
     /// Direction of all coupons, in place of what the files state: MD, TD, D3, D4 or an angle such as 15deg
     #[arg(long)]
     pub direction: Option<Direction>,
-    /// Speed of the jaws apart, in place of what the files state: "0.02 m/s"
-    #[arg(long, value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
-    pub velocity: Option<f64>,
-    /// Strains between which the modulus is fitted
+    /// Strains between which the modulus is fitted, whose line --toe takes
     #[arg(long, num_args = 2, value_names = ["FROM", "TO"], default_values_t = WINDOW, value_parser = number)]
     pub window: Vec<f64>,
     /// Share of the largest force below which a coupon is broken
@@ -53,6 +50,9 @@ pub(crate) struct CouponArgs {
 pub(crate) struct ReduceArgs {
     #[command(flatten)]
     pub coupons: CouponArgs,
+    /// Speed of the jaws apart, in place of what the files state: "0.02 m/s"
+    #[arg(long, value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
+    pub velocity: Option<f64>,
     /// The material file to write, FILE.toml; its shear curve goes beside it, as FILE-shear.csv
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -78,6 +78,9 @@ pub(crate) struct CouplingArgs {
     /// The film whose coupling of MD and TD the tests show: a fabric, as a material, a scenario or the folder of a run
     #[arg(long, value_name = "FILE")]
     pub film: Option<PathBuf>,
+    /// The face of a scenario with several, counted from 1
+    #[arg(long, value_name = "N", requires = "film")]
+    pub face: Option<usize>,
     /// The curve to write, FILE.csv, as `tensile fit` reads it; of one recording
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::args::BulgeArgs;
-use super::coupling::{self, Figures, Test, check_out, doubts, fabric};
+use super::coupling::{self, Figures, Test, check_out, fabric, warnings};
 use super::reduce::{all, paths};
 use crate::faults;
 use crate::{Failure, Shared, print_figures};
@@ -25,8 +25,7 @@ pub(super) fn run(args: &BulgeArgs, shared: &Shared) -> Result<(), Failure> {
     let fabric = fabric(&args.coupling)?;
     let tests = all(paths.iter().map(|path| test(args, &bulge, path, fabric.as_ref())))?;
     let written = coupling::write(&args.coupling, "equibiaxial", &tests)?;
-    let of_tests = tests.iter().filter_map(|test| test.coupling.as_ref()).flat_map(doubts);
-    let warnings: Vec<Warning> = std::iter::once(Warning::CapAssumed).chain(of_tests).collect();
+    let warnings: Vec<Warning> = std::iter::once(Warning::CapAssumed).chain(tests.iter().flat_map(warnings)).collect();
     let figures = Figures::new(&tests, &warnings, written);
     print_figures(shared, &figures, || figures.text())
 }

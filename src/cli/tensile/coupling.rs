@@ -21,6 +21,12 @@ use membrane::material::{Fabric, Law};
 /// Change of the coupling over the strains of a test beyond which one number does not follow it.
 const MOST_CHANGE: f64 = 0.15;
 
+/// Largest coupling that a film may have: that of isotropic elastic film with ν = 0.5 is 1.
+const MOST_COUPLING: f64 = 1.2;
+
+/// Share of the stress that a coupling may leave unexplained.
+const MOST_LEFT: f64 = 0.1;
+
 /// Rows of a curve that are printed and given as figures.
 const ROWS: usize = 6;
 
@@ -40,7 +46,7 @@ pub(super) struct Test {
 #[derive(Serialize)]
 pub(super) struct Figures {
     tests: Vec<TestFigures>,
-    /// The coupling of all tests; none without a film.
+    /// The coupling of all tests that one explains; none without a film.
     coupling: Option<Statistics>,
     findings: Vec<Finding>,
     written: Vec<String>,
@@ -73,7 +79,7 @@ struct CouplingFigures {
 /// The fabric of the film that arguments name.
 pub(super) fn fabric(args: &CouplingArgs) -> Result<Option<Fabric>, Failure> {
     let Some(path) = &args.film else { return Ok(None) };
-    match source::read(path, None)?.material.law {
+    match source::read(path, args.face)?.material.law {
         Law::Fabric(fabric) => Ok(Some(fabric)),
         Law::RateFabric(_) => Err(no_fabric(path, "a fabric with curves by strain rate")
             .hint("give a fabric with the curves of the rate at which the test was made")
@@ -116,20 +122,33 @@ pub(super) fn write(args: &CouplingArgs, kind: &str, tests: &[Test]) -> Result<V
     Ok(vec![shown_path(out)])
 }
 
-/// What is to be said of the coupling of a test.
-pub(super) fn doubts(coupling: &Coupling) -> impl Iterator<Item = Warning> + use<> {
+/// Warnings about the coupling of a test.
+pub(super) fn warnings(test: &Test) -> Vec<Warning> {
+    let Some(coupling) = &test.coupling else { return Vec::new() };
+    let name = || test.name.clone();
+    let mut all: Vec<Warning> = coupling.cut.map(|end| Warning::CurvesEnd { test: name(), end }).into_iter().collect();
+    if !is_plausible(coupling) {
+        all.push(Warning::CouplingDoubtful { test: name(), coupling: coupling.value, left: coupling.relative_rms });
+        return all;
+    }
     // The first part of a curve is noise, slack and the zero of its height.
     let later = coupling.by_strain.get(1..).unwrap_or_default();
     let by_coupling = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
     let ends = later.iter().min_by(by_coupling).zip(later.iter().max_by(by_coupling));
     let varies = ends.filter(|(least, largest)| largest[1] - least[1] > MOST_CHANGE);
-    let varies = varies.map(|(least, largest)| Warning::CouplingVaries { at: [*least, *largest] });
-    varies.into_iter().chain(coupling.cut.map(|end| Warning::CurvesEnd { end }))
+    all.extend(varies.map(|(least, largest)| Warning::CouplingVaries { test: name(), at: [*least, *largest] }));
+    all
+}
+
+/// Whether film may couple like that.
+fn is_plausible(coupling: &Coupling) -> bool {
+    (0.0..=MOST_COUPLING).contains(&coupling.value) && coupling.relative_rms <= MOST_LEFT
 }
 
 impl Figures {
     pub(super) fn new(tests: &[Test], warnings: &[Warning], written: Vec<String>) -> Figures {
-        let values: Vec<f64> = tests.iter().filter_map(|test| Some(test.coupling.as_ref()?.value)).collect();
+        let found = tests.iter().filter_map(|test| test.coupling.as_ref());
+        let values: Vec<f64> = found.filter(|own| is_plausible(own)).map(|own| own.value).collect();
         let coupling = SampleStatistics::from_figures(&values).ok().map(Statistics::from);
         let findings = warnings.iter().map(Finding::new).collect();
         Figures { tests: tests.iter().map(figures).collect(), coupling, findings, written }

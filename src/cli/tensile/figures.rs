@@ -261,7 +261,9 @@ fn warnings(reduced: &Reduced) -> Vec<Warning> {
         let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
         (least < most).then_some(Warning::SpecimensDiffer { dimension, least, most })
     });
-    let ratio = tests.iter().map(|test| test.coupon.width() / test.coupon.gauge()).fold(0.0, f64::max);
+    let is_along = |test: &&CouponTest| matches!(test.sample.direction, Direction::Md | Direction::Td);
+    let ratios = tests.iter().filter(is_along).map(|test| test.coupon.width() / test.coupon.gauge());
+    let ratio = ratios.fold(0.0, f64::max);
     let held = (ratio > MOST_WIDTH).then_some(Warning::CouponHeldInWidth { ratio });
     let doubts = under_load.chain(merged).chain(replaced).chain(differ).chain(held).chain(no_yield);
     doubts.chain(speeds_not_measured(reduced)).collect()

@@ -15,7 +15,7 @@ use lab::experiment::coupon::{
 use lab::signal::file::ChannelSelection;
 
 pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
-    let reduced = reduced(&args.coupons)?;
+    let reduced = reduced(&args.coupons, args.velocity)?;
     let texts = material::texts(args, &reduced)?;
     output::write(&texts)?;
     let written: Vec<PathBuf> = texts.into_iter().map(|(path, _)| path).collect();
@@ -23,11 +23,11 @@ pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
     print_figures(shared, &figures, || figures.text())
 }
 
-/// The recordings that arguments name, reduced.
-pub(super) fn reduced(args: &CouponArgs) -> Result<Reduced, Vec<Diagnostic>> {
+/// The recordings that arguments name, reduced, with this speed in place of what they state.
+pub(super) fn reduced(args: &CouponArgs, velocity: Option<f64>) -> Result<Reduced, Vec<Diagnostic>> {
     let one = |error: String| vec![Diagnostic::new(error)];
     check(args).map_err(one)?;
-    let reader = reader(args).map_err(|mistake| vec![mistake])?;
+    let reader = reader(args, velocity).map_err(|mistake| vec![mistake])?;
     let paths = paths(&args.recordings)?;
     let tests = all(paths.iter().map(|path| reader.read_all(path).map_err(|error| fault(&error))))?.concat();
     let coupon = mean(&tests).map_err(|error| one(error.to_string()))?;
@@ -54,11 +54,11 @@ fn mean(tests: &[CouponTest]) -> Result<Coupon, CouponError> {
     Coupon::new(mean(Coupon::gauge), mean(Coupon::width), mean(Coupon::thickness))
 }
 
-fn reader(args: &CouponArgs) -> Result<CouponReader, Diagnostic> {
+fn reader(args: &CouponArgs, velocity: Option<f64>) -> Result<CouponReader, Diagnostic> {
     let window = [args.window[0], args.window[1]];
     let rules = Rules { window, break_share: args.break_share, toe_compensation: args.toe };
     Ok(CouponReader {
-        given: Label { direction: args.direction, velocity: args.velocity },
+        given: Label { direction: args.direction, velocity },
         force: args.force.clone(),
         displacement: args.displacement.clone(),
         table: args.file.options(ChannelSelection::All)?,

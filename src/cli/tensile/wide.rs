@@ -1,8 +1,8 @@
 //! `droptower tensile wide`: coupons that are wide for their length, whose width is held.
 
 use super::args::{Reduced, WideArgs};
-use super::coupling::{self, Figures, Test, check_out, doubts, fabric};
-use super::reduce::{paths, reduced};
+use super::coupling::{self, Figures, Test, check_out, fabric};
+use super::reduce::{all, paths, reduced};
 use crate::{Failure, Shared, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use lab::experiment::Warning;
@@ -10,14 +10,17 @@ use lab::experiment::biaxial::{Coupling, edge_share};
 use lab::experiment::coupon::{CouponTest, Direction};
 use membrane::material::Fabric;
 
+/// Speed of the jaws, m/s: nothing here depends on it.
+const ANY_SPEED: f64 = 1.0;
+
 /// Width over length of a coupon from which it counts as held.
 const LEAST_WIDTH: f64 = 3.0;
 
 pub(super) fn run(args: &WideArgs, shared: &Shared) -> Result<(), Failure> {
     check_out(&args.coupling, paths(&args.coupons.recordings)?.len())?;
     let fabric = fabric(&args.coupling)?;
-    let Reduced { tests, .. } = reduced(&args.coupons)?;
-    let tests = super::reduce::all(tests.iter().map(|own| test(own, fabric.as_ref())))?;
+    let Reduced { tests, .. } = reduced(&args.coupons, Some(ANY_SPEED))?;
+    let tests = all(tests.iter().map(|own| test(own, fabric.as_ref())))?;
     let written = coupling::write(&args.coupling, "plane", &tests)?;
     let warnings: Vec<Warning> = tests.iter().flat_map(warnings).collect();
     let figures = Figures::new(&tests, &warnings, written);
@@ -55,10 +58,16 @@ fn test(own: &CouponTest, fabric: Option<&Fabric>) -> Result<Test, Diagnostic> {
     Ok(Test { name, is_virtual: own.sample.is_virtual, curve, coupon, coupling, high })
 }
 
-/// What is to be said of a test.
+/// Warnings about a test.
 fn warnings(test: &Test) -> Vec<Warning> {
-    let Some(own) = &test.coupling else { return Vec::new() };
-    let edges = test.coupon.as_ref().zip(test.high);
-    let edges = edges.map(|((_, ratio), high)| Warning::CouponEdges { ratio: *ratio, low: own.value, high });
-    edges.into_iter().chain(doubts(own)).collect()
+    let (Some(own), Some((_, ratio)), Some(high)) = (&test.coupling, &test.coupon, test.high) else {
+        return Vec::new();
+    };
+    let name = || test.name.clone();
+    let mut all = coupling::warnings(test);
+    if !all.iter().any(|warning| matches!(warning, Warning::CouplingDoubtful { .. })) {
+        all.push(Warning::CouponEdges { test: name(), ratio: *ratio, ends: [own.value, high] });
+        all.push(Warning::WidthHeld { test: name() });
+    }
+    all
 }

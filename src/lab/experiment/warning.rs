@@ -233,23 +233,42 @@ findings! {
             message "Poisson's ratio in the material file is assumed: {}", significant(*poisson, 3);
         CapAssumed = "cap-assumed", Note;
             meaning "a bulge is reduced as a spherical cap that is strained evenly, while film at its top is strained more than \
-                near the clamp and curved otherwise";
+                near the clamp and curved otherwise, by how much depends on how easily it shears";
             remedy "none is needed for a first value; `calibrate` with the inflation as a test follows film as it is \
                 (scripts/find-coupling.rhai)";
-            message "the bulge is taken as a spherical cap: below its yield the coupling of a fabric is off by up to 0.06, the \
-                stress of isotropic film by up to 11 %";
+            message "a bulge is taken as a spherical cap: below yield the coupling of a fabric is off by up to 0.12, that of \
+                isotropic film by 0.17 (stress by 11 %)";
+        WidthHeld { test: String, "the recording" => "test" } = "width-held", Note;
+            meaning "a coupon whose width is held has the coupling of a fabric at half of its strain; film of another law shows \
+                less there than under equal strains: isotropic elastic film with Poisson's ratio 0.44 shows 0.48 in place of 0.79";
+            remedy "compare it with a bulge; where both differ, film does not couple as a fabric does, and the value of the test that \
+                strains film as the impact will is the one to take";
+            message "{test}: the width is held: film that is no fabric has more coupling under equal strains (isotropic film: 0.79 \
+                where 0.48 is seen here)";
         CouponEdges {
+            test: String, "the recording" => "test";
             ratio: f64, "width over length" => "width_over_length";
-            low: f64, "coupling with no such edges" => "coupling_low";
-            high: f64, "coupling with the longest" => "coupling_high";
+            ends: [f64; 2], "coupling with free edges as short and as long as they can be"
+                => "coupling_low" = ends[0], "coupling_high" = ends[1];
         } = "coupon-edges", Note;
             meaning "free edges of a wide coupon contract and carry less, so that its coupling is too low by at most half of its \
                 length over its width";
             remedy "pull coupons that are ten times as wide as long, or let `calibrate` run the coupon with its edges \
                 (scripts/find-coupling.rhai)";
-            message "a coupon {} times as wide as long: the coupling is {} to {} with its free edges",
-                significant(*ratio, 3), significant(*low, 3), significant(*high, 3);
+            message "{test}: {} times as wide as long: the coupling is {} to {} with its free edges",
+                significant(*ratio, 3), significant(ends[0], 3), significant(ends[1], 3);
+        CouplingDoubtful {
+            test: String, "the recording" => "test";
+            coupling: f64, "as it would be" => "coupling";
+            left: f64, "root mean square of what is left of the stress, over it" => "relative_rms";
+        } = "coupling-doubtful", Warning;
+            meaning "no film couples like that: below zero, above 1.2, or with a tenth of the stress left over; curves, thickness, a \
+                unit or the film is another one than that of the test";
+            remedy "check `--film`, the thickness and the units, and that the curves were measured at the rate of the test";
+            message "{test}: no coupling of MD and TD explains the test: {} would leave {:.0} % of its stress",
+                significant(*coupling, 3), 100.0 * left;
         CouplingVaries {
+            test: String, "the recording" => "test";
             at: [[f64; 2]; 2], "strain and coupling where it is least and largest"
                 => "strain_of_least" = at[0][0], "least" = at[0][1], "strain_of_largest" = at[1][0], "largest" = at[1][1];
         } = "coupling-varies", Warning;
@@ -257,19 +276,22 @@ findings! {
                 follow the test";
             remedy "take the coupling at the strains of the test that is to be simulated, or another law: an isotropic or \
                 plastic one, fitted to the curves";
-            message "the coupling is {} at a strain of {} and {} at {}: one number does not follow the test",
+            message "{test}: the coupling is {} at a strain of {} and {} at {}: one number does not follow the test",
                 significant(at[0][1], 2), significant(at[0][0], 2), significant(at[1][1], 2), significant(at[1][0], 2);
-        CurvesEnd { end: f64, "last strain" => "strain" } = "curves-end", Note;
-            meaning "the curves of MD and TD end before the test does; what follows says nothing of their coupling";
-            remedy "nothing, if the strains before it are those of interest";
-            message "the curves of the film end at a strain of {}; the test beyond is left out", significant(*end, 3);
+        CurvesEnd {
+            test: String, "the recording" => "test";
+            end: f64, "last strain" => "strain";
+        } = "curves-end", Note;
+            meaning "the curves of MD and TD end before the test does; its samples beyond are left out of the coupling";
+            remedy "none is needed where the strains of interest are below; otherwise measure the curves farther";
+            message "{test}: the curves of the film end at a strain of {}; samples beyond are left out", significant(*end, 3);
         CouponHeldInWidth { ratio: f64, "largest width over length" => "width_over_length" } = "coupon-held-in-width", Note;
             meaning "jaws hold the width of a coupon that is not long for it, so that its curve carries a part of the coupling of \
                 MD and TD, and a coupling that is added to such curves counts twice";
-            remedy "measure the coupling (`tensile wide`, `tensile bulge`) against curves of coupons at least four times as long \
+            remedy "measure the coupling (`tensile wide`, `tensile bulge`) against curves of coupons that are at least twice as long \
                 as wide, or find curves and coupling in one calibration";
-            message "coupons are {} times as wide as long: the jaws hold their width in part, and their curves carry a part of \
-                the coupling of MD and TD", significant(*ratio, 3);
+            message "coupons of MD or TD are {} times as wide as long: the jaws hold their width in part, and their curves carry a part \
+                of the coupling of MD and TD", significant(*ratio, 3);
         MaterialIncomplete { keys: String, "the keys in words" => "keys" } = "material-incomplete", Warning;
             meaning "the material file lacks keys that a material needs, since they were not given: a scenario cannot \
                 use it before they are written";

@@ -74,6 +74,8 @@ pub enum StopReason {
     SimplexTolerance,
     /// Levenberg–Marquardt: the relative reduction of the sum of squares is below `tol_f`.
     SumOfSquaresTolerance,
+    /// Levenberg–Marquardt: the reductions of three steps in a row are below `tol_f`, though the linear model promises more.
+    SlowDescent,
     /// Levenberg–Marquardt: the relative change of x is below `tol_x`.
     StepTolerance,
     /// Levenberg–Marquardt: the residuals are orthogonal to the columns of the Jacobian.
@@ -116,6 +118,9 @@ impl fmt::Display for StopReason {
         match self {
             StopReason::SimplexTolerance => f.write_str("the simplex is within tol_x and tol_f"),
             StopReason::SumOfSquaresTolerance => f.write_str("the sum of squares changes by less than tol_f of itself"),
+            StopReason::SlowDescent => {
+                f.write_str("three steps in a row changed the sum of squares by less than tol_f of itself")
+            }
             StopReason::StepTolerance => f.write_str("x changes by less than tol_x of itself"),
             StopReason::ZeroGradient => f.write_str("the gradient is zero"),
             StopReason::ZeroResiduals => f.write_str("the residuals are zero"),

@@ -28,7 +28,17 @@ pub enum BulgeError {
     /// The film does not rise under pressure.
     #[error("the recording has no two samples in which film has risen under pressure")]
     Flat,
-    /// The rise is no strain that grows.
+    /// The height goes back by more than jitter.
+    #[error("the film sinks at sample {sample}: {:.3} mm after {:.3} mm", 1e3 * height, 1e3 * before)]
+    Sinks {
+        /// Number of the sample, from one.
+        sample: usize,
+        /// m.
+        height: f64,
+        /// Largest height before it, m.
+        before: f64,
+    },
+    /// The samples are no curve.
     #[error(transparent)]
     Curve(#[from] CurveError),
 }
@@ -54,23 +64,30 @@ impl Bulge {
 
     /// Nominal stress (Pa) over engineering strain, alike in all directions, of a spherical cap that is strained evenly
     /// (docs/theory.md, equation 36b): `pressure` (Pa) and `height` of the top (m) sample by sample, from a tenth of the
-    /// largest height up to the largest pressure.
+    /// largest height up to there, also where the pressure falls before.
     ///
     /// # Errors
-    /// The film does not rise, or its rise goes back.
+    /// The film does not rise, or its height goes back.
     pub fn curve(&self, pressure: &[f64], height: &[f64]) -> Result<Curve, BulgeError> {
-        let top = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // Held at the largest pressure film may go on to rise; what follows when it falls is another curve.
-        let end = pressure.iter().rposition(|own| *own == top).map_or(0, |place| place + 1);
-        let least = FLAT * height.iter().take(end).copied().fold(0.0, f64::max);
-        let is_cap = |(pressure, height): &(&f64, &f64)| **pressure > 0.0 && **height > 0.0 && **height >= least;
-        let risen = pressure[..end].iter().zip(height).filter(is_cap);
-        let (strain, stress): (Vec<f64>, Vec<f64>) =
-            risen.map(|(pressure, height)| self.point(*pressure, *height)).unzip();
+        let top = height.iter().copied().fold(0.0, f64::max);
+        let end = height.iter().rposition(|own| *own == top).map_or(0, |place| place + 1);
+        let is_cap = |(_, (pressure, height)): &(usize, (&f64, &f64))| **pressure > 0.0 && **height > FLAT * top;
+        let samples = pressure.iter().zip(&height[..end]).enumerate().filter(is_cap);
+        let (places, points): (Vec<usize>, Vec<(f64, f64)>) =
+            samples.map(|(place, (pressure, height))| (place, self.point(*pressure, *height))).unzip();
+        let (strain, stress): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
         if strain.len() < 2 {
             return Err(BulgeError::Flat);
         }
-        Ok(Curve::new(strain, stress)?)
+        Curve::new(strain, stress).map_err(|error| match error {
+            // In the samples of the recording.
+            CurveError::GoesBack { sample, .. } => {
+                let place = places[sample - 1];
+                let before = height[..place].iter().copied().fold(0.0, f64::max);
+                BulgeError::Sinks { sample: place + 1, height: height[place], before }
+            }
+            error => error.into(),
+        })
     }
 
     /// Strain and nominal stress.
@@ -115,7 +132,11 @@ mod tests {
         let bulge = Bulge::new(0.05, 1e-5).unwrap();
         assert_eq!(bulge.curve(&[0.0, 1.0], &[0.0, 0.0]), Err(BulgeError::Flat));
         assert_eq!(bulge.curve(&[], &[]), Err(BulgeError::Flat));
-        let back = bulge.curve(&[1.0, 2.0, 3.0], &[0.01, 0.002, 0.02]);
-        assert!(matches!(back, Err(BulgeError::Curve(CurveError::GoesBack { sample: 2, .. }))), "{back:?}");
+        let back = bulge.curve(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.01, 0.004, 0.02]);
+        assert_eq!(back, Err(BulgeError::Sinks { sample: 3, height: 0.004, before: 0.01 }));
+        assert_eq!(bulge.curve(&[f64::NAN, 1.0], &[0.01, f64::NAN]), Err(BulgeError::Flat));
+        // Past the largest pressure film rises on; when it sinks again, that is another curve.
+        let on = bulge.curve(&[1e3, 2e3, 1.7e3, 100.0], &[0.01, 0.02, 0.05, 0.03]).unwrap();
+        assert_eq!(on.strain().len(), 3);
     }
 }

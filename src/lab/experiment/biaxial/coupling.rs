@@ -41,6 +41,9 @@ pub enum CouplingError {
 /// Strains at which the coupling is given.
 const STRAINS: usize = 6;
 
+/// Share of its largest value that the stress of the curves must have where the coupling is given: slack curves have none.
+const LEAST_STRESS: f64 = 0.05;
+
 /// Share of its length by which the free edges of a wide coupon shorten its width at most: what two of them carry less
 /// than film in the middle, which grows with the coupling (docs/theory.md, section 11).
 const EDGES: f64 = 0.5;
@@ -92,11 +95,11 @@ impl Coupling {
         let left = samples.iter().map(|[strain, stress]| (stress - own(*strain) - value * coupled(*strain)).powi(2));
         let relative_rms = (left.sum::<f64>() / stresses).sqrt();
         let to = last.min(end);
+        let least = LEAST_STRESS * coupled(to);
         let by_strain = (1..=STRAINS)
-            .filter_map(|place| {
-                let strain = to * place as f64 / STRAINS as f64;
-                Some([strain, (curve.stress_at(strain)? - own(strain)) / coupled(strain)])
-            })
+            .map(|place| to * place as f64 / STRAINS as f64)
+            .filter(|strain| coupled(*strain) > least)
+            .filter_map(|strain| Some([strain, (curve.stress_at(strain)? - own(strain)) / coupled(strain)]))
             .collect();
         Ok(Coupling { value, relative_rms, by_strain, cut: (last > end).then_some(end) })
     }

@@ -96,7 +96,7 @@ fn descend(
     state.observe(Step::Final);
     let State { context, best: (x, f), iterations, history, end, .. } = state;
     let (converged, reason) = match end {
-        Some(End::Slow) => (true, StopReason::SumOfSquaresTolerance),
+        Some(End::Slow) => (true, StopReason::SlowDescent),
         Some(_) => (false, StopReason::limit(iterations, search)),
         None => (report.termination.was_successful(), stop_reason(&report.termination)),
     };
