@@ -233,7 +233,7 @@ fn coupons_become_a_material_that_a_scenario_uses() {
     let figures: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!((&figures["recordings"], &figures["virtual_recordings"]), (&66.into(), &66.into()));
     let notes: Vec<&str> = figures["notes"].as_array().expect("notes").iter().filter_map(Json::as_str).collect();
-    assert!(notes[0].starts_with("coupons are 2 times as wide as long"), "{notes:?}");
+    assert!(notes[0].starts_with("coupons of MD or TD are 2 times as wide as long"), "{notes:?}");
     assert!(notes.len() == 3 && notes[1] == "D4 was not measured at 0.2 m/s", "{notes:?}");
     assert!(notes[2].starts_with("the material file has no `absorption`"), "{notes:?}");
     let codes = ["coupon-held-in-width", "speed-not-measured", "no-absorption"];
