@@ -57,11 +57,6 @@ impl Bulge {
         Ok(Bulge { radius, thickness })
     }
 
-    /// Radius within the clamp, m.
-    pub fn radius(&self) -> f64 {
-        self.radius
-    }
-
     /// Nominal stress (Pa) over engineering strain, alike in all directions, of a spherical cap that is strained evenly
     /// (docs/theory.md, equation 36b): `pressure` (Pa) and `height` of the top (m) sample by sample, from a tenth of the
     /// largest height up to there, also where the pressure falls before.
