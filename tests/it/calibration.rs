@@ -307,22 +307,27 @@ fn a_time_of_rupture_and_a_failure_mass_lead_to_the_break_strain() {
 }
 
 /// Five coupons, each of film of another thickness, with noise that counts: the posterior of mean and deviation of the specimens
-/// is that of the normal hierarchy, by quadrature.
+/// is that of the normal hierarchy, by quadrature, whether the search finds one thickness for all or one for each.
 #[test]
 fn a_hierarchy_has_the_posterior_of_its_closed_form() {
+    ["[]", r#"["thickness"]"#].into_iter().for_each(a_hierarchy_with_own);
+}
+
+fn a_hierarchy_with_own(own: &str) {
     const TRUTHS: [f64; 5] = [11.0, 11.8, 12.6, 13.3, 11.5];
     let text = r#"
         let tests = [];
         for (truth, place) in TRUTHS {
             let film = strip("MD").with(#{ "specimen.material.thickness": truth + " um" });
-            tests.push(#{ scenario: strip("MD"), name: `coupon ${place}`, noise: 0.3, recordings: recorded(film, 0.0, 1) });
+            tests.push(#{ scenario: strip("MD"), name: `coupon ${place}`, noise: 0.3, recordings: recorded(film, 0.0, 1), own: OWN });
         }
         let found = calibrate(#{ tests: tests, discrepancy: 0, starts: 1,
             parameters: #{ thickness: #{ key: "specimen.material.thickness", start: "12 um", within: ["4 um", "20 um"] } } });
         let after = found.posterior(#{ hierarchy: ["thickness"], scatter: 1 });
         [after[0].median, after[0].deviation, after[1].mean, after[2].mean, found.tests[0].bins * 1.0, after.len() * 1.0,
             after.filter(|row| row.effective > 400 && row.r_hat < 1.05).len() * 1.0]"#
-        .replace("TRUTHS", &format!("{TRUTHS:?}"));
+        .replace("TRUTHS", &format!("{TRUTHS:?}"))
+        .replace("OWN", own);
     let found = numbers(&text);
     // The force is proportional to the thickness; noise is a share of the force of each specimen.
     let errors = TRUTHS.map(|truth| 0.3 * truth / found[4].sqrt());

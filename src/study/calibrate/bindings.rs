@@ -10,9 +10,9 @@ use super::candidates;
 use super::curve_parameter;
 use super::fit::Fit;
 use super::left_out;
-use super::parameter::{self, Role, texts};
+use super::parameter::{self, Role, Unknown, texts};
 use super::plan::{self, Plan};
-use super::posterior::{Posterior, PosteriorOptions};
+use super::posterior::{Beginning, Posterior, PosteriorOptions};
 use super::prediction::{Asked, Prediction};
 use super::rows;
 use super::test;
@@ -182,17 +182,20 @@ impl Calibration {
     /// Samples the posterior; its rows.
     fn posterior(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, collector, .. } = &*self.0;
-        let options = posterior_options(plan, &Options { of: "posterior", map: options })?;
-        let found = Posterior::sample(plan, fit, &options, session)?;
+        let options = Options { of: "posterior", map: options };
+        let scattered = scattered(plan, &options)?;
+        let from = Beginning::of(plan, fit, &scattered)?;
+        let options = posterior_options(&from.plan, &options, &scattered)?;
+        let found = Posterior::sample(&from, &options, session)?;
         for warning in &found.warnings {
             collector.report(Finding::new(warning)).map_err(refuse)?;
         }
         let median = found.median();
-        let at_bounds = found.at_bounds(plan);
-        let known = verdict::of_covariance(plan, &median, &found.covariance(), &fit.jacobian, &at_bounds);
-        let rows = rows::posterior(plan, &found, &known);
+        let known =
+            verdict::of_covariance(&from.plan, &median, &found.covariance(), &from.jacobian, &found.at_bounds());
+        let rows = rows::posterior(&found, &known);
         collector.table(&plan.table("posterior"), rows.clone()).map_err(refuse)?;
-        collector.table(&plan.table("posterior_tests"), rows::surrogates(plan, &found)).map_err(refuse)?;
+        collector.table(&plan.table("posterior_tests"), rows::surrogates(&found)).map_err(refuse)?;
         self.asked().posterior = Some(found);
         Ok(listed(&rows))
     }
@@ -209,7 +212,7 @@ impl Calibration {
         let mut all: Vec<Prediction> = Vec::new();
         for given in scenarios {
             let (name, study) = self.predicted(given, session)?;
-            all.push(Prediction::of(&name, &study, plan, &posterior, &asked, session)?);
+            all.push(Prediction::of(&name, &study, &posterior, &asked, session)?);
         }
         let of =
             |rows: fn(&Prediction) -> &Vec<Row>| all.iter().flat_map(|own| rows(own).clone()).collect::<Vec<Row>>();
@@ -287,7 +290,7 @@ impl Calibration {
     fn page(&self) -> HostResult<()> {
         let Parts { plan, fit, collector, .. } = &*self.0;
         let asked = self.asked();
-        let pairs = asked.posterior.iter().flat_map(|found| rows::pairs(plan, found));
+        let pairs = asked.posterior.iter().flat_map(|found| rows::pairs(found));
         let bands = asked.predictions.iter().flat_map(|own| own.bands.clone());
         let breaking = rows::breaking(plan, fit);
         let mut all = rows::plots(plan, fit).into_iter().chain(breaking).chain(bands).chain(pairs);
@@ -295,46 +298,58 @@ impl Calibration {
     }
 }
 
-/// `#{ hierarchy, scatter, runs, rounds, steps, seed }`.
-fn posterior_options(plan: &Plan, options: &Options<'_>) -> HostResult<PosteriorOptions> {
-    options.check(&OF_POSTERIOR)?;
+/// The parameters that scatter over specimens, of `hierarchy`.
+fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
+    let acts_on_two = |index: usize| plan.with_parameter(index).count() > 1;
     let names = match options.map.get("hierarchy") {
-        None => Vec::new(),
-        Some(given) if given.as_bool() == Ok(false) => Vec::new(),
-        Some(given) if given.as_bool() == Ok(true) => {
-            let shared = |unknown: &&super::parameter::Unknown| {
-                let is_key = plan.of(unknown).role == Role::Key;
-                is_key && unknown.test.is_none() && plan.sharing(unknown.parameter).count() > 1
-            };
-            plan.unknowns.iter().filter(shared).map(|unknown| unknown.name.clone()).collect()
-        }
-        Some(given) => texts(given, "hierarchy").map_err(refuse)?,
+        None => return Ok(Vec::new()),
+        Some(given) => match given.as_bool() {
+            Ok(false) => return Ok(Vec::new()),
+            // What some tests have of their own beside others that share it differs for a reason of its own.
+            Ok(true) => {
+                let is_one = |index: &usize| {
+                    let owners =
+                        plan.with_parameter(*index).filter(|test| test.own.contains(&plan.parameters[*index].name));
+                    let owners = owners.count();
+                    owners == 0 || owners == plan.with_parameter(*index).count()
+                };
+                let of_keys = |index: &usize| plan.parameters[*index].role == Role::Key && acts_on_two(*index);
+                return Ok((0..plan.parameters.len()).filter(of_keys).filter(is_one).collect());
+            }
+            Err(_) => texts(given, "hierarchy").map_err(refuse)?,
+        },
     };
+    let of_name = |name: &String| {
+        let index = plan.parameters.iter().position(|own| own.name == *name).filter(|index| acts_on_two(*index));
+        let index = index.ok_or_else(|| refuse(format!("`hierarchy` names `{name}`, which acts on no two tests")))?;
+        if plan.parameters[index].role != Role::Key {
+            return Err(refuse(format!("`hierarchy` names `{name}`: give that its `scatter`")));
+        }
+        Ok(index)
+    };
+    names.iter().map(of_name).collect()
+}
+
+/// `#{ scatter, runs, rounds, steps, seed }`, and what scatters over specimens.
+fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) -> HostResult<PosteriorOptions> {
+    options.check(&OF_POSTERIOR)?;
     let scatter = options.map.get("scatter").map(|given| number(given, "scatter")).transpose()?;
     if scatter.is_some_and(|scatter| !(scatter > 0.0 && scatter.is_finite())) {
         return Err(refuse("`scatter` is the standard deviation over specimens that is expected at most, above zero"));
     }
-    let scattered = names.iter().map(|name| {
-        let index = plan.unknowns.iter().position(|unknown| unknown.name == *name && unknown.test.is_none());
-        let index = index.ok_or_else(|| refuse(format!("`hierarchy` names `{name}`, which no two tests share")))?;
-        let parameter = plan.of(&plan.unknowns[index]);
-        if parameter.role != Role::Key {
-            return Err(refuse(format!("`hierarchy` names `{name}`: give that its `scatter`")));
-        }
-        if plan.sharing(plan.unknowns[index].parameter).count() < 2 {
-            return Err(refuse(format!("`hierarchy` names `{name}`, which no two tests share")));
-        }
+    let of_unknown = |(index, unknown): (usize, &Unknown)| {
+        let parameter = plan.of(unknown);
         let [low, high] = parameter.ends();
         // Assumed: 30 % of a value, or a tenth of the bounds.
         let usual = if parameter.is_logarithmic { 0.3 } else { 0.1 * (high - low) };
-        Ok((index, scatter.unwrap_or(usual)))
-    });
+        scattered.contains(&unknown.parameter).then(|| (index, scatter.unwrap_or(usual)))
+    };
     Ok(PosteriorOptions {
         runs: whole(options, "runs", 0, 100_000)?,
         rounds: whole(options, "rounds", 4, 20)?.max(1),
         steps: whole(options, "steps", 8000, 100_000)?.max(100),
         seed: whole(options, "seed", 1, usize::MAX)? as u64,
-        scattered: scattered.collect::<HostResult<Vec<_>>>()?,
+        scattered: plan.unknowns.iter().enumerate().filter_map(of_unknown).collect(),
     })
 }
 

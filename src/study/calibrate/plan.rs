@@ -328,6 +328,20 @@ impl Plan {
         curve_parameter::changes(shared.map(|(unknown, value)| (self.of(unknown), *value)))
     }
 
+    /// The same, in which all tests share these parameters.
+    pub(super) fn without_own(&self, parameters: &[usize]) -> HostResult<Plan> {
+        let is_one = |name: &String| parameters.iter().any(|index| self.parameters[*index].name == *name);
+        let mut plan = self.clone();
+        plan.tests.iter_mut().for_each(|test| test.own.retain(|name| !is_one(name)));
+        plan.unknowns = unknowns(&plan.tests, &plan.parameters)?;
+        Ok(plan)
+    }
+
+    /// The tests on which a parameter acts, whether they share it or not.
+    pub(super) fn with_parameter(&self, parameter: usize) -> impl Iterator<Item = &Test> {
+        self.tests.iter().filter(move |test| is_of(&self.parameters[parameter], test))
+    }
+
     /// The search from a point.
     pub(super) fn search_from(&self, start: Vec<f64>, is_first: bool, is_last: bool) -> HostResult<Search> {
         let own = &self.search;

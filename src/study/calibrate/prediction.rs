@@ -59,12 +59,12 @@ impl Prediction {
     pub(super) fn of(
         name: &str,
         study: &Study,
-        plan: &Plan,
         posterior: &Posterior,
         asked: &Asked,
         session: &Session,
     ) -> HostResult<Prediction> {
-        let draws = posterior.draws(plan, asked.samples, asked.seed);
+        let plan = &*posterior.plan;
+        let draws = posterior.draws(asked.samples, asked.seed);
         // Break strains are drawn for each run where the tests tell of them and the scenario's film has some.
         let factors = outcome::factors(study, session).ok();
         let breaks = factors.and_then(|factors| plan.shared_breaks(factors));

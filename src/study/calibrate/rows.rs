@@ -70,7 +70,8 @@ pub(super) fn outcomes(plan: &Plan, fit: &Fit) -> Vec<Row> {
 }
 
 /// One row an unknown, and one a test of an unknown that scatters: its posterior.
-pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> Vec<Row> {
+pub(super) fn posterior(found: &Posterior, known: &[Knowledge]) -> Vec<Row> {
+    let plan = &*found.plan;
     let row = |name: String, values: &[f64]| {
         let at = quantiles(values, &[0.025, 0.1, 0.25, 0.5, 0.75, 0.9, 0.975]).unwrap_or_else(|| vec![f64::NAN; 7]);
         object(json!({
@@ -84,7 +85,7 @@ pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> 
     };
     // What scatters and the model's error have no verdict.
     let own = |name: String, values: &[f64]| {
-        let [r_hat, effective] = found.convergence(&name, plan).unwrap_or([f64::NAN; 2]);
+        let [r_hat, effective] = found.convergence(&name).unwrap_or([f64::NAN; 2]);
         let more = json!({ "verdict": null, "share_of_prior": null, "r_hat": r_hat, "effective": effective });
         with(row(name, values), more)
     };
@@ -107,19 +108,19 @@ pub(super) fn posterior(plan: &Plan, found: &Posterior, known: &[Knowledge]) -> 
         }
     }
     if plan.estimates_share() {
-        rows.push(own("model error".into(), &found.shares(plan)));
+        rows.push(own("model error".into(), &found.shares()));
     }
     rows
 }
 
 /// One row a test: the error of its surrogate.
-pub(super) fn surrogates(plan: &Plan, found: &Posterior) -> Vec<Row> {
+pub(super) fn surrogates(found: &Posterior) -> Vec<Row> {
     let row = |(test, error): (&super::test::Test, &f64)| {
         object(
             json!({ "test": test.name, "surrogate_off": error, "runs_of_all": found.runs, "acceptance": found.acceptance }),
         )
     };
-    plan.tests.iter().zip(&found.errors).map(row).collect()
+    found.plan.tests.iter().zip(&found.errors).map(row).collect()
 }
 
 /// Measured and calibrated curves, a plot a signal of a test.
@@ -184,7 +185,8 @@ pub(super) fn breaking(plan: &Plan, fit: &Fit) -> Option<Plot> {
 }
 
 /// Pairs of unknowns, a plot a pair: samples of the posterior.
-pub(super) fn pairs(plan: &Plan, found: &Posterior) -> Vec<Plot> {
+pub(super) fn pairs(found: &Posterior) -> Vec<Plot> {
+    let plan = &*found.plan;
     /// Most unknowns whose pairs are drawn.
     const MOST: usize = 4;
     /// Most points of a pair.

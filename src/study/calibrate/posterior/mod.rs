@@ -1,7 +1,10 @@
 //! The posterior of a calibration, sampled on surrogates of the tests that are refined where it is.
 
+mod beginning;
 mod density;
 mod surrogate;
+
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use uncertainty::design::{self, Levels, Method};
@@ -9,13 +12,13 @@ use uncertainty::ensemble::{self, LARGEST_R_HAT, Samples};
 use uncertainty::random::Stream;
 use uncertainty::statistics::quantiles;
 
-use super::fit::Fit;
 use super::objective::CalibrationObjective;
 use super::plan::{BreakUnknowns, Plan};
 use super::verdict;
 use super::warning::Warning;
 use crate::identify::Side;
 use crate::script::{HostResult, Session, cause, check_stop, refuse};
+pub(super) use beginning::Beginning;
 use density::{Density, Layout};
 use nalgebra::{DMatrix, DVector};
 use surrogate::{Region, TestSurrogate};
@@ -62,6 +65,8 @@ pub(super) struct PosteriorOptions {
 /// Samples of the posterior of a calibration.
 #[derive(Clone)]
 pub(super) struct Posterior {
+    /// What it is of.
+    pub(super) plan: Arc<Plan>,
     layout: Layout,
     /// States, thinned.
     states: Vec<Vec<f64>>,
@@ -95,7 +100,7 @@ type Computed<'a> = (usize, &'a Vec<f64>, Result<Vec<f64>, String>);
 
 /// What stays the same over all rounds.
 struct Sampling<'a> {
-    plan: &'a Plan,
+    plan: &'a Arc<Plan>,
     objective: CalibrationObjective<'a>,
     layout: Layout,
     acting: Vec<Vec<usize>>,
@@ -105,23 +110,19 @@ struct Sampling<'a> {
 }
 
 impl Posterior {
-    /// Samples the posterior about the best point of a fit.
-    pub(super) fn sample(
-        plan: &Plan,
-        fit: &Fit,
-        options: &PosteriorOptions,
-        session: &Session,
-    ) -> HostResult<Posterior> {
+    /// Samples the posterior about the best point of a search.
+    pub(super) fn sample(from: &Beginning, options: &PosteriorOptions, session: &Session) -> HostResult<Posterior> {
+        let plan = &from.plan;
         let sampling = Sampling {
             plan,
-            objective: CalibrationObjective::new(plan, fit.share, session),
+            objective: CalibrationObjective::new(plan, from.share, session),
             layout: Layout::new(plan, &options.scattered),
             acting: (0..plan.tests.len()).map(|test| plan.acting_on(test)).collect(),
             breaks: (0..plan.tests.len()).map(|test| plan.break_unknowns(test)).collect(),
             session,
             options,
         };
-        sampling.refined(fit)
+        sampling.refined(from)
     }
 
     /// Samples of the unknowns; of one that scatters, its mean.
@@ -143,12 +144,13 @@ impl Posterior {
     }
 
     /// Samples of the model's error.
-    pub(super) fn shares(&self, plan: &Plan) -> Vec<f64> {
-        self.states.iter().map(|state| self.layout.share(state, plan)).collect()
+    pub(super) fn shares(&self) -> Vec<f64> {
+        self.states.iter().map(|state| self.layout.share(state, &self.plan)).collect()
     }
 
     /// So many draws.
-    pub(super) fn draws(&self, plan: &Plan, count: usize, seed: u64) -> Vec<Draw> {
+    pub(super) fn draws(&self, count: usize, seed: u64) -> Vec<Draw> {
+        let plan = &*self.plan;
         let mut stream = Stream::new(seed);
         let draw = |place: usize| {
             // Evenly over the samples, so that few draws are of all ensembles.
@@ -164,7 +166,8 @@ impl Posterior {
     }
 
     /// The unknowns whose interval of 95 % begins or ends at a bound.
-    pub(super) fn at_bounds(&self, plan: &Plan) -> Vec<(usize, Side)> {
+    pub(super) fn at_bounds(&self) -> Vec<(usize, Side)> {
+        let plan = &*self.plan;
         let side = |index: usize| {
             let own: Vec<f64> = self.states.iter().map(|state| state[index]).collect();
             let [low, high] = plan.of(&plan.unknowns[index]).ends();
@@ -180,8 +183,8 @@ impl Posterior {
     }
 
     /// R̂ and effective size of a coordinate, which is an unknown, or of what scatters, or the model's error.
-    pub(super) fn convergence(&self, name: &str, plan: &Plan) -> Option<[f64; 2]> {
-        let place = (0..self.layout.len()).find(|place| self.layout.name(*place, plan) == name)?;
+    pub(super) fn convergence(&self, name: &str) -> Option<[f64; 2]> {
+        let place = (0..self.layout.len()).find(|place| self.layout.name(*place, &self.plan) == name)?;
         Some([self.r_hat[place], self.effective[place]])
     }
 
@@ -208,13 +211,13 @@ impl Posterior {
 
 impl Sampling<'_> {
     /// Rounds of surrogates and samples until the surrogates are good where the samples are.
-    fn refined(&self, fit: &Fit) -> HostResult<Posterior> {
+    fn refined(&self, from: &Beginning) -> HostResult<Posterior> {
         let tests = self.plan.tests.len();
-        let mut regions = self.first_regions(fit);
+        let mut regions = self.first_regions(from);
         let mut runs: Vec<Runs> = vec![Vec::new(); tests];
         let mut failed: Vec<(usize, String)> = vec![(0, String::new()); tests];
         let mut computed = 0;
-        let mut centre = self.first_states(fit, &regions);
+        let mut centre = self.first_states(from, &regions);
         let mut stream = Stream::new(self.options.seed);
         for round in 0.. {
             let points = regions.iter().zip(&runs).map(|(region, runs)| self.design(region, runs, round));
@@ -251,13 +254,13 @@ impl Sampling<'_> {
     }
 
     /// The covariance of a linear model about the best point whose tests are tempered, of all tests or of one.
-    fn tempered(&self, fit: &Fit, test: Option<usize>) -> DMatrix<f64> {
+    fn tempered(&self, from: &Beginning, test: Option<usize>) -> DMatrix<f64> {
         let ends = self.objective.ends();
         let (first, count) = match test {
             None => (0, ends[ends.len() - 1]),
             Some(test) => (ends[test], ends[test + 1] - ends[test]),
         };
-        let rows = fit.jacobian.rows(first, count);
+        let rows = from.jacobian.rows(first, count);
         let mut information = rows.tr_mul(&rows) / TEMPER;
         for (index, unknown) in self.plan.unknowns.iter().enumerate() {
             information[(index, index)] += self.plan.of(unknown).prior_deviation().powi(-2);
@@ -266,14 +269,15 @@ impl Sampling<'_> {
     }
 
     /// Boxes about the best point, by the linear model of each test's own unknowns.
-    fn first_regions(&self, fit: &Fit) -> Vec<Region> {
+    fn first_regions(&self, from: &Beginning) -> Vec<Region> {
         let region = |test: usize| {
             // Where specimens scatter, each test alone decides its own values.
-            let covariance = self.tempered(fit, Some(test).filter(|_| !self.layout.scattered.is_empty()));
+            let covariance = self.tempered(from, Some(test).filter(|_| !self.layout.scattered.is_empty()));
             let side = |sign: f64| {
                 let end = |index: &usize| {
                     let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
-                    (fit.x[*index] + sign * FIRST_REGION * covariance[(*index, *index)].sqrt()).clamp(low, high)
+                    (from.in_tests[test][*index] + sign * FIRST_REGION * covariance[(*index, *index)].sqrt())
+                        .clamp(low, high)
                 };
                 self.acting[test].iter().map(end).collect()
             };
@@ -351,14 +355,14 @@ impl Sampling<'_> {
     }
 
     /// Starts of the walkers, within all regions: of the linear model of all tests, and of each test what scatters.
-    fn first_states(&self, fit: &Fit, regions: &[Region]) -> Samples {
+    fn first_states(&self, from: &Beginning, regions: &[Region]) -> Samples {
         let mut stream = Stream::new(self.options.seed);
-        let factor = |test| self.tempered(fit, test).cholesky().map(|own| own.l());
+        let factor = |test| self.tempered(from, test).cholesky().map(|own| own.l());
         let (of_all, of_tests) = (factor(None), (0..regions.len()).map(|test| factor(Some(test))).collect::<Vec<_>>());
-        let draw = |factor: &Option<DMatrix<f64>>, stream: &mut Stream| {
+        let draw = |centre: &[f64], factor: &Option<DMatrix<f64>>, stream: &mut Stream| {
             let normals = DVector::from_fn(self.layout.unknowns, |_, _| stream.normal());
             let shift = factor.as_ref().map_or(normals.clone() * 1e-3, |factor| factor * normals);
-            fit.x.iter().zip(shift.iter()).map(|(x, shift)| x + 0.5 * shift).collect::<Vec<f64>>()
+            centre.iter().zip(shift.iter()).map(|(x, shift)| x + 0.5 * shift).collect::<Vec<f64>>()
         };
         // Within the bounds, and within the region of every test on which an unknown acts.
         let inside = |index: usize, tests: &[usize]| {
@@ -374,7 +378,7 @@ impl Sampling<'_> {
         let all: Vec<usize> = (0..regions.len()).collect();
         let is_scattered = |index: usize| self.layout.scattered.iter().any(|own| own.unknown == index);
         let state = |_: usize| {
-            let mut state = draw(&of_all, &mut stream);
+            let mut state = draw(&from.x, &of_all, &mut stream);
             for (index, x) in state.iter_mut().enumerate() {
                 let [low, high] = inside(index, if is_scattered(index) { &[] } else { &all });
                 *x = x.clamp(low, high);
@@ -384,11 +388,14 @@ impl Sampling<'_> {
                 state[own.deviation] = (0.3 * own.expected).ln() + 0.3 * stream.normal();
                 for (test, place) in &own.values {
                     let [low, high] = inside(own.unknown, &[*test]);
-                    state[*place] = draw(&of_tests[*test], &mut stream)[own.unknown].clamp(low, high);
+                    state[*place] = {
+                        let own_values = draw(&from.in_tests[*test], &of_tests[*test], &mut stream);
+                        own_values[own.unknown].clamp(low, high)
+                    };
                 }
             }
             if let Some(place) = self.layout.share {
-                state[place] = fit.share.max(1e-3).ln() + 0.2 * stream.normal();
+                state[place] = from.share.max(1e-3).ln() + 0.2 * stream.normal();
             }
             state
         };
@@ -551,6 +558,7 @@ impl Sampling<'_> {
             }
         }
         Posterior {
+            plan: Arc::clone(self.plan),
             layout: self.layout.clone(),
             states: kept(samples.points, self.options.seed),
             r_hat: samples.r_hat,
