@@ -94,6 +94,7 @@ impl<'a> Repl<'a> {
         let collector = OutputCollector::new(Vec::new()).with_listener(move |message| tell(&message.to_string()));
         let host = SearchHost::new(None, move |event| match event {
             SearchEvent::Progress(_, progress) => tell(&progress.to_string()),
+            SearchEvent::Followed(text) => tell(text),
             SearchEvent::Warning(warning) => tell(&Message::Finding(&base::finding::Finding::new(warning)).to_string()),
             _ => {}
         });

@@ -131,6 +131,7 @@ impl StudyProgress {
                 self.with_search(*number, |search| search.progress = Some((*progress).clone()));
             }
             SearchEvent::OpenPoints(open) => self.open_points = Some(*open),
+            SearchEvent::Followed(text) => self.note_message(text),
             SearchEvent::Warning(_) | SearchEvent::Finished(_) | SearchEvent::Correlation(_) => {}
         }
     }

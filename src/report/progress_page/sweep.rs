@@ -7,7 +7,7 @@ use base::written::Reading;
 use scene::model::{Factor, Input};
 use scene::scenario::grammar;
 use study::evaluate::Evaluation;
-use study::post::{is_key_figure, is_of_script};
+use study::post::{is_of_script, is_result};
 use study::sweep::Sweep;
 
 use super::points::{Axis, Points};
@@ -66,8 +66,8 @@ impl SweepRuns {
         if self.rows.len() >= MOST_RUNS {
             return;
         }
-        let is_shown = |name: &str| name == self.ranked || is_key_figure(name) || is_of_script(name);
-        let figures = evaluation.figures.iter().filter(|(name, _)| is_shown(name) && name != "energy_balance_error");
+        let is_shown = |name: &str| name == self.ranked || is_result(name) || is_of_script(name);
+        let figures = evaluation.figures.iter().filter(|(name, _)| is_shown(name));
         let figures = figures.filter_map(|(name, figure)| Some((name.clone(), figure.number()?))).collect();
         self.rows.insert(place, (inputs, figures));
     }

@@ -181,12 +181,12 @@ impl Calibration {
 
     /// Samples the posterior; its rows.
     fn posterior(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
-        let Parts { plan, fit, collector, .. } = &*self.0;
+        let Parts { plan, fit, host, collector, .. } = &*self.0;
         let options = Options { of: "posterior", map: options };
         let scattered = scattered(plan, &options)?;
         let from = Beginning::of(plan, fit, &scattered)?;
         let options = posterior_options(&from.plan, &options, &scattered)?;
-        let found = Posterior::sample(&from, &options, session)?;
+        let found = Posterior::sample(&from, &options, host, session)?;
         for warning in &found.warnings {
             collector.report(Finding::new(warning)).map_err(refuse)?;
         }
@@ -202,16 +202,19 @@ impl Calibration {
 
     /// Predicts scenarios with draws of the posterior, which is sampled first where it was not.
     fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
-        let Parts { plan, collector, .. } = &*self.0;
+        let Parts { plan, host, collector, .. } = &*self.0;
         let asked = asked(&Options { of: "predict", map: options })?;
+        // A scenario that cannot be read is known before the posterior is sampled.
+        let predicted = scenarios.iter().map(|given| self.predicted(given, session));
+        let predicted = predicted.collect::<HostResult<Vec<_>>>()?;
         let is_sampled = self.asked().posterior.is_some();
         if !is_sampled {
             drop(self.posterior(&Map::new(), session)?);
         }
         let Some(posterior) = self.asked().posterior.clone() else { return Err(refuse("there is no posterior")) };
         let mut all: Vec<Prediction> = Vec::new();
-        for given in scenarios {
-            let (name, study) = self.predicted(given, session)?;
+        for (name, study) in predicted {
+            host.tell(&format!("{}, prediction of {name}: {} runs", plan.title(), asked.samples));
             all.push(Prediction::of(&name, &study, &posterior, &asked, session)?);
         }
         let of =

@@ -221,11 +221,14 @@ pub(super) fn ended(session: &Session, error: &impl SearchFailure) -> Box<rhai::
 
 /// Title and signals of the plots of a search.
 pub(super) fn labels(plan: &Plan) -> Labels {
-    let title = plan.name.clone().unwrap_or_else(|| "Calibration".into());
     let signals = plan.tests.iter().flat_map(|test| {
         test.signals.iter().map(move |signal| format!("{} of {} ({})", signal.name, test.name, signal.column.unit))
     });
-    Labels { title: Some(title), phase: None, signals: signals.map(|text| SignalLabel::parse(&text)).collect() }
+    Labels {
+        title: Some(plan.title().into()),
+        phase: None,
+        signals: signals.map(|text| SignalLabel::parse(&text)).collect(),
+    }
 }
 
 /// What these simulated signals, of those that are compared along their length, leave, in the eigenvectors of the model's error,

@@ -118,30 +118,8 @@ impl Plan {
             discrepancy(given.get("discrepancy")).map_err(|text| refuse_key("discrepancy", &text, None))?;
         let noise = given.get("noise").map_or(Ok(Noise::FromRecording), test::noise).map_err(refuse)?;
         let tolerances = Tolerances { noise, correlation };
-        let listed = options.value("tests")?.read_lock::<Array>().map(|list| list.clone());
-        let listed = listed.filter(|list| !list.is_empty());
-        let listed = listed.ok_or_else(|| refuse("`tests` of calibrate is a list of one test or more"))?;
-        let tests = listed.iter().map(|given| Test::read(given, scenarios, tolerances, session));
-        let tests = tests.collect::<HostResult<Vec<_>>>()?;
-        for (place, test) in tests.iter().enumerate() {
-            if tests[..place].iter().any(|other| other.name == test.name) {
-                return Err(refuse(format!("two tests are called `{}`: give one a `name`", test.name)));
-            }
-        }
-        let map = options.value("parameters")?.read_lock::<Map>().map(|map| map.clone());
-        let map = map.filter(|map| !map.is_empty());
-        let map = map.ok_or_else(|| refuse("`parameters` of calibrate is a map of names and their `key`s"))?;
-        let read = |(name, given): (&rhai::Identifier, &Dynamic)| match curve_parameter::is_curve(given) {
-            true => curve_parameter::read(name, given),
-            false => Parameter::read(name, given).map(|own| vec![own]),
-        };
-        let read = |(name, given)| read((name, given)).map_err(|error| at_key(name, *error));
-        let mut parameters = map.iter().map(read).collect::<HostResult<Vec<_>>>()?.concat();
-        if parameters.iter().any(|own| own.point.is_some()) && tests.iter().any(|own| own.outcomes.is_some()) {
-            return Err(refuse("a curve that is a parameter ends where it breaks: it cannot stand beside outcomes"));
-        }
-        let scatters: Vec<Parameter> = parameters.iter().filter_map(Parameter::of_scatter).collect();
-        parameters.extend(scatters);
+        let tests = tests(&options, scenarios, tolerances, session)?;
+        let parameters = parameters(&options, &tests)?;
         let unknowns = unknowns(&tests, &parameters)?;
         let search = SearchOptions::read(&options)?;
         let precision = options.number("precision", 0.2)?;
@@ -166,26 +144,31 @@ impl Plan {
             precision,
             keeps_ruptured,
         };
-        let start = plan.start();
-        for place in 0..plan.tests.len() {
-            // A key that the scenario does not have, or a value that it refuses, is found before the search.
-            let own = &plan.tests[place];
-            own.study.with(plan.changes(place, &start), session).map_err(|error| {
-                let hint = match plan.tests.len() {
+        plan.check_start(session)?;
+        plan.stages = stages(given.get("stages"), &plan.tests, session).map_err(|error| at_key("stages", *error))?;
+        Ok(plan)
+    }
+
+    /// A key that the scenario of a test does not have, or a value that it refuses, is found before the search.
+    fn check_start(&self, session: &Session) -> HostResult<()> {
+        let start = self.start();
+        for place in 0..self.tests.len() {
+            let own = &self.tests[place];
+            own.study.with(self.changes(place, &start), session).map_err(|error| {
+                let hint = match self.tests.len() {
                     1 => "",
                     _ => " (a parameter that only some tests have names them: `tests: [\"…\"]`)",
                 };
                 let wrong = refuse(format!("test `{}` at the start: {}{hint}", own.name, cause(&error)));
                 let key = refused_key(&error);
                 let has = |parameter: &&Parameter| key.as_ref().is_some_and(|key| parameter.has(key));
-                match plan.parameters.iter().find(has) {
+                match self.parameters.iter().find(has) {
                     Some(parameter) => at_key(&parameter.name, *wrong),
                     None => wrong,
                 }
             })?;
         }
-        plan.stages = stages(given.get("stages"), &plan.tests, session).map_err(|error| at_key("stages", *error))?;
-        Ok(plan)
+        Ok(())
     }
 
     /// The values at which the search starts.
@@ -382,10 +365,54 @@ impl Plan {
         Ok(points.iter().map(|point| self.unknowns.iter().zip(point).map(value).collect()).collect())
     }
 
+    /// What it is called on pages and in lines of progress.
+    pub(super) fn title(&self) -> &str {
+        self.name.as_deref().unwrap_or("Calibration")
+    }
+
     /// The name of a table of the results.
     pub(super) fn table(&self, table: &str) -> String {
         self.name.as_ref().map_or_else(|| table.to_owned(), |name| format!("{name}_{table}"))
     }
+}
+
+/// The tests that are listed, each of another name.
+fn tests(
+    options: &Options<'_>,
+    scenarios: &Scenarios,
+    tolerances: Tolerances,
+    session: &Session,
+) -> HostResult<Vec<Test>> {
+    let listed = options.value("tests")?.read_lock::<Array>().map(|list| list.clone());
+    let listed = listed.filter(|list| !list.is_empty());
+    let listed = listed.ok_or_else(|| refuse("`tests` of calibrate is a list of one test or more"))?;
+    let tests = listed.iter().map(|given| Test::read(given, scenarios, tolerances, session));
+    let tests = tests.collect::<HostResult<Vec<_>>>()?;
+    for (place, test) in tests.iter().enumerate() {
+        if tests[..place].iter().any(|other| other.name == test.name) {
+            return Err(refuse(format!("two tests are called `{}`: give one a `name`", test.name)));
+        }
+    }
+    Ok(tests)
+}
+
+/// The parameters that are listed, with the scatter of those that are break strains.
+fn parameters(options: &Options<'_>, tests: &[Test]) -> HostResult<Vec<Parameter>> {
+    let map = options.value("parameters")?.read_lock::<Map>().map(|map| map.clone());
+    let map = map.filter(|map| !map.is_empty());
+    let map = map.ok_or_else(|| refuse("`parameters` of calibrate is a map of names and their `key`s"))?;
+    let read = |(name, given): (&rhai::Identifier, &Dynamic)| match curve_parameter::is_curve(given) {
+        true => curve_parameter::read(name, given),
+        false => Parameter::read(name, given).map(|own| vec![own]),
+    };
+    let read = |(name, given)| read((name, given)).map_err(|error| at_key(name, *error));
+    let mut parameters = map.iter().map(read).collect::<HostResult<Vec<_>>>()?.concat();
+    if parameters.iter().any(|own| own.point.is_some()) && tests.iter().any(|own| own.outcomes.is_some()) {
+        return Err(refuse("a curve that is a parameter ends where it breaks: it cannot stand beside outcomes"));
+    }
+    let scatters: Vec<Parameter> = parameters.iter().filter_map(Parameter::of_scatter).collect();
+    parameters.extend(scatters);
+    Ok(parameters)
 }
 
 /// Whether a parameter acts on a test.

@@ -11,7 +11,7 @@ use super::plan::{BreakUnknowns, Plan};
 use super::posterior::{Draw, Posterior};
 use super::rows::object;
 use super::warning::Warning;
-use crate::post::Run;
+use crate::post::{Run, is_result};
 use crate::scenario_functions::Study;
 use crate::script::{HostResult, Row, Session, cause, check_stop, refuse};
 use lab::signal::Series;
@@ -30,7 +30,7 @@ const LEAST_WITHIN: f64 = 0.8;
 pub(super) struct Asked {
     /// Draws of the posterior.
     pub(super) samples: usize,
-    /// Figures; all numbers that vary where none are named.
+    /// Figures; all that vary of those by which films are judged where none are named.
     pub(super) figures: Vec<String>,
     /// Signals with a band.
     pub(super) signals: Vec<String>,
@@ -192,7 +192,7 @@ fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], ru
             let all = runs[0].0.summary();
             let varies = |name: &&String| {
                 let own: Vec<f64> = runs.iter().filter_map(|(run, _)| number(run, name)).collect();
-                own.len() == runs.len() && own.iter().any(|value| *value != own[0]) && crate::post::is_key_figure(name)
+                is_result(name) && own.len() == runs.len() && own.iter().any(|value| *value != own[0])
             };
             all.keys().filter(varies).cloned().collect()
         }

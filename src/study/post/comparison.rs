@@ -88,9 +88,17 @@ const KEY: [&str; 14] = [
     "final_volume_m3",
     "burst_pressure_Pa",
     "field_rms_m",
-    "energy_balance_error",
+    BALANCE,
     "ruptured",
 ];
+
+/// The key figure that tells of the computation, not of the film.
+const BALANCE: &str = "energy_balance_error";
+
+/// Whether a figure is one by which films are judged: a key figure that does not tell of the computation.
+pub fn is_result(name: &str) -> bool {
+    is_key_figure(name) && name != BALANCE
+}
 
 /// Whether a figure is one by which runs are judged, also of one of several impactors, with its name before.
 pub fn is_key_figure(name: &str) -> bool {

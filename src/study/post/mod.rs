@@ -20,7 +20,7 @@ mod warning;
 use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
-pub use comparison::{RunComparison, is_key_figure};
+pub use comparison::{RunComparison, is_key_figure, is_result};
 pub use field::{FieldFigures, FieldTime};
 pub use figures::{FigureName, figures, is_of_script};
 pub use impact::{BodyFigures, Impact, lowest_point};

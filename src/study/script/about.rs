@@ -52,8 +52,8 @@ pub struct Declared {
 pub enum Kind {
     /// A number.
     Number,
-    /// As many numbers, separated by commas.
-    Numbers(usize),
+    /// As many numbers, separated by commas; any number of them where the default ends with `…`.
+    Numbers(Option<usize>),
     /// `true` or `false`.
     Flag,
     /// Any text.
@@ -65,12 +65,16 @@ pub enum Kind {
 impl Kind {
     /// The kind of values like `default`.
     fn from_default(default: &str) -> Kind {
-        let numbers: Vec<Option<f64>> = default.split(',').map(|number| number.trim().parse().ok()).collect();
+        let is_number = |text: &str| text.trim().parse::<f64>().is_ok();
+        if without_ellipsis(default).is_some_and(|before| before.split(',').all(is_number)) {
+            return Kind::Numbers(None);
+        }
+        let numbers: Vec<bool> = default.split(',').map(is_number).collect();
         match (argument_value(default), numbers.len()) {
             _ if default.is_empty() => Kind::Any,
             (value, _) if value.is_int() || value.is_float() => Kind::Number,
             (value, _) if value.is_bool() => Kind::Flag,
-            (_, count) if count > 1 && numbers.iter().all(Option::is_some) => Kind::Numbers(count),
+            (_, count) if count > 1 && !numbers.contains(&false) => Kind::Numbers(Some(count)),
             _ => Kind::Text,
         }
     }
@@ -82,7 +86,8 @@ impl Kind {
             Kind::Flag => given.is_bool(),
             Kind::Numbers(count) => {
                 let numbers: Vec<&str> = text.split(',').collect();
-                numbers.len() == count && numbers.iter().all(|number| number.trim().parse::<f64>().is_ok())
+                count.is_none_or(|count| numbers.len() == count)
+                    && numbers.iter().all(|number| number.trim().parse::<f64>().is_ok())
             }
             Kind::Text | Kind::Any => true,
         }
@@ -91,7 +96,8 @@ impl Kind {
     fn expected(self) -> String {
         match self {
             Kind::Number => "a number".into(),
-            Kind::Numbers(count) => format!("{count} numbers separated by commas"),
+            Kind::Numbers(Some(count)) => format!("{count} numbers separated by commas"),
+            Kind::Numbers(None) => "numbers separated by commas".into(),
             Kind::Flag => "true or false".into(),
             Kind::Text => "a string".into(),
             Kind::Any => "a value".into(),
@@ -105,6 +111,12 @@ pub fn argument_value(text: &str) -> Dynamic {
     let float = || text.parse::<f64>().map(Dynamic::from);
     let boolean = || text.parse::<bool>().map(Dynamic::from);
     integer.or_else(|_| float()).or_else(|_| boolean()).unwrap_or_else(|_| text.to_owned().into())
+}
+
+/// The default of a list of any length, before its `, …`.
+fn without_ellipsis(default: &str) -> Option<&str> {
+    let before = default.strip_suffix('…').or_else(|| default.strip_suffix("..."))?;
+    before.trim_end().strip_suffix(',').map(str::trim_end)
 }
 
 /// Numbers between commas as a list.
@@ -242,6 +254,10 @@ fn declaration(said: &str) -> Option<Declared> {
     let is_name = name.starts_with(|first: char| first.is_ascii_lowercase())
         && name.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_');
     let kind = default.map_or(Kind::Any, Kind::from_default);
+    let default = match kind {
+        Kind::Numbers(None) => default.and_then(without_ellipsis),
+        _ => default,
+    };
     let declared = || Declared { name: name.into(), default: default.map(str::to_owned), kind, text: text.into() };
     (is_name && name != "scenario" && !text.is_empty()).then(declared)
 }
@@ -251,7 +267,7 @@ mod tests {
     use super::*;
 
     const SCRIPT: &str = "//! Peak over layers.\n//! In two lines.\r\n//!\n//! --arg most=12  up to how many\n//!         layers\n\
-        //! --arg start=1, 2.5  two numbers\n//! --arg name=abc  a name\n//! --arg fine=true  whether it is fine\n//! --arg element=  kind\n\
+        //! --arg start=1, 2.5  two numbers\n//! --arg name=abc  a name\n//! --arg layers=8, 12, …  of the map\n//! --arg fine=true  whether it is fine\n//! --arg element=  kind\n\
         //! --arg table  what to read\n\nlet a = 1;\n//! not at the beginning\n";
 
     fn given(values: &[(&str, &str)]) -> Map {
@@ -263,11 +279,16 @@ mod tests {
         let about = About::read(Path::new("s.rhai"), SCRIPT).unwrap();
         assert_eq!(about.text, "Peak over layers.\nIn two lines.");
         let kinds: Vec<Kind> = about.arguments.iter().map(|one| one.kind).collect();
-        assert_eq!(kinds, [Kind::Number, Kind::Numbers(2), Kind::Text, Kind::Flag, Kind::Any, Kind::Any]);
+        assert_eq!(
+            kinds,
+            [Kind::Number, Kind::Numbers(Some(2)), Kind::Text, Kind::Numbers(None), Kind::Flag, Kind::Any, Kind::Any]
+        );
         assert_eq!(about.arguments[0].text, "up to how many layers");
         let all = about.complete(&given(&[("most", "3"), ("name", "12"), ("element", "4")]));
         assert_eq!((all["most"].as_int(), all["fine"].as_bool()), (Ok(3), Ok(true)));
         assert_eq!(all["start"].to_string(), "[1.0, 2.5]");
+        assert_eq!(all["layers"].to_string(), "[8.0, 12.0]");
+        assert_eq!(about.complete(&given(&[("layers", "20")]))["layers"].to_string(), "[20.0]");
         assert_eq!((all["name"].to_string(), all["name"].is_string()), ("12".into(), true));
         assert!(all["element"].is_int() && !all.contains_key("table"));
         assert!(!about.complete(&Map::new()).contains_key("element"));
@@ -285,6 +306,8 @@ mod tests {
         assert_eq!(said(&[("mots", "1")]), ["the script has no argument `mots`"]);
         assert_eq!(said(&[("most", "many")]), ["--arg most: expected a number, found `many`"]);
         assert_eq!(said(&[("start", "1")]), ["--arg start: expected 2 numbers separated by commas, found `1`"]);
+        assert!(said(&[("layers", "3")]).is_empty() && said(&[("layers", "3, 4, 5")]).is_empty());
+        assert_eq!(said(&[("layers", "3, a")]), ["--arg layers: expected numbers separated by commas, found `3, a`"]);
         assert_eq!(said(&[("fine", "yes")]), ["--arg fine: expected true or false, found `yes`"]);
         assert_eq!(about.check(&Map::new())[0].message, "--arg table is missing");
         assert!(About::default().check(&given(&[("any", "1")])).is_empty(), "a script without declarations takes any");

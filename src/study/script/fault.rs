@@ -63,6 +63,10 @@ impl Fault {
                 let hint = closest(name, names).map(|name| format!("did you mean `{name}`?"));
                 at(format!("there is no property `{name}`")).with_hint(hint)
             }
+            EvalAltResult::ErrorTooManyOperations(_) => {
+                at(format!("the script takes more than {} steps of the interpreter", engine.max_operations()))
+                    .with_hint(Some("a loop may never end; sums over samples are faster as functions of the signal".into()))
+            }
             EvalAltResult::ErrorDotExpr(..) => match places::property_at(program, position) {
                 Some(name) if is_function(engine, &name) => {
                     at(format!("`{name}` is a function and has no brackets here"))

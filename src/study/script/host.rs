@@ -40,9 +40,9 @@ pub struct Limits {
 impl Limits {
     /// For a post script, which reads one finished run.
     pub const POST: Limits = Limits { operations: 1_000_000, bytes: 256 << 20, time: Duration::from_secs(60) };
-    /// For a script that simulates; its host functions may take hours.
+    /// For a script that simulates; its host functions may take hours, a loop of its own some seconds.
     pub const STUDY: Limits =
-        Limits { operations: 2_000_000, bytes: 512 << 20, time: Duration::from_secs(7 * 24 * 3600) };
+        Limits { operations: 50_000_000, bytes: 512 << 20, time: Duration::from_secs(7 * 24 * 3600) };
 }
 
 /// Why a script cannot be read or compiled.
@@ -327,6 +327,7 @@ mod tests {
             ("fn f(x) {\n x.sqrt(2)\n}\nf(1)", "s.rhai:2:4: `sqrt` does not take (whole number, whole number)"),
             ("let a = [1];\na[7]", "s.rhai:2:3: array index 7 out of bounds"),
             ("throw \"enough\"", "s.rhai:1:1: enough"),
+            ("let a = 0;\nloop { a += 1; }", "more than 30000 steps of the interpreter"),
             ("let m = #{};\nm.nosuch", "s.rhai:2:3: "),
         ] {
             let fault = run(text).unwrap_err().to_string();

@@ -6,7 +6,7 @@ use super::statistics::{self, Effects, Quantiles};
 use super::table::Table;
 use super::{Done, Sweep, warnings};
 use crate::evaluate::{EvaluationError, Evaluations, is_cost};
-use crate::post::{is_key_figure, is_of_script};
+use crate::post::{is_of_script, is_result};
 use base::finding::Finding;
 use base::table::Column;
 
@@ -99,8 +99,7 @@ impl SweepResults {
         let varying = || self.statistics.iter().filter(|(_, of)| varies(of)).map(|(name, _)| name.as_str());
         let is_first = |name: &&str| *name == ranked;
         let is_own = |name: &&str| is_of_script(name) && !is_first(name);
-        // The balance tells of the computation, not of the film.
-        let is_key = |name: &&str| is_key_figure(name) && !is_first(name) && *name != "energy_balance_error";
+        let is_key = |name: &&str| is_result(name) && !is_first(name);
         let ordered = varying().filter(is_first).chain(varying().filter(is_key)).chain(varying().filter(is_own));
         ordered.take(most).collect()
     }

@@ -16,7 +16,7 @@ use super::objective::CalibrationObjective;
 use super::plan::{BreakUnknowns, Plan};
 use super::verdict;
 use super::warning::Warning;
-use crate::identify::Side;
+use crate::identify::{SearchHost, Side};
 use crate::script::{HostResult, Session, cause, check_stop, refuse};
 pub(super) use beginning::Beginning;
 use density::{Density, Layout};
@@ -106,12 +106,18 @@ struct Sampling<'a> {
     acting: Vec<Vec<usize>>,
     breaks: Vec<BreakUnknowns>,
     session: &'a Session,
+    host: &'a SearchHost,
     options: &'a PosteriorOptions,
 }
 
 impl Posterior {
     /// Samples the posterior about the best point of a search.
-    pub(super) fn sample(from: &Beginning, options: &PosteriorOptions, session: &Session) -> HostResult<Posterior> {
+    pub(super) fn sample(
+        from: &Beginning,
+        options: &PosteriorOptions,
+        host: &SearchHost,
+        session: &Session,
+    ) -> HostResult<Posterior> {
         let plan = &from.plan;
         let sampling = Sampling {
             plan,
@@ -120,6 +126,7 @@ impl Posterior {
             acting: (0..plan.tests.len()).map(|test| plan.acting_on(test)).collect(),
             breaks: (0..plan.tests.len()).map(|test| plan.break_unknowns(test)).collect(),
             session,
+            host,
             options,
         };
         sampling.refined(from)
@@ -243,6 +250,7 @@ impl Sampling<'_> {
             let is_good = errors.iter().all(|error| *error < SMALL_ERROR) || round + 1 >= self.options.rounds;
             let is_over = round + 1 >= MOVES * self.options.rounds;
             let is_inside = self.is_inside(&samples, &regions);
+            self.tell(round, computed, &errors, is_inside);
             if is_over || is_good && is_inside {
                 let samples = self.samples(&surrogates, &samples, round, true, &mut stream)?;
                 return Ok(self.result(samples, errors, is_inside, computed, &runs, failed));
@@ -251,6 +259,15 @@ impl Sampling<'_> {
             centre = samples;
         }
         Err(refuse("the posterior has no round"))
+    }
+
+    /// Says how far it is after a round.
+    fn tell(&self, round: usize, computed: usize, errors: &[f64], is_inside: bool) {
+        let largest = errors.iter().copied().fold(0.0, f64::max);
+        let cut = if is_inside { "" } else { ", samples reach the ends of a region" };
+        let of = format!("{}, posterior, round {} of {}", self.plan.title(), round + 1, MOVES * self.options.rounds);
+        let largest = base::number::significant(largest, 2);
+        self.host.tell(&format!("{of} at most: {computed} runs, surrogates off by at most {largest} deviations{cut}"));
     }
 
     /// The covariance of a linear model about the best point whose tests are tempered, of all tests or of one.

@@ -79,6 +79,8 @@ pub enum SearchEvent<'a> {
     Finished(&'a ConvergenceHistory),
     /// The correlation of estimated parameters is known.
     Correlation(&'a Correlation),
+    /// How far what follows a search is, in words.
+    Followed(&'a str),
 }
 
 impl SearchHost {
@@ -252,6 +254,11 @@ impl SearchHost {
     /// Reports the correlation of parameters.
     pub(super) fn report_correlation(&self, correlation: &Correlation) {
         (self.observer)(SearchEvent::Correlation(correlation));
+    }
+
+    /// Says how far what follows a search is.
+    pub(crate) fn tell(&self, text: &str) {
+        (self.observer)(SearchEvent::Followed(text));
     }
 
     /// Opens the history of the next search.
