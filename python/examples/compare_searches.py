@@ -1,10 +1,10 @@
-"""The same calibration by SciPy, by emcee and by droptower: three parameters, one VIRTUAL recording, one simulator.
+"""The same calibration by SciPy, PINTS, emcee and droptower: three parameters, one VIRTUAL recording, one simulator.
 
-    pip install scipy emcee
+    pip install scipy pints emcee
     python python/examples/compare_searches.py
 
-A run with known multipliers and noise stands for the recording. SciPy and emcee call the simulator through Python,
-one run an evaluation; `calibrate` of droptower runs it in its own process, stores runs, and samples its posterior on
+A run with known multipliers and noise stands for the recording. SciPy, PINTS (whose CMA-ES PyBOP offers, too) and
+emcee call the simulator through Python, one run an evaluation; `calibrate` of droptower runs it in its own process, stores runs, and samples its posterior on
 surrogates. Prints a row a method: evaluations, wall time, medians and half widths of 95 %.
 """
 
@@ -13,9 +13,11 @@ import contextlib
 import pathlib
 import tempfile
 import time
+from collections.abc import Callable
 
 import emcee
 import numpy as np
+import pints
 import scipy.optimize
 
 import droptower
@@ -32,6 +34,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--scenario", default="scenarios/drop/1008.toml")
     parser.add_argument("--mesh", default="40 mm", help="size of the elements")
     parser.add_argument("--noise", type=float, default=1.5, help="of each bin, m/s2")
+    parser.add_argument("--generations", type=int, default=12, help="of CMA-ES at most")
     parser.add_argument("--walkers", type=int, default=12, help="of emcee")
     parser.add_argument("--steps", type=int, default=60, help="of emcee, the first third of which is discarded")
     return parser.parse_args()
@@ -52,6 +55,19 @@ class Simulator:
         places = np.floor(times / 1e-3).astype(int)
         inside = times < END
         return np.bincount(places[inside], values[inside]) / np.bincount(places[inside])
+
+
+class SumOfSquares(pints.ErrorMeasure):
+    """The sum of squared residuals, as PINTS minimizes it."""
+
+    def __init__(self, residuals: Callable[[np.ndarray], np.ndarray]) -> None:
+        self.residuals = residuals
+
+    def __call__(self, x: np.ndarray) -> float:
+        return float(np.sum(self.residuals(x) ** 2))
+
+    def n_parameters(self) -> int:
+        return len(NAMES)
 
 
 def row(method: str, runs: int, seconds: float, middle: np.ndarray, half: np.ndarray) -> None:
@@ -76,6 +92,20 @@ def main() -> None:
         found = scipy.optimize.least_squares(residuals, START, bounds=(LOW, HIGH), x_scale=START, diff_step=0.01)
         deviation = np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
         row("scipy, least_squares", simulator.runs, time.monotonic() - begin, found.x, 1.96 * deviation)
+
+        before, begin = simulator.runs, time.monotonic()
+        np.random.seed(4)  # of CMA-ES
+        cma = pints.OptimisationController(
+            SumOfSquares(residuals),
+            START,
+            sigma0=0.2 * START,
+            boundaries=pints.RectangularBoundaries(LOW, HIGH),
+            method=pints.CMAES,
+        )
+        cma.set_log_to_screen(False)
+        cma.set_max_iterations(options.generations)
+        lowest, _ = cma.run()
+        row("PINTS, CMA-ES", simulator.runs - before, time.monotonic() - begin, lowest, np.full(3, np.nan))
 
         def log_posterior(x: np.ndarray) -> float:
             if np.any(x < LOW) or np.any(x > HIGH):

@@ -156,7 +156,7 @@ fn further_signals_make_multipliers_identifiable() {
 /// With few evaluations: films with and without rate dependence are fitted to all tests.
 #[test]
 fn films_with_and_without_rates_are_compared() {
-    let short = ["--set", "specimen.mesh.size=40 mm", "--arg", "lead=40 mm", "--arg", "evaluations=5"];
+    let short = ["--set", "specimen.mesh.size=80 mm", "--arg", "lead=80 mm", "--arg", "evaluations=5"];
     let summary = coarse("scripts/rate-dependence.rhai", &short);
     let films = rows(&summary, "films");
     assert_eq!((films.len(), rows(&summary, "errors").len()), (4, 20));

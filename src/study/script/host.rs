@@ -327,7 +327,7 @@ mod tests {
             ("fn f(x) {\n x.sqrt(2)\n}\nf(1)", "s.rhai:2:4: `sqrt` does not take (whole number, whole number)"),
             ("let a = [1];\na[7]", "s.rhai:2:3: array index 7 out of bounds"),
             ("throw \"enough\"", "s.rhai:1:1: enough"),
-            ("let a = 0;\nloop { a += 1; }", "more than 30000 steps of the interpreter"),
+            ("let a = 0;\nloop { a += 1; }", "s.rhai:2:10: the script takes more than 30000 steps of the interpreter"),
             ("let m = #{};\nm.nosuch", "s.rhai:2:3: "),
         ] {
             let fault = run(text).unwrap_err().to_string();

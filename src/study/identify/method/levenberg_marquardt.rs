@@ -9,11 +9,12 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 // The version of nalgebra that the crate uses.
 use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
 
-use super::bounded::onto_bounds;
-use super::trials::SearchContext;
+use super::bounded::{falls_beyond, onto_bounds};
+use super::trials::{SearchContext, Trials};
 use crate::identify::error::SearchError;
 use crate::identify::iteration::{Iteration, Step, StopReason};
 use crate::identify::objective::ObjectiveValue;
+use crate::identify::options::Search;
 use crate::identify::result::StartResult;
 
 /// Norm of the residuals of a failed trial over that at the start.
@@ -28,8 +29,8 @@ const MAX_RESTARTS: usize = 5;
 
 /// Searches from `start`.
 ///
-/// The transform has no slope on a bound, which a search cannot leave. Where one converges there, it restarts beside
-/// the bound until a restart brings no improvement.
+/// The transform has no slope on a bound, which a search cannot leave. Where one converges there, and the objective does not
+/// fall beyond, it restarts beside the bound until a restart brings no improvement.
 pub(in crate::identify) fn search(
     start: &[f64],
     context: SearchContext<'_, '_, '_>,
@@ -38,7 +39,7 @@ pub(in crate::identify) fn search(
     let context = SearchContext { search, trials, start: number, observer: &mut *observer };
     let mut result = onto_bounds(descend(start, context, None)?, search, trials)?;
     for _ in 0..MAX_RESTARTS {
-        if !result.converged || search.bounds.active(&result.x).is_empty() {
+        if !result.converged || falls_beyond_all(&result.x, search, trials)? {
             break;
         }
         let before = result.f;
@@ -53,6 +54,16 @@ pub(in crate::identify) fn search(
         }
     }
     Ok(result)
+}
+
+/// Whether `x` lies on no bound, or the objective falls beyond all on which it lies.
+fn falls_beyond_all(x: &[f64], search: &Search, trials: &Trials<'_, '_>) -> Result<bool, SearchError> {
+    for active in search.bounds.active(x) {
+        if falls_beyond(active, x, search, trials)? != Some(true) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// One descent from `start`, which continues the iterations of `before`.
