@@ -4,8 +4,9 @@
     python python/examples/compare_searches.py
 
 A run with known multipliers and noise stands for the recording. SciPy, PINTS (whose CMA-ES PyBOP offers, too) and
-emcee call the simulator through Python, one run an evaluation; `calibrate` of droptower runs it in its own process, stores runs, and samples its posterior on
-surrogates. Prints a row a method: evaluations, wall time, medians and half widths of 95 %.
+emcee call the simulator through Python, one run an evaluation; `calibrate` of droptower runs it in its own process,
+stores runs, and samples its posterior on surrogates. Prints a row a method: evaluations, wall time, values (medians of
+emcee and droptower) and half widths of 95 %.
 """
 
 import argparse
@@ -70,10 +71,9 @@ class SumOfSquares(pints.ErrorMeasure):
         return len(NAMES)
 
 
-def row(method: str, runs: int, seconds: float, middle: np.ndarray, half: np.ndarray) -> None:
-    text = "  ".join(
-        f"{name} {value:.3f} ± {width:.3f}" for name, value, width in zip(NAMES, middle, half, strict=True)
-    )
+def row(method: str, runs: int, seconds: float, middle: np.ndarray, half: np.ndarray | None = None) -> None:
+    widths = ["" if half is None else f" ± {width:.3f}" for width in (NAMES if half is None else half)]
+    text = "  ".join(f"{name} {value:.3f}{width}" for name, value, width in zip(NAMES, middle, widths, strict=True))
     print(f"{method:28} {runs:6} runs {seconds:8.1f} s   {text}", flush=True)
 
 
@@ -105,7 +105,7 @@ def main() -> None:
         cma.set_log_to_screen(False)
         cma.set_max_iterations(options.generations)
         lowest, _ = cma.run()
-        row("PINTS, CMA-ES", simulator.runs - before, time.monotonic() - begin, lowest, np.full(3, np.nan))
+        row("PINTS, CMA-ES", simulator.runs - before, time.monotonic() - begin, lowest)
 
         def log_posterior(x: np.ndarray) -> float:
             if np.any(x < LOW) or np.any(x > HIGH):
