@@ -80,6 +80,18 @@ pub enum Side {
     YPlus,
 }
 
+impl Side {
+    /// As `frame.hold` names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::XMinus => "x-",
+            Side::XPlus => "x+",
+            Side::YMinus => "y-",
+            Side::YPlus => "y+",
+        }
+    }
+}
+
 /// How a face is divided into elements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Meshing {

@@ -101,7 +101,9 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
     let springs = springs.zip(model.frame.springs.as_ref());
     let springs = springs.map(|(mounted, written)| mounted.finish(written, mass_scaling, multiplicity));
-    held.tie(springs.as_ref());
+    if let Some(springs) = &springs {
+        held.tie(springs)?;
+    }
     let mass_scaling = (model.loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
     let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held, crest };
     let clamp = model.frame.clamp.map(|clamp| {

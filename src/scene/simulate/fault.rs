@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::outcome::Outcome;
 use super::warning::ImpactorName;
-use crate::mesh::{self, MeshError};
+use crate::mesh::{self, MeshError, Side};
 use crate::model::{Impactor, Model};
 use base::number;
 use membrane::engine::{self, StateMismatch, SurfaceError, UndefinedFibreDirection};
@@ -106,6 +106,12 @@ pub enum RunError {
         /// The number of edges.
         edges: usize,
     },
+    /// A held side of rectangular film hangs on no spring.
+    #[error("no spring stands on the held side `{}`", side.name())]
+    SideWithoutSpring {
+        /// The side.
+        side: Side,
+    },
     /// There is no spring on the held edges.
     #[error(
         "held edges of {} mm have no spring where one belongs to {} mm",
@@ -186,6 +192,9 @@ impl RunError {
                 "use stiffer or more springs, a larger `length` or less pre-strain, or give a `preload`".to_owned()
             }
             RunError::SpringsUneven { edges, .. } => format!("use a multiple of {edges} springs on the computed part"),
+            RunError::SideWithoutSpring { .. } => {
+                "use more springs, or name the sides that hang on some in `frame.hold`".to_owned()
+            }
             RunError::NoSprings { .. } => "use a smaller `spacing`, or give a `count`".to_owned(),
             RunError::FacesCross => {
                 "mount them further apart, or leave contact between them out with `contact.film = false`".to_owned()

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::fault::RunError;
 use crate::mesh::{Mesh, Outline, Side};
 use crate::model::{Hold, Model};
 use membrane::engine::{Springs, View};
@@ -46,13 +47,21 @@ impl HeldSides {
     }
 
     /// Finds the springs on which each side hangs, after all faces.
-    pub(super) fn tie(&mut self, springs: Option<&Springs>) {
-        let springs = springs.map_or(&[][..], Springs::springs);
+    ///
+    /// # Errors
+    /// [`RunError::SideWithoutSpring`] where a side hangs on none.
+    pub(super) fn tie(&mut self, springs: &Springs) -> Result<(), RunError> {
+        let springs = springs.springs();
         for held in &mut self.sides {
             let nodes: BTreeSet<usize> = held.nodes.iter().map(|node| *node as usize).collect();
             let hangs = |number: &usize| springs[*number].nodes.iter().all(|node| nodes.contains(node));
             held.springs = (0..springs.len()).filter(hangs).collect();
+            // Mirror planes replace a side without nodes.
+            if held.springs.is_empty() && !held.nodes.is_empty() {
+                return Err(RunError::SideWithoutSpring { side: held.side });
+            }
         }
+        Ok(())
     }
 
     /// Mean inward force of the whole film on the held sides across an axis, N; none where no side across it is held,
