@@ -17,6 +17,7 @@ pub(super) struct WeightedNodes {
 
 impl WeightedNodes {
     /// `of` some nodes, with `weights`.
+    #[inline]
     pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
         let mut response = [Vector3::zeros(); 4];
         let mut count = 0;
@@ -55,6 +56,7 @@ impl WeightedNodes {
     }
 
     /// Velocity of the sum per impulse along each axis, 1/kg.
+    #[inline]
     pub(super) fn inverse_mass(&self) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for k in 0..4 {
@@ -65,6 +67,7 @@ impl WeightedNodes {
 
     /// Inverse mass of nodes that are held in no direction, 1/kg: a bound for every direction. A node that is held in
     /// all of them has no part in it.
+    #[inline]
     pub(super) fn inverse_free_mass(&self) -> f64 {
         let free = |k: usize| {
             // The response of its free direction, as if all were free; zero only where none is.

@@ -28,8 +28,10 @@ pub(super) struct Constraint {
     inverse_mass: Vector3<f64>,
     /// Normal velocity per impulse along the normal, 1/kg.
     inverse_effective_mass: f64,
-    /// Velocity per impulse of nodes that are held in no direction, 1/kg: a bound for every direction.
-    inverse_free_mass: f64,
+    /// Impulse along the normal per normal velocity, kg.
+    effective_mass: f64,
+    /// Impulse per velocity of nodes that are held in no direction, kg: a bound for every direction.
+    free_mass: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
     /// Least normal velocity, m/s.
@@ -57,6 +59,7 @@ pub(super) struct Carried {
 
 impl Carried {
     /// Applies `factor` times the impulse to the nodes, and moves them on for `dt` (s).
+    #[inline]
     pub(super) fn apply(&self, factor: f64, nodes: &mut Nodes, dt: f64) {
         let (normal, tangential) = (Vector3::from(self.normal), Vector3::from(self.tangential_impulse));
         let impulse = (normal * self.normal_impulse + tangential) * factor;
@@ -109,11 +112,12 @@ pub(super) struct Pair {
 
 impl Constraint {
     /// The constraint of `pair` over a step of `dt` (s), without an impulse.
+    #[inline]
     pub(super) fn new(source: Source, pair: Pair, nodes: &Nodes, dt: f64) -> Result<Constraint, Unusable> {
         let Pair { nodes: of, weights, normal, distance, bound } = pair;
         let points = WeightedNodes::new(of, weights, nodes);
         let inverse_mass = points.inverse_mass();
-        let inverse_effective_mass = inverse_mass.component_mul(&normal).dot(&normal);
+        let inverse_effective_mass = product(&inverse_mass, &normal).dot(&normal);
         let inverse_free_mass = points.inverse_free_mass();
         // Also true where all nodes are held and both are zero.
         if inverse_effective_mass <= LEAST_RESPONSE * inverse_free_mass {
@@ -125,7 +129,8 @@ impl Constraint {
             normal,
             inverse_mass,
             inverse_effective_mass,
-            inverse_free_mass,
+            effective_mass: 1.0 / inverse_effective_mass,
+            free_mass: 1.0 / inverse_free_mass,
             bound,
             target: 0.0,
             normal_impulse: 0.0,
@@ -145,6 +150,7 @@ impl Constraint {
     }
 
     /// Starts with the impulse that the same contact had in the last step.
+    #[inline]
     pub(super) fn start_from(&mut self, carried: &Carried, velocity: &mut Vectors) {
         self.normal_impulse = carried.normal_impulse;
         let tangential = Vector3::from(carried.tangential_impulse);
@@ -154,29 +160,32 @@ impl Constraint {
 
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
     /// stays within Coulomb's cone of `friction`. Returns the change of the normal velocity, m/s.
+    #[inline]
     pub(super) fn solve(&mut self, friction: f64, velocity: &mut Vectors) -> f64 {
         let relative = self.points.sum(velocity);
         // Accumulated and clamped impulses, as of the body: a constraint may take back what it gave, but never pull.
         let violation = self.target - relative.dot(&self.normal);
-        let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
+        // Two thirds of the constraints: film that is close and does not press. Without a normal impulse there is no
+        // tangential one.
+        if self.normal_impulse == 0.0 && violation <= 0.0 {
+            return 0.0;
+        }
+        let normal_impulse = (self.normal_impulse + violation * self.effective_mass).max(0.0);
         let change = normal_impulse - self.normal_impulse;
         let mut impulse = self.normal * change;
-        if friction > 0.0 && (normal_impulse > 0.0 || self.tangential_impulse != Vector3::zeros()) {
+        if friction > 0.0 {
             // The velocity after the normal impulse, from the response instead of a second sum over four nodes.
-            let relative = relative + self.inverse_mass.component_mul(&impulse);
+            let relative = relative + product(&self.inverse_mass, &impulse);
             let slip = relative - self.normal * relative.dot(&self.normal);
             // The free mass bounds the response of every direction, so the step never overshoots where nodes are held
             // in one.
-            let sticking = self.tangential_impulse - slip / self.inverse_free_mass;
+            let sticking = self.tangential_impulse - slip * self.free_mass;
             let tangential = within_cone(sticking, friction * normal_impulse);
             impulse += tangential - self.tangential_impulse;
             self.tangential_impulse = tangential;
         }
-        // Most constraints of a sweep are settled: this spares them twelve additions.
-        if impulse != Vector3::zeros() {
-            self.normal_impulse = normal_impulse;
-            self.points.apply(&impulse, velocity);
-        }
+        self.normal_impulse = normal_impulse;
+        self.points.apply(&impulse, velocity);
         change.abs() * self.inverse_effective_mass
     }
 
@@ -198,6 +207,7 @@ impl Constraint {
     }
 
     /// Moves the nodes by the change of their velocity since the last call times `dt` (s).
+    #[inline]
     pub(super) fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
         let impulse = self.normal * self.normal_impulse + self.tangential_impulse;
         self.points.apply(&((impulse - self.moved) * dt), position);
@@ -209,4 +219,11 @@ impl Constraint {
         let mean = (self.points.sum(before) + self.points.sum(after)) * 0.5;
         [self.normal_impulse * mean.dot(&self.normal), self.tangential_impulse.dot(&mean)]
     }
+}
+
+/// Products of the components of two vectors, written out: nalgebra's own is a call in a build without optimisation
+/// across units.
+#[inline(always)]
+fn product(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(a.x * b.x, a.y * b.y, a.z * b.z)
 }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::surface::{NONE, Surface};
-use super::tracking::{BESIDE, Tracking, normal_of, project};
+use super::tracking::{BESIDE, Tracking, foot, normal_of, project};
 use crate::engine::nodes::Vectors;
 
 /// Square of the sine between two edges below which they count as parallel: nodes then carry the contact.
@@ -23,6 +23,8 @@ pub(super) struct Crossing {
     pub(super) sign: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
+    /// Path of film up to which it need not be looked at, m, as of [`super::due`].
+    pub(super) due: f64,
 }
 
 impl Crossing {
@@ -40,10 +42,11 @@ impl Crossing {
 
 /// Adds the crossings of `edge` over the faces that its nodes follow on one side. `tracking` is that of this side and
 /// that of the other one. Where these are two faces, since the outline of one ends between the nodes, the edge is
-/// followed over each. Crossings next to a node that lies on a corner are left out: that node has their distance.
+/// followed over each. Crossings next to a node that lies on a corner are left out: that node has their distance. Film
+/// has covered `path` (m).
 pub(super) fn find(
     surface: &Surface,
-    position: &Vectors,
+    (position, path): (&Vectors, f64),
     tracking: [&Tracking; 2],
     edge: u32,
     out: &mut Vec<Crossing>,
@@ -55,18 +58,18 @@ pub(super) fn find(
     };
     let [first, second] = ends.map(face);
     if first.is_some() {
-        follow(surface, position, tracking, edge, ends, out);
+        follow(surface, (position, path), tracking, edge, ends, out);
     }
     // From the other end as well, since a walk stops at the outline of a face.
     if second.is_some() && second != first {
-        follow(surface, position, tracking, edge, [ends[1], ends[0]], out);
+        follow(surface, (position, path), tracking, edge, [ends[1], ends[0]], out);
     }
 }
 
 /// Follows an edge from one of its nodes to the other over the face that the first follows.
 fn follow(
     surface: &Surface,
-    position: &Vectors,
+    (position, path): (&Vectors, f64),
     [tracking, back]: [&Tracking; 2],
     edge: u32,
     [from, to]: [u32; 2],
@@ -80,6 +83,10 @@ fn follow(
     // The whole edge lies on the side of its first node: it came from there (theory.md, section 6).
     let (sign, bound) = (tracking.sign[from as usize], tracking.bound[from as usize]);
     let (mut triangle, mut entered) = (tracking.triangle[from as usize], NONE);
+    if tracking.due[from as usize] > path {
+        // It may have passed other triangles since it was looked at.
+        triangle = foot(surface, position, &start, triangle).triangle;
+    }
     for _ in 0..LONGEST {
         let (at_start, normal, _) = project(surface, position, &start, triangle);
         let (at_end, ..) = project(surface, position, &end, triangle);
@@ -110,7 +117,7 @@ fn follow(
             let sign = if is_across { 1.0_f64.copysign(up) } else { 0.0 };
             // In the other order both the product and the direction are reversed, and the sign is the same.
             let edges = [edge.min(other), edge.max(other)];
-            out.push(Crossing { edges, sign, bound });
+            out.push(Crossing { edges, sign, bound, due: 0.0 });
         }
         let next = surface.across[triangle as usize][k];
         // Past a sharp fold the edge lies under the surface that it is followed over.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::crossing::Crossing;
-use super::surface::Surface;
+use super::surface::{NONE, Surface};
 use crate::engine::footprint::bytes;
 
 /// All crossings, in an order that follows from how they came and went.
@@ -16,8 +16,10 @@ pub(super) struct Crossings {
     pub(super) sign: Vec<f64>,
     /// Least allowed distance, m.
     pub(super) bound: Vec<f64>,
-    /// Distance beyond that at which a constraint is found, m.
-    pub(super) additional: Vec<f64>,
+    /// Place of its impulse in the last step among those that are carried on, or [`NONE`].
+    pub(super) carried: Vec<u32>,
+    /// As in [`Crossing`].
+    pub(super) due: Vec<f64>,
     /// Places in the list, of each edge of the surface.
     of_edge: Vec<Vec<u32>>,
 }
@@ -48,7 +50,7 @@ impl Crossings {
     }
 
     pub(super) fn get(&self, place: usize) -> Crossing {
-        Crossing { edges: self.edges[place], sign: self.sign[place], bound: self.bound[place] }
+        Crossing { edges: self.edges[place], sign: self.sign[place], bound: self.bound[place], due: self.due[place] }
     }
 
     /// The place of the crossing of two edges.
@@ -56,17 +58,17 @@ impl Crossings {
         self.of_edge(edges[0]).iter().map(|place| *place as usize).find(|place| self.edges[*place] == edges)
     }
 
-    /// Sets the additional distance (m) of the crossing of two edges, if there still is one.
-    pub(super) fn set_additional(&mut self, edges: [u32; 2], distance: f64) {
-        if let Some(place) = self.place(edges) {
-            self.additional[place] = distance;
-        }
+    /// Distance (m) below which there is a constraint of the crossing at `place`, `margin` (m) beyond the least allowed one. What had an
+    /// impulse in the last step finds its constraint at any distance: that impulse has been applied already.
+    #[inline(always)]
+    pub(super) fn limit(&self, place: usize, margin: f64) -> f64 {
+        if self.carried[place] == NONE { self.bound[place] + margin } else { f64::INFINITY }
     }
 
     /// Adds a crossing that the list does not have yet.
     pub(super) fn push(&mut self, crossing: Crossing, surface: &Surface) {
         let place = self.edges.len() as u32;
-        let Crossing { edges, sign, bound } = crossing;
+        let Crossing { edges, sign, bound, due } = crossing;
         edges.iter().for_each(|edge| self.of_edge[*edge as usize].push(place));
         for (all, node) in self.nodes.iter_mut().zip(crossing.nodes(surface)) {
             all.push(node);
@@ -74,7 +76,8 @@ impl Crossings {
         self.edges.push(edges);
         self.sign.push(sign);
         self.bound.push(bound);
-        self.additional.push(0.0);
+        self.carried.push(NONE);
+        self.due.push(due);
     }
 
     /// Removes the crossing at `place`, which the last one of the list takes.
@@ -97,7 +100,8 @@ impl Crossings {
         }
         self.sign.swap_remove(place);
         self.bound.swap_remove(place);
-        self.additional.swap_remove(place);
+        self.carried.swap_remove(place);
+        self.due.swap_remove(place);
         removed
     }
 
@@ -110,7 +114,7 @@ impl Crossings {
     pub(super) fn bytes(&self) -> usize {
         let nodes: usize = self.nodes.iter().map(|all| bytes(all)).sum();
         let of_edge = bytes(&self.of_edge) + self.of_edge.iter().map(|of| bytes(of)).sum::<usize>();
-        let numbers = bytes(&self.sign) + bytes(&self.bound) + bytes(&self.additional);
+        let numbers = bytes(&self.sign) + bytes(&self.bound) + bytes(&self.carried) + bytes(&self.due);
         bytes(&self.edges) + nodes + numbers + of_edge
     }
 }

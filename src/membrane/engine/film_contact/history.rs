@@ -8,6 +8,7 @@ use super::crossings::Crossings;
 use super::tracking::Tracked;
 use super::{FilmContact, FilmWork};
 use crate::engine::film::Film;
+use crate::engine::nodes::Vectors;
 
 /// History of contact between films: its state from step to step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -17,6 +18,8 @@ pub(crate) struct FilmContactHistory {
     carried: Vec<Carried>,
     stale: Vec<u32>,
     is_near: bool,
+    path: f64,
+    detected: Vectors,
     margin: f64,
     last_motion: f64,
     pushed: f64,
@@ -34,6 +37,8 @@ impl FilmContactHistory {
         self.tracked.iter().flatten().all(|tracked| tracked.fits(nodes, surface))
             && self.crossings.iter().all(|crossing| crossing.fits(edges))
             && self.carried.iter().all(|carried| carried.fits(nodes, edges))
+            && self.detected.is_whole()
+            && [0, nodes].contains(&self.detected.len())
             && self.stale.iter().all(|edge| (*edge as usize) < edges)
     }
 }
@@ -47,6 +52,8 @@ impl FilmContact {
             carried: self.carried.clone(),
             stale: self.stale.clone(),
             is_near: self.is_near,
+            path: self.path,
+            detected: self.detected.clone(),
             margin: self.margin,
             last_motion: self.last_motion,
             pushed: self.pushed,
@@ -65,6 +72,8 @@ impl FilmContact {
             tracking.restore(tracked, &self.surface);
         }
         self.is_near = history.is_near;
+        self.path = history.path;
+        self.detected = history.detected;
         self.crossings = Crossings::new(self.surface.edges.len());
         // In the order in which they were listed: sweeps go through them in it, and another order gives other bits.
         history.crossings.into_iter().for_each(|crossing| self.crossings.push(crossing, &self.surface));

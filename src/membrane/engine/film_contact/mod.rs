@@ -10,6 +10,7 @@ mod broad_phase;
 mod constraint;
 mod crossing;
 mod crossings;
+mod due;
 mod history;
 mod narrow_phase;
 mod solver;
@@ -63,8 +64,10 @@ pub struct FilmContact {
     sweeps: Sweeps,
     /// Results of each task of a detection.
     found: Vec<Found>,
-    /// Positions at the last detection, m.
+    /// Positions at the last detection, m; none before the first.
     detected: Vectors,
+    /// Path of film so far, m, as of [`due`].
+    path: f64,
     /// Motion of nodes since then that it allows for, m.
     detected_within: f64,
     /// Largest motion of a node by contact in the last step, m.
@@ -137,6 +140,7 @@ impl FilmContact {
             sweeps: Sweeps::default(),
             found: vec![],
             detected: Vectors::default(),
+            path: 0.0,
             detected_within: 0.0,
             pushed: 0.0,
             previous_velocity: Vectors::zero(count),
@@ -250,7 +254,7 @@ impl FilmContact {
         for edge in &edges {
             // From both faces: each edge is walked over the other face, and a crossing that both find is pushed once.
             for tracking in [[before, after], [after, before]] {
-                crossing::find(&self.surface, position, tracking, *edge, &mut found);
+                crossing::find(&self.surface, (position, self.path), tracking, *edge, &mut found);
             }
         }
         for crossing in found {

@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 
 use super::FilmContact;
 use super::constraint::Source;
-use crate::engine::nodes::{Nodes, Vectors};
+use super::surface::NONE;
+use crate::engine::nodes::Nodes;
 use crate::engine::thread_pool::ThreadPool;
-use crate::lane::{LANES, Lane, larger, splat};
 
 /// Largest number of Gauss–Seidel sweeps in a step.
 pub(in crate::engine) const SWEEPS: usize = 128;
@@ -61,27 +61,32 @@ impl FilmContact {
         }
         self.has_begun = true;
         self.sweeps.restart();
-        self.detected.clone_from(&nodes.position);
-        // The thinnest film limits the margin for all: beyond, most of what is found would never touch.
-        let least = self.half.iter().copied().fold(f64::INFINITY, f64::min);
-        self.detected_within = (MARGIN * self.pushed).min(LARGEST_MARGIN * 2.0 * least);
+        self.add_path(&nodes.position, self.motion(&nodes.position));
+        self.detected_within = (MARGIN * self.pushed).min(self.largest_margin());
         self.pushed = 0.0;
         // Whatever had an impulse must be found, however far `predict` has moved it apart by that impulse.
-        self.keep_carried(f64::INFINITY);
+        self.mark_carried(|place| place);
         self.detect(nodes, [dt, 2.0 * self.detected_within], pool);
-        self.keep_carried(0.0);
         for carried in &self.carried {
             carried.apply(-1.0, nodes, dt);
         }
-        for constraint in &mut self.constraints {
-            if let Ok(place) = self.carried.binary_search_by_key(&constraint.source, |carried| carried.source) {
+        for k in 0..self.constraints.len() {
+            let place = self.carried_place(self.constraints[k].source);
+            if let Some(carried) = self.carried.get(place as usize) {
                 // Along the present normal, which has turned since: the old impulse was taken back above and is not
                 // simply kept.
-                constraint.start_from(&self.carried[place], &mut nodes.velocity);
-                constraint.move_nodes(&mut nodes.position, dt);
+                self.constraints[k].start_from(carried, &mut nodes.velocity);
+                self.constraints[k].move_nodes(&mut nodes.position, dt);
             }
         }
+        self.mark_carried(|_| NONE);
         self.has_impulses()
+    }
+
+    /// Largest motion of nodes that a detection allows for, m.
+    pub(super) fn largest_margin(&self) -> f64 {
+        // The thinnest film limits it for all: beyond, most of what is found would never touch.
+        LARGEST_MARGIN * 2.0 * self.half.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// Whether films have or had impulses in this step, under which nodes move differently from how they were
@@ -95,12 +100,27 @@ impl FilmContact {
         self.detected_within
     }
 
-    /// Sets the additional distance (m) up to which constraints are found of what has impulses of the last step.
-    fn keep_carried(&mut self, distance: f64) {
-        for carried in &self.carried {
+    /// Marks what has impulses of the last step with `mark`, a function of the place of that impulse.
+    fn mark_carried(&mut self, mark: impl Fn(u32) -> u32) {
+        for (place, carried) in self.carried.iter().enumerate() {
+            let mark = mark(place as u32);
             match carried.source {
-                Source::Node { side, node } => self.tracking[side].additional[node as usize] = distance,
-                Source::Crossing(edges) => self.crossings.set_additional(edges, distance),
+                Source::Node { side, node } => self.tracking[side].carried[node as usize] = mark,
+                Source::Crossing(edges) => {
+                    if let Some(crossing) = self.crossings.place(edges) {
+                        self.crossings.carried[crossing] = mark;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The mark of a node or a crossing.
+    fn carried_place(&self, source: Source) -> u32 {
+        match source {
+            Source::Node { side, node } => self.tracking[side].carried[node as usize],
+            Source::Crossing(edges) => {
+                self.crossings.place(edges).map_or(NONE, |crossing| self.crossings.carried[crossing])
             }
         }
     }
@@ -109,24 +129,16 @@ impl FilmContact {
     /// detection allows for, adds what has come too close, and returns true.
     pub(in crate::engine) fn extend(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
         self.constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
-        let motion = largest_motion(&self.detected, &nodes.position);
+        let motion = self.motion(&nodes.position);
         self.pushed = self.pushed.max(motion);
         // Both films may have moved by that.
         if motion <= self.detected_within {
             return false;
         }
-        self.detected.clone_from(&nodes.position);
+        self.add_path(&nodes.position, motion);
         self.sweeps.restart();
-        let known = self.constraints.len();
-        let mut listed: Vec<Source> = self.constraints.iter().map(|constraint| constraint.source).collect();
-        listed.sort_unstable();
+        // Constraints of before keep their place and their impulse: they are not due in this step any more.
         self.detect(nodes, [dt, 2.0 * self.detected_within], pool);
-        let mut place = 0;
-        self.constraints.retain(|constraint| {
-            place += 1;
-            // Constraints of before keep their place and their impulse; only what is new is added behind them.
-            place <= known || listed.binary_search(&constraint.source).is_err()
-        });
         true
     }
 
@@ -198,8 +210,7 @@ impl FilmContact {
             let squared = |n: &u32| Vector3::from(velocity.value_at(*n as usize)).norm_squared();
             fastest = constraint.points.nodes.iter().map(squared).fold(fastest, f64::max);
         }
-        // By source, for the search in `begin`; also, a checkpoint then has the same order for any number of threads.
-        self.carried.sort_unstable_by_key(|carried| carried.source);
+        self.make_constrained_due();
         self.unresolved += u64::from(!self.constraints.is_empty() && !self.sweeps.has_converged);
         fastest.sqrt()
     }
@@ -212,21 +223,4 @@ impl FilmContact {
         pressed.dedup();
         pressed.len()
     }
-}
-
-/// Largest distance between the positions of a node, m.
-fn largest_motion(before: &Vectors, after: &Vectors) -> f64 {
-    let ([x, y, z], [u, v, w]) = (before.axes(), after.axes());
-    let mut largest: Lane = splat(0.0);
-    let squared = |n: usize| {
-        let [a, b, c] = [u[n] - x[n], v[n] - y[n], w[n] - z[n]];
-        a * a + b * b + c * c
-    };
-    let whole = x.len() - x.len() % LANES;
-    for first in (0..whole).step_by(LANES) {
-        for l in 0..LANES {
-            largest[l] = larger(squared(first + l), largest[l]);
-        }
-    }
-    (whole..x.len()).map(squared).chain(largest).fold(0.0, f64::max).sqrt()
 }

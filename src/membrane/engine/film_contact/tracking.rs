@@ -36,8 +36,10 @@ pub(super) struct Tracking {
     pub(super) sign: Vec<f64>,
     /// Least allowed distance, m.
     pub(super) bound: Vec<f64>,
-    /// Distance beyond that at which a constraint is found, m.
-    pub(super) additional: Vec<f64>,
+    /// Place of its impulse in the last step among those that are carried on, or [`NONE`].
+    pub(super) carried: Vec<u32>,
+    /// Path of film up to which it need not be looked at, m, as of [`super::due`]; infinite where no triangle is near.
+    pub(super) due: Vec<f64>,
 }
 
 /// History of a tracked node.
@@ -50,6 +52,7 @@ pub(super) struct Tracked {
     on_corner: f64,
     sign: f64,
     bound: f64,
+    due: f64,
 }
 
 /// The point of a surface next to another one.
@@ -76,8 +79,16 @@ impl Tracking {
             on_corner: vec![f64::INFINITY; count],
             sign: vec![0.0; count],
             bound: vec![0.0; count],
-            additional: vec![0.0; count],
+            carried: vec![NONE; count],
+            due: vec![f64::INFINITY; count],
         }
+    }
+
+    /// Distance (m) below which there is a constraint of `node`, `margin` (m) beyond the least allowed one. What had an
+    /// impulse in the last step finds its constraint at any distance: that impulse has been applied already.
+    #[inline(always)]
+    pub(super) fn limit(&self, node: usize, margin: f64) -> f64 {
+        if self.carried[node] == NONE { self.bound[node] + margin } else { f64::INFINITY }
     }
 
     /// Lets `node` follow `triangle` of `surface` on the side `sign`.
@@ -87,6 +98,7 @@ impl Tracking {
         let corners = surface.corners[triangle as usize];
         (0..3).for_each(|k| self.corners[k][node] = corners[k]);
         self.on_corner[node] = f64::INFINITY;
+        self.due[node] = 0.0;
     }
 
     /// Decides whether `node` lies on a corner of its triangle, if that is not known: within [`ON_CORNER`] of the least
@@ -126,6 +138,7 @@ impl Tracking {
         self.corners.iter_mut().for_each(|corner| corner[node] = node as u32);
         self.on_corner[node] = f64::INFINITY;
         self.sign[node] = 0.0;
+        self.due[node] = f64::INFINITY;
     }
 
     /// History of the tracked nodes.
@@ -138,6 +151,7 @@ impl Tracking {
             on_corner: self.on_corner[n],
             sign: self.sign[n],
             bound: self.bound[n],
+            due: self.due[n],
         };
         tracked.map(entry).collect()
     }
@@ -145,7 +159,7 @@ impl Tracking {
     /// Restores the history of the same faces.
     pub(super) fn restore(&mut self, saved: &[Tracked], surface: &Surface) {
         *self = Tracking::new(self.triangle.len());
-        for Tracked { node, triangle, corner, on_corner, sign, bound } in saved {
+        for Tracked { node, triangle, corner, on_corner, sign, bound, due } in saved {
             let n = *node as usize;
             self.follow(n, *triangle, *sign, surface);
             // Corners are stored in the order of the mesh; what lies under the node was turned to be the first.
@@ -155,6 +169,7 @@ impl Tracking {
             }
             self.on_corner[n] = *on_corner;
             self.bound[n] = *bound;
+            self.due[n] = *due;
         }
     }
 
@@ -166,7 +181,8 @@ impl Tracking {
             + bytes(&self.on_corner)
             + bytes(&self.sign)
             + bytes(&self.bound)
-            + bytes(&self.additional)
+            + bytes(&self.carried)
+            + bytes(&self.due)
     }
 }
 

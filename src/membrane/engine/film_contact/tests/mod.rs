@@ -168,6 +168,8 @@ struct Figures {
     energies: Energies,
     contact: FilmContactState,
     crossings: usize,
+    /// Pairs that are not due, and those of them that are too close.
+    spared: [usize; 2],
 }
 
 impl Run {
@@ -182,6 +184,7 @@ impl Run {
             energies: view.energies(),
             contact: view.film_contact_state().unwrap(),
             crossings: crossings(view),
+            spared: view.film_contact.unwrap().count_spared(&view.nodes.position),
         })
     }
 }
@@ -201,9 +204,11 @@ fn sheets_that_collide_keep_momentum_and_energy_and_do_not_cross() {
         let films = [(square(0.1, 10, 0.0), 2e-3, [0.0, 0.0, -3.0]), (square(0.08, 9, 0.4), 0.0, [0.4, 0.0, 2.0])];
         let mut run = Scene { friction, ..Scene::default() }.with(&films);
         let start = run.after(1);
-        let mut touched = 0;
+        let (mut touched, mut spared) = (0, 0);
         for _ in 0..60 {
             let now = run.after(10);
+            spared = spared.max(now.spared[0]);
+            assert_eq!(now.spared[1], 0, "pairs that are close are looked at");
             touched = touched.max(now.contact.nodes);
             assert!((now.momentum - start.momentum).norm() < 1e-13 * start.energies.kinetic_film.max(1.0));
             // Points in touch are as far apart as the films are thick: friction has an arm of that length.
@@ -212,7 +217,7 @@ fn sheets_that_collide_keep_momentum_and_energy_and_do_not_cross() {
             assert_eq!((now.crossings, now.contact.lost), (0, 0), "{:?}", now.contact);
             assert!(now.contact.distance > 0.8 * THICKNESS, "{:?}", now.contact);
         }
-        assert!(touched > 50, "{touched}");
+        assert!(touched > 50 && spared > 50, "{touched} {spared}");
     }
 }
 
@@ -250,6 +255,7 @@ fn cloths_come_to_rest_on_a_ball_without_crossing() {
     while run.engine.time() < 0.5 {
         last = run.after(25);
         assert_eq!(last.crossings, 0, "at {} s: {:?}", run.engine.time(), last.contact);
+        assert_eq!(last.spared[1], 0, "pairs that are close are looked at, at {} s", run.engine.time());
         gained = gained.max((last.energies.total() - start.energies.total()).abs());
     }
     assert!(gained < 1e-3 * last.energies.exchanged(&start.energies), "{gained} {:?}", last.energies);

@@ -1,0 +1,126 @@
+//! When pairs are looked at again: those that are far apart not before film may have closed their distance.
+//!
+//! From one detection to the next each node moves by some distance, and the sum of twice the largest of these is the
+//! *path* of the film: two points have come nearer to each other by at most the path since. A pair that is farther apart
+//! than allowed is therefore not due before film has covered half of what is left between them (theory.md, equation
+//! 57a). Half, since a node may pass to a neighbouring triangle meanwhile, whose plane is nearer by the cosine of the
+//! angle between both, and edges come to cross each other: that is found out while the rest of the distance is left.
+
+use super::FilmContact;
+use super::constraint::Source;
+use crate::engine::nodes::Vectors;
+use crate::lane::{LANES, Lane, at_width, larger, smaller, splat};
+
+/// Pairs of which the soonest that is due is found at once.
+const BLOCK: usize = 64;
+
+/// The path that film may cover until two points are looked at again that are `apart` (m) by more than any constraint
+/// needs.
+#[inline(always)]
+pub(super) fn spared(apart: f64) -> f64 {
+    0.5 * larger(apart, 0.0)
+}
+
+at_width! {
+    /// Replaces `to` by the places of those that are due once film has covered `path` (m), counted from `first`.
+    pub(super) fn list[](due: &[f64], path: f64, first: usize, to: &mut Vec<u32>) = list_lanewise, up to AVX2
+}
+
+#[inline(always)]
+fn list_lanewise(due: &[f64], path: f64, first: usize, to: &mut Vec<u32>) {
+    to.clear();
+    for (block, due) in due.chunks(BLOCK).enumerate() {
+        let mut soonest: Lane = splat(f64::INFINITY);
+        let groups = due.chunks_exact(LANES);
+        for last in groups.remainder() {
+            soonest[0] = smaller(*last, soonest[0]);
+        }
+        for group in groups {
+            for l in 0..LANES {
+                soonest[l] = smaller(group[l], soonest[l]);
+            }
+        }
+        // Most blocks are far from any other face.
+        if soonest.iter().all(|soonest| *soonest > path) {
+            continue;
+        }
+        for (place, due) in due.iter().enumerate() {
+            if *due <= path {
+                to.push((first + block * BLOCK + place) as u32);
+            }
+        }
+    }
+}
+
+impl FilmContact {
+    /// Largest motion of a node since the last detection, m.
+    pub(super) fn motion(&self, position: &Vectors) -> f64 {
+        // Before the first one everything is due.
+        if self.detected.is_empty() { 0.0 } else { largest_motion(&self.detected, position) }
+    }
+
+    /// Notes the positions of a detection, since the last of which nodes have moved by at most `motion` (m).
+    pub(super) fn add_path(&mut self, position: &Vectors, motion: f64) {
+        // Both nodes and what they are near may have moved by that.
+        self.path += 2.0 * motion;
+        self.detected.clone_from(position);
+    }
+
+    /// Makes the pairs with constraints due in the next step: in this one they had been spared.
+    pub(super) fn make_constrained_due(&mut self) {
+        for constraint in &self.constraints {
+            match constraint.source {
+                Source::Node { side, node } => self.tracking[side].due[node as usize] = 0.0,
+                Source::Crossing(edges) => {
+                    if let Some(place) = self.crossings.place(edges) {
+                        self.crossings.due[place] = 0.0;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Largest distance between the positions of a node, m.
+fn largest_motion(before: &Vectors, after: &Vectors) -> f64 {
+    let ([x, y, z], [u, v, w]) = (before.axes(), after.axes());
+    let mut largest: Lane = splat(0.0);
+    let squared = |n: usize| {
+        let [a, b, c] = [u[n] - x[n], v[n] - y[n], w[n] - z[n]];
+        a * a + b * b + c * c
+    };
+    let whole = x.len() - x.len() % LANES;
+    for first in (0..whole).step_by(LANES) {
+        for l in 0..LANES {
+            largest[l] = larger(squared(first + l), largest[l]);
+        }
+    }
+    (whole..x.len()).map(squared).chain(largest).fold(0.0, f64::max).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::Width;
+
+    #[test]
+    fn what_is_due_is_listed_in_order_whatever_the_length_and_the_instructions() {
+        for length in [0, 1, 7, 8, 63, 64, 65, 200] {
+            let due: Vec<f64> = (0..length).map(|k| f64::from(k * 37 % 23)).collect();
+            for path in [-1.0, 0.0, 5.0, 22.0] {
+                let expected: Vec<u32> =
+                    (0..length as u32).filter(|k| due[*k as usize] <= path).map(|k| 10 + k).collect();
+                for width in Width::available() {
+                    let mut listed = vec![99];
+                    list(width, &due, path, 10, &mut listed);
+                    assert_eq!(listed, expected, "{length} up to {path} with {width:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_path_that_is_not_a_number_spares_nothing() {
+        assert_eq!([spared(f64::NAN), spared(-1.0), spared(2.0)], [0.0, 0.0, 1.0]);
+    }
+}
