@@ -293,7 +293,7 @@ impl Calibration {
     fn page(&self) -> HostResult<()> {
         let Parts { plan, fit, collector, .. } = &*self.0;
         let asked = self.asked();
-        let pairs = asked.posterior.iter().flat_map(|found| rows::pairs(found));
+        let pairs = asked.posterior.iter().flat_map(rows::pairs);
         let bands = asked.predictions.iter().flat_map(|own| own.bands.clone());
         let breaking = rows::breaking(plan, fit);
         let mut all = rows::plots(plan, fit).into_iter().chain(breaking).chain(bands).chain(pairs);
