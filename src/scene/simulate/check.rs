@@ -67,10 +67,12 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
         RunError::Surface(_) => "frame.bars.radius".to_owned(),
         RunError::ClampTooWeak { .. } => "frame.clamp.force".to_owned(),
         RunError::SpringTooShort { .. } => "frame.springs.length".to_owned(),
-        RunError::SpringsUneven { .. } | RunError::SideWithoutSpring { .. } => match model.frame.springs.as_ref().map(|springs| springs.spread) {
-            Some(Spread::Spacing(_)) => "frame.springs.spacing".to_owned(),
-            Some(Spread::Count(_)) | None => "frame.springs.count".to_owned(),
-        },
+        RunError::SpringsUneven { .. } | RunError::SideWithoutSpring { .. } => {
+            match model.frame.springs.as_ref().map(|springs| springs.spread) {
+                Some(Spread::Spacing(_)) => "frame.springs.spacing".to_owned(),
+                Some(Spread::Count(_)) | None => "frame.springs.count".to_owned(),
+            }
+        }
         RunError::NoSprings { .. } => "frame.springs.spacing".to_owned(),
         RunError::NotFlat { .. } => "specimen.bending".to_owned(),
         RunError::CutMisses { cut, .. } => format!("specimen.cuts.{cut}"),

@@ -65,7 +65,9 @@ impl Fault {
             }
             EvalAltResult::ErrorTooManyOperations(_) => {
                 at(format!("the script takes more than {} steps of the interpreter", engine.max_operations()))
-                    .with_hint(Some("a loop may never end; sums over samples are faster as functions of the signal".into()))
+                    .with_hint(Some(
+                        "a loop may never end; sums over samples are faster as functions of the signal".into(),
+                    ))
             }
             EvalAltResult::ErrorDotExpr(..) => match places::property_at(program, position) {
                 Some(name) if is_function(engine, &name) => {
