@@ -7,7 +7,7 @@ use clap::CommandFactory;
 use super::super::{Droptower, Failure, Shared, print, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::file;
-use study::script::{About, Declared, LONGEST_SCRIPT};
+use study::script::{About, Declared, Kind, LONGEST_SCRIPT};
 
 /// Shows what the script does and its arguments; without one, what the command does.
 pub(super) fn show(script: Option<&Path>, shared: &Shared) -> Result<(), Failure> {
@@ -44,6 +44,8 @@ fn head(one: &Declared) -> String {
     match one.default.as_deref() {
         None => format!("{} (must be given)", one.name),
         Some("") => one.name.clone(),
+        // As it is declared: of a list of any length.
+        Some(default) if one.kind == Kind::Numbers(None) => format!("{}={default}, …", one.name),
         Some(default) => format!("{}={default}", one.name),
     }
 }

@@ -186,11 +186,11 @@ pub(super) fn breaking(plan: &Plan, fit: &Fit) -> Option<Plot> {
 
 /// Pairs of unknowns, a plot a pair: samples of the posterior.
 pub(super) fn pairs(found: &Posterior) -> Vec<Plot> {
-    let plan = &*found.plan;
     /// Most unknowns whose pairs are drawn.
     const MOST: usize = 4;
     /// Most points of a pair.
     const POINTS: usize = 400;
+    let plan = &*found.plan;
     let shown: Vec<usize> = (0..plan.unknowns.len().min(MOST)).collect();
     let samples: Vec<Vec<f64>> = found.unknowns().map(|x| plan.values(x)).collect();
     let step = samples.len().div_ceil(POINTS).max(1);

@@ -58,8 +58,9 @@ impl Crossings {
         self.of_edge(edges[0]).iter().map(|place| *place as usize).find(|place| self.edges[*place] == edges)
     }
 
-    /// Distance (m) below which there is a constraint of the crossing at `place`, `margin` (m) beyond the least allowed one. What had an
-    /// impulse in the last step finds its constraint at any distance: that impulse has been applied already.
+    /// Distance (m) below which there is a constraint of the crossing at `place`, `margin` (m) beyond the least allowed
+    /// one. What had an impulse in the last step finds its constraint at any distance: that impulse has been applied
+    /// already.
     #[inline(always)]
     pub(super) fn limit(&self, place: usize, margin: f64) -> f64 {
         if self.carried[place] == NONE { self.bound[place] + margin } else { f64::INFINITY }

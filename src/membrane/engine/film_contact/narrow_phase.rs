@@ -335,6 +335,7 @@ at_width! {
     ) = close_nodes_lanewise
 }
 
+// One function: its parts would each gather the lanes again, or be calls.
 #[inline(always)]
 fn close_nodes_lanewise(
     tracking: &Tracking,
@@ -447,6 +448,7 @@ at_width! {
     ) = close_crossings_lanewise
 }
 
+// One function, as that of nodes.
 #[inline(always)]
 fn close_crossings_lanewise(
     crossings: &Crossings,

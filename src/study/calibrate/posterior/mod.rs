@@ -405,10 +405,8 @@ impl Sampling<'_> {
                 state[own.deviation] = (0.3 * own.expected).ln() + 0.3 * stream.normal();
                 for (test, place) in &own.values {
                     let [low, high] = inside(own.unknown, &[*test]);
-                    state[*place] = {
-                        let own_values = draw(&from.in_tests[*test], &of_tests[*test], &mut stream);
-                        own_values[own.unknown].clamp(low, high)
-                    };
+                    let specimen = draw(&from.in_tests[*test], &of_tests[*test], &mut stream);
+                    state[*place] = specimen[own.unknown].clamp(low, high);
                 }
             }
             if let Some(place) = self.layout.share {
