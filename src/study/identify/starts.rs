@@ -1,8 +1,6 @@
 //! Several starts of one search, and whether their results agree.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardUniform};
+use uncertainty::design::{self, Levels};
 
 use super::error::SearchError;
 use super::objective::Evaluation;
@@ -44,22 +42,15 @@ fn lowest(points: &[Vec<f64>], count: usize, evaluator: &Evaluator<'_, '_>) -> R
     Ok(found.into_iter().take(count).map(|(_, x)| x.clone()).collect())
 }
 
-/// A Latin hypercube: along every axis, each of `count` equal parts of the box holds one point (McKay, Beckman and
-/// Conover, Technometrics 21, 1979).
+/// A Latin hypercube over the bounds.
 fn spread(search: &Search, count: usize) -> Vec<Vec<f64>> {
-    let mut stream = ChaCha8Rng::seed_from_u64(search.seed);
-    let mut uniform = || -> f64 { StandardUniform.sample(&mut stream) };
-    let mut points = vec![Vec::new(); count];
-    for [lower, upper] in search.bounds.pairs() {
-        let mut parts: Vec<usize> = (0..count).collect();
-        for last in (1..count).rev() {
-            parts.swap(last, ((last + 1) as f64 * uniform()) as usize);
-        }
-        for (point, part) in points.iter_mut().zip(parts) {
-            point.push(lower + (upper - lower) * (part as f64 + uniform()) / count as f64);
-        }
-    }
-    points
+    let axes = vec![Levels::Continuous; search.start.len()];
+    // Without an unknown, or another start, there is nothing to spread.
+    let design = design::points(design::Method::LatinHypercube, &axes, count, search.seed).unwrap_or_default();
+    let within = |point: Vec<f64>| -> Vec<f64> {
+        point.iter().zip(search.bounds.pairs()).map(|(u, [lower, upper])| lower + (upper - lower) * u).collect()
+    };
+    design.into_iter().map(within).collect()
 }
 
 /// A start without a value, and why its trial failed.

@@ -221,6 +221,16 @@ impl Study {
         self.0.document.material_text().ok_or_else(none)
     }
 
+    /// What is written at a key, `()` where nothing is.
+    fn written(&self, key: &str) -> HostResult<Dynamic> {
+        if !self.0.document.knows(key) {
+            return Err(refuse(format!("a scenario has no key `{key}`")));
+        }
+        let Some(node) = self.0.document.find(key) else { return Ok(Dynamic::UNIT) };
+        let json = serde_json::to_value(node.to_toml()).map_err(|error| refuse(format!("`{key}`: {error}")))?;
+        Ok(from_json(&json))
+    }
+
     /// The curve of one fibre set or of shear, with its multipliers, of all faces or of one.
     fn curve(&self, name: &str, face: Option<INT>) -> HostResult<Curve> {
         let faces = &self.0.model.faces;
@@ -447,6 +457,7 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios) {
         .register_get("window", Study::window)
         .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
         .register_fn("curve", |study: &mut Study, name: &str, face: INT| study.curve(name, Some(face)))
+        .register_fn("written", |study: &mut Study, key: &str| study.written(key))
         .register_fn("material_text", |study: &mut Study| study.material_text())
         .register_get("model", |study: &mut Study| from_json(&Value::Object(run::facts(&study.0.model))))
         .register_get("name", |study: &mut Study| study.0.model.name.clone())
@@ -489,6 +500,13 @@ pub const ENTRIES: &[Entry] = &[
         gives: "the displacement field it is compared with: program, points (of all files), times (s); () where there is none",
         example: r#"scenario("scenarios/inflation/field.toml").reference.field.times.len() == 4
                     && scenario(args.scenario).reference.field == ()"#,
+    },
+    Entry {
+        call: "scenario.written(\"key.path\")",
+        gives: "what the scenario says of a key, with what it extends, its material file and changes: a number, a text with its unit, \
+                a list or a map as it is written; `()` where it says nothing, so that the key's default holds",
+        example: r#"let t = scenario(args.scenario).with(#{ "specimen.mesh.size": "20 mm", output: () });
+                    t.written("specimen.mesh.size") == "20 mm" && t.written("output.frames") == ()"#,
     },
     Entry {
         call: "scenario.material_text()",
