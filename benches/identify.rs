@@ -54,15 +54,20 @@ let start = args.start.split(",").map(|k| parse_float(k));
 let starts = [];
 for place in 0..args.count { starts.push(start); }
 let found = [];
-let evaluations = starts.map(|_of_each| []);
+let evaluations = starts.map(|_of_each| "");
 for mesh in args.meshes.split(",") {
     let objectives = [];
     for place in 0..args.count { objectives.push(objective.call(place, mesh)); }
     found = minimize_all(args.method, starts, options, objectives);
     starts = found.map(|best| best.x);
-    for place in 0..args.count { evaluations[place].push(found[place].evaluations); }
+    for place in 0..args.count {
+        let before = if evaluations[place].is_empty() { "" } else { evaluations[place] + " + " };
+        evaluations[place] = before + found[place].evaluations;
+    }
 }
-table("found", found.map(|best, place| row.call(best, evaluations[place].map(|of| of.to_string()).join(" + "))));
+let rows = [];
+for place in 0..args.count { rows.push(row.call(found[place], evaluations[place])); }
+table("found", rows);
 for best in found { for warning in best.warnings { log(warning); } }
 "#;
 

@@ -20,8 +20,8 @@ use scene::simulate::{FilmState, Image, Snapshot};
 /// Most patches, mirror images included, whose edges are drawn.
 const MOST_OUTLINED: usize = 4_000;
 
-/// Width of the edges of patches and of the held edges of film, pt.
-const EDGE_WIDTHS: [f64; 2] = [0.3, 1.5];
+/// Width of the edges of patches, of the held edges of film and of springs, pt.
+const EDGE_WIDTHS: [f64; 3] = [0.3, 1.5, 0.8];
 
 /// Most states by which the extent of a scene is found; the others lie between them.
 const MOST_OF_EXTENT: usize = 24;
@@ -44,7 +44,7 @@ pub(super) const CREASES: [f64; 2] = [0.5, 0.8];
 /// Direction of the light: to the right, upwards, towards the eye.
 const LIGHT: Vector3<f64> = Vector3::new(0.35, 0.5, 0.79);
 
-/// Colour of the held edges of film.
+/// Colour of the held edges of film and of its springs.
 const FRAME: [f32; 3] = [48.0, 54.0, 60.0];
 
 /// Drawn part of a film with planes of symmetry.
@@ -147,8 +147,8 @@ impl ScenePicture<'_> {
     fn film_points(&self, state: &Snapshot, held: &[Vec<[u32; 2]>]) -> impl Iterator<Item = Vector3<f64>> {
         self.scene.faces.iter().zip(&state.films).zip(held).flat_map(move |((face, film), held)| {
             let nodes = attached(face, &drawn(face, film), held);
-            let places: Vec<[f32; 3]> =
-                film.positions.iter().zip(&nodes).filter(|(_, is_used)| **is_used).map(|(place, _)| *place).collect();
+            let places = film.positions.iter().zip(&nodes).filter(|(_, is_used)| **is_used).map(|(place, _)| *place);
+            let places: Vec<[f32; 3]> = places.chain(face.springs.iter().map(|spring| spring.anchor)).collect();
             self.images(face)
                 .flat_map(move |image| places.clone().into_iter().map(move |place| point(image.reflect(place))))
         })
@@ -249,7 +249,12 @@ impl Stage<'_> {
                     film.positions.iter().map(|place| point(image.reflect(*place))).collect();
                 let sheet = Sheet { number, face, points: &points, is_reversed: image.is_reversed() };
                 self.sheet(&sheet, &drawn(face, film), &values, edge as f32, &mut triangles);
-                held.iter().for_each(|edge| self.line(edge.map(|node| &points[node as usize]), &mut triangles));
+                held.iter().for_each(|edge| {
+                    self.line(edge.map(|node| points[node as usize]), EDGE_WIDTHS[1], &mut triangles);
+                });
+                face.spring_lines(film).for_each(|ends| {
+                    self.line(ends.map(|end| point(image.reflect(end))), EDGE_WIDTHS[2], &mut triangles);
+                });
             }
         }
         for (number, (body, pose)) in scene.bodies.iter().zip(poses(state)).enumerate() {
@@ -316,9 +321,9 @@ impl Stage<'_> {
         poses.any(|pose| Some(pose) != first)
     }
 
-    /// A thick line, slightly before what it is on.
-    fn line(&self, ends: [&Vector3<f64>; 2], out: &mut Vec<Triangle>) {
-        let width = EDGE_WIDTHS[1] * self.pixels_per_point;
+    /// A line of a width in pt, slightly before what it is on.
+    fn line(&self, ends: [Vector3<f64>; 2], width: f64, out: &mut Vec<Triangle>) {
+        let width = width * self.pixels_per_point;
         let before = (0.2 * (ends[1] - ends[0]).norm()).max(2.0 * self.camera.metres(width));
         let [a, b] = ends.map(|end| self.place(&(end + before * self.camera.near())));
         let [across, down] = [b[0] - a[0], b[1] - a[1]];

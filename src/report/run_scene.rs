@@ -1,7 +1,7 @@
 //! The scene of a run: the faces of film, the impactors and the bars of the frame, in the states that are kept of them.
 
 use super::body::Body;
-use scene::simulate::{Film, Image, Outcome, Snapshot};
+use scene::simulate::{Film, FilmSpring, FilmState, Image, Outcome, Snapshot};
 
 /// Sides of a round impactor.
 const SIDES: u32 = 72;
@@ -33,6 +33,8 @@ pub struct SceneFace {
     pub patches: Vec<[u32; 4]>,
     /// Whether x = 0 and y = 0 are mirror planes.
     pub mirrored: [bool; 2],
+    /// Springs of the frame on which it hangs.
+    pub springs: Vec<FilmSpring>,
 }
 
 /// Surface of a body about its centre of mass.
@@ -54,6 +56,11 @@ pub struct Moment {
 }
 
 impl SceneFace {
+    /// The lines of its springs, from the frame to the film.
+    pub fn spring_lines(&self, film: &FilmState) -> impl Iterator<Item = [[f32; 3]; 2]> {
+        self.springs.iter().map(|spring| [spring.anchor, spring.end(&film.positions)])
+    }
+
     /// The face and its mirror images.
     pub fn images(&self) -> impl Iterator<Item = Image> + use<> {
         Image::all(self.mirrored)
@@ -64,8 +71,12 @@ impl RunScene {
     /// Every element of `outcome` in all its snapshots; `None` without snapshots.
     pub(super) fn of_outcome(outcome: &Outcome, moments: Vec<Moment>) -> Option<RunScene> {
         let states = outcome.snapshots.clone();
-        let face =
-            |film: &Film| SceneFace { nodes: film.nodes, patches: film.outlines().collect(), mirrored: film.mirrored };
+        let face = |film: &Film| SceneFace {
+            nodes: film.nodes,
+            patches: film.outlines().collect(),
+            mirrored: film.mirrored,
+            springs: film.springs.clone(),
+        };
         let body = |surface| {
             let Body { points, triangles } = Body::from_surface(surface, SIDES);
             SceneBody { points, patches: triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect() }

@@ -75,11 +75,6 @@ impl CoarseSurface {
         self.nodes.iter().map(|node| points[*node as usize]).collect()
     }
 
-    /// Size of one snapshot, bytes.
-    pub(super) fn bytes(&self) -> usize {
-        6 * self.nodes.len() + 3 * self.patches.len()
-    }
-
     /// The corners of all patches, four each.
     pub(super) fn corners(&self) -> impl Iterator<Item = u32> {
         self.patches.iter().flatten().copied()

@@ -18,7 +18,7 @@ use base::number::rounded;
 use lab::signal::{Recording, column};
 use scene::model::Model;
 use scene::model::loading::Test;
-use scene::simulate::{Film, FilmState, Outcome, Snapshot};
+use scene::simulate::{Film, FilmSpring, FilmState, Outcome, Snapshot};
 use study::post::lowest_point;
 
 pub use self::stored::FilmError;
@@ -32,6 +32,9 @@ const MOST_BYTES: usize = 900_000;
 
 /// Most patches of the whole film, mirror images included; more are slow to draw.
 const MOST_PATCHES: usize = 8_000;
+
+/// Most springs of a face; of more every second one is drawn, every third …
+const MOST_SPRINGS: usize = 240;
 
 /// Least patches of a face beside faces with very many elements.
 const LEAST_PATCHES: usize = 8;
@@ -52,7 +55,7 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> S
         return String::new();
     };
     let faces = faces(&outcome.films, first);
-    let bytes: usize = faces.iter().map(|face| face.surface.bytes()).sum();
+    let bytes: usize = faces.iter().map(Face::bytes).sum();
     let most = (MOST_BYTES / bytes.max(1)).clamp(2, MOST_STATES);
     let moments = moments(model, outcome, signals);
     let chosen = chosen(&snapshots, &moments, most);
@@ -122,6 +125,21 @@ struct Face {
     /// Number of its elements.
     elements: usize,
     surface: CoarseSurface,
+    /// The springs that are drawn.
+    springs: Vec<FilmSpring>,
+}
+
+impl Face {
+    /// Positions of its nodes and after them of the ends of its springs, from those of all nodes of the mesh.
+    fn positions(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let ends = self.springs.iter().map(|spring| spring.end(points));
+        self.surface.positions(points).into_iter().chain(ends).collect()
+    }
+
+    /// Size of one snapshot, bytes.
+    fn bytes(&self) -> usize {
+        6 * (self.surface.nodes.len() + self.springs.len()) + 3 * self.surface.patches.len()
+    }
 }
 
 fn faces(films: &[Film], first: &Snapshot) -> Vec<Face> {
@@ -132,7 +150,8 @@ fn faces(films: &[Film], first: &Snapshot) -> Vec<Face> {
         // Patches are shared out by the numbers of elements.
         let share = (outlines.len() as f64 * (MOST_PATCHES as f64 / drawn as f64).min(1.0)) as usize;
         let surface = CoarseSurface::from_points(&first.films[index].positions, &outlines, share.max(LEAST_PATCHES));
-        Face { index, mirrored: film.mirrored, elements: outlines.len(), surface }
+        let springs = film.springs.iter().step_by(film.springs.len().div_ceil(MOST_SPRINGS).max(1)).copied().collect();
+        Face { index, mirrored: film.mirrored, elements: outlines.len(), surface, springs }
     };
     films.iter().enumerate().map(face).collect()
 }
@@ -168,9 +187,10 @@ impl Scene<'_> {
         let moment = |Moment { words, time }: &Moment| json!([words, rounded(time * 1e3, DIGITS)]);
         let face = |face: &Face| {
             json!({
-                "nodes": face.surface.nodes.len(),
+                "nodes": face.surface.nodes.len() + face.springs.len(),
                 "patches": text(face.surface.corners().flat_map(u32::to_le_bytes)),
                 "mirrored": face.mirrored,
+                "springs": face.springs.iter().map(|spring| spring.anchor.map(near)).collect::<Vec<_>>(),
             })
         };
         json!({
@@ -185,9 +205,9 @@ impl Scene<'_> {
         })
     }
 
-    /// Positions of the nodes of all faces.
+    /// Positions of the nodes of all faces and of the ends of their springs.
     fn places(&self, state: &Snapshot) -> Vec<[f32; 3]> {
-        self.faces.iter().flat_map(|face| face.surface.positions(&state.films[face.index].positions)).collect()
+        self.faces.iter().flat_map(|face| face.positions(&state.films[face.index].positions)).collect()
     }
 
     /// Positions of the corners of intact elements; nodes of failed ones may be anywhere.
@@ -222,6 +242,11 @@ impl Scene<'_> {
         let elements: usize = outcome.films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
         if shown < elements {
             note += &format!(" The mesh is coarsened for the page: {shown} patches represent its {elements} elements.");
+        }
+        let springs: usize = outcome.films.iter().map(|film| film.springs.len()).sum();
+        let drawn: usize = self.faces.iter().map(|face| face.springs.len()).sum();
+        if drawn < springs {
+            note += &format!(" {drawn} of {springs} springs are drawn.");
         }
         if outcome.films.iter().any(|film| film.mirrored.contains(&true)) {
             note += " The part that was computed is mirrored into the whole film.";
@@ -262,8 +287,12 @@ fn text(bytes: impl IntoIterator<Item = u8>) -> String {
     STANDARD.encode(bytes.into_iter().collect::<Vec<u8>>())
 }
 
+/// A coordinate with the digits of a page.
+fn near(c: f32) -> f64 {
+    rounded(f64::from(c), DIGITS)
+}
+
 fn body(body: &Body) -> Value {
-    let near = |c: f32| rounded(f64::from(c), DIGITS);
     let Body { points, triangles } = body;
     let outlines: Vec<[u32; 4]> = triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect();
     let coarse = CoarseSurface::from_points(points, &outlines, MOST_OF_BODY);
@@ -335,6 +364,7 @@ mod tests {
             mirrored: film.mirrored,
             elements: outlines.len(),
             surface: CoarseSurface::from_points(&points, &outlines, 100),
+            springs: vec![],
         };
         let written = strains(&face, &snapshot(0.0, &points, &film), [[0.0, 0.5], [0.0, 0.5], [-0.2, 0.3]]);
         assert_eq!(written[..6], [FAILED, FAILED, FAILED, 51, 254, 0]);
@@ -388,12 +418,34 @@ mod tests {
             mirrored: film.mirrored,
             elements: outlines.len(),
             surface: CoarseSurface::from_points(&points, &outlines, 100),
+            springs: vec![],
         };
         // A corner of the first element alone, which has failed.
         points[0] = [-1e6; 3];
         let state = snapshot(0.0, &points, &film);
         let scene = Scene { faces: vec![face], states: vec![&state], moments: vec![], bodies: vec![] };
         assert_eq!(scene.contents()["box"], json!([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]));
+    }
+
+    #[test]
+    fn a_page_holds_the_lines_of_springs() {
+        let (points, sheet) = sheet(2);
+        let spring = |y: f32| FilmSpring { anchor: [-0.25, y, 0.125], nodes: [0, 3], shares: [1.0 - 2.0 * y, 2.0 * y] };
+        let all = 2 * MOST_SPRINGS;
+        let springs: Vec<FilmSpring> = (0..all).map(|at| spring(0.5 * at as f32 / all as f32)).collect();
+        let film = Film { springs, ..sheet };
+        let state = snapshot(0.0, &points, &film);
+        let scene = Scene { faces: faces(&[film], &state), states: vec![&state], moments: vec![], bodies: vec![] };
+        let stored = stored::scene(&scene.contents()).unwrap();
+        let face = &stored.faces[0];
+        let lines: Vec<[[f32; 3]; 2]> = face.spring_lines(&stored.states[0].films[0]).collect();
+        assert_eq!(lines.len(), MOST_SPRINGS, "every second one");
+        for (at, [anchor, end]) in lines.into_iter().enumerate() {
+            let y = at as f32 / all as f32;
+            assert!((anchor[1] - y).abs() < 1e-6 && anchor[2] == 0.125, "{anchor:?}");
+            assert!(end[0].abs() < 1e-4 && (end[1] - y).abs() < 1e-4, "{at}: {end:?}");
+        }
+        assert!(face.patches.iter().flatten().all(|node| (*node as usize) < face.nodes - MOST_SPRINGS));
     }
 
     #[test]
@@ -414,8 +466,8 @@ mod tests {
         let snapshots: Vec<Snapshot> = (0..40).map(|at| snapshot(f64::from(at), &points, &film)).collect();
         let outlines: Vec<[u32; 4]> = film.outlines().collect();
         let surface = CoarseSurface::from_points(&points, &outlines, MOST_PATCHES / 4);
-        let most = (MOST_BYTES / surface.bytes()).clamp(2, MOST_STATES);
-        let face = Face { index: 0, mirrored: film.mirrored, elements: outlines.len(), surface };
+        let face = Face { index: 0, mirrored: film.mirrored, elements: outlines.len(), surface, springs: vec![] };
+        let most = (MOST_BYTES / face.bytes()).clamp(2, MOST_STATES);
         let states = snapshots.iter().take(most).collect();
         let scene = Scene { faces: vec![face], states, moments: vec![], bodies: vec![] };
         let text = data(&scene.contents());

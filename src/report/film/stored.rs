@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::FAILED;
 use crate::{Moment, RunScene, SceneBody, SceneFace};
-use scene::simulate::{FilmState, Snapshot};
+use scene::simulate::{FilmSpring, FilmState, Snapshot};
 
 /// Why the film of a page cannot be read; the page was changed, or written by another version.
 #[derive(Debug, Error)]
@@ -46,6 +46,9 @@ struct FaceData {
     nodes: usize,
     patches: String,
     mirrored: [bool; 2],
+    /// Ends of springs on the frame; their ends on the film are the last nodes.
+    #[serde(default)]
+    springs: Vec<[f32; 3]>,
 }
 
 #[derive(Deserialize)]
@@ -78,13 +81,19 @@ pub(crate) fn scene(data: &Value) -> Result<RunScene, FilmError> {
     Ok(RunScene { faces, bodies, states, moments, is_coarsened: data.coarsened })
 }
 
-fn face(FaceData { nodes, patches, mirrored }: &FaceData) -> Result<SceneFace, FilmError> {
+fn face(FaceData { nodes, patches, mirrored, springs }: &FaceData) -> Result<SceneFace, FilmError> {
     let bytes = STANDARD.decode(patches)?;
     let (corners, []) = bytes.as_chunks::<4>() else { return Err(FilmError::Mismatch { what: "patches" }) };
     let corners: Vec<u32> = corners.iter().map(|corner| u32::from_le_bytes(*corner)).collect();
     let (patches, []) = corners.as_chunks::<4>() else { return Err(FilmError::Mismatch { what: "patches" }) };
     check_corners(patches, *nodes)?;
-    Ok(SceneFace { nodes: *nodes, patches: patches.to_vec(), mirrored: *mirrored })
+    let Some(first) = nodes.checked_sub(springs.len()) else { return Err(FilmError::Mismatch { what: "springs" }) };
+    let spring = |(node, anchor): (usize, &[f32; 3])| {
+        let node = u32::try_from(node).map_err(|_| FilmError::Mismatch { what: "springs" })?;
+        Ok(FilmSpring { anchor: *anchor, nodes: [node; 2], shares: [1.0, 0.0] })
+    };
+    let springs = (first..).zip(springs).map(spring).collect::<Result<_, FilmError>>()?;
+    Ok(SceneFace { nodes: *nodes, patches: patches.to_vec(), mirrored: *mirrored, springs })
 }
 
 fn body(BodyData { points, patches }: &BodyData) -> Result<SceneBody, FilmError> {

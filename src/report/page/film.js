@@ -10,6 +10,7 @@
   const OVERSAMPLING = 2; // pixels of the raster per pixel of the page
   const GLASS = 0.42; // share of the impactor's own colour
   const APART = 0.06; // offset of faces in contact with each other, over the size of a patch
+  const SPRING = [120, 126, 134];
   const PLAY_TIME = 5000; // ms from the first to the last state
   const LIGHT = [0.35, -0.5, 0.79];
   const VIEWS = {
@@ -98,6 +99,13 @@
         for (let at = 0; at < points.length; at += 3) {
           for (const sx of mirrored[0] ? [1, -1] : [1]) {
             for (const sy of mirrored[1] ? [1, -1] : [1]) take(sx * points[at], sy * points[at + 1], points[at + 2]);
+          }
+        }
+      }
+      for (const { springs, mirrored } of this.faces) {
+        for (const [x, y, z] of springs) {
+          for (const sx of mirrored[0] ? [1, -1] : [1]) {
+            for (const sy of mirrored[1] ? [1, -1] : [1]) take(sx * x, sy * y, z);
           }
         }
       }
@@ -349,7 +357,7 @@
       const strain = (state, at, part) => parts[part][0] + (state.strains[at + part] / (FAILED - 1)) * (parts[part][1] - parts[part][0]);
       const edges = this.faces.reduce((sum, face) => sum + face.patches.length / 4, 0) < EDGES;
       let [node, element] = [0, 0];
-      for (const [face, { nodes, patches: corners, mirrored }] of this.faces.entries()) {
+      for (const [face, { nodes, patches: corners, mirrored, springs }] of this.faces.entries()) {
         const colours = [];
         for (let at = 0; at < corners.length / 4; at++) {
           const place = 3 * (element + at);
@@ -366,7 +374,10 @@
         for (let at = 0; at < points.length; at++) points[at] = mixed(a.points[3 * node + at], b.points[3 * node + at], share);
         const signs = (axis) => (mirrored[axis] && (this.whole || axis !== this.cut) ? [1, -1] : [1]);
         for (const sx of signs(0)) {
-          for (const sy of signs(1)) this.sheet(look, points, corners, colours, { face, sx, sy, edges });
+          for (const sy of signs(1)) {
+            this.sheet(look, points, corners, colours, { face, sx, sy, edges });
+            this.springs(look, points.subarray(3 * (nodes - springs.length)), springs, [sx, sy]);
+          }
         }
         node += nodes;
         element += corners.length / 4;
@@ -399,6 +410,14 @@
         ]);
         const [fill, edge] = [shade, 0.72 * shade].map((light) => Raster.colour(colour.map((part) => part * light)));
         this.raster.patch(places, fill, edge, edges ? 0.35 * OVERSAMPLING : 0);
+      }
+    }
+
+    /** The springs of one image of a face, from the frame to the film. */
+    springs({ project }, ends, anchors, [sx, sy]) {
+      for (const [at, [x, y, z]] of anchors.entries()) {
+        const end = project(sx * ends[3 * at], sy * ends[3 * at + 1], ends[3 * at + 2]);
+        this.raster.line(project(sx * x, sy * y, z), end, 0.7 * OVERSAMPLING, Raster.colour(SPRING));
       }
     }
 

@@ -31,6 +31,14 @@ page.Raster = class {
     this.triangle(this, [p, r, s], [0, rim, rim], colour, edge);
   }
 
+  /** A line between two points [right, down, near], `width` pixels wide. */
+  line([ax, ay, az], [bx, by, bz], width, colour) {
+    const half = width / 2 / (Math.hypot(bx - ax, by - ay) || 1);
+    const [right, down] = [(ay - by) * half, (bx - ax) * half];
+    const corners = [[ax + right, ay + down, az], [bx + right, by + down, bz], [bx - right, by - down, bz], [ax - right, ay - down, az]];
+    this.patch(corners, colour, colour, 0);
+  }
+
   /** A translucent patch. */
   pane([p, q, r, s], colour) {
     this.triangle(this.glass, [p, q, r], [0, 0, 0], colour, colour);

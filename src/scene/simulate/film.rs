@@ -38,6 +38,14 @@ pub struct FilmSpring {
     pub shares: [f32; 2],
 }
 
+impl FilmSpring {
+    /// Its end on the film, from the positions of the nodes of the face (m).
+    pub fn end(&self, positions: &[[f32; 3]]) -> [f32; 3] {
+        let [from, to] = self.nodes.map(|node| positions[node as usize]);
+        [0, 1, 2].map(|axis| self.shares[0] * from[axis] + self.shares[1] * to[axis])
+    }
+}
+
 impl Film {
     /// Corners of the elements, quadrilaterals and then triangles; a triangle has its last one twice.
     pub fn outlines(&self) -> impl Iterator<Item = [u32; 4]> {

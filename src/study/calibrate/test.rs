@@ -111,56 +111,53 @@ impl Test {
             return Err(in_test(format!("`weight` is {weight}, which must be above zero")));
         }
         let outcomes = outcome::read(&map, &study, session).map_err(|error| in_test(error.to_string()))?;
-        if outcomes.as_ref().is_some_and(Outcomes::all_broke) && map.contains_key("compare") {
-            return Err(in_test(
-                "its film broke, and signals beside outcomes are those of film that holds: compare them in a test of their own, \
-                with `on_rupture: \"keep\"` or a `window` that ends before".into(),
-            ));
-        }
+        check_together(&map, outcomes.as_ref()).map_err(in_test)?;
         let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
-        if outcomes.is_some() && !map.contains_key("compare") {
-            let inert = ["recordings", "window", "over", "noise", "distance", "error"];
-            if let Some(key) = inert.iter().find(|key| map.contains_key(**key)) {
-                return Err(in_test(format!(
-                    "`{key}` has no effect here: beside an outcome, signals count where `compare` names them"
-                )));
-            }
-            return Ok(Test { name, study, own, weight, signals: Vec::new(), outcomes, pull: None });
-        }
-        if let Some(key) = ["compare", "over"].iter().find(|key| map.contains_key("pull") && map.contains_key(**key)) {
-            return Err(in_test(format!("`{key}` has no effect here: with `pull` stress is compared over strain")));
-        }
         let pull = map.get("pull").map(|given| pulled::across(given, &study).map_err(in_test)).transpose()?;
-        let names = signals_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
+        let test = Test { name, study, own, weight, signals: Vec::new(), outcomes, pull };
+        if test.outcomes.is_some() && !map.contains_key("compare") {
+            Ok(test)
+        } else {
+            test.compared(&options, tolerances, session)
+        }
+    }
+
+    /// The test with the signals that are compared.
+    fn compared(self, options: &Options<'_>, tolerances: Tolerances, session: &Session) -> HostResult<Test> {
+        let Options { map, .. } = options;
+        let in_test = |text: String| refuse(format!("test `{}`: {text}", self.name));
+        let names = signals_of(map, &self.study).map_err(|error| in_test(error.to_string()))?;
         let columns = names.iter().map(|name| found_column(name).map_err(in_test)).collect::<HostResult<Vec<_>>>()?;
-        let over = abscissa_of(&map, &study).map_err(|error| in_test(error.to_string()))?;
+        let over = abscissa_of(map, &self.study).map_err(|error| in_test(error.to_string()))?;
         let tolerances = match map.get("noise") {
             Some(given) => Tolerances { noise: noise(given).map_err(in_test)?, ..tolerances },
             None => tolerances,
         };
-        let distance = Distance::read(&options).map_err(in_test)?;
+        let distance = Distance::read(options).map_err(in_test)?;
         let reading = Reading { over, window: map.get("window"), tolerances, distance, in_test: &in_test };
         let recordings = match map.get("recordings") {
             None => vec![Dynamic::UNIT],
             Some(given) => given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone()),
         };
-        if pull.is_some() {
+        if self.pull.is_some() {
             let reading = Reading { over: Some(&column::STRAIN), ..reading };
             let signals = recordings.iter().map(|recording| reading.pulled(recording));
             let signals = signals.collect::<HostResult<Vec<_>>>()?;
-            return Ok(Test { name, study, own, weight, signals, outcomes, pull });
+            return Ok(Test { signals, ..self });
         }
         let mut signals = Vec::new();
         let mut longest: Option<(f64, Study)> = None;
         for recording in &recordings {
-            let (own, end, found) = reading.recording(&study, recording, &columns, session)?;
+            let (own, end, found) = reading.recording(&self.study, recording, &columns, session)?;
             signals.extend(found);
             if longest.as_ref().is_none_or(|(latest, _)| end > *latest) {
                 longest = Some((end, own));
             }
         }
-        let study = longest.map_or(study, |(_, study)| study);
-        Ok(Test { name, study, own, weight, signals, outcomes, pull })
+        Ok(match longest {
+            Some((_, study)) => Test { signals, study, ..self },
+            None => Test { signals, ..self },
+        })
     }
 
     /// Its signals as the scenario gives them, by a run unless it is pulled.
@@ -388,6 +385,27 @@ impl Signal {
 }
 
 /// `values` over another signal, where that exceeds all before.
+/// Refuses options of a test that do not go together.
+fn check_together(map: &Map, outcomes: Option<&Outcomes>) -> Result<(), String> {
+    let is_compared = map.contains_key("compare");
+    if outcomes.is_some_and(Outcomes::all_broke) && is_compared {
+        return Err("its film broke, and signals beside outcomes are those of film that holds: compare them in a test of their own, \
+                    with `on_rupture: \"keep\"` or a `window` that ends before"
+            .into());
+    }
+    let inert: &[&str] = match (outcomes, map.contains_key("pull")) {
+        (Some(_), _) if !is_compared => &["recordings", "window", "over", "noise", "distance", "error", "pull"],
+        (_, true) => &["compare", "over"],
+        _ => &[],
+    };
+    let Some(key) = inert.iter().find(|key| map.contains_key(**key)) else { return Ok(()) };
+    let why = match is_compared || outcomes.is_none() {
+        true => "with `pull` stress is compared over strain",
+        false => "beside an outcome, signals count where `compare` names them",
+    };
+    Err(format!("`{key}` has no effect here: {why}"))
+}
+
 fn over_abscissa(abscissa: &Series, values: &Series) -> Series {
     let mut largest = f64::NEG_INFINITY;
     let (mut places, mut found) = (Vec::new(), Vec::new());
