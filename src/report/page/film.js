@@ -417,7 +417,7 @@
     springs({ project }, ends, anchors, [sx, sy]) {
       for (const [at, [x, y, z]] of anchors.entries()) {
         const end = project(sx * ends[3 * at], sy * ends[3 * at + 1], ends[3 * at + 2]);
-        this.raster.line(project(sx * x, sy * y, z), end, 0.7 * OVERSAMPLING, Raster.colour(SPRING));
+        this.raster.line(project(sx * x, sy * y, z), end, 1.1 * OVERSAMPLING, Raster.colour(SPRING));
       }
     }
 
