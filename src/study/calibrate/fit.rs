@@ -1,6 +1,7 @@
 //! The search of a calibration: stage by stage, again with the model's error that it leaves, and linearized at its end.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 use serde_json::Value;
 
 use super::error_model::{Correlation, ErrorModel, most_likely_share};
@@ -88,11 +89,10 @@ impl Fit {
         let known = verdict::linear(plan, &x, &jacobian, &at_bounds);
         let objective = CalibrationObjective::new(plan, share, session);
         let trial = session.with_trial(session.cancellation());
-        let demands = (0..plan.tests.len()).map(|test| match plan.tests[test].outcomes {
+        let demands = of_tests(plan, |test| match plan.tests[test].outcomes {
             Some(_) => Ok(objective.simulated(test, &values, &trial)?.1),
             None => Ok(Vec::new()),
-        });
-        let demands = demands.collect::<HostResult<Vec<_>>>()?;
+        })?;
         findings.extend(doubts(plan, &known).map(|warning| Finding::new(&warning)));
         findings.extend(of_runs(plan, &values, session)?.iter().map(Finding::new));
         Ok(Fit { result, iterations, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
@@ -250,7 +250,13 @@ fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>]) -> HostResult<Vec<(&'p Er
 fn simulated_at(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Vec<Series>>> {
     let objective = CalibrationObjective::new(plan, 0.0, session);
     let trial = session.with_trial(session.cancellation());
-    (0..plan.tests.len()).map(|test| Ok(objective.simulated(test, values, &trial)?.0)).collect()
+    of_tests(plan, |test| Ok(objective.simulated(test, values, &trial)?.0))
+}
+
+/// Something of every test, evaluated at once; of several errors always that of the first test.
+fn of_tests<T: Send>(plan: &Plan, of: impl Fn(usize) -> HostResult<T> + Send + Sync) -> HostResult<Vec<T>> {
+    let found: Vec<HostResult<T>> = (0..plan.tests.len()).into_par_iter().map(of).collect();
+    found.into_iter().collect()
 }
 
 /// Takes the roughness of the simulated signals as noise; a signal that ends before its window has none
@@ -284,10 +290,17 @@ fn over_travel(plan: &Plan) -> Option<Warning> {
 
 /// What the runs of the tests with these values warn of, each warning once with the tests that have it.
 fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Warning>> {
-    let mut found: Vec<Warning> = Vec::new();
-    for (place, test) in plan.tests.iter().enumerate().filter(|(_, test)| test.pull.is_none()) {
+    let runs = of_tests(plan, |place| {
+        let test = &plan.tests[place];
+        if test.pull.is_some() {
+            return Ok(None);
+        }
         let study = test.study.with(plan.changes_with_breaks(place, values), session)?;
-        let run = match study.simulate(session) {
+        Ok(Some(study.simulate(session)))
+    })?;
+    let mut found: Vec<Warning> = Vec::new();
+    for (test, run) in plan.tests.iter().zip(runs).filter_map(|(test, run)| Some((test, run?))) {
+        let run = match run {
             Ok(run) => run,
             Err(error) => {
                 // A run goes on behind the window of its recording, where it was not needed.
