@@ -345,7 +345,9 @@ impl Contact {
     /// line) times angle over 8, is well below the allowed penetration.
     fn has_small_sagitta(&self, element: &NeighbourElement, nodes: &Nodes) -> bool {
         // Between the corners there may be a smaller part or an edge, and a held corner is no contact of its own.
-        let at_support = || element.corners.iter().any(|n| nodes.is_held(*n as usize));
+        let [a, b, c, d] = element.corners;
+        let is_held = |n: u32| nodes.is_held(n as usize);
+        let at_support = || is_held(a) || is_held(b) || is_held(c) || is_held(d);
         if self.surface.has_parts()
             || FACE_PENETRATION * self.surface.edge_radius() < self.neighbours.allowance
             || at_support()
@@ -353,8 +355,10 @@ impl Contact {
             return false;
         }
         // The normal of a corner that is not near is zero, which counts as a right angle: such an element is looked at.
-        let normals = element.corners.map(|n| self.normals[n as usize]);
-        let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
+        let normal = |n: u32| &self.normals[n as usize];
+        let (first, second, last) = (normal(a), normal(b), normal(d));
+        // Written out: maps of arrays are calls, and thousands of elements are looked at in a step.
+        let least_cosine = second.dot(last).min(first.dot(second)).min(first.dot(normal(c))).min(first.dot(last));
         let sagitta = 8.0 * SAGITTA_SHARE * self.neighbours.allowance;
         // Squares on both sides, (2 sin θ/2)² = 2 (1 − cos θ): neither an arccosine nor a root for thousands of
         // elements a step.
@@ -436,8 +440,9 @@ impl Contact {
         followed: &mut Followed,
         to: &mut Vec<Constraint>,
     ) -> f64 {
-        let positions = corners.map(|n| nodes.position_of(n as usize));
-        let is_supported = corners.iter().any(|n| nodes.is_held(*n as usize));
+        let [a, b, c, d] = [corners[0] as usize, corners[1] as usize, corners[2] as usize, corners[3] as usize];
+        let positions = [nodes.position_of(a), nodes.position_of(b), nodes.position_of(c), nodes.position_of(d)];
+        let is_supported = nodes.is_held(a) || nodes.is_held(b) || nodes.is_held(c) || nodes.is_held(d);
         if is_supported && !self.reaches_support(corners, nodes, pose) {
             return -1.0;
         }

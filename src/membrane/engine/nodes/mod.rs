@@ -78,7 +78,8 @@ impl Nodes {
     /// Whether a node is held in every direction.
     #[inline]
     pub fn is_held(&self, node: usize) -> bool {
-        self.effective_inverse_mass.value_at(node) == [0.0; 3]
+        let [x, y, z] = self.effective_inverse_mass.value_at(node);
+        x == 0.0 && y == 0.0 && z == 0.0
     }
 
     /// Sets all forces to zero.

@@ -169,10 +169,14 @@ fn mean_of(corners: &[Point3<f64>; 4]) -> Point3<f64> {
 fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
     let mean = mean_of(corners);
     // A triangle repeats its last corner, which leaves one of the four without area.
-    let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
+    let triangles = [[0, 1], [1, 2], [2, 3], [3, 0]];
     let mut best: Option<DeepestPoint> = None;
     let mut offer = |weights: [f64; 4]| {
-        let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
+        // Loops, as in `WeightedNodes`: a sum of vectors is a call.
+        let mut point = Vector3::zeros();
+        for a in 0..4 {
+            point += corners[a].coords * weights[a];
+        }
         let projection = shape.project(pose, &(point - pose.translation.vector));
         // Also of points that are too far: it tells how far the element may move before it is looked at again.
         search.least = search.least.min(projection.distance);
@@ -310,13 +314,14 @@ fn in_core(solid: &Solid, corners: &[Vector3<f64>; 3], within: f64) -> Option<(P
 }
 
 /// A triangle in body axes about the centre of mass; that of a ball is not rotated.
-fn local(shape: &Shape, pose: &Isometry3<f64>, corners: [&Point3<f64>; 3]) -> Triangle {
-    let arms = corners.map(|c| c.coords - pose.translation.vector);
-    let [a, b, c] = match shape {
-        Shape::Ball(_) => arms.map(|arm| vector(&arm)),
-        _ => arms.map(|arm| vector(&pose.rotation.inverse_transform_vector(&arm))),
+#[inline(always)]
+fn local(shape: &Shape, pose: &Isometry3<f64>, [a, b, c]: [&Point3<f64>; 3]) -> Triangle {
+    let is_ball = matches!(shape, Shape::Ball(_));
+    let place = |corner: &Point3<f64>| {
+        let arm = corner.coords - pose.translation.vector;
+        vector(&if is_ball { arm } else { pose.rotation.inverse_transform_vector(&arm) })
     };
-    Triangle::new(a, b, c)
+    Triangle::new(place(a), place(b), place(c))
 }
 
 /// The point of a triangle nearest to an axis along z that does not intersect it.
@@ -338,6 +343,7 @@ fn nearest_to_axis(triangle: &Triangle, axis: &Segment) -> Vector {
 }
 
 /// Barycentric coordinates of a point of a triangle; the first corner of one without area.
+#[inline(always)]
 fn barycentric(triangle: &Triangle, point: Vector) -> [f64; 3] {
     let (u, v, w) = (triangle.b - triangle.a, triangle.c - triangle.a, point - triangle.a);
     let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));

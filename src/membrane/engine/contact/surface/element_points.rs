@@ -29,6 +29,7 @@ pub(in crate::engine::contact) struct DeepPoints {
 
 /// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the
 /// mean of all corners.
+#[inline(always)]
 pub(super) fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
     let mut weights = [0.25 * wm; 4];
     weights[a] += wa;
