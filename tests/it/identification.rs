@@ -353,6 +353,7 @@ fn errors_in_a_search_are_reported() {
             "unknown key `cuont`",
         ),
         (r#"minimize("nelder-mead", [1.0], |x| test.simulate().nosuch)"#, "a run has no `nosuch`"),
+        (r#"minimize("nelder-mead", [1.0], |x| test.written("layers.cuont"))"#, "a scenario has no key `layers.cuont`"),
     ] {
         let error = engine(&bench, &[short]).run(&script(body)).expect_err("a mistake");
         let text = key_mistake(&error).unwrap_or_else(|| error.to_string());
