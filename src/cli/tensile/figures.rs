@@ -104,8 +104,7 @@ impl Figures {
         warnings.extend((is_density_assumed && !written.is_empty()).then_some(Warning::DensityAssumed));
         warnings.extend((!written.is_empty()).then_some(Warning::NoAbsorption));
         // D4 is the other diagonal of D3, measured to compare them.
-        let is_unused =
-            |direction: &Direction| !matches!(direction, Direction::Md | Direction::Td | Direction::D3 | Direction::D4);
+        let is_unused = |direction: &Direction| !direction.has_curve() && *direction != Direction::D4;
         let unused = reduced.reduction.directions.iter().map(|along| along.direction).filter(is_unused);
         let directions: Vec<Direction> = unused.collect();
         warnings.extend(

@@ -40,6 +40,11 @@ impl Direction {
     /// The directions with a name.
     pub const NAMED: [Direction; 4] = [Direction::Md, Direction::Td, Direction::D3, Direction::D4];
 
+    /// Whether a curve of a fabric rests on coupons of this direction.
+    pub fn has_curve(self) -> bool {
+        matches!(self, Direction::Md | Direction::Td | Direction::D3)
+    }
+
     /// The direction at this angle (rad) from MD towards TD, to a hundredth of a degree.
     pub fn at(angle: f64) -> Direction {
         let hundredths = ((angle.to_degrees() * 100.0).round() as i64).rem_euclid(HALF_TURN);

@@ -276,10 +276,7 @@ fn summary(along: &DirectionMeans) -> String {
     let DirectionMeans { direction, elongation, .. } = along;
     let speeds: Vec<String> = along.speeds.iter().map(|speed| significant(speed.velocity, DIGITS)).collect();
     let (modulus, strength) = (shown_spread(&along.modulus, 1e-6), shown_spread(&along.strength, 1e-6));
-    let unused = match direction {
-        Direction::Md | Direction::Td | Direction::D3 => "",
-        _ => " In no curve below.",
-    };
+    let unused = if direction.has_curve() { "" } else { " In no curve below." };
     format!(
         "# {direction}: {} coupons at {} m/s; E {modulus} MPa, strength {strength} MPa, break elongation {} %.{unused}\n",
         elongation.count,
