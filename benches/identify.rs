@@ -2,8 +2,7 @@
 //!
 //! The recording of a drop test is the signals of its own run: the multipliers to be found are those of its scenario.
 //! The first test is searched from a cold start, [1, 1, 1], the quasi-static curves; the others at the same time from
-//! its result, or from a cold start where that film ruptures at once; first on the scenarios' mesh alone, then on one of
-//! twice its size before, whose result is the start of the second stage. The wall time is printed beside the CPU time of
+//! its result, or from a cold start where that film ruptures at once. The wall time is printed beside the CPU time of
 //! all threads: it exceeds the CPU time over their number where other processes use the machine.
 
 use std::error::Error;
@@ -29,9 +28,6 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 /// The tests without rupture.
 const TESTS: [&str; 5] = ["1008", "1009", "1010", "1509", "1510"];
 
-/// Sizes of the elements of the stages of a search; the last one is that of the scenarios.
-const STAGES: [&str; 2] = ["10 mm", "20 mm,10 mm"];
-
 /// Columns of the printed table.
 const HEAD: &str =
     "| test | iterations | evaluations | k1 | ke | ky | off by | error |\n|---|---|---|---|---|---|---|---|";
@@ -43,31 +39,17 @@ let options = #{
     lower: [0.2, 0.2, 0.2], upper: [10, 10, 5], fallback: [[1.0, 1, 1]],
 };
 let scaled = |test, k| test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: k[2] } });
-let objective = |place, mesh| {
-    let keys = #{ "reference.signals": args[`recording${place}`], "specimen.mesh.size": mesh };
-    let test = scenario(args[`test${place}`]).with(keys);
+let objective = |place| {
+    let test = scenario(args[`test${place}`]).with(#{ "reference.signals": args[`recording${place}`] });
     |k| relative_residuals(scaled.call(test, k).simulate().acceleration, test.reference.acceleration, test.window)
 };
-let row = |best, evaluations| #{ k1: best.x[0], ke: best.x[1], ky: best.x[2], f: best.f, iterations: best.iterations,
-    evaluations: evaluations };
-let start = args.start.split(",").map(|k| parse_float(k));
-let starts = [];
-for place in 0..args.count { starts.push(start); }
-let found = [];
-let evaluations = starts.map(|_of_each| "");
-for mesh in args.meshes.split(",") {
-    let objectives = [];
-    for place in 0..args.count { objectives.push(objective.call(place, mesh)); }
-    found = minimize_all(args.method, starts, options, objectives);
-    starts = found.map(|best| best.x);
-    for place in 0..args.count {
-        let before = if evaluations[place].is_empty() { "" } else { evaluations[place] + " + " };
-        evaluations[place] = before + found[place].evaluations;
-    }
-}
-let rows = [];
-for place in 0..args.count { rows.push(row.call(found[place], evaluations[place])); }
-table("found", rows);
+let row = |best| #{ k1: best.x[0], ke: best.x[1], ky: best.x[2], f: best.f, iterations: best.iterations,
+    evaluations: best.evaluations };
+let starts = args.start.split(",").map(|k| parse_float(k));
+let objectives = [];
+for place in 0..args.count { objectives.push(objective.call(place)); }
+let found = minimize_all(args.method, objectives.map(|_of_each| starts), options, objectives);
+table("found", found.map(|best| row.call(best)));
 for best in found { for warning in best.warnings { log(warning); } }
 "#;
 
@@ -75,10 +57,10 @@ fn main() -> Outcome<()> {
     let folder = tempfile::tempdir()?;
     let recorded = TESTS.map(|test| record(test, folder.path())).into_iter().collect::<Outcome<Vec<_>>>()?;
     let (first, others) = recorded.split_at(1);
-    for (method, meshes) in ["levenberg-marquardt", "nelder-mead"].into_iter().flat_map(|m| STAGES.map(|s| (m, s))) {
-        println!("## {method}, elements of {meshes}, {} threads\n\n{HEAD}", rayon::current_num_threads());
-        let (found, one) = identify(first, [method, meshes], [1.0; 3])?;
-        let (_, four) = identify(others, [method, meshes], found)?;
+    for method in ["levenberg-marquardt", "nelder-mead"] {
+        println!("## {method}, {} threads\n\n{HEAD}", rayon::current_num_threads());
+        let (found, one) = identify(first, method, [1.0; 3])?;
+        let (_, four) = identify(others, method, found)?;
         let five = averaged(&recorded)?;
         println!("\n| | wall, s | all threads, s |\n|---|---|---|");
         for (what, cost) in [("1008", &one), ("the other four", &four), ("five runs with one film", &five)] {
@@ -138,12 +120,10 @@ fn record(test: &'static str, folder: &Path) -> Outcome<Recorded> {
     Ok(Recorded { test, recording, expected })
 }
 
-/// Searches the multipliers of all of `tests` from `start` by a method on one mesh after the other and prints them. Returns
-/// those of the first, and the cost.
-fn identify(tests: &[Recorded], [method, meshes]: [&str; 2], start: [f64; 3]) -> Outcome<([f64; 3], Cost)> {
+/// Searches the multipliers of all of `tests` from `start` and prints them. Returns those of the first, and the cost.
+fn identify(tests: &[Recorded], method: &str, start: [f64; 3]) -> Outcome<([f64; 3], Cost)> {
     let mut args = Map::new();
     args.insert("method".into(), method.into());
-    args.insert("meshes".into(), meshes.into());
     args.insert("start".into(), start.map(|k| k.to_string()).join(",").into());
     args.insert("count".into(), i64::try_from(tests.len())?.into());
     for (place, test) in tests.iter().enumerate() {
