@@ -76,6 +76,13 @@ impl FilmContact {
                         self.crossings.due[place] = 0.0;
                     }
                 }
+                Source::Itself(parts) => {
+                    if let Some(itself) = &mut self.itself
+                        && let Some(place) = itself.pairs.place(parts)
+                    {
+                        itself.pairs.due[place] = 0.0;
+                    }
+                }
             }
         }
     }
