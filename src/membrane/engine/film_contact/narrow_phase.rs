@@ -123,6 +123,7 @@ impl FilmContact {
         let mut due_itself = self.itself.as_mut().map_or(vec![], |itself| std::mem::take(&mut itself.pairs.due));
         let of_nodes = due_nodes.each_mut().map(|due| Disjoint::new(due));
         let [of_crossings, of_itself] = [&mut due_crossings, &mut due_itself].map(|due| Disjoint::new(due));
+        let path_of_itself = self.itself.as_ref().map_or(0.0, |itself| itself.path);
         pool.each(tasks.len(), |part| {
             // SAFETY: every part comes up once.
             let found = unsafe { results.entry(part) };
@@ -135,14 +136,18 @@ impl FilmContact {
             };
             // SAFETY: ranges of the same pairs do not overlap.
             let due = unsafe { of_pairs.range(range.clone()) };
-            due::list(pool.width(), due, step.path, range.start, &mut found.places);
+            let path = match of {
+                Pairs::Itself => path_of_itself,
+                _ => step.path,
+            };
+            due::list(pool.width(), due, path, range.start, &mut found.places);
             match of {
                 Pairs::Nodes(side) => self.detect_nodes(pool, step, side, found),
                 Pairs::Crossings => self.detect_crossings(pool, step, found),
                 Pairs::Itself => self.detect_itself(step, found),
             }
             for (place, spared) in found.places.iter().zip(&found.spared) {
-                due[*place as usize - range.start] = step.path + spared;
+                due[*place as usize - range.start] = path + spared;
             }
         });
         self.tracking.iter_mut().zip(due_nodes).for_each(|(tracking, due)| tracking.due = due);

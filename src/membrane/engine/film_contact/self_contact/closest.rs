@@ -13,6 +13,7 @@ pub(super) enum Feature {
 }
 
 /// The weights of the corners at the point of a triangle next to `p`, and where it lies.
+#[inline]
 pub(super) fn on_triangle(p: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3]) -> ([f64; 3], Feature) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
@@ -50,16 +51,19 @@ pub(super) fn on_triangle(p: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3]) -> ([
 }
 
 /// Point of a triangle with these weights of its corners.
+#[inline]
 pub(super) fn at(weights: [f64; 3], [a, b, c]: &[Vector3<f64>; 3]) -> Vector3<f64> {
     a * weights[0] + b * weights[1] + c * weights[2]
 }
 
 /// Distance of a point from a triangle.
+#[inline]
 pub(super) fn distance_to_triangle(p: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> f64 {
     (p - at(on_triangle(p, corners).0, corners)).norm()
 }
 
 /// Distance of two segments.
+#[inline]
 pub(super) fn distance_of_segments([a, b]: &[Vector3<f64>; 2], [c, d]: &[Vector3<f64>; 2]) -> f64 {
     let (e, f, r) = (b - a, d - c, a - c);
     let (ee, ff, ef, er, fr) = (e.norm_squared(), f.norm_squared(), e.dot(&f), e.dot(&r), f.dot(&r));

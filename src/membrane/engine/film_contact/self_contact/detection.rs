@@ -7,13 +7,13 @@
 
 use nalgebra::Vector3;
 
-use super::{LEAST, SelfContact};
 use super::closest::{Feature, at, distance_of_segments, distance_to_triangle, on_triangle};
 use super::pairs::{Known, Parts, SelfPair};
+use super::{LEAST, SelfContact};
 use crate::engine::film_contact::constraint::Pair;
 use crate::engine::film_contact::due;
 use crate::engine::film_contact::surface::{NONE, Surface};
-use crate::engine::film_contact::tracking::{BESIDE, place, project};
+use crate::engine::film_contact::tracking::{BESIDE, normal_of, place, project};
 use crate::engine::nodes::{Nodes, Vectors};
 
 /// Square of the sine between two edges below which they count as parallel: nodes then carry the contact.
@@ -133,9 +133,9 @@ impl SelfContact {
     fn node(&self, step: Step<'_>, pair: &Known, node: u32, triangle: u32) -> Looked {
         let Step { surface, nodes, .. } = step;
         let corners = surface.corners[triangle as usize];
-        let now = corners.map(|n| place(&nodes.position, n as usize));
-        let before = corners.map(|n| place(&self.start, n as usize));
-        let [point, old] = [&nodes.position, &self.start].map(|all| place(all, node as usize));
+        let now = surface.corners_at(&nodes.position, triangle);
+        let before = surface.corners_at(&self.start, triangle);
+        let (point, old) = (place(&nodes.position, node as usize), place(&self.start, node as usize));
         if is_narrow(&now) || is_narrow(&before) {
             return Looked { sign: 0.0, apart: 0.0, close: None };
         }
@@ -176,12 +176,16 @@ impl SelfContact {
     /// which it was of the triangle next to this one.
     fn side_from_neighbours(&self, step: Step<'_>, pair: &Known, [node, triangle]: [u32; 2], height: f64) -> f64 {
         let own = 1.0_f64.copysign(height);
-        if height.abs() >= pair.bound {
+        if height.abs() >= CERTAIN * pair.bound {
             return own;
         }
-        let around = step.surface.across[triangle as usize].into_iter().filter(|other| *other != NONE);
-        let known = around.filter_map(|triangle| {
-            let place = self.pairs.place(Parts::Node { node, triangle })?;
+        let normal = normal_of(step.surface, &self.start, triangle);
+        let known = step.surface.across[triangle as usize].into_iter().filter_map(|other| {
+            // Past a sharp fold the film turns its other side to the node.
+            if other == NONE || normal_of(step.surface, &self.start, other).dot(&normal) < 0.0 {
+                return None;
+            }
+            let place = self.pairs.place(Parts::Node { node, triangle: other })?;
             let sign = self.pairs.sign[place];
             (sign != 0.0).then_some(sign)
         });
@@ -242,7 +246,7 @@ impl SelfContact {
             return None;
         }
         let [a, b, c] = weights;
-        let now = corners.map(|n| place(&nodes.position, n as usize));
+        let now = surface.corners_at(&nodes.position, triangle);
         let distance = (place(&nodes.position, node as usize) - at(weights, &now)).dot(&direction);
         Some(Pair {
             nodes: [node, corners[0], corners[1], corners[2]],
@@ -269,10 +273,10 @@ impl SelfContact {
     /// Two edges.
     fn edges(&self, step: Step<'_>, pair: &Known, edges: [u32; 2]) -> Looked {
         let Step { surface, nodes, .. } = step;
-        let ends = edges.map(|edge| surface.edges[edge as usize]);
+        let ends = [surface.edges[edges[0] as usize], surface.edges[edges[1] as usize]];
         let before = Lines::new(surface, &self.start, edges);
         let now = Lines::new(surface, &nodes.position, edges);
-        let [one, other] = ends.map(|ends| ends.map(|n| place(&nodes.position, n as usize)));
+        let (one, other) = (surface.ends_at(&nodes.position, edges[0]), surface.ends_at(&nodes.position, edges[1]));
         let apart = || distance_of_segments(&one, &other);
         // Nor where they turn over each other in the step: the direction between them is reversed by that.
         let is_steady = |(before, now): &(Lines, Lines)| before.normal.dot(&now.normal) > 0.0;
@@ -331,7 +335,7 @@ struct Lines {
 impl Lines {
     /// None where they are parallel.
     fn new(surface: &Surface, position: &Vectors, edges: [u32; 2]) -> Option<Lines> {
-        let [[a, b], [c, d]] = edges.map(|edge| surface.edges[edge as usize].map(|n| place(position, n as usize)));
+        let ([a, b], [c, d]) = (surface.ends_at(position, edges[0]), surface.ends_at(position, edges[1]));
         let (e, f, w) = (b - a, d - c, a - c);
         let across = e.cross(&f);
         let (squared, ee, ff) = (across.norm_squared(), e.norm_squared(), f.norm_squared());
@@ -347,7 +351,8 @@ impl Lines {
 
     /// Whether the edges themselves cross in projection.
     fn are_across(&self) -> bool {
-        self.shares.iter().all(|share| (0.0..=1.0).contains(share))
+        let [s, t] = self.shares;
+        (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)
     }
 }
 
@@ -358,17 +363,21 @@ fn is_certain(step: Step<'_>, sign: f64, close: &Pair) -> bool {
 
 /// Distance of two points before the step, m.
 fn before(step: Step<'_>, close: &Pair) -> f64 {
-    let velocity: Vector3<f64> = (0..4).map(|k| step.nodes.velocity_of(close.nodes[k] as usize) * close.weights[k]).sum();
+    let mut velocity = Vector3::zeros();
+    for k in 0..4 {
+        velocity += step.nodes.velocity_of(close.nodes[k] as usize) * close.weights[k];
+    }
     close.distance - velocity.dot(&close.normal) * step.dt
 }
 
-fn is_inside(weights: &[f64; 3]) -> bool {
-    weights.iter().all(|weight| *weight >= -BESIDE)
+#[inline(always)]
+fn is_inside([a, b, c]: &[f64; 3]) -> bool {
+    *a >= -BESIDE && *b >= -BESIDE && *c >= -BESIDE
 }
 
 /// Whether a triangle has hardly any area, and so no normal.
 fn is_narrow([a, b, c]: &[Vector3<f64>; 3]) -> bool {
-    let longest = [b - a, c - b, a - c].iter().map(Vector3::norm_squared).fold(0.0, f64::max);
+    let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
     // Written so that what is not a number counts as narrow.
     !((b - a).cross(&(c - a)).norm() > NARROW * longest)
 }
@@ -378,7 +387,7 @@ pub(super) fn signed_distance(surface: &Surface, position: &Vectors, pair: &Self
     let on_side = match pair.parts {
         _ if pair.sign == 0.0 => None,
         Parts::Node { node, triangle } => {
-            let is_narrow = is_narrow(&surface.corners[triangle as usize].map(|n| place(position, n as usize)));
+            let is_narrow = is_narrow(&surface.corners_at(position, triangle));
             let (weights, _, distance) = project(surface, position, &place(position, node as usize), triangle);
             (!is_narrow && is_inside(&weights)).then_some(pair.sign * distance)
         }
@@ -394,12 +403,29 @@ pub(super) fn signed_distance(surface: &Surface, position: &Vectors, pair: &Self
 pub(super) fn distance(surface: &Surface, position: &Vectors, parts: Parts) -> f64 {
     match parts {
         Parts::Node { node, triangle } => {
-            let corners = surface.corners[triangle as usize].map(|n| place(position, n as usize));
-            distance_to_triangle(&place(position, node as usize), &corners)
+            distance_to_triangle(&place(position, node as usize), &surface.corners_at(position, triangle))
         }
-        Parts::Edges(edges) => {
-            let [one, other] = edges.map(|edge| surface.edges[edge as usize].map(|n| place(position, n as usize)));
-            distance_of_segments(&one, &other)
+        Parts::Edges([one, other]) => {
+            distance_of_segments(&surface.ends_at(position, one), &surface.ends_at(position, other))
         }
     }
+}
+
+/// Distance of two parts, m, if it is less than `reach` (m).
+pub(super) fn distance_within(surface: &Surface, position: &Vectors, parts: Parts, reach: f64) -> Option<f64> {
+    // Most are farther apart along an axis already.
+    let is_apart = match parts {
+        Parts::Node { node, triangle } => {
+            let (p, [a, b, c]) = (place(position, node as usize), surface.corners_at(position, triangle));
+            (0..3).any(|k| p[k] > a[k].max(b[k]).max(c[k]) + reach || p[k] < a[k].min(b[k]).min(c[k]) - reach)
+        }
+        Parts::Edges([one, other]) => {
+            let ([a, b], [c, d]) = (surface.ends_at(position, one), surface.ends_at(position, other));
+            (0..3).any(|k| a[k].min(b[k]) > c[k].max(d[k]) + reach || c[k].min(d[k]) > a[k].max(b[k]) + reach)
+        }
+    };
+    if is_apart {
+        return None;
+    }
+    Some(distance(surface, position, parts)).filter(|distance| *distance < reach)
 }

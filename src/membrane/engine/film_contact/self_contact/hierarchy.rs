@@ -28,15 +28,23 @@ pub(super) struct Hierarchy {
     triangles: Vec<u32>,
     /// From the root, each followed by all that are inside its first half.
     volumes: Vec<Volume>,
+    /// Bounds of each triangle in this order, as of the last fit.
+    boxes: Vec<Bounds>,
     /// Edges of the outline as mounted that all of the face lies on one side of, in order.
     hull: Vec<u32>,
+}
+
+/// Lowest and highest coordinates, m.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    low: [f64; 3],
+    high: [f64; 3],
 }
 
 /// A bounding volume.
 #[derive(Clone, Debug)]
 struct Volume {
-    low: Vector3<f64>,
-    high: Vector3<f64>,
+    bounds: Bounds,
     /// Sum of the areas times the normals of its triangles, m².
     area: Vector3<f64>,
     /// Largest angle of a normal from that sum until the next search, rad; infinite where film in it may meet itself
@@ -61,14 +69,16 @@ impl Hierarchy {
         divide(&mut sorted, 0..count, &mut volumes);
         let triangles: Vec<u32> = sorted.into_iter().map(|(triangle, _)| triangle).collect();
         let hull = hull(surface, position, &triangles);
-        Hierarchy { triangles, volumes, hull }
+        let boxes = vec![Bounds::EMPTY; triangles.len()];
+        Hierarchy { triangles, volumes, boxes, hull }
     }
 
     /// Whether an edge of the triangle is one beside which film may meet film without a fold: of a cut, a tear, a hole or
     /// a notch.
     fn is_open(&self, surface: &Surface, triangle: u32) -> bool {
         let k = triangle as usize;
-        (0..3).any(|side| surface.across[k][side] == NONE && self.hull.binary_search(&surface.edges_of[k][side]).is_err())
+        (0..3)
+            .any(|side| surface.across[k][side] == NONE && self.hull.binary_search(&surface.edges_of[k][side]).is_err())
     }
 
     /// Whether the face has any such edge.
@@ -81,7 +91,7 @@ impl Hierarchy {
     /// m; not positive where it may do so already, as its normals spread too far.
     pub(super) fn spared(&self, surface: &Surface, position: &Vectors) -> f64 {
         let area = |triangle: u32| {
-            let [a, b, c] = surface.corners[triangle as usize].map(|n| place(position, n as usize));
+            let [a, b, c] = surface.corners_at(position, triangle);
             ((b - a).cross(&(c - a)), [b - a, c - b, a - c])
         };
         let sum: Vector3<f64> = self.triangles.iter().map(|triangle| area(*triangle).0).sum();
@@ -104,33 +114,41 @@ impl Hierarchy {
         for k in (0..self.volumes.len()).rev() {
             let Volume { ref range, second, .. } = self.volumes[k];
             let fitted = match second {
-                0 => self.leaf(surface, position, margin, range.clone()),
+                0 => {
+                    let range = range.clone();
+                    self.leaf(surface, position, margin, range)
+                }
                 second => self.volumes[k + 1].with(&self.volumes[second as usize]),
             };
             self.volumes[k] = Volume { second, ..fitted };
         }
     }
 
-    fn leaf(&self, surface: &Surface, position: &Vectors, margin: f64, range: Range<u32>) -> Volume {
-        let [low, high] = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
-        let mut leaf = Volume { low, high, area: Vector3::zeros(), angle: 0.0, range: range.clone(), second: 0 };
-        let of_leaf = &self.triangles[range.start as usize..range.end as usize];
-        let mut normals = vec![];
-        for triangle in of_leaf.iter().filter(|triangle| surface.is_intact[**triangle as usize]) {
-            let [a, b, c] = surface.corners[*triangle as usize].map(|n| place(position, n as usize));
-            for corner in [a, b, c] {
-                (leaf.low, leaf.high) = (leaf.low.inf(&corner), leaf.high.sup(&corner));
+    fn leaf(&mut self, surface: &Surface, position: &Vectors, margin: f64, range: Range<u32>) -> Volume {
+        let (mut bounds, mut area, mut largest) = (Bounds::EMPTY, Vector3::zeros(), 0.0);
+        let mut normals = [(Vector3::zeros(), 0.0); LEAF];
+        let mut count = 0;
+        for k in range.start as usize..range.end as usize {
+            let triangle = self.triangles[k];
+            self.boxes[k] = Bounds::EMPTY;
+            if !surface.is_intact[triangle as usize] {
+                continue;
             }
-            let area = (b - a).cross(&(c - a));
-            leaf.area += area;
-            normals.push((area, margin * longest(&[b - a, c - b, a - c]) / area.norm()));
-            if self.is_open(surface, *triangle) {
-                leaf.angle = f64::INFINITY;
+            let [a, b, c] = surface.corners_at(position, triangle);
+            self.boxes[k] = Bounds::EMPTY.around(&a).around(&b).around(&c);
+            bounds = bounds.with(&self.boxes[k]);
+            let twice = (b - a).cross(&(c - a));
+            area += twice;
+            normals[count] = (twice, margin * longest(&[b - a, c - b, a - c]) / twice.norm());
+            count += 1;
+            if self.is_open(surface, triangle) {
+                largest = f64::INFINITY;
             }
         }
-        let turned = normals.iter().map(|(area, turn)| angle(area, &leaf.area) + turn);
-        leaf.angle = turned.fold(leaf.angle, worse);
-        leaf
+        for (normal, turn) in &normals[..count] {
+            largest = worse(largest, angle(normal, &area) + turn);
+        }
+        Volume { bounds, area, angle: largest, range, second: 0 }
     }
 
     /// Calls `meet` with all pairs of intact triangles of which any points may lie within `reach` (m) of each other, and
@@ -143,11 +161,11 @@ impl Hierarchy {
             if is_same && a.angle < WIDEST {
                 continue;
             }
-            if !is_same && !a.is_within(reach, b) {
+            if !is_same && !a.bounds.is_within(reach, &b.bounds) {
                 continue;
             }
             match (a.second as usize, b.second as usize) {
-                (0, 0) => self.pairs_of_leaves(surface, [a, b], is_same, meet),
+                (0, 0) => self.pairs_of_leaves(surface, [a, b], reach, meet),
                 (second, _) if is_same => left.extend([[one + 1, one + 1], [second, second], [one + 1, second]]),
                 // The larger one is divided.
                 (second, of_other) if of_other == 0 || (second != 0 && a.range.len() >= b.range.len()) => {
@@ -158,21 +176,24 @@ impl Hierarchy {
         }
     }
 
-    fn pairs_of_leaves(&self, surface: &Surface, of: [&Volume; 2], is_same: bool, meet: &mut impl FnMut(u32, u32)) {
-        let intact = |volume: &Volume| {
-            let triangles = &self.triangles[volume.range.start as usize..volume.range.end as usize];
-            triangles.iter().copied().filter(|triangle| surface.is_intact[*triangle as usize]).collect::<Vec<_>>()
-        };
-        let [ones, others] = of.map(intact);
-        for (k, one) in ones.iter().enumerate() {
-            let first = if is_same { k + 1 } else { 0 };
-            others[first..].iter().for_each(|other| meet(*one, *other));
+    fn pairs_of_leaves(&self, surface: &Surface, of: [&Volume; 2], reach: f64, meet: &mut impl FnMut(u32, u32)) {
+        let [ones, others] = [of[0].range.clone(), of[1].range.clone()];
+        for one in ones.start as usize..ones.end as usize {
+            // Of one leaf each pair once.
+            let first = if ones.start == others.start { one + 1 } else { others.start as usize };
+            for other in first..others.end as usize {
+                let [s, t] = [self.triangles[one], self.triangles[other]];
+                let are_intact = surface.is_intact[s as usize] && surface.is_intact[t as usize];
+                if are_intact && self.boxes[one].is_within(reach, &self.boxes[other]) {
+                    meet(s, t);
+                }
+            }
         }
     }
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
-        bytes(&self.triangles) + bytes(&self.volumes) + bytes(&self.hull)
+        bytes(&self.triangles) + bytes(&self.volumes) + bytes(&self.boxes) + bytes(&self.hull)
     }
 }
 
@@ -180,28 +201,56 @@ impl Volume {
     /// Both halves.
     fn with(&self, other: &Volume) -> Volume {
         let area = self.area + other.area;
-        let [here, there] = [self, other].map(|half| half.angle + angle(&half.area, &area));
+        let of_half = |half: &Volume| half.angle + angle(&half.area, &area);
         Volume {
-            low: self.low.inf(&other.low),
-            high: self.high.sup(&other.high),
+            bounds: self.bounds.with(&other.bounds),
             area,
-            angle: worse(here, there),
+            angle: worse(of_half(self), of_half(other)),
             range: self.range.start..other.range.end,
             second: 0,
         }
     }
+}
+
+// Written as loops: maps of arrays and methods of vectors are calls of other crates.
+impl Bounds {
+    /// Nothing is in it or near it.
+    const EMPTY: Bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+
+    #[inline(always)]
+    fn around(mut self, point: &Vector3<f64>) -> Bounds {
+        for k in 0..3 {
+            self.low[k] = self.low[k].min(point[k]);
+            self.high[k] = self.high[k].max(point[k]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn with(mut self, other: &Bounds) -> Bounds {
+        for k in 0..3 {
+            self.low[k] = self.low[k].min(other.low[k]);
+            self.high[k] = self.high[k].max(other.high[k]);
+        }
+        self
+    }
 
     /// Whether points of both may lie within `reach` (m) of each other.
-    fn is_within(&self, reach: f64, other: &Volume) -> bool {
-        (0..3).all(|k| self.low[k] <= other.high[k] + reach && other.low[k] <= self.high[k] + reach)
+    #[inline(always)]
+    fn is_within(&self, reach: f64, other: &Bounds) -> bool {
+        let mut is_within = true;
+        for k in 0..3 {
+            is_within &= self.low[k] <= other.high[k] + reach && other.low[k] <= self.high[k] + reach;
+        }
+        is_within
     }
 }
 
 /// Divides triangles with their middles into halves along the longest side of their box until they are leaves.
 fn divide(triangles: &mut [(u32, Vector3<f64>)], range: Range<u32>, volumes: &mut Vec<Volume>) {
-    let zero = Vector3::zeros();
     let at = volumes.len();
-    volumes.push(Volume { low: zero, high: zero, area: zero, angle: 0.0, range: range.clone(), second: 0 });
+    let area = Vector3::zeros();
+    volumes.push(Volume { bounds: Bounds::EMPTY, area, angle: 0.0, range: range.clone(), second: 0 });
     if triangles.len() <= LEAF {
         return;
     }
@@ -232,8 +281,7 @@ fn hull(surface: &Surface, position: &Vectors, triangles: &[u32]) -> Vec<u32> {
     if high.z - low.z > FLAT * size {
         return vec![];
     }
-    let ends: Vec<Vector3<f64>> =
-        outline.iter().flat_map(|edge| &surface.edges[*edge as usize]).map(at).collect();
+    let ends: Vec<Vector3<f64>> = outline.iter().flat_map(|edge| &surface.edges[*edge as usize]).map(at).collect();
     let is_hull = |edge: &u32| {
         let [a, b] = surface.edges[*edge as usize].each_ref().map(at);
         let along = (b - a) / (b - a).norm();
@@ -246,8 +294,9 @@ fn hull(surface: &Surface, position: &Vectors, triangles: &[u32]) -> Vec<u32> {
     hull
 }
 
-fn longest(sides: &[Vector3<f64>; 3]) -> f64 {
-    sides.iter().map(Vector3::norm_squared).fold(0.0, f64::max).sqrt()
+#[inline(always)]
+fn longest([a, b, c]: &[Vector3<f64>; 3]) -> f64 {
+    a.norm_squared().max(b.norm_squared()).max(c.norm_squared()).sqrt()
 }
 
 /// Angle between two vectors, rad; zero where one is zero, as of a volume without triangles.

@@ -18,10 +18,9 @@ use serde::{Deserialize, Serialize};
 
 use super::SLOP;
 use super::surface::Surface;
-use super::tracking::place;
 use crate::engine::film::Film;
 use crate::engine::nodes::{Nodes, Vectors};
-use detection::{distance, signed_distance};
+use detection::{distance_within, signed_distance};
 use hierarchy::Hierarchy;
 use pairs::SelfPair;
 use topology::Topology;
@@ -54,8 +53,14 @@ pub(super) struct SelfContact {
     pub(super) pairs: Pairs,
     /// Positions before the nodes move in a step, m.
     start: Vectors,
-    /// Motion of film over itself that is left until it is searched again, m.
+    /// Motion of film over itself that is left until it is looked at whether it has to be searched again, m.
     margin: f64,
+    /// Positions at the last search, m, and the motion of film over itself that it allows for, m.
+    searched: (Vectors, f64),
+    /// Positions at the last detection, m; none before the first.
+    detected: Vectors,
+    /// Path of film over itself so far, m, as of [`super::due`], but for its motion as a whole.
+    pub(super) path: f64,
 }
 
 /// History of the contact of faces with themselves.
@@ -63,6 +68,9 @@ pub(super) struct SelfContact {
 pub(super) struct SelfContactHistory {
     pairs: Vec<SelfPair>,
     margin: f64,
+    searched: (Vectors, f64),
+    detected: Vectors,
+    path: f64,
 }
 
 impl SelfContact {
@@ -78,7 +86,7 @@ impl SelfContact {
         let mean_edge = |triangles: std::ops::Range<u32>| {
             let edges = triangles.clone().flat_map(|triangle| surface.edges_of[triangle as usize]);
             let length = |edge: u32| {
-                let [a, b] = surface.edges[edge as usize].map(|n| place(position, n as usize));
+                let [a, b] = surface.ends_at(position, edge);
                 (b - a).norm()
             };
             edges.map(length).sum::<f64>() / (3.0 * triangles.len() as f64)
@@ -86,19 +94,31 @@ impl SelfContact {
         // Beyond the allowed distance, so that film has to move until a pair that was not listed touches.
         let reach = faces().zip(&bound).map(|(triangles, bound)| REACH * mean_edge(triangles) + 2.0 * bound).collect();
         let has_open_edges = hierarchies.iter().map(|hierarchy| hierarchy.has_open_edges(surface)).collect();
-        let (pairs, start) = (Pairs::default(), Vectors::default());
-        SelfContact { topology, hierarchies, reach, has_open_edges, bound, pairs, start, margin: 0.0 }
+        SelfContact {
+            topology,
+            hierarchies,
+            reach,
+            has_open_edges,
+            bound,
+            pairs: Pairs::default(),
+            start: Vectors::default(),
+            margin: 0.0,
+            searched: Default::default(),
+            detected: Vectors::default(),
+            path: 0.0,
+        }
     }
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
         let hierarchies: usize = self.hierarchies.iter().map(Hierarchy::bytes).sum();
-        self.topology.bytes() + hierarchies + self.pairs.bytes() + self.start.bytes()
+        let positions = self.start.bytes() + self.searched.0.bytes() + self.detected.bytes();
+        self.topology.bytes() + hierarchies + self.pairs.bytes() + positions
     }
 
     /// Searches anew before the next step, after film was moved.
     pub(super) fn invalidate(&mut self) {
-        self.margin = 0.0;
+        (self.margin, self.searched.1) = (0.0, 0.0);
     }
 
     /// Takes over that triangles of `surface` were deleted.
@@ -106,7 +126,7 @@ impl SelfContact {
         self.topology.update(surface);
         let open = self.hierarchies.iter().map(|hierarchy| hierarchy.has_open_edges(surface));
         self.has_open_edges = open.collect();
-        self.margin = 0.0;
+        self.invalidate();
     }
 
     /// Reduces the motion that is left until the next search, after a step in which nodes have moved by at most
@@ -120,12 +140,30 @@ impl SelfContact {
     pub(super) fn prepare(&mut self, surface: &Surface, nodes: &Nodes, last_motion: f64) {
         // The next step may be a larger motion than the last one. A motion that is not finite must not leave a list in use
         // for ever.
-        if self.margin.is_nan() || self.margin <= 2.0 * (2.0 * last_motion) {
-            self.search(surface, &nodes.position, last_motion);
+        let next = 2.0 * (2.0 * last_motion);
+        if self.margin.is_nan() || self.margin <= next {
+            // Film that flies moves over itself much less than through space.
+            let (searched, allowed) = &self.searched;
+            self.margin = allowed - 2.0 * relative_motion(searched, &nodes.position);
+            if self.margin.is_nan() || self.margin <= next {
+                self.search(surface, &nodes.position, last_motion);
+                self.searched.0.clone_from(&nodes.position);
+                self.searched.1 = self.margin;
+            }
         }
         if !self.pairs.is_empty() {
             self.start.clone_from(&nodes.position);
         }
+    }
+
+    /// Notes the positions of a detection.
+    pub(super) fn add_path(&mut self, position: &Vectors) {
+        if self.pairs.is_empty() {
+            return;
+        }
+        // Both parts may have moved by that.
+        self.path += 2.0 * relative_motion(&self.detected, position);
+        self.detected.clone_from(position);
     }
 
     /// Finds all pairs that are near.
@@ -148,8 +186,7 @@ impl SelfContact {
             let topology = &self.topology;
             self.hierarchies[face].for_each_pair(surface, reach, &mut |one, other| {
                 topology.candidates(surface, [one, other], &mut |parts| {
-                    let distance = distance(surface, position, parts);
-                    if distance < reach {
+                    if distance_within(surface, position, parts, reach).is_some() {
                         found.push(SelfPair { parts, sign: 0.0, bound, whole: bound, due: 0.0 });
                     }
                 });
@@ -171,7 +208,8 @@ impl SelfContact {
     /// The history after the last step.
     pub(super) fn save(&self) -> SelfContactHistory {
         let pairs = self.pairs.places().map(|place| self.pairs.get(place)).collect();
-        SelfContactHistory { pairs, margin: self.margin }
+        let (searched, detected) = (self.searched.clone(), self.detected.clone());
+        SelfContactHistory { pairs, margin: self.margin, searched, detected, path: self.path }
     }
 
     /// Restores the history of the same faces, with the deleted elements that `surface` has.
@@ -179,30 +217,55 @@ impl SelfContact {
         self.remove_deleted(surface);
         self.pairs.replace(history.pairs);
         self.margin = history.margin;
+        self.searched = history.searched;
+        self.detected = history.detected;
+        self.path = history.path;
     }
+}
+
+/// Largest distance of a node from where it was `before`, but for the mean motion of all, m; zero before the first
+/// positions are known.
+fn relative_motion(before: &Vectors, after: &Vectors) -> f64 {
+    if before.is_empty() {
+        return 0.0;
+    }
+    let ([x, y, z], [u, v, w]) = (before.axes(), after.axes());
+    let count = x.len() as f64;
+    // One sum a component, in the order of the nodes.
+    let mut mean = [0.0; 3];
+    for n in 0..x.len() {
+        mean[0] += u[n] - x[n];
+        mean[1] += v[n] - y[n];
+        mean[2] += w[n] - z[n];
+    }
+    let [p, q, r] = [mean[0] / count, mean[1] / count, mean[2] / count];
+    let mut largest = 0.0;
+    for n in 0..x.len() {
+        let (a, b, c) = (u[n] - x[n] - p, v[n] - y[n] - q, w[n] - z[n] - r);
+        let squared = a * a + b * b + c * c;
+        // Also what is not a number.
+        if !(squared <= largest) {
+            largest = squared;
+        }
+    }
+    largest.sqrt()
 }
 
 impl SelfContactHistory {
     /// Whether it fits a scene of so many nodes on `surface`.
     pub(super) fn fits(&self, nodes: usize, surface: &Surface) -> bool {
-        self.pairs.iter().all(|pair| pair.fits(nodes, surface)) && self.pairs.is_sorted_by_key(|pair| pair.parts)
+        let positions = [&self.searched.0, &self.detected];
+        self.pairs.iter().all(|pair| pair.fits(nodes, surface))
+            && self.pairs.is_sorted_by_key(|pair| pair.parts)
+            && positions.iter().all(|all| all.is_whole() && [0, nodes].contains(&all.len()))
     }
 }
 
 #[cfg(test)]
 impl SelfContact {
-    pub(super) fn show(&self, surface: &Surface, position: &Vectors, triangles: [u32; 2]) {
-        for [one, other] in [triangles, [triangles[1], triangles[0]]] {
-            for node in surface.corners[one as usize] {
-                let parts = Parts::Node { node, triangle: other };
-                println!("  {parts:?} {:.3e} {:?} {:?}", distance(surface, position, parts), self.pairs.place(parts).map(|p| self.pairs.get(p)), self.pairs.place(parts).map(|p| signed_distance(surface, position, &self.pairs.get(p))));
-            }
-        }
-        for one in surface.edges_of[triangles[0] as usize] {
-            for other in surface.edges_of[triangles[1] as usize] {
-                let parts = Parts::Edges([one.min(other), one.max(other)]);
-                println!("  {parts:?} {:?}-{:?} {:.3e} {:?} {:?}", surface.edges[one as usize], surface.edges[other as usize], distance(surface, position, parts), self.pairs.place(parts).map(|p| self.pairs.get(p)), self.pairs.place(parts).map(|p| signed_distance(surface, position, &self.pairs.get(p))));
-            }
-        }
+    /// Distance by which two points of the first face may come nearer to each other before it has to be searched, m; zero
+    /// where it is searched whatever its shape.
+    pub(super) fn spared(&self, surface: &Surface, position: &Vectors) -> f64 {
+        if self.has_open_edges[0] { 0.0 } else { self.hierarchies[0].spared(surface, position) }
     }
 }

@@ -70,32 +70,47 @@ impl Topology {
     }
 
     /// Whether two nodes are too near each other along the film to meet.
+    #[inline(always)]
     fn are_near(&self, one: u32, other: u32) -> bool {
-        let [from, to] = [0, 1].map(|k| self.first[one as usize + k] as usize);
+        if one == other {
+            return true;
+        }
+        let (from, to) = (self.first[one as usize] as usize, self.first[one as usize + 1] as usize);
         // Nearly always the node alone.
-        one == other || (to - from > 1 && self.near[from..to].binary_search(&other).is_ok())
+        to - from > 1 && self.near[from..to].binary_search(&other).is_ok()
     }
 
     /// Calls `add` with the pairs of parts of two triangles that may meet, each found in one pair of triangles only.
-    pub(super) fn candidates(&self, surface: &Surface, triangles: [u32; 2], add: &mut impl FnMut(Parts)) {
-        for [one, other] in [triangles, [triangles[1], triangles[0]]] {
-            let corners = surface.corners[other as usize];
-            for node in surface.corners[one as usize].into_iter().filter(|node| self.triangle_of(*node) == one) {
-                if !corners.iter().any(|corner| self.are_near(node, *corner)) {
-                    add(Parts::Node { node, triangle: other });
+    pub(super) fn candidates(&self, surface: &Surface, [one, other]: [u32; 2], add: &mut impl FnMut(Parts)) {
+        self.nodes_and_triangle(surface, one, other, add);
+        self.nodes_and_triangle(surface, other, one, add);
+        for k in 0..3 {
+            let first = surface.edges_of[one as usize][k];
+            if self.of_edge[first as usize] != one {
+                continue;
+            }
+            let [a, b] = surface.edges[first as usize];
+            for l in 0..3 {
+                let second = surface.edges_of[other as usize][l];
+                let [c, d] = surface.edges[second as usize];
+                let may_meet = self.of_edge[second as usize] == other
+                    && !(self.are_near(a, c) || self.are_near(a, d) || self.are_near(b, c) || self.are_near(b, d));
+                if may_meet {
+                    add(Parts::Edges([first.min(second), first.max(second)]));
                 }
             }
         }
-        let own = |triangle: u32| {
-            let edges = surface.edges_of[triangle as usize].into_iter();
-            edges.filter(move |edge| self.of_edge[*edge as usize] == triangle)
-        };
-        for one in own(triangles[0]) {
-            for other in own(triangles[1]) {
-                let [ends, others] = [one, other].map(|edge| surface.edges[edge as usize]);
-                if !ends.iter().any(|end| others.iter().any(|other| self.are_near(*end, *other))) {
-                    add(Parts::Edges([one.min(other), one.max(other)]));
-                }
+    }
+
+    #[inline(always)]
+    fn nodes_and_triangle(&self, surface: &Surface, one: u32, other: u32, add: &mut impl FnMut(Parts)) {
+        let [a, b, c] = surface.corners[other as usize];
+        for k in 0..3 {
+            let node = surface.corners[one as usize][k];
+            let may_meet = self.of_node[node as usize] == one
+                && !(self.are_near(node, a) || self.are_near(node, b) || self.are_near(node, c));
+            if may_meet {
+                add(Parts::Node { node, triangle: other });
             }
         }
     }
