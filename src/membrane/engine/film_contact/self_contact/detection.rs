@@ -339,8 +339,8 @@ impl Lines {
         let (e, f, w) = (b - a, d - c, a - c);
         let across = e.cross(&f);
         let (squared, ee, ff) = (across.norm_squared(), e.norm_squared(), f.norm_squared());
-        // Written so that edges whose length is not a number are left out.
-        if !(squared > PARALLEL * ee * ff) {
+        // Edges whose length is not a number are left out, too.
+        if squared.is_nan() || squared <= PARALLEL * ee * ff {
             return None;
         }
         let shares = [f.cross(&w).dot(&across) / squared, e.cross(&w).dot(&across) / squared];
@@ -378,8 +378,9 @@ fn is_inside([a, b, c]: &[f64; 3]) -> bool {
 /// Whether a triangle has hardly any area, and so no normal.
 fn is_narrow([a, b, c]: &[Vector3<f64>; 3]) -> bool {
     let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-    // Written so that what is not a number counts as narrow.
-    !((b - a).cross(&(c - a)).norm() > NARROW * longest)
+    let area = (b - a).cross(&(c - a)).norm();
+    // What is not a number counts as narrow.
+    area.is_nan() || area <= NARROW * longest
 }
 
 /// Distance of the parts of a pair, m, where they are over or across each other on the side on which they belong.

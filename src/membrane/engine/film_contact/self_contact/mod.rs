@@ -244,7 +244,7 @@ fn relative_motion(before: &Vectors, after: &Vectors) -> f64 {
         let (a, b, c) = (u[n] - x[n] - p, v[n] - y[n] - q, w[n] - z[n] - r);
         let squared = a * a + b * b + c * c;
         // Also what is not a number.
-        if !(squared <= largest) {
+        if squared > largest || squared.is_nan() {
             largest = squared;
         }
     }
