@@ -196,7 +196,7 @@ fn halves(lift: f64) -> (Film, Nodes) {
     let mesh = square(0.1, 20, 0.0);
     let (mut film, nodes) = mount(&mesh, &section(2e8), |at| {
         let side = at.y.signum();
-        [0.05 * side, -1.0 * side, lift * side * at.x / 0.05]
+        [0.05 * side, -side, lift * side * at.x / 0.05]
     });
     assert_eq!(film.cut(&nodes, &[[-0.06, 0.0024], [0.06, 0.0024]]), 20);
     (film, nodes)
