@@ -29,13 +29,14 @@ type Section = fn(&Machine);
 fn main() {
     // The name of one section, which is then run alone.
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let sections: [(&str, Section); 9] = [
+    let sections: [(&str, Section); 10] = [
         ("kernel", |_| kernel()),
         ("laws", |_| laws()),
         ("drop", drop_test),
         ("parts", |_| parts()),
         ("sizes", |_| sizes()),
         ("faces", |_| faces()),
+        ("itself", |_| itself()),
         ("bending", |_| bending()),
         ("impactors", |_| impactors()),
         ("threads", |_| threads()),
@@ -532,6 +533,35 @@ fn faces() {
         let [without, with] = [false, true].map(with);
         let elements = simulate::engine(&with).expect("an engine").elements();
         let [plain, meeting] = [without, with].map(|model| whole(&model, 1, Width::best()).0);
+        println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
+    }
+    println!();
+}
+
+/// Faces that meet themselves against those that do not, in turn.
+fn itself() {
+    println!("## Film that meets itself, one thread: 1008 over 60 ms\n");
+    println!("| scene | elements | without, ns an element step | with, ns | times |\n|---|---|---|---|---|");
+    let scenes = [
+        ("a quarter, 2 faces", &[][..]),
+        ("a quarter, 2 faces that meet each other", &["contact.film=true"]),
+        ("whole, 2 faces", &["specimen.symmetry=none"]),
+    ];
+    for (name, changes) in scenes {
+        let with = |meets: bool| {
+            let own = [format!("contact.itself={meets}"), "loading.impact.duration=60ms".to_owned()];
+            let own: Vec<&str> = own.iter().map(String::as_str).collect();
+            shipped(&[changes, &own].concat())
+        };
+        let models = [false, true].map(with);
+        let elements = simulate::engine(&models[0]).expect("an engine").elements();
+        let mut figures = [vec![], vec![]];
+        for _ in 0..REPEATS {
+            for (model, figures) in models.iter().zip(&mut figures) {
+                figures.push(whole(model, 1, Width::best()).0);
+            }
+        }
+        let [plain, meeting] = figures.map(median);
         println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
     }
     println!();

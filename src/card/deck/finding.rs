@@ -43,9 +43,9 @@ findings! {
             remedy "compare with a scenario without `air`";
             message "lost: the air around the film";
         FilmContact = "deck-film-contact", Warning;
-            meaning "faces meet each other in the test and pass through each other in the deck, where no body presses them";
-            remedy "compare with a scenario without `contact.film`, or add a contact between the parts";
-            message "lost: contact between faces";
+            meaning "film meets film in the test and passes through it in the deck, where no body presses faces on each other";
+            remedy "compare with a scenario without `contact.film` and `contact.itself`, or add a contact between the parts";
+            message "lost: contact of film with film";
         BodyContact = "deck-body-contact", Warning;
             meaning "impactors meet each other in the test and pass through each other in the deck";
             remedy "add a contact between them";

@@ -173,7 +173,7 @@ fn losses(model: &Model) -> Vec<DeckLoss> {
         (model.frame.clamp.is_some(), DeckLoss::Clamp),
         (model.frame.springs.is_some(), DeckLoss::Springs),
         (model.air.is_some(), DeckLoss::Air),
-        (model.contact.film, DeckLoss::FilmContact),
+        (model.contact.film || model.contact.itself, DeckLoss::FilmContact),
         (impactors.len() > 1, DeckLoss::BodyContact),
         (impactors.iter().any(|one| one.guide_friction != GuideFriction::default()), DeckLoss::GuideFriction),
         (impactors.iter().any(|one| one.spin != [0.0; 3]), DeckLoss::Spin),

@@ -154,13 +154,13 @@ columns! {
         /// Pressure of the air between two faces over that of the surroundings.
         AIR_PRESSURE = "air_pressure_Pa", "air_pressure", "Pa", "air pressure" ("Pa"), 1.0;
             "with `air.cushion`";
-        /// Least distance of the middle surfaces of two faces; where none is within that in which they are followed, it is
+        /// Least distance of the middle surfaces of two faces, or of one face that meets itself; where none is within that in which they are followed, it is
         /// at least this, which the column has then.
         FILM_DISTANCE = "film_distance_m", "film_distance", "m", "distance" ("mm"), 1e3;
-            "of several faces with `contact.film`";
-        /// Nodes that press on another face of film.
+            "of film with `contact.film` or `contact.itself`";
+        /// Nodes that press on another face of film, or elsewhere on their own.
         FILM_CONTACT_NODES = "film_contact_nodes", "film_contact_nodes", "", "nodes" ("number"), 1.0;
-            "of several faces with `contact.film`";
+            "of film with `contact.film` or `contact.itself`";
         /// Force on the jaws, or on the impactor of an indentation.
         FORCE = "force_N", "force", "N", "force" ("N"), 1.0;
             "of a stretch and of an indentation";

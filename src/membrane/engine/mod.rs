@@ -237,9 +237,24 @@ impl Engine {
     }
 
     /// This engine with contact between its faces, with the coefficient `friction`.
-    pub fn with_film_contact(self, friction: f64) -> Engine {
-        let contact = FilmContact::new(&self.films, &self.nodes, friction, self.loads.multiplicity);
-        Engine { film_contact: Some(contact), ..self }
+    pub fn with_film_contact(mut self, friction: f64) -> Engine {
+        self.film_contact(friction).meet_each_other();
+        self
+    }
+
+    /// This engine with contact of each face, which has not moved since it was mounted, with itself, with the coefficient
+    /// `friction`, which is also that between faces.
+    pub fn with_self_contact(mut self, friction: f64) -> Engine {
+        self.film_contact(friction);
+        let Engine { films, nodes, film_contact, .. } = &mut self;
+        film_contact.iter_mut().for_each(|contact| contact.meet_themselves(films, nodes));
+        self
+    }
+
+    /// Contact of film with film, which is new where there was none.
+    fn film_contact(&mut self, friction: f64) -> &mut FilmContact {
+        let Engine { films, nodes, film_contact, loads, .. } = self;
+        film_contact.get_or_insert_with(|| FilmContact::new(films, nodes, friction, loads.multiplicity))
     }
 
     /// This engine with film that slips in `clamp`, whose nodes are held in every direction.

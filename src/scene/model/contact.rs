@@ -1,4 +1,4 @@
-//! Contact between faces of film.
+//! Contact of film with film.
 
 use super::{Contact, Face, Impactor, Loading, ModelDiagnostics, layers};
 use crate::scenario::{self, Scenario};
@@ -14,15 +14,20 @@ pub(super) fn check(
     impactors: &[Impactor],
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Contact {
-    let scenario::Contact { film, film_friction } = scenario.contact;
+    let scenario::Contact { film, itself, film_friction } = scenario.contact;
     let layers = scenario.layers.as_ref().map_or(1, |layers| layers.faces.len());
     let under_pressure = loading.is_by_gas() && loading.refuses_faces().is_none();
     let has_faces = layers.max(scenario.layer.len()) > 1;
     let can_meet = has_faces && (!scenario.impactor.is_empty() || under_pressure);
+    let can_fold = !scenario.impactor.is_empty() || loading.is_by_gas();
+    let meets_itself = itself && can_fold;
+    if itself && !can_fold {
+        mistakes.out_of_place("contact.itself", "neither an impactor nor a pressure folds the film");
+    }
     if film && !can_meet {
         mistakes.out_of_place("contact.film", "no two faces can meet");
     }
-    if film_friction.is_some() && !can_meet {
+    if film_friction.is_some() && !can_meet && !itself {
         mistakes.out_of_place("contact.film_friction", "no two faces are pressed on each other");
     }
     if has_faces && under_pressure {
@@ -33,6 +38,8 @@ pub(super) fn check(
         if film_friction.is_none() {
             mistakes.missing("contact.film_friction", "there is no impactor whose coefficient faces could have");
         }
+    } else if meets_itself && scenario.impactor.is_empty() && film_friction.is_none() {
+        mistakes.missing("contact.film_friction", "there is no impactor whose coefficient film on film could have");
     }
     for (place, pair) in faces.unwrap_or_default().windows(2).enumerate().filter(|_| film) {
         let thickness = |face: &Face| face.material.thickness * f64::from(face.layers);
@@ -45,10 +52,10 @@ pub(super) fn check(
         }
     }
     let film_friction = match film_friction {
-        None if can_meet => of_impactors(impactors, mistakes),
+        None if can_meet || meets_itself => of_impactors(impactors, mistakes),
         given => given,
     };
-    Contact { film: can_meet && film, film_friction }
+    Contact { film: can_meet && film, itself: meets_itself, film_friction }
 }
 
 /// The coefficient that film has on film where none is given: that of the impactors, which is assumed where they have

@@ -504,12 +504,14 @@ pub enum Guide {
     },
 }
 
-/// Contact between faces of film.
+/// Contact of film with film.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Whether faces meet each other, also where the impactor is not.
     pub film: bool,
-    /// Coulomb coefficient between faces, whichever impactor presses them on each other; none where nothing does.
+    /// Whether each face meets itself.
+    pub itself: bool,
+    /// Coulomb coefficient of film on film, whichever impactor presses it; none where nothing does.
     pub film_friction: Option<f64>,
 }
 

@@ -125,6 +125,10 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         Some(friction) => engine.with_film_contact(friction),
         None => engine,
     };
+    let engine = match model.contact.film_friction.filter(|_| model.contact.itself) {
+        Some(friction) => engine.with_self_contact(friction),
+        None => engine,
+    };
     Ok(Scene { engine, mounting })
 }
 

@@ -316,29 +316,29 @@ findings! {
             time: f64, "when it did first, s" => "time_s";
             depth: f64, "largest depth, m" => "depth_m";
         } = "film-crossing", Warning;
-            meaning "one face of film passed through another, which film does not";
+            meaning "a face of film passed through another, or through itself, which film does not";
             remedy "use a smaller `specimen.mesh.size` or `solver.step_factor`, and do not use what follows";
-            message "film crossing: from {} one face passes through another by up to {} mm",
+            message "film crossing: from {} film passes through film by up to {} mm",
                 number::duration(*time), number::figure(1e3 * depth, 2);
         FilmContactLost {
             time: f64, "when it was first, s" => "time_s";
             times: u64, "how often" => "times";
         } = "film-contact-lost", Note;
-            meaning "contact between faces was given up at a node or at two edges and found again later: where film \
+            meaning "contact of film with film was given up at a node or at two edges and found again later: where film \
                 folds sharply or leaves the outline of another face, its side is no longer known";
             remedy "look at these places in the recording; a smaller `specimen.mesh.size` resolves folds";
-            message "film contact lost: from {} contact between faces was given up {times} times at a node or at two \
-                edges",
+            message "film contact lost: from {} contact of film with film was given up {times} times at a node or at \
+                two edges",
                 number::duration(*time);
         FilmContactUnresolved {
             steps: u64, "in how many" => "steps";
             of: u64, "all steps" => "of";
         } = "film-contact-unresolved", Note;
-            meaning "the impulses between faces did not converge in many steps, so that faces come closer there than \
-                their thickness";
+            meaning "the impulses of film on film did not converge in many steps, so that it comes closer there than \
+                its thickness";
             remedy "look at `film_distance_m`; a larger `specimen.mesh.size` or fewer faces on each other converge \
                 sooner";
-            message "film contact unresolved: the impulses between faces did not converge in {steps} of {of} steps";
+            message "film contact unresolved: the impulses of film on film did not converge in {steps} of {of} steps";
         Unfinished(impactor: ImpactorName => ..impactor.figure()) = "unfinished", Warning;
             meaning "the run ends while the impactor is still in contact, so that rebound and energy absorption are \
                 not final";

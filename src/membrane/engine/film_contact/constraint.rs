@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::self_contact::Parts;
 use crate::engine::nodes::{Nodes, Vectors};
 use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
 
@@ -13,6 +14,8 @@ pub(super) enum Source {
     Node { side: usize, node: u32 },
     /// A crossing of two edges.
     Crossing([u32; 2]),
+    /// Parts of one face.
+    Itself(Parts),
 }
 
 /// The least normal velocity between two points of film: that of four nodes with weights that add up to zero, so that
@@ -73,6 +76,7 @@ impl Carried {
         let has_source = match self.source {
             Source::Node { side, node } => side < 2 && (node as usize) < nodes,
             Source::Crossing(of) => of.iter().all(|edge| (*edge as usize) < edges),
+            Source::Itself(parts) => parts.fits(nodes, edges),
         };
         has_source && self.nodes.iter().all(|node| (*node as usize) < nodes)
     }

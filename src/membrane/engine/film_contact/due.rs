@@ -64,6 +64,7 @@ impl FilmContact {
         // Both nodes and what they are near may have moved by that.
         self.path += 2.0 * motion;
         self.detected.clone_from(position);
+        self.itself.iter_mut().for_each(|itself| itself.add_path(position));
     }
 
     /// Makes the pairs with constraints due in the next step: in this one they had been spared.
@@ -74,6 +75,13 @@ impl FilmContact {
                 Source::Crossing(edges) => {
                     if let Some(place) = self.crossings.place(edges) {
                         self.crossings.due[place] = 0.0;
+                    }
+                }
+                Source::Itself(parts) => {
+                    if let Some(itself) = &mut self.itself
+                        && let Some(place) = itself.pairs.place(parts)
+                    {
+                        itself.pairs.due[place] = 0.0;
                     }
                 }
             }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::constraint::Carried;
 use super::crossing::Crossing;
 use super::crossings::Crossings;
+use super::self_contact::{SelfContact, SelfContactHistory};
 use super::tracking::Tracked;
 use super::{FilmContact, FilmWork};
 use crate::engine::film::Film;
@@ -18,6 +19,7 @@ pub(crate) struct FilmContactHistory {
     carried: Vec<Carried>,
     stale: Vec<u32>,
     is_near: bool,
+    itself: Option<SelfContactHistory>,
     path: f64,
     detected: Vectors,
     margin: f64,
@@ -40,6 +42,8 @@ impl FilmContactHistory {
             && self.detected.is_whole()
             && [0, nodes].contains(&self.detected.len())
             && self.stale.iter().all(|edge| (*edge as usize) < edges)
+            && self.itself.is_some() == contact.itself.is_some()
+            && self.itself.as_ref().is_none_or(|itself| itself.fits(nodes, surface))
     }
 }
 
@@ -52,6 +56,7 @@ impl FilmContact {
             carried: self.carried.clone(),
             stale: self.stale.clone(),
             is_near: self.is_near,
+            itself: self.itself.as_ref().map(SelfContact::save),
             path: self.path,
             detected: self.detected.clone(),
             margin: self.margin,
@@ -72,6 +77,9 @@ impl FilmContact {
             tracking.restore(tracked, &self.surface);
         }
         self.is_near = history.is_near;
+        if let (Some(itself), Some(history)) = (&mut self.itself, history.itself) {
+            itself.restore(history, &self.surface);
+        }
         self.path = history.path;
         self.detected = history.detected;
         self.crossings = Crossings::new(self.surface.edges.len());

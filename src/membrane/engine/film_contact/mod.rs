@@ -4,7 +4,8 @@
 //! edges that it crosses there ([`crossing`]); the [`broad_phase`] finds the first of them. Where one of them would
 //! come closer than the film is thick in a step ([`narrow_phase`]), a constraint gives both films opposite impulses
 //! ([`constraint`], [`solver`]; theory.md, section 6). The side on which a node lies is that on which it came, so film
-//! that moves by more than its thickness in a step does not pass through.
+//! that moves by more than its thickness in a step does not pass through. A face that meets itself has pairs of its own
+//! ([`self_contact`]), whose constraints are solved with the others.
 
 mod broad_phase;
 mod constraint;
@@ -13,6 +14,7 @@ mod crossings;
 mod due;
 mod history;
 mod narrow_phase;
+mod self_contact;
 mod solver;
 mod surface;
 mod tracking;
@@ -31,6 +33,7 @@ use super::thread_pool::ThreadPool;
 use constraint::{Carried, Constraint};
 use crossings::Crossings;
 use narrow_phase::Found;
+use self_contact::SelfContact;
 use solver::Sweeps;
 use surface::{NONE, Surface};
 use tracking::{Tracking, place};
@@ -42,9 +45,13 @@ const SLOP: f64 = 0.1;
 /// Distance up to which films are searched for, over the longest edge of an element as mounted.
 const REACH: f64 = 0.75;
 
-/// Contact between all faces of film.
+/// Contact between all faces of film, and of each with itself.
 pub struct FilmContact {
     friction: f64,
+    /// Whether faces meet each other.
+    is_between_faces: bool,
+    /// Contact of each face with itself, where it is computed.
+    itself: Option<SelfContact>,
     multiplicity: f64,
     surface: Surface,
     /// Half the thickness of each face, m.
@@ -118,7 +125,7 @@ pub struct FilmContactState {
 
 impl FilmContact {
     /// Contact of `films` mounted on `nodes`, counted for `multiplicity` mirror images, with the coefficient
-    /// `friction`.
+    /// `friction`: of none so far.
     pub fn new(films: &[Film], nodes: &Nodes, friction: f64, multiplicity: f64) -> FilmContact {
         let count = nodes.mass.len();
         let surface = Surface::new(films);
@@ -127,6 +134,8 @@ impl FilmContact {
         let crossings = Crossings::new(surface.edges.len());
         FilmContact {
             friction,
+            is_between_faces: false,
+            itself: None,
             multiplicity,
             surface,
             half: films.iter().map(|film| 0.5 * film.thickness).collect(),
@@ -155,16 +164,28 @@ impl FilmContact {
         }
     }
 
+    /// Lets faces meet each other.
+    pub(super) fn meet_each_other(&mut self) {
+        self.is_between_faces = true;
+    }
+
+    /// Lets each of `films` meet itself, which have not moved since they were mounted on `nodes`.
+    pub(super) fn meet_themselves(&mut self, films: &[Film], nodes: &Nodes) {
+        self.itself = Some(SelfContact::new(films, &self.surface, nodes));
+    }
+
     /// Bytes of the arrays that grow with the mesh.
     pub(super) fn bytes(&self) -> usize {
         let tracking: usize = self.tracking.iter().map(Tracking::bytes).sum();
         let of_nodes = self.previous_velocity.bytes() + self.predicted.bytes() + self.detected.bytes();
-        self.surface.bytes() + tracking + of_nodes + self.crossings.bytes()
+        let itself = self.itself.as_ref().map_or(0, SelfContact::bytes);
+        self.surface.bytes() + tracking + of_nodes + self.crossings.bytes() + itself
     }
 
     /// Searches anew before the next step, after film was moved.
     pub(super) fn invalidate(&mut self) {
         self.margin = 0.0;
+        self.itself.iter_mut().for_each(SelfContact::invalidate);
     }
 
     /// Forgets the elements of `films` that have failed.
@@ -172,6 +193,7 @@ impl FilmContact {
         if !self.surface.remove_deleted(films) {
             return;
         }
+        self.itself.iter_mut().for_each(|itself| itself.remove_deleted(&self.surface));
         for tracking in &mut self.tracking {
             for node in 0..tracking.triangle.len() {
                 let triangle = tracking.triangle[node];
@@ -194,12 +216,13 @@ impl FilmContact {
     pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes) {
         // Films that were too far apart may come nearer by the motion of both.
         // A motion that is not finite must not leave a list in use for ever.
-        if self.margin.is_nan() || self.margin <= 2.0 * self.last_motion {
+        if self.is_between_faces && (self.margin.is_nan() || self.margin <= 2.0 * self.last_motion) {
             self.search(films, nodes);
         }
+        self.itself.iter_mut().for_each(|itself| itself.prepare(&self.surface, nodes, self.last_motion));
         self.list_crossings(&nodes.position);
         self.constraints.clear();
-        if self.is_near {
+        if self.is_near() {
             // All nodes: which of them contact will reach is known only in the step.
             self.previous_velocity.clone_from(&nodes.velocity);
         } else {
@@ -207,15 +230,16 @@ impl FilmContact {
         }
     }
 
-    /// Whether any node follows another face.
+    /// Whether any node follows another face, or parts of a face are near each other.
     pub(super) fn is_near(&self) -> bool {
-        self.is_near
+        self.is_near || self.itself.as_ref().is_some_and(|itself| !itself.pairs.is_empty())
     }
 
     /// Reduces the motion that is left until the next search, after a step in which nodes have moved by at most
     /// `distance` (m).
     pub(super) fn reduce_margin(&mut self, distance: f64) {
         self.margin -= 2.0 * distance;
+        self.itself.iter_mut().for_each(|itself| itself.reduce_margin(distance));
         self.last_motion = distance;
         self.steps += 1;
     }
@@ -297,6 +321,9 @@ impl FilmContact {
             }
         }
         distance = self.least_of_crossings(position, distance, pool);
+        if let Some(itself) = &self.itself {
+            distance = itself.least_distance(&self.surface, position, distance);
+        }
         FilmContactState {
             distance,
             nodes: self.pressed_nodes(),
@@ -305,8 +332,12 @@ impl FilmContact {
         }
     }
 
-    /// Whether `films` that have not moved yet lie on the sides of each other on which they were mounted.
+    /// Whether `films` that have not moved yet lie on the sides of each other on which they were mounted, where they meet
+    /// each other.
     pub(super) fn find_in_order(&mut self, films: &[Film], nodes: &Nodes) -> bool {
+        if !self.is_between_faces {
+            return true;
+        }
         self.search(films, nodes);
         let is_wrong = |(tracking, expected): (&Tracking, f64)| tracking.sign.contains(&-expected);
         !self.tracking.iter().zip([-1.0, 1.0]).any(is_wrong)

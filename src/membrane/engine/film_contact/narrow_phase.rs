@@ -9,6 +9,7 @@ use super::constraint::{Constraint, Pair, Source, Unusable};
 use super::crossing::PARALLEL;
 use super::crossings::Crossings;
 use super::due;
+use super::self_contact::{self, FoundPairs};
 use super::tracking::{self, BESIDE, Foot, Tracking, place};
 use crate::engine::disjoint::Disjoint;
 use crate::engine::nodes::{Nodes, Vectors};
@@ -21,7 +22,10 @@ const NODES_PER_RANGE: usize = 1024;
 /// Crossings of a task.
 const CROSSINGS_PER_RANGE: usize = 512;
 
-/// Range of nodes or crossings that one call examines.
+/// Pairs of a face with itself of a task.
+const PAIRS_PER_RANGE: usize = 512;
+
+/// Range of nodes, crossings or pairs that one call examines.
 #[derive(Clone, Debug)]
 struct Task {
     of: Pairs,
@@ -34,6 +38,8 @@ enum Pairs {
     /// Of nodes and the triangles that they follow on one side.
     Nodes(usize),
     Crossings,
+    /// Of one face.
+    Itself,
 }
 
 /// Results of a task.
@@ -45,10 +51,11 @@ pub(super) struct Found {
     spared: Vec<f64>,
     nodes: FoundNodes,
     crossings: FoundCrossings,
+    itself: FoundPairs,
     constraints: Vec<Constraint>,
     /// Node and foot of those whose triangle or side has changed.
     moved: Vec<(u32, Foot)>,
-    /// Nodes or crossings that do not lie on the sides of each other on which they were.
+    /// Nodes, crossings or pairs that do not lie on the sides of each other on which they were.
     lost: Vec<usize>,
 }
 
@@ -60,6 +67,7 @@ impl Found {
         self.nodes.off_corner.clear();
         self.crossings.close.clear();
         self.crossings.turned.clear();
+        self.itself.clear();
         self.constraints.clear();
         self.moved.clear();
         self.lost.clear();
@@ -99,7 +107,11 @@ impl FilmContact {
         let cut = |end: usize, by: usize| (0..end).step_by(by).map(move |from| from..end.min(from + by));
         let of_nodes = |side| cut(count, NODES_PER_RANGE).map(move |range| Task { of: Pairs::Nodes(side), range });
         let of_crossings = cut(crossings, CROSSINGS_PER_RANGE).map(|range| Task { of: Pairs::Crossings, range });
-        let tasks: Vec<Task> = of_nodes(0).chain(of_nodes(1)).chain(of_crossings).collect();
+        let pairs = self.itself.as_ref().map_or(0, |itself| itself.pairs.len());
+        let of_itself = cut(pairs, PAIRS_PER_RANGE).map(|range| Task { of: Pairs::Itself, range });
+        // Faces that do not meet each other follow nothing.
+        let sides = if self.is_near { 0..2 } else { 0..0 };
+        let tasks: Vec<Task> = sides.flat_map(of_nodes).chain(of_crossings).chain(of_itself).collect();
         let mut found = std::mem::take(&mut self.found);
         // Kept from step to step for their capacity, also where fewer tasks need them now.
         found.resize_with(tasks.len().max(found.len()), Found::default);
@@ -108,8 +120,10 @@ impl FilmContact {
         // Taken out, for tasks write them while they read the rest.
         let mut due_nodes = self.tracking.each_mut().map(|tracking| std::mem::take(&mut tracking.due));
         let mut due_crossings = std::mem::take(&mut self.crossings.due);
+        let mut due_itself = self.itself.as_mut().map_or(vec![], |itself| std::mem::take(&mut itself.pairs.due));
         let of_nodes = due_nodes.each_mut().map(|due| Disjoint::new(due));
-        let of_crossings = Disjoint::new(&mut due_crossings);
+        let [of_crossings, of_itself] = [&mut due_crossings, &mut due_itself].map(|due| Disjoint::new(due));
+        let path_of_itself = self.itself.as_ref().map_or(0.0, |itself| itself.path);
         pool.each(tasks.len(), |part| {
             // SAFETY: every part comes up once.
             let found = unsafe { results.entry(part) };
@@ -118,20 +132,27 @@ impl FilmContact {
             let of_pairs = match of {
                 Pairs::Nodes(side) => &of_nodes[side],
                 Pairs::Crossings => &of_crossings,
+                Pairs::Itself => &of_itself,
             };
             // SAFETY: ranges of the same pairs do not overlap.
             let due = unsafe { of_pairs.range(range.clone()) };
-            due::list(pool.width(), due, step.path, range.start, &mut found.places);
+            let path = match of {
+                Pairs::Itself => path_of_itself,
+                _ => step.path,
+            };
+            due::list(pool.width(), due, path, range.start, &mut found.places);
             match of {
                 Pairs::Nodes(side) => self.detect_nodes(pool, step, side, found),
                 Pairs::Crossings => self.detect_crossings(pool, step, found),
+                Pairs::Itself => self.detect_itself(step, found),
             }
             for (place, spared) in found.places.iter().zip(&found.spared) {
-                due[*place as usize - range.start] = step.path + spared;
+                due[*place as usize - range.start] = path + spared;
             }
         });
         self.tracking.iter_mut().zip(due_nodes).for_each(|(tracking, due)| tracking.due = due);
         self.crossings.due = due_crossings;
+        self.itself.iter_mut().for_each(|itself| itself.pairs.due = std::mem::take(&mut due_itself));
         // In the order of the tasks, whichever thread had them: the sweeps go through the constraints in this order.
         for (task, found) in tasks.iter().zip(&mut found) {
             self.constraints.append(&mut found.constraints);
@@ -142,6 +163,11 @@ impl FilmContact {
                     let again = found.lost.iter().chain(&found.crossings.turned);
                     self.stale.extend(again.flat_map(|place| self.crossings.edges(*place)));
                     found.lost.iter().for_each(|place| self.crossings.sign[*place] = 0.0);
+                }
+                Pairs::Itself => {
+                    let Some(itself) = &mut self.itself else { continue };
+                    itself.follow(&found.itself);
+                    found.lost.iter().for_each(|place| itself.lose(*place));
                 }
             }
         }
@@ -263,6 +289,18 @@ impl FilmContact {
             };
             let source = Source::Crossing(crossings.edges(place));
             found.add(entry, Constraint::new(source, pair, nodes, dt));
+        }
+    }
+
+    /// Constraints of the listed pairs of a face.
+    fn detect_itself(&self, step: Step<'_>, found: &mut Found) {
+        let Step { nodes, dt, margins, .. } = step;
+        let Some(itself) = &self.itself else { return };
+        let step = self_contact::Step { surface: &self.surface, nodes, dt, margins };
+        let Found { places, spared, itself: of_pairs, .. } = &mut *found;
+        itself.detect(step, places, spared, of_pairs);
+        for (entry, parts, pair) in std::mem::take(&mut found.itself.close) {
+            found.add(entry, Constraint::new(Source::Itself(parts), pair, nodes, dt));
         }
     }
 

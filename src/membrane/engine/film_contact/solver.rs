@@ -111,6 +111,13 @@ impl FilmContact {
                         self.crossings.carried[crossing] = mark;
                     }
                 }
+                Source::Itself(parts) => {
+                    if let Some(itself) = &mut self.itself
+                        && let Some(pair) = itself.pairs.place(parts)
+                    {
+                        itself.pairs.carried[pair] = mark;
+                    }
+                }
             }
         }
     }
@@ -121,6 +128,10 @@ impl FilmContact {
             Source::Node { side, node } => self.tracking[side].carried[node as usize],
             Source::Crossing(edges) => {
                 self.crossings.place(edges).map_or(NONE, |crossing| self.crossings.carried[crossing])
+            }
+            Source::Itself(parts) => {
+                let pairs = self.itself.as_ref().map(|itself| &itself.pairs);
+                pairs.and_then(|pairs| Some(pairs.carried[pairs.place(parts)?])).unwrap_or(NONE)
             }
         }
     }

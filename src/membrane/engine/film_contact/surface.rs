@@ -3,8 +3,11 @@
 
 use std::ops::Range;
 
+use nalgebra::Vector3;
+
 use crate::engine::film::Film;
 use crate::engine::footprint::bytes;
+use crate::engine::nodes::Vectors;
 
 /// No triangle or no edge.
 pub(super) const NONE: u32 = u32::MAX;
@@ -148,6 +151,20 @@ impl Surface {
         &self.edges_at[from..to]
     }
 
+    /// Positions of the corners of a triangle.
+    #[inline(always)]
+    pub(super) fn corners_at(&self, position: &Vectors, triangle: u32) -> [Vector3<f64>; 3] {
+        let [a, b, c] = self.corners[triangle as usize];
+        [place(position, a), place(position, b), place(position, c)]
+    }
+
+    /// Positions of the ends of an edge.
+    #[inline(always)]
+    pub(super) fn ends_at(&self, position: &Vectors, edge: u32) -> [Vector3<f64>; 2] {
+        let [a, b] = self.edges[edge as usize];
+        [place(position, a), place(position, b)]
+    }
+
     /// The face of a triangle.
     pub(super) fn face_of(&self, triangle: u32) -> usize {
         self.faces.partition_point(|face| face.end <= triangle)
@@ -160,4 +177,9 @@ impl Surface {
             bytes(&self.edges) + bytes(&self.is_intact_edge) + bytes(&self.edges_at) + bytes(&self.first_edge);
         of_triangles + of_edges + self.elements.iter().map(|of_film| bytes(of_film)).sum::<usize>()
     }
+}
+
+#[inline(always)]
+fn place(position: &Vectors, node: u32) -> Vector3<f64> {
+    Vector3::from(position.value_at(node as usize))
 }

@@ -1,5 +1,6 @@
 //! Films that meet, against conservation laws and a search for crossings that shares nothing with the contact.
 
+mod itself;
 mod tearing;
 
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -113,7 +114,8 @@ fn pierces([p, q]: [Vector3<f64>; 2], [a, b, c]: [Vector3<f64>; 3]) -> bool {
     let (direction, u, v) = (q - p, b - a, c - a);
     let h = direction.cross(&v);
     let det = u.dot(&h);
-    if det.abs() < 1e-30 {
+    // Of film that is flat round-off decides.
+    if det.abs() < 1e-9 * direction.norm() * u.norm() * v.norm() {
         return false;
     }
     let s = p - a;
