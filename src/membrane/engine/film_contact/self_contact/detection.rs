@@ -23,12 +23,12 @@ const PARALLEL: f64 = 1e-4;
 /// nearer, for a node beside an edge or a corner.
 const LEANING: f64 = 0.05;
 
-/// The same for two edges: the film of both may be curved, and its triangles are at angles.
-const LEANING_EDGES: f64 = 0.3;
-
 /// Share of the allowed distance before the step that two parts need which were not over each other: for less the side
 /// on which they are is that of round-off.
-const CERTAIN: f64 = 0.5;
+const CERTAIN: f64 = 0.1;
+
+/// Share of the allowed distance below which the side of a node that has come over a triangle is that of the one before.
+const DOUBTFUL: f64 = 0.5;
 
 /// Least area of a triangle over the square of its longest side for which it has a normal.
 const NARROW: f64 = 1e-6;
@@ -176,7 +176,7 @@ impl SelfContact {
     /// which it was of the triangle next to this one.
     fn side_from_neighbours(&self, step: Step<'_>, pair: &Known, [node, triangle]: [u32; 2], height: f64) -> f64 {
         let own = 1.0_f64.copysign(height);
-        if height.abs() >= CERTAIN * pair.bound {
+        if height.abs() >= DOUBTFUL * pair.bound {
             return own;
         }
         let normal = normal_of(step.surface, &self.start, triangle);
@@ -302,23 +302,8 @@ impl SelfContact {
             distance: side * now.distance,
             bound: pair.bound,
         };
-        let is_usable = is_certain(step, sign, &close)
-            && self.is_clear(step, edges[1], &(other[0] + (other[1] - other[0]) * t), &close.normal)
-            && self.is_clear(step, edges[0], &(one[0] + (one[1] - one[0]) * s), &-close.normal);
+        let is_usable = is_certain(step, sign, &close);
         Looked { sign, apart: now.distance.abs(), close: is_usable.then_some(close) }
-    }
-
-    /// Whether the film beside an edge is not nearer to what lies along `direction` of its point `foot`.
-    fn is_clear(&self, step: Step<'_>, edge: u32, foot: &Vector3<f64>, direction: &Vector3<f64>) -> bool {
-        let Step { surface, nodes, .. } = step;
-        self.topology.triangles_at(edge).all(|triangle| {
-            let side = surface.edges_of[triangle as usize].iter().position(|of| *of == edge);
-            side.is_none_or(|side| {
-                let corner = surface.corners[triangle as usize][side];
-                let along = place(&nodes.position, corner as usize) - foot;
-                along.dot(direction) <= LEANING_EDGES * along.norm()
-            })
-        })
     }
 }
 

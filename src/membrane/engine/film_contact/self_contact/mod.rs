@@ -33,7 +33,7 @@ const REACH: f64 = 0.3;
 const ALONG: f64 = 2.0;
 
 /// Least share of the allowed distance by which a pair is kept apart that was found closer.
-const LEAST: f64 = 0.25;
+const LEAST: f64 = 0.5;
 
 /// Steps with the motion of the last one for which film that cannot meet itself is not searched, at least: for less its
 /// folds are looked at.
