@@ -130,8 +130,8 @@ pub(crate) fn corners(gradients: &Gradients) -> [[f64; 2]; 4] {
     [sum(0.5, 0.0), sum(0.0, 0.5), sum(-0.5, 0.0), sum(0.0, -0.5)]
 }
 
-/// Extent (m) of an element with these gradients along the largest stretch in stress-free film (theory.md, equation 300).
-#[inline(always)]
+/// Extent (m) of an element with these gradients along the largest stretch in stress-free film; of a triangle that through its
+/// middle corner (theory.md, equation 300).
 pub(super) fn width_across(gradients: &Gradients, metric: [f64; 3]) -> f64 {
     let [c11, c22, c12] = metric;
     let eigenvalue = largest(metric);
@@ -143,6 +143,9 @@ pub(super) fn width_across(gradients: &Gradients, metric: [f64; 3]) -> f64 {
     let [a, b] = if squared[0] >= squared[1] { candidates[0] } else { candidates[1] };
     let length = (a * a + b * b).sqrt();
     let n = if length > 0.0 { [a / length, b / length] } else { [1.0, 0.0] };
+    if gradients[3] == [0.0; 2] {
+        return 2.0 / gradients.iter().map(|g| (n[0] * g[0] + n[1] * g[1]).abs()).sum::<f64>();
+    }
     let along = corners(gradients).map(|x| n[0] * x[0] + n[1] * x[1]);
     let (least, most) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (x.min(a), x.max(b)));
     most - least
