@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use super::element::{
-    self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, OwnForces, Tearing, Torn, ViscousPoints,
+    self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, MeanState, OwnForces, Tearing, Torn,
+    ViscousPoints,
 };
 use super::failure::{self, Failures};
 use super::film_history::{FilmHistory, Reader};
 use super::footprint;
 use crate::lane::{LANES, Width};
-use crate::material::{History, MembraneLaw};
+use crate::material::{History, MembraneLaw, Rupture, Tear};
 
 /// Elements of one kind with one law, as many as one thread takes at a time: one virtual call serves hundreds of
 /// elements.
@@ -86,6 +87,27 @@ pub(super) trait ElementGroup: Send + Sync {
 
     /// Finds the elements at the tip of a tear: those with a node for which `is_open`.
     fn find_tips(&mut self, is_open: &dyn Fn(u32) -> bool);
+
+    /// Mean state of one element.
+    fn mean_state(&self, element: usize, position: &[&[f64]; 3]) -> MeanState;
+
+    /// Tear of one element, and the volume of its stress-free film, also of one that is deleted, m³.
+    ///
+    /// # Panics
+    /// Without a rupture criterion of their own.
+    fn tear(&self, element: usize) -> (Tear, f64);
+
+    /// Whether one element is deleted or its tear is open.
+    fn is_open(&self, element: usize) -> bool;
+
+    /// Starts the tear of one element, `width` (m) across it and `offset` (m) from the line of the tear.
+    ///
+    /// # Panics
+    /// Without a rupture criterion of their own.
+    fn start_tear(&mut self, element: usize, width: f64, offset: f64);
+
+    /// Their rupture criterion.
+    fn rupture(&self) -> Option<&Rupture>;
 
     /// Deletes the elements for whose nodes `wanted`. Their number.
     fn delete(&mut self, wanted: &dyn Fn(&[u32]) -> bool) -> usize;
@@ -234,11 +256,8 @@ where
     }
 
     fn for_each_open(&self, show: &mut dyn FnMut(&[u32])) {
-        let Blocks { corners, tearing, .. } = &self.elements;
-        for (b, l) in self.elements.indices() {
-            if self.elements.is_deleted(b, l) || tearing.as_ref().is_some_and(|tearing| tearing.is_open(b, l)) {
-                show(&corners[b].in_lane(l));
-            }
+        for i in (0..self.elements.count).filter(|i| self.is_open(*i)) {
+            show(&self.elements.corners[i / LANES].in_lane(i % LANES));
         }
     }
 
@@ -248,6 +267,29 @@ where
             let (b, l) = (i / LANES, i % LANES);
             tearing.set_at_tip([b, l], corners[b].in_lane(l).into_iter().any(is_open));
         }
+    }
+
+    #[cfg_attr(not(test), inline)]
+    fn mean_state(&self, element: usize, position: &[&[f64]; 3]) -> MeanState {
+        element::mean_state(&self.elements, [element / LANES, element % LANES], &*self.law, position)
+    }
+
+    fn tear(&self, element: usize) -> (Tear, f64) {
+        self.elements.tearing.as_ref().expect("a tear").of_element([element / LANES, element % LANES])
+    }
+
+    fn is_open(&self, element: usize) -> bool {
+        let (b, l) = (element / LANES, element % LANES);
+        self.elements.is_deleted(b, l) || self.elements.tearing.as_ref().is_some_and(|tearing| tearing.is_open(b, l))
+    }
+
+    fn start_tear(&mut self, element: usize, width: f64, offset: f64) {
+        let tearing = self.elements.tearing.as_mut().expect("a tear");
+        tearing.start([element / LANES, element % LANES], width, offset);
+    }
+
+    fn rupture(&self) -> Option<&Rupture> {
+        self.elements.tearing.as_ref().map(|tearing| &*tearing.rupture)
     }
 
     fn delete(&mut self, wanted: &dyn Fn(&[u32]) -> bool) -> usize {

@@ -19,6 +19,7 @@ use super::mesh::Mesh;
 use super::nodes::{Nodes, Vectors};
 use super::section::Section;
 use super::thread_pool::ThreadPool;
+use super::tips::{MirrorPlane, Start, Tips};
 use crate::lane::Width;
 
 /// A face of film ready to be stepped.
@@ -33,6 +34,10 @@ pub struct Film {
     pub nodes: Range<usize>,
     /// Its bending stiffness, where it has one.
     pub(super) bending: Option<Bending>,
+    /// Its mirror planes, across x and y.
+    mirrors: [MirrorPlane; 2],
+    /// Where it tears: the tips of its tears.
+    tips: Option<Box<Tips>>,
 }
 
 /// Elements that one thread takes at a time.
@@ -64,7 +69,12 @@ pub struct AddedMass {
 
 impl Film {
     /// A film of `groups` of elements, each a chunk, on its `nodes` among all; `density` in kg/m³, `thickness` in m.
-    pub(super) fn new(groups: Vec<Box<dyn ElementGroup>>, density: f64, thickness: f64, nodes: Range<usize>) -> Film {
+    pub(super) fn new(
+        groups: Vec<Box<dyn ElementGroup>>,
+        [density, thickness]: [f64; 2],
+        nodes: Range<usize>,
+        mirrors: [MirrorPlane; 2],
+    ) -> Film {
         let of_group: Vec<Vec<u32>> = groups.iter().map(|group| nodes_of(&**group, 0)).collect();
         let mut first = 0;
         let chunk = |(group, colour): (Box<dyn ElementGroup>, usize)| {
@@ -73,7 +83,7 @@ impl Film {
             chunk
         };
         let chunks = groups.into_iter().zip(first_fit(&of_group)).map(chunk).collect();
-        Film { chunks, density, thickness, nodes, bending: None }
+        Film { chunks, density, thickness, nodes, bending: None, mirrors, tips: None }
     }
 
     /// Gives it the bending stiffness of `section`, from which it was mounted on `nodes` with `mesh`, of so many `layers`
@@ -142,7 +152,8 @@ impl Film {
     /// Bytes of its elements.
     pub(super) fn bytes(&self) -> usize {
         let elements: usize = self.chunks.iter().map(|chunk| chunk.group.bytes()).sum();
-        elements + self.bending.as_ref().map_or(0, Bending::bytes)
+        let tips = self.tips.as_ref().map_or(0, |tips| tips.bytes());
+        elements + tips + self.bending.as_ref().map_or(0, Bending::bytes)
     }
 
     /// History variables of its elements.
@@ -163,6 +174,7 @@ impl Film {
     /// Resets the history variables of its elements to those of virgin film; deleted elements stay deleted.
     pub(super) fn reset(&mut self) {
         self.chunks.iter_mut().for_each(|chunk| chunk.group.reset());
+        self.find_tips();
     }
 
     /// Calls `show` with the nodes of every element that is not deleted, counted among all nodes.
@@ -250,8 +262,8 @@ impl Film {
     }
 
     /// Breaks the fibres that the last pass over the forces found past their break strain, and deletes elements without
-    /// fibres; mass stays at the nodes. `position` is that of all nodes.
-    pub fn fail(&mut self, position: [&[f64]; 3]) -> Failures {
+    /// fibres; mass stays at the nodes. `position`, to which the nodes moved in `dt` (s), is that of all nodes.
+    pub fn fail(&mut self, position: [&[f64]; 3], dt: f64) -> Failures {
         let position = self.own(position);
         let mut total = Failures::default();
         // The pass over forces has flagged them: nearly always there is none, and no element is looked at.
@@ -260,6 +272,9 @@ impl Film {
         }
         if total.opened || total.broken > 0 {
             self.find_tips();
+        }
+        if dt > 0.0 {
+            self.start_tears(&position);
         }
         if total.broken > 0 && self.bending.is_some() {
             let energy = |film: &Film| film.bending.as_ref().map_or(0.0, |bending| bending.energy(&position));
@@ -330,6 +345,37 @@ impl Film {
         let mut mark = |element: &[u32]| element.iter().for_each(|node| open[*node as usize] = true);
         self.chunks.iter().for_each(|chunk| chunk.group.for_each_open(&mut mark));
         self.chunks.iter_mut().for_each(|chunk| chunk.group.find_tips(&|node| open[node as usize]));
+        if !open.contains(&true) || !self.takes_fracture_energy() {
+            self.tips = None;
+            return;
+        }
+        let tips = self.tips.take();
+        let groups = self.groups();
+        let mut tips = tips.unwrap_or_else(|| Box::new(Tips::new(&groups, self.nodes.len(), &self.mirrors)));
+        tips.find(&groups);
+        self.tips = Some(tips);
+    }
+
+    /// Starts the tears of elements at tips where film releases what they take (theory.md, equation 304).
+    fn start_tears(&mut self, position: &[&[f64]; 3]) {
+        let Some(tips) = &self.tips else { return };
+        let groups = self.groups();
+        let Some(rupture) = groups[0].rupture() else { return };
+        let starts = tips.starts(&groups, position, [rupture.fracture_energy, self.thickness]);
+        let mut opened = false;
+        for Start { element: [c, e], width, offset } in starts {
+            let group = &mut self.chunks[c as usize].group;
+            group.start_tear(e as usize, width, offset);
+            opened |= group.is_open(e as usize);
+        }
+        if opened {
+            self.find_tips();
+        }
+    }
+
+    /// Its elements, chunk by chunk.
+    fn groups(&self) -> Vec<&dyn ElementGroup> {
+        self.chunks.iter().map(|chunk| &*chunk.group).collect()
     }
 
     /// The part of an array over all nodes that belongs to the film's own, an axis each.

@@ -52,6 +52,7 @@ mod thread_pool_tests;
 #[cfg(test)]
 mod tearing_tests;
 mod time_step;
+mod tips;
 mod weighted_nodes;
 
 pub use bending::NotFlat;
@@ -361,7 +362,7 @@ impl Engine {
         self.add_forces(dt);
         let mut failures = Failures::default();
         for (face, film) in self.films.iter_mut().enumerate() {
-            let of_film = film.fail(self.nodes.position.axes());
+            let of_film = film.fail(self.nodes.position.axes(), dt);
             if let Some(cushion) = self.cushion.as_mut().filter(|_| face < 2 && of_film.failed > 0) {
                 cushion.is_open = true;
             }

@@ -8,6 +8,7 @@ use super::film::Film;
 use super::mesh::Mesh;
 use super::nodes::Nodes;
 use super::section::Section;
+use super::tips::MirrorPlane;
 use crate::lane::LANES;
 use crate::material::{LawVisitor, MembraneLaw, ViscousLaw};
 
@@ -37,7 +38,11 @@ impl Film {
         let Mount { masses, groups, .. } = section.law.visit(mount)?;
         let first = nodes.position.len();
         nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + height]), &masses);
-        Ok(Film::new(groups, section.density, section.thickness, first..nodes.position.len()))
+        let (sin, cos) = section.md_angle.sin_cos();
+        let [x, y] = mesh.mirrors.clone();
+        // x and y along MD and TD.
+        let mirrors = [MirrorPlane { nodes: x, normal: [cos, -sin] }, MirrorPlane { nodes: y, normal: [sin, cos] }];
+        Ok(Film::new(groups, [section.density, section.thickness], first..nodes.position.len(), mirrors))
     }
 }
 

@@ -81,16 +81,12 @@ fn interpolated(points: &[[f64; 2]], x: f64) -> f64 {
     points.get(after).map_or(value, |[to, next]| value + (next - value) * (x - from) / (to - from))
 }
 
-/// Stiffness of a square element over that of the film around it, at the tip of a tear: as the element softens by itself, it
-/// releases 1 + 3 times the energy that it stored before, whatever its size, and in proportion to its length along the tear over
-/// its width where it is no square (theory.md, equation 304).
-pub(crate) const STIFFNESS_AT_TIP: f64 = 3.0;
+/// Share of its fracture energy that an element has spent, and nearly half of its forces lost, when the elements around it are at
+/// the tip.
+pub(crate) const OPEN: f64 = 0.25;
 
-/// Share of its fracture energy that an element has spent when the elements around it are at the tip.
-pub(crate) const OPEN: f64 = 0.5;
-
-/// Share of its fracture energy below which the rest is lost with the element.
-const REST: f64 = 0.01;
+/// By how much the energy of equation 303 is larger than the fracture energy, over itself.
+const REST: f64 = 0.1;
 
 /// Tearing of one element: energies are those per stress-free volume of film that does not tear.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,6 +107,8 @@ pub(crate) struct Tear {
     pub absorbed: f64,
     /// Largest principal strain before the criterion was half way to its smallest limit, and the time since then, s.
     pub half_way: [f64; 2],
+    /// Distance of its middle from the line of the tear, along whose left side it is positive, m.
+    pub offset: f64,
 }
 
 /// Energies of an element at a position, J/m³.
@@ -122,7 +120,7 @@ pub(crate) struct Densities {
 
 impl Tear {
     /// Number of its variables.
-    pub(crate) const VARIABLES: usize = 9;
+    pub(crate) const VARIABLES: usize = 10;
 
     /// Film that does not tear.
     pub(crate) const NONE: Tear = Tear {
@@ -134,23 +132,34 @@ impl Tear {
         stored: 0.0,
         absorbed: 0.0,
         half_way: [0.0; 2],
+        offset: 0.0,
     };
 
     /// Its variables, always in the same order.
     pub(crate) fn variables(&self) -> [f64; Tear::VARIABLES] {
-        let Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time] } = *self;
-        [share, next, spent, start, width, stored, absorbed, strain, time]
+        let Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time], offset } = *self;
+        [share, next, spent, start, width, stored, absorbed, strain, time, offset]
     }
 
     /// Tear with these variables, in the order of [`Tear::variables`].
     pub(crate) fn of_variables(variables: [f64; Tear::VARIABLES]) -> Tear {
-        let [share, next, spent, start, width, stored, absorbed, strain, time] = variables;
-        Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time] }
+        let [share, next, spent, start, width, stored, absorbed, strain, time, offset] = variables;
+        Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time], offset }
     }
 
     /// Whether the element has started to tear.
     pub(crate) fn has_started(&self) -> bool {
         self.width > 0.0
+    }
+
+    /// Energy stored and absorbed at the last position, J/m³.
+    pub(crate) fn work(&self) -> f64 {
+        self.stored + self.absorbed
+    }
+
+    /// Whether film that tears stores half of what it did when it started: less where the tear went on beside it.
+    pub(crate) fn is_loaded(&self) -> bool {
+        self.stored > 0.5 * self.start
     }
 
     /// Strain rate since the criterion was half way to its smallest limit, at the strain `strain`, 1/s.
@@ -210,18 +219,22 @@ impl Tear {
             self.next = 0.0;
             return;
         }
-        let per_volume = fracture_energy / self.width;
+        // Γ is spent when the rest is left of which the element is deleted.
+        let per_volume = fracture_energy / self.width / (1.0 - REST);
         let left = 1.0 - self.spent / per_volume;
         let (stretched, stored) = ((self.stored / self.start).sqrt(), self.stored / per_volume);
-        if self.share * stretched > left {
-            // Equation 303 linear in the next share, solved in closed form; where the denominator is not positive, the
-            // element snaps through at once.
-            let next = if stretched > stored { (left - stored * self.share) / (stretched - stored) } else { 0.0 };
+        if self.share * stretched > left * left {
+            // Equation 303 with the mean force of the step: a square in the next share, of which the smaller root is taken.
+            let least = left - stored * self.share;
+            let linear = stretched - 2.0 * least * stored;
+            let root = (stretched * (stretched - 4.0 * least * stored)).max(0.0).sqrt();
+            // Where nothing is left even without forces, the element snaps through at once.
+            let next = if least > 0.0 { 2.0 * least * least / (linear + root) } else { 0.0 };
             // A crack does not heal.
             self.next = next.clamp(0.0, self.share);
         }
-        // The last of the energy would be spent only slowly and hold the element for long.
-        if left < REST {
+        // What it stores is the last part of Γ.
+        if (self.spent + self.share * self.stored) * self.width >= fracture_energy {
             self.next = 0.0;
         }
     }
@@ -236,7 +249,7 @@ mod tests {
     fn stretched(young: f64, start: f64, width: f64, fracture_energy: f64, steps: usize) -> ([f64; 2], Tear) {
         let (mut tear, mut force, mut work, mut lost) = (Tear::NONE, 0.0, 0.0, 0.0);
         let mut strain = 0.0;
-        while tear.share > 0.0 && strain < 100.0 * start {
+        while tear.share > 0.0 && strain < 400.0 * start {
             let step = start / steps as f64;
             strain += step;
             let stored = 0.5 * young * strain * strain;

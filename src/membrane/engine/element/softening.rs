@@ -3,9 +3,9 @@
 
 use super::block::{Block, BlockEnergies, Blocks};
 use super::kernel::{block_energies, gather};
-use super::tearing::TooWide;
+use super::mean_state::{gradients_of, largest, width_across};
 use crate::lane::{Lane, Width, at_width, lanes, larger, splat};
-use crate::material::{Criterion, Densities, MembraneLaw, OPEN, Rupture, STIFFNESS_AT_TIP, Tear};
+use crate::material::{Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
 
 at_width! {
     /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was
@@ -57,11 +57,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
                 let starts = element.starts(&tearing.rupture, &mut tear, dt, &mut stress, tearing.is_at_tip(b, l));
                 if let Some(width) = starts {
                     tear.start(width);
-                    // Above one the element stores more than its tear takes: the surplus is lost at once and depends on
-                    // the mesh, which is reported.
-                    let ratio = tear.start * width / fracture_energy;
-                    let too_wide = (ratio > 1.0 && ratio.is_finite()).then_some(TooWide { width, ratio });
-                    tearing.lost.too_wide = TooWide::worse(tearing.lost.too_wide, too_wide);
+                    tearing.lost.note_start(&tear, fracture_energy);
                 }
             }
             tear.soften(fracture_energy);
@@ -151,19 +147,10 @@ impl<B> Element<'_, B> {
             return None;
         }
         // Kept from now on: across the largest stretch at this moment, whatever the element does later.
-        let gradients = self.block.gradients().map(|of| of.map(|b| b[self.lane]));
-        let [width, length] = across_and_along(&gradients, self.metric);
-        // Of triangles, two of which share a quadrilateral, the length by (300) changes with the least turn of the stretch.
-        let length = if NODES == 3 { width } else { length };
-        (reaches || tear.stored * (width + STIFFNESS_AT_TIP * length) >= energy).then_some(width)
+        let width = width_across(&gradients_of(self.block, self.lane), self.metric);
+        // Film that stores more than its tear takes tears whatever the film around it does.
+        (reaches || tear.stored * width >= energy).then_some(width)
     }
-}
-
-/// Larger eigenvalue of a symmetric matrix with these components 11, 22 and 12.
-#[inline(always)]
-fn largest([first, second, between]: [f64; 3]) -> f64 {
-    let (mean, half) = (0.5 * (first + second), 0.5 * (first - second));
-    mean + (half * half + between * between).sqrt()
 }
 
 /// S C S: its eigenvalues are the squares of the principal nominal stresses.
@@ -186,48 +173,9 @@ fn triaxiality([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> f64 {
     if equivalent > 0.0 { sum / (3.0 * equivalent) } else { 1.0 / 3.0 }
 }
 
-/// Width and length (m) of an element with these gradients of the shape functions (1/m), across a tear, along the largest
-/// stretch, and along it: 2/Σ|n·∇N_a| (theory.md, equation 300; Oliver, Int. J. Numer. Meth. Engng 28, 1989).
-#[inline(always)]
-fn across_and_along<const NODES: usize>(gradients: &[[f64; 2]; NODES], metric: [f64; 3]) -> [f64; 2] {
-    let [c11, c22, c12] = metric;
-    let eigenvalue = largest(metric);
-    // Of the two columns of C − λ₂ the longer.
-    let (smaller, along) = (c11 + c22 - eigenvalue, [c11, c12]);
-    let candidates = [[along[0] - smaller, c12], [c12, c22 - smaller]];
-    let squared = candidates.map(|[a, b]| a * a + b * b);
-    // Either is an eigenvector, but one of them vanishes where the largest stretch is along MD or TD.
-    let [a, b] = if squared[0] >= squared[1] { candidates[0] } else { candidates[1] };
-    let length = (a * a + b * b).sqrt();
-    let n = if length > 0.0 { [a / length, b / length] } else { [1.0, 0.0] };
-    let extent = |n: [f64; 2]| 2.0 / gradients.iter().map(|g| (n[0] * g[0] + n[1] * g[1]).abs()).sum::<f64>();
-    [extent(n), extent([-n[1], n[0]])]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_width_of_a_square_and_of_one_at_45_degrees() {
-        let half = 0.5 / 0.01;
-        let square = [[-half, -half], [half, -half], [half, half], [-half, half]];
-        let width = |gradients: &[[f64; 2]; 4], metric| across_and_along(gradients, metric)[0];
-        assert!((width(&square, [1.44, 1.0, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
-        assert!((width(&square, [1.0, 1.44, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
-        assert!((width(&square, [1.2, 1.2, 0.2]) / (2.0_f64.sqrt() * 0.01) - 1.0).abs() < 1e-12);
-        assert!((width(&square, [1.44, 1.44, 0.0]) / 0.01 - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn the_length_of_a_rectangle_is_across_its_width() {
-        let (b1, b2) = (0.5 / 0.01, 0.5 / 0.02);
-        let rectangle = [[-b1, -b2], [b1, -b2], [b1, b2], [-b1, b2]];
-        for (metric, expected) in [([1.44, 1.0, 0.0], [0.01, 0.02]), ([1.0, 1.44, 0.0], [0.02, 0.01])] {
-            let found = across_and_along(&rectangle, metric);
-            assert!(found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{found:?}");
-        }
-    }
 
     #[test]
     fn triaxiality_and_principal_stress_of_known_states() {

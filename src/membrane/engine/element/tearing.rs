@@ -63,6 +63,18 @@ pub struct Torn {
     pub energy: f64,
 }
 
+impl Lost {
+    /// Notes that a tear started in film of this fracture energy (J/m²).
+    pub(super) fn note_start(&mut self, tear: &Tear, fracture_energy: f64) {
+        let Tear { start, width, .. } = *tear;
+        // Above one the element stores more than its tear takes: the surplus is lost at once and depends on the mesh, which
+        // is reported.
+        let ratio = start * width / fracture_energy;
+        let too_wide = (ratio > 1.0 && ratio.is_finite()).then_some(TooWide { width, ratio });
+        self.too_wide = TooWide::worse(self.too_wide, too_wide);
+    }
+}
+
 impl Torn {
     /// Adds the tears of other elements.
     pub fn add(&mut self, other: &Torn) {
@@ -96,6 +108,21 @@ impl<const L: usize> Tearing<L> {
         for (variable, value) in self.variables[block].iter_mut().zip(tear.variables()) {
             variable[lane] = value;
         }
+    }
+
+    /// Tear of the element at a block and lane, and the volume of its stress-free film, also of one that is deleted, m³.
+    pub(crate) fn of_element(&self, [block, lane]: [usize; 2]) -> (Tear, f64) {
+        (self.element_tear(block, lane), self.volumes[block][lane])
+    }
+
+    /// Starts the tear of the element at a block and lane, `width` (m) across it and `offset` (m) from the line of the tear.
+    pub(crate) fn start(&mut self, [block, lane]: [usize; 2], width: f64, offset: f64) {
+        let mut tear = self.element_tear(block, lane);
+        tear.start(width);
+        tear.offset = offset;
+        self.lost.note_start(&tear, self.rupture.fracture_energy);
+        tear.soften(self.rupture.fracture_energy);
+        self.set(block, lane, &tear);
     }
 
     /// Share of the film's forces that the elements of a block have at their next position.
@@ -147,7 +174,7 @@ impl<const L: usize> Tearing<L> {
     #[inline(always)]
     pub(super) fn stays_whole(&mut self, block: usize, values: &Lane<L>, strains: &Lane<L>, dt: f64) -> bool {
         let smallest = self.rupture.limit.smallest();
-        let [share, next, _, _, width, .., from, elapsed] = &mut self.variables[block];
+        let [share, next, _, _, width, _, _, from, elapsed, _] = &mut self.variables[block];
         let mut is_whole = true;
         for l in 0..L {
             let reaches = values[l] >= smallest;

@@ -76,16 +76,31 @@ struct Pulled {
     cut: [f64; 2],
     /// Strain at the start, and per s.
     strain: [f64; 2],
+    /// Of motion, 1/s.
+    damping: f64,
+}
+
+/// A moment of a test.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    strain: f64,
+    /// Mean stress across for the stress-free film, Pa.
+    stress: f64,
 }
 
 impl Pulled {
-    /// Strain, and the mean stress across (Pa) for the stress-free film, when the tear has grown by so much (m).
-    fn grown(&self, by: f64, most: f64) -> [f64; 2] {
-        let [length, height] = self.lengths;
+    /// The rectangle before the first step, the nodes of its upper jaw, and the length of its cut in whole elements, m.
+    fn mounted(&self) -> (Engine, Vec<u32>, f64) {
+        let [_, height] = self.lengths;
         let mesh = self.shape.mesh(self.lengths);
         let mut nodes = Nodes::default();
         let mut film = Film::mount(&mesh, &self.section, 0.0, &mut nodes).unwrap();
         film.cut(&nodes, &[[self.cut[0], 1e-6], [self.cut[1], 1e-6]]);
+        let mut intact = std::collections::HashSet::new();
+        film.for_each_intact(|corners| _ = intact.insert(corners.to_vec()));
+        let cut = mesh.quads.iter().filter(|quad| !intact.contains(&quad[..]));
+        let along = cut.flatten().map(|n| mesh.nodes[*n as usize].x);
+        let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (x.min(a), x.max(b)));
         let [start, rate] = self.strain;
         let mut jaws = [-1.0, 1.0].map(|side| Jaw { nodes: vec![], velocity: 0.5 * side * rate * height });
         let mut upper = vec![];
@@ -106,15 +121,27 @@ impl Pulled {
             let velocity = [0.0, jaws[axis].velocity, 0.0];
             jaw.nodes.iter().for_each(|n| nodes.velocity.set(*n as usize, velocity));
         }
-        let loads = Loads { damping: 100.0, multiplicity: 1.0, ..Loads::default() };
-        let mut engine = Engine::new(vec![film], nodes, [], loads);
+        let loads = Loads { damping: self.damping, multiplicity: 1.0, ..Loads::default() };
+        (Engine::new(vec![film], nodes, [], loads), upper, most - least)
+    }
+
+    /// The moments when the tear starts, the first element at its tip being a fifth open, and when it has grown by so
+    /// much (m); none of them before the strain `most`.
+    fn torn(&self, by: f64, most: f64) -> ([Option<Moment>; 2], f64) {
+        let (mut engine, upper, cut) = self.mounted();
+        let ([length, _], [start, rate]) = (self.lengths, self.strain);
+        let lengths = [1e-3, by];
+        let mut moments = [None; 2];
         loop {
             let (time, torn, force) = engine
                 .read_step(|view| (view.time, view.torn().unwrap().length, -view.nodes.total_force(&upper, 1)))
                 .unwrap();
-            let strain = start + rate * time;
-            if torn > by || strain > most {
-                return [strain, force / (length * self.section.thickness)];
+            let now = Moment { strain: start + rate * time, stress: force / (length * self.section.thickness) };
+            for (moment, length) in moments.iter_mut().zip(lengths) {
+                *moment = moment.or((torn > length).then_some(now));
+            }
+            if moments[1].is_some() || now.strain > most {
+                return (moments, cut);
             }
             (0..5).for_each(|_| assert!(engine.step(&mut Unobserved).is_ok()));
         }
@@ -124,17 +151,21 @@ impl Pulled {
 /// Γ of the rubber, J/m², its shear modulus, Pa, and the distance of its jaws, m: W H = Γ at a strain of 0.71.
 const RUBBER: [f64; 3] = [25e3, 395e3, 0.1];
 
-/// Energy of a wide strip of the rubber over what a tear takes, W H/Γ, when the tear has grown by 15 mm.
-fn rubber(shape: Shape) -> f64 {
+/// W H/Γ of a wide strip of the rubber that is strained so much.
+fn energy(strain: f64) -> f64 {
+    let [energy, mu, height] = RUBBER;
+    let stretch = 1.0 + strain;
+    0.5 * mu * (stretch * stretch + stretch.powi(-2) - 2.0) * height / energy
+}
+
+/// A wide strip of the rubber with a cut, from this strain on.
+fn rubber(shape: Shape, strain: [f64; 2]) -> Pulled {
     let [energy, mu, height] = RUBBER;
     let law = HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::neo_hookean(mu), wrinkling: true });
     let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(8.0), fracture_energy: energy };
     let section =
         Section { law: Law::Hyperelastic(law), rupture: Some(rupture), density: 930.0, thickness: 5e-4, ..section() };
-    let pulled = Pulled { section, shape, lengths: [0.2, height], cut: [-0.01, 0.08], strain: [0.4, 1.0] };
-    let [strain, _] = pulled.grown(15e-3, 1.1);
-    let stretch = 1.0 + strain;
-    0.5 * mu * (stretch * stretch + stretch.powi(-2) - 2.0) * height / energy
+    Pulled { section, shape, lengths: [0.2, height], cut: [-0.01, 0.08], strain, damping: 100.0 }
 }
 
 /// Elements of 5 mm, long and short along the tear, uneven and skewed, in a mesh that is turned by so many degrees.
@@ -145,53 +176,82 @@ fn shapes(turned: f64) -> Vec<Shape> {
     [&even[..], &[Shape { uneven: 0.2, ..square }, Shape { skew: 0.4, ..square }]].concat()
 }
 
-/// A strip that is pulled at 1/s tears at somewhat more than W H = Γ: the tear has to grow meanwhile. On elements of other
-/// shapes it tears at the energy of squares.
-#[test]
-fn a_wide_strip_of_rubber_tears_on_elements_of_any_shape() {
-    let found: Vec<(Shape, f64)> = shapes(0.0).into_iter().map(|shape| (shape, rubber(shape))).collect();
-    for (shape, ratio) in &found {
-        println!("{shape:?}: W H/Γ {ratio:.3}");
-    }
-    let square = found[0].1;
-    assert!((square - 1.0).abs() < 0.2, "{square}");
-    assert!(found.iter().all(|(_, ratio)| (ratio / square - 1.0).abs() < 0.12), "{found:?}");
-}
-
-/// On meshes that the tear crosses, its path is one of steps, and it takes more (docs/limits.md). Minutes.
-#[test]
-#[ignore = "prints the figures of docs/limits.md"]
-fn a_wide_strip_of_rubber_tears_later_on_meshes_that_are_turned() {
-    for shape in [22.5, 45.0].into_iter().flat_map(shapes) {
-        let ratio = rubber(shape);
-        println!("{shape:?}: W H/Γ {ratio:.3}");
-        assert!(ratio > 0.9 && ratio < 1.9, "{shape:?}: {ratio}");
+/// Pulls the rubber at 1/s on meshes that are turned by so many degrees: whether the tear starts where W H is Γ, within
+/// a tenth, and whether it has grown by 15 mm before W H/Γ is `most`.
+fn tears_at_its_energy(turned: f64, most: f64) {
+    for shape in shapes(turned) {
+        let (moments, _) = rubber(shape, [0.4, 1.0]).torn(15e-3, 1.1);
+        let [start, grown] = moments.map(|moment| energy(moment.expect("a tear").strain));
+        println!("{shape:?}: starts at W H/Γ {start:.3}, grown by 15 mm at {grown:.3}");
+        assert!((start - 1.0).abs() < 0.1, "{shape:?}: starts at {start}");
+        assert!(grown >= start && grown < most, "{shape:?}: grown at {grown}");
     }
 }
 
-/// Stress over that at which a crack of the length 2 a in a wide plate grows: G = π σ² a/E sec(π a/L).
+#[test]
+fn a_wide_strip_of_rubber_tears_at_its_energy_on_elements_of_any_shape() {
+    tears_at_its_energy(0.0, 1.2);
+}
+
+#[test]
+fn a_wide_strip_of_rubber_tears_at_its_energy_on_a_mesh_that_is_turned() {
+    tears_at_its_energy(22.5, 1.5);
+}
+
+#[test]
+fn a_wide_strip_of_rubber_tears_at_its_energy_along_diagonals() {
+    tears_at_its_energy(45.0, 1.2);
+}
+
+/// A strip that rests with 1.25 Γ starts to tear without being pulled on, and one with 0.85 Γ does not.
+#[test]
+fn a_tip_at_rest_starts_above_its_energy_alone() {
+    let rests = |share: f64| {
+        let (mut low, mut high) = (0.0, 2.0);
+        while high - low > 1e-9 {
+            let middle = 0.5 * (low + high);
+            if energy(middle) < share { low = middle } else { high = middle }
+        }
+        high
+    };
+    for turned in [0.0, 22.5, 45.0] {
+        for (share, tears) in [(1.25, true), (0.85, false)] {
+            let shape = Shape::even([5e-3; 2], turned);
+            // Damped so much that film around the cut does not swing beyond its state of rest.
+            let (mut engine, ..) = Pulled { damping: 2000.0, ..rubber(shape, [rests(share), 0.0]) }.mounted();
+            while engine.time() < 0.2 {
+                engine.step(&mut Unobserved).unwrap();
+            }
+            let torn = engine.read_step(|view| view.torn().unwrap().length).unwrap();
+            println!("turned by {turned}°, {share} Γ: torn by {:.1} mm", 1e3 * torn);
+            assert_eq!(torn > 2e-3, tears, "turned by {turned}°, {share} Γ: {torn} m");
+            assert!(tears || torn == 0.0, "turned by {turned}°, {share} Γ: {torn} m");
+        }
+    }
+}
+
+/// Stress at which a crack in a wide plate grows, over that of G = π σ² a/E sec(π a/L) with half the length a of the cut in
+/// whole elements.
 fn centre_crack(shape: Shape) -> f64 {
-    // Whole elements are cut: half of the crack is five and a half of them.
     let (energy, half, length) = (1370.0, 0.0275, 0.2);
     let law = Law::Elastic(Elastic { young: YOUNG, poisson: POISSON });
     let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.5), fracture_energy: energy };
     let section = Section { law, rupture: Some(rupture), thickness: THICKNESS, ..section() };
     let cut = [0.5 * length - half + 1e-4, 0.5 * length + half - 1e-4];
-    let pulled = Pulled { section, shape, lengths: [length, 0.3], cut, strain: [0.005, 0.2] };
-    let [_, stress] = pulled.grown(10e-3, 0.08);
-    let pi = std::f64::consts::PI;
-    stress * (pi * half / (pi * half / length).cos() / (YOUNG * energy)).sqrt()
+    let pulled = Pulled { section, shape, lengths: [length, 0.3], cut, strain: [0.005, 0.1], damping: 1000.0 };
+    let ([_, grown], cut) = pulled.torn(10e-3, 0.08);
+    let (pi, half) = (std::f64::consts::PI, 0.5 * cut);
+    grown.expect("a tear").stress * (pi * half / (pi * half / length).cos() / (YOUNG * energy)).sqrt()
 }
 
 #[test]
-#[ignore = "prints the figures of docs/limits.md"]
 fn a_crack_in_the_middle_of_a_plate_grows_at_its_stress() {
     for turned in [0.0, 22.5, 45.0] {
         let square = Shape::even([5e-3; 2], turned);
         for shape in [square, Shape { uneven: 0.2, ..square }] {
             let ratio = centre_crack(shape);
             println!("{shape:?}: stress over that of the crack {ratio:.3}");
-            assert!((ratio - 1.0).abs() < 0.2, "{shape:?}: {ratio}");
+            assert!((ratio - 1.0).abs() < 0.1, "{shape:?}: {ratio}");
         }
     }
 }

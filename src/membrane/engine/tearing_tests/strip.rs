@@ -70,6 +70,9 @@ impl Strip {
             let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
             mesh.tris = std::mem::take(&mut mesh.quads).into_iter().flat_map(halves).collect();
         }
+        if cuts == Cuts::Mirrored {
+            mesh.mirrors[1] = (0..=columns).map(|i| rows * (columns + 1) + i).collect();
+        }
         let mut nodes = Nodes::default();
         let mut film = Film::mount(&mesh, &self.section, 0.0, &mut nodes).unwrap();
         film.cut(&nodes, &[[0.0, 0.0], [0.0, cut]]);
@@ -175,7 +178,7 @@ fn a_wide_strip_tears_at_its_fracture_energy_on_any_mesh() {
         energies.push((kind, size, start / expected - 1.0, energy / FRACTURE_ENERGY - 1.0, imbalance));
     }
     for (kind, size, start, energy, imbalance) in energies {
-        // The share (304) was found on quadrilaterals of one point.
+        // The share of (303a) was found on squares, not on triangles.
         let bound = if kind == Kind::Quads { 0.03 } else { 0.07 };
         assert!(start.abs() < bound, "{kind:?} {size} m: start {start}");
         assert!(energy.abs() < 0.05, "{kind:?} {size} m: energy {energy}");
@@ -269,7 +272,7 @@ fn a_plastic_strip_takes_its_fracture_energy_besides_plastic_work() {
     let stored = (1.0 - POISSON) * flow_stress * flow_stress / young / limit;
     for (kind, in_hourglass, halves) in [(Kind::Quads, 0.05, 1.0), (Kind::Full, 0.0, 1.0), (Kind::Triangles, 0.0, 2.0)]
     {
-        let mut strip = Strip { most: 0.8, ..Strip::new(kind, 5e-3, lengths, 20.0) };
+        let mut strip = Strip { most: 1.2, ..Strip::new(kind, 5e-3, lengths, 20.0) };
         let (hill, voce) = (Hill::default(), Hardening::Voce(VOCE));
         strip.section.law = Law::Plastic(Plastic::new(elastic.clone(), hill, voce, FlowRate::Independent));
         strip.section.rupture =
