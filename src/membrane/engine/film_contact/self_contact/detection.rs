@@ -25,7 +25,7 @@ const LEANING: f64 = 0.05;
 
 /// Share of the allowed distance before the step that two parts need which were not over each other: for less the side
 /// on which they are is that of round-off.
-const CERTAIN: f64 = 0.1;
+const CERTAIN: f64 = 0.25;
 
 /// Share of the allowed distance below which the side of a node that has come over a triangle is that of the one before.
 const DOUBTFUL: f64 = 0.5;
