@@ -201,16 +201,15 @@ impl Tear {
         (self.start, self.width) = (self.stored.max(f64::MIN_POSITIVE), width);
     }
 
-    /// Sets the share of the forces at the next position, in film of this fracture energy (J/m²): with the energy g =
-    /// Γ/w to be spent and the energy ψ stored, the share a follows
+    /// Sets the share of the forces at the next position, in film of this fracture energy (J/m²): with g = Γ/w/(1 − r), the
+    /// share b of it that is left and the energy ψ stored, the share a follows
     ///
     /// ```text
-    /// a √(ψ/ψ₀) = b ,   g db = ψ da
+    /// a √(ψ/ψ₀) = b² ,   g db = ψ da
     /// ```
     ///
-    /// from the present share a and the energy b g that is left (theory.md, equation 303): forces fall in proportion to
-    /// that energy, which is a straight line over the strain where these are proportional. Where ψ > g √(ψ/ψ₀), what
-    /// the element stores suffices to tear it at once.
+    /// from the present share (theory.md, equation 303), until what is stored is the last part of Γ/w. Forces fall with the
+    /// square of the energy that is left: steeply at first, so that a tear that starts goes on.
     pub(crate) fn soften(&mut self, fracture_energy: f64) {
         if !self.has_started() || self.next == 0.0 {
             return;
@@ -219,7 +218,7 @@ impl Tear {
             self.next = 0.0;
             return;
         }
-        // Γ is spent when the rest is left of which the element is deleted.
+        // Somewhat more than is taken: with the square of what is left, forces would never reach zero.
         let per_volume = fracture_energy / self.width / (1.0 - REST);
         let left = 1.0 - self.spent / per_volume;
         let (stretched, stored) = ((self.stored / self.start).sqrt(), self.stored / per_volume);
