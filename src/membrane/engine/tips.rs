@@ -187,7 +187,8 @@ impl Tips {
             let next = candidates.filter_map(|other| self.ahead(*other, along, &state, &tear));
             // The one whose middle is next to the line of the tear, which therefore runs straight on any mesh.
             if let Some((element, offset)) = next.min_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())) {
-                let width = self.width(element, along, &state(element), thickness);
+                let (of_next, _) = tear(element);
+                let width = self.width(element, along, &state(element), [thickness, energy / of_next.stored]);
                 starts.push(Start { element, width, offset });
             }
         }
@@ -314,8 +315,10 @@ impl Tips {
     }
 
     /// Width (m) of an element across a tear that runs `along` (MD and TD): its area over the length by which the tear
-    /// gets on in it (theory.md, equation 300a).
-    fn width(&self, element: Element, along: [f64; 2], state: &MeanState, thickness: f64) -> f64 {
+    /// gets on in it (theory.md, equation 300a). In a step aside that is more than its extent; it takes no less than it stores,
+    /// so that at the width `most_aside` (m), where it stores just as
+    /// much, it fails at once and nothing is lost.
+    fn width(&self, element: Element, along: [f64; 2], state: &MeanState, [thickness, most_aside]: [f64; 2]) -> f64 {
         let is_open = |node: &u32| self.at(*node).iter().any(|other| self.place(*other) == Place::Open);
         let (mut reached, mut ahead) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -332,7 +335,8 @@ impl Tips {
             // Two triangles make one step of a tear: either has half of it.
             return most - least;
         }
-        let area = state.volume / thickness;
-        area / (ahead - reached).max(SHORTEST * area / (most - least))
+        let (area, extent) = (state.volume / thickness, most - least);
+        let width = area / (ahead - reached).max(SHORTEST * area / extent);
+        width.min(most_aside.max(extent))
     }
 }
