@@ -149,8 +149,8 @@ impl Tips {
             // The means over triangles, and over either of two that make a step of a tear, differ too much from each other for
             // (304) alone.
             if self.of(*element).len() == 3 {
-                let wide_enough = |width: &f64| RELEASED_BY_TRIANGLES * own.stored * width >= energy;
-                if let Some(width) = state(*element).width_across().filter(wide_enough) {
+                let wide_enough = |[_, extent]: &[f64; 2]| RELEASED_BY_TRIANGLES * own.stored * extent >= energy;
+                if let Some([width, _]) = state(*element).across().filter(wide_enough) {
                     starts.push(Start { element: *element, width, offset: 0.0 });
                     continue;
                 }

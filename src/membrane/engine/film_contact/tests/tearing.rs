@@ -8,8 +8,8 @@ use crate::material::{Criterion, Limit};
 const FRACTURE_ENERGY: f64 = 1e4;
 
 /// A sphere at 6 m/s on two clamped squares with meshes that do not fit, 10 mm apart, of which those marked may tear.
-/// Central differences err by the square of the step: with half of it the largest error of the balance was a quarter to a
-/// third of that here, 0.0014 to 0.0032 of the energy exchanged.
+/// Central differences err by the square of the step where elements lose their forces in a few steps: with the whole step
+/// the largest error of the balance is 0.0056 of the energy exchanged, here, with half of it, less than half of that.
 fn check(may_tear: [bool; 2]) {
     let films = [(square(0.2, 20, 0.0), 0.01, [0.0; 3]), (square(0.2, 20, 0.3), 0.0, [0.0; 3])];
     let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.05), fracture_energy: FRACTURE_ENERGY };
@@ -19,6 +19,7 @@ fn check(may_tear: [bool; 2]) {
         friction: 0.3,
         rupture: may_tear.map(|may| may.then(|| rupture.clone())).to_vec(),
         sphere: Some((0.03, 6.0, 0.5)),
+        loads: Loads { step_factor: 0.5, ..Loads::default() },
         ..Scene::default()
     };
     let mut run = scene.with(&films);
