@@ -18,8 +18,8 @@ const LEAST: f64 = 1.0 / 16.0;
 /// of a crack's (theory.md, equation 304).
 const SHOWN: f64 = 0.985;
 
-/// Energy that film releases where a triangle at a tip tears, over that which it stores, as on squares of a wide strip
-/// (theory.md, equation 303a).
+/// Energy that film releases where a triangle at a tip tears, over that which it stores, as on squares of a wide
+/// strip (theory.md, equation 303a).
 const RELEASED_BY_TRIANGLES: f64 = 4.0;
 
 /// Smallest length of a tear in an element over its area for its width.
@@ -149,8 +149,8 @@ impl Tips {
             // The means over triangles, and over either of two that make a step of a tear, differ too much from each other for
             // (304) alone.
             if self.of(*element).len() == 3 {
-                let wide_enough = |[_, extent]: &[f64; 2]| RELEASED_BY_TRIANGLES * own.stored * extent >= energy;
-                if let Some([width, _]) = state(*element).across().filter(wide_enough) {
+                let wide_enough = |width: &f64| RELEASED_BY_TRIANGLES * own.stored * width >= energy;
+                if let Some(width) = state(*element).extent_across().filter(wide_enough) {
                     starts.push(Start { element: *element, width, offset: 0.0 });
                     continue;
                 }

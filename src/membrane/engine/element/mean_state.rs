@@ -42,13 +42,12 @@ impl MeanState {
         MeanState { gradients: self.gradients.map(reflected), f, stress, ..self }
     }
 
-    /// Width (m) across a tear and extent (m) along the largest stretch, where that is one.
-    pub(crate) fn across(&self) -> Option<[f64; 2]> {
+    /// Extent (m) along the largest stretch, where that is one.
+    pub(crate) fn extent_across(&self) -> Option<f64> {
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let [f1, f2] = &self.f;
         let metric = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
-        (largest(metric) > 1.0)
-            .then(|| [width_across(&self.gradients, metric), extent(&self.gradients, largest_stretch(metric))])
+        (largest(metric) > 1.0).then(|| extent(&self.gradients, largest_stretch(metric)))
     }
 
     /// Part of the element in the material force (N, along MD and TD) on nodes whose shape functions have the sum of

@@ -219,7 +219,13 @@ fn a_viscous_strip_takes_its_fracture_energy_besides_what_it_absorbs() {
             energies.absorbed / torn.energy,
             half.0.imbalance
         );
-        assert!(excess.abs() < 0.01 && torn.area > 0.98 * strip.whole(), "{kind:?} {time} s: {excess}");
+        // Triangles at a tip count by their extent along the stretch, which there leans to and fro.
+        let whole = if kind == Kind::Triangles { 0.97 } else { 0.98 } * strip.whole();
+        assert!(
+            excess.abs() < 0.01 && torn.area > whole,
+            "{kind:?} {time} s: {excess}, {:.4}",
+            torn.area / strip.whole()
+        );
         assert!(of_law > 0.0 && of_law < energies.absorbed, "{kind:?} {time} s: {of_law} J");
         assert!(*imbalance < 3e-3 && half.0.imbalance < 0.5 * imbalance + 2e-4, "{kind:?} {time} s: {imbalance}");
         assert!(*start > 0.97 * at_once, "{kind:?} {time} s: {start}");
