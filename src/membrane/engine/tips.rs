@@ -150,7 +150,7 @@ impl Tips {
             // (304) alone.
             if self.of(*element).len() == 3 {
                 let wide_enough = |width: &f64| RELEASED_BY_TRIANGLES * own.stored * width >= energy;
-                if let Some(width) = state(*element).extent_across().filter(wide_enough) {
+                if let Some(width) = state(*element).width_across().filter(wide_enough) {
                     starts.push(Start { element: *element, width, offset: 0.0 });
                     continue;
                 }

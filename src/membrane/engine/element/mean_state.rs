@@ -43,11 +43,11 @@ impl MeanState {
     }
 
     /// Extent (m) along the largest stretch, where that is one.
-    pub(crate) fn extent_across(&self) -> Option<f64> {
+    pub(crate) fn width_across(&self) -> Option<f64> {
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let [f1, f2] = &self.f;
         let metric = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
-        (largest(metric) > 1.0).then(|| extent(&self.gradients, largest_stretch(metric)))
+        (largest(metric) > 1.0).then(|| width_across(&self.gradients, metric))
     }
 
     /// Part of the element in the material force (N, along MD and TD) on nodes whose shape functions have the sum of
@@ -133,22 +133,6 @@ pub(crate) fn corners(gradients: &Gradients) -> [[f64; 2]; 4] {
 /// Extent (m) of an element with these gradients along the largest stretch in stress-free film; of a triangle that through its
 /// middle corner (theory.md, equation 300).
 pub(super) fn width_across(gradients: &Gradients, metric: [f64; 3]) -> f64 {
-    let n = largest_stretch(metric);
-    if gradients[3] == [0.0; 2] {
-        return 2.0 / gradients.iter().map(|g| (n[0] * g[0] + n[1] * g[1]).abs()).sum::<f64>();
-    }
-    extent(gradients, n)
-}
-
-/// Extent (m) of an element with these gradients along a direction (along MD and TD).
-fn extent(gradients: &Gradients, n: [f64; 2]) -> f64 {
-    let along = corners(gradients).map(|x| n[0] * x[0] + n[1] * x[1]);
-    let (least, most) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (x.min(a), x.max(b)));
-    most - least
-}
-
-/// Direction (along MD and TD) of the largest stretch in stress-free film.
-fn largest_stretch(metric: [f64; 3]) -> [f64; 2] {
     let [c11, c22, c12] = metric;
     let eigenvalue = largest(metric);
     // Of the two columns of C − λ₂ the longer.
@@ -158,7 +142,13 @@ fn largest_stretch(metric: [f64; 3]) -> [f64; 2] {
     // Either is an eigenvector, but one of them vanishes where the largest stretch is along MD or TD.
     let [a, b] = if squared[0] >= squared[1] { candidates[0] } else { candidates[1] };
     let length = (a * a + b * b).sqrt();
-    if length > 0.0 { [a / length, b / length] } else { [1.0, 0.0] }
+    let n = if length > 0.0 { [a / length, b / length] } else { [1.0, 0.0] };
+    if gradients[3] == [0.0; 2] {
+        return 2.0 / gradients.iter().map(|g| (n[0] * g[0] + n[1] * g[1]).abs()).sum::<f64>();
+    }
+    let along = corners(gradients).map(|x| n[0] * x[0] + n[1] * x[1]);
+    let (least, most) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (x.min(a), x.max(b)));
+    most - least
 }
 
 /// Larger eigenvalue of a symmetric matrix with these components 11, 22 and 12.

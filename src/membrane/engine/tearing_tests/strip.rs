@@ -178,8 +178,8 @@ fn a_wide_strip_tears_at_its_fracture_energy_on_any_mesh() {
         energies.push((kind, size, start / expected - 1.0, energy / FRACTURE_ENERGY - 1.0, imbalance));
     }
     for (kind, size, start, energy, imbalance) in energies {
-        // The share of (303a) was found on squares, not on triangles.
-        let bound = if kind == Kind::Quads { 0.03 } else { 0.07 };
+        // Of two triangles that make a step the first one holds the tear back: they take its energy, but late (docs/limits.md).
+        let bound = if kind == Kind::Triangles { 0.1 } else { 0.03 };
         assert!(start.abs() < bound, "{kind:?} {size} m: start {start}");
         assert!(energy.abs() < 0.05, "{kind:?} {size} m: energy {energy}");
         assert!(imbalance < 0.01, "{kind:?} {size} m: imbalance {imbalance}");
@@ -219,13 +219,7 @@ fn a_viscous_strip_takes_its_fracture_energy_besides_what_it_absorbs() {
             energies.absorbed / torn.energy,
             half.0.imbalance
         );
-        // Triangles at a tip count by their extent along the stretch, which there leans to and fro.
-        let whole = if kind == Kind::Triangles { 0.97 } else { 0.98 } * strip.whole();
-        assert!(
-            excess.abs() < 0.01 && torn.area > whole,
-            "{kind:?} {time} s: {excess}, {:.4}",
-            torn.area / strip.whole()
-        );
+        assert!(excess.abs() < 0.01 && torn.area > 0.98 * strip.whole(), "{kind:?} {time} s: {excess}");
         assert!(of_law > 0.0 && of_law < energies.absorbed, "{kind:?} {time} s: {of_law} J");
         assert!(*imbalance < 3e-3 && half.0.imbalance < 0.5 * imbalance + 2e-4, "{kind:?} {time} s: {imbalance}");
         assert!(*start > 0.97 * at_once, "{kind:?} {time} s: {start}");
