@@ -538,47 +538,38 @@ fn faces() {
     println!();
 }
 
-/// Faces that meet themselves against those that do not, in turn.
+/// Faces that meet themselves against those that do not.
 fn itself() {
     println!("## Film that meets itself, one thread: 1008 over 60 ms\n");
-    println!("| scene | elements | without, ns an element step | with, ns | times |\n|---|---|---|---|---|");
-    let scenes = [
-        ("a quarter, 2 faces", &[][..]),
-        ("a quarter, 2 faces that meet each other", &["contact.film=true"]),
-        ("whole, 2 faces", &["specimen.symmetry=none"]),
-    ];
-    for (name, changes) in scenes {
-        let with = |meets: bool| {
-            let own = [format!("contact.itself={meets}"), "loading.impact.duration=60ms".to_owned()];
-            let own: Vec<&str> = own.iter().map(String::as_str).collect();
-            shipped(&[changes, &own].concat())
-        };
-        let models = [false, true].map(with);
-        let elements = simulate::engine(&models[0]).expect("an engine").elements();
-        let mut figures = [vec![], vec![]];
-        for _ in 0..REPEATS {
-            for (model, figures) in models.iter().zip(&mut figures) {
-                figures.push(whole(model, 1, Width::best()).0);
-            }
-        }
-        let [plain, meeting] = figures.map(median);
-        println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
-    }
-    println!();
+    switched(
+        "contact.itself",
+        [
+            ("a quarter, 2 faces", &[]),
+            ("a quarter, 2 faces that meet each other", &["contact.film=true"]),
+            ("whole, 2 faces", &["specimen.symmetry=none"]),
+        ],
+    );
 }
 
-/// The drop test with a bending stiffness of the film against that without, in turn.
+/// The drop test with a bending stiffness of the film against that without.
 fn bending() {
     println!("## Bending stiffness, one thread: 1008 over 60 ms\n");
-    println!("| film | elements | without, ns an element step | with, ns | times |\n|---|---|---|---|---|");
-    let scenes = [
-        ("a quarter, quadrilaterals", &[][..]),
-        ("whole, quadrilaterals", &["specimen.symmetry=none"]),
-        ("a quarter, triangles", &["specimen.mesh.element=tri3"]),
-    ];
+    switched(
+        "specimen.bending",
+        [
+            ("a quarter, quadrilaterals", &[]),
+            ("whole, quadrilaterals", &["specimen.symmetry=none"]),
+            ("a quarter, triangles", &["specimen.mesh.element=tri3"]),
+        ],
+    );
+}
+
+/// Scenes, the drop test with changes each, with the Boolean `key` against those without it, in turn.
+fn switched(key: &str, scenes: [(&str, &[&str]); 3]) {
+    println!("| scene | elements | without, ns an element step | with, ns | times |\n|---|---|---|---|---|");
     for (name, changes) in scenes {
-        let with = |bends: bool| {
-            let own = [format!("specimen.bending={bends}"), "loading.impact.duration=60ms".to_owned()];
+        let with = |value: bool| {
+            let own = [format!("{key}={value}"), "loading.impact.duration=60ms".to_owned()];
             let own: Vec<&str> = own.iter().map(String::as_str).collect();
             shipped(&[changes, &own].concat())
         };
@@ -590,8 +581,8 @@ fn bending() {
                 figures.push(whole(model, 1, Width::best()).0);
             }
         }
-        let [plain, bent] = figures.map(median);
-        println!("| {name} | {elements} | {plain:.1} | {bent:.1} | {:.2} |", bent / plain);
+        let [off, on] = figures.map(median);
+        println!("| {name} | {elements} | {off:.1} | {on:.1} | {:.2} |", on / off);
     }
     println!();
 }

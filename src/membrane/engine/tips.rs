@@ -146,14 +146,9 @@ impl Tips {
             if own.has_started() || own.stored * (volume / thickness).sqrt() < LEAST * energy {
                 continue;
             }
-            // The means over triangles, and over either of two that make a step of a tear, differ too much from each other for
-            // (304) alone.
-            if self.of(*element).len() == 3 {
-                let wide_enough = |width: &f64| RELEASED_BY_TRIANGLES * own.stored * width >= energy;
-                if let Some(width) = state(*element).width_across().filter(wide_enough) {
-                    starts.push(Start { element: *element, width, offset: 0.0 });
-                    continue;
-                }
+            if let Some(width) = self.width_of_triangle(*element, own.stored, energy, &state) {
+                starts.push(Start { element: *element, width, offset: 0.0 });
+                continue;
             }
             let near = self.ring(&[*element]);
             let around = self.ring(&near);
@@ -193,6 +188,20 @@ impl Tips {
             }
         }
         starts
+    }
+
+    /// Width (m) across a tear of a triangle that starts by what it stores (J/m³): the means over triangles, and over either of
+    /// two that make a step of a tear, differ too much from each other for (304) alone.
+    fn width_of_triangle(
+        &self,
+        element: Element,
+        stored: f64,
+        energy: f64,
+        state: &impl Fn(Element) -> MeanState,
+    ) -> Option<f64> {
+        let wide_enough = |width: &f64| RELEASED_BY_TRIANGLES * stored * width >= energy;
+        let is_triangle = self.of(element).len() == 3;
+        is_triangle.then(|| state(element).width_across()).flatten().filter(wide_enough)
     }
 
     /// Elements at a node.

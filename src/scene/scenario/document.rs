@@ -248,11 +248,6 @@ impl Document {
         document
     }
 
-    /// Whether a scenario may have a key at the path.
-    pub fn knows(&self, path: &str) -> bool {
-        path.split('.').try_fold(self.rule, |rule, key| rule.under(key)).is_some()
-    }
-
     /// The node at the key path, e.g. `layers.faces.1`.
     pub fn find(&self, path: &str) -> Option<&Node> {
         self.root.find(path)

@@ -220,6 +220,11 @@ impl Rule {
         of_table.or_else(|| self.item(key.parse().ok()?))
     }
 
+    /// The rule at a key path below, such as `layers.faces.1`.
+    pub fn at(&self, path: &str) -> Option<&Rule> {
+        path.split('.').try_fold(self, |rule, key| rule.under(key))
+    }
+
     /// Whether the path of a file is allowed.
     pub fn is_path(&self) -> bool {
         match self {

@@ -384,7 +384,6 @@ impl Signal {
     }
 }
 
-/// `values` over another signal, where that exceeds all before.
 /// Refuses options of a test that do not go together.
 fn check_together(map: &Map, outcomes: Option<&Outcomes>) -> Result<(), String> {
     let is_compared = map.contains_key("compare");
@@ -406,6 +405,7 @@ fn check_together(map: &Map, outcomes: Option<&Outcomes>) -> Result<(), String> 
     Err(format!("`{key}` has no effect here: {why}"))
 }
 
+/// `values` over another signal, where that exceeds all before.
 fn over_abscissa(abscissa: &Series, values: &Series) -> Series {
     let mut largest = f64::NEG_INFINITY;
     let (mut places, mut found) = (Vec::new(), Vec::new());

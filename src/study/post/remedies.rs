@@ -97,7 +97,7 @@ mod tests {
     }
 
     fn is_key(path: &str) -> bool {
-        path.split('.').try_fold(grammar::scenario(), |rule, key| rule.under(key)).is_some()
+        grammar::scenario().at(path).is_some()
     }
 
     /// Every second part of `text` between `quotes`.

@@ -23,7 +23,7 @@ use base::finding::Finding;
 use lab::experiment::coupon::Curve;
 use membrane::material::Law;
 use scene::model::{self, Model};
-use scene::scenario::{Assignment, Document};
+use scene::scenario::{Assignment, Document, grammar};
 use scene::simulate::{self, Across, Cancellation, Outcome, PullError, RunOptions};
 
 /// A checked scenario in a script. Cheap to clone.
@@ -223,7 +223,7 @@ impl Study {
 
     /// What is written at a key, `()` where nothing is.
     fn written(&self, key: &str) -> HostResult<Dynamic> {
-        if !self.0.document.knows(key) {
+        if grammar::scenario().at(key).is_none() {
             return Err(refuse(format!("a scenario has no key `{key}`")));
         }
         let Some(node) = self.0.document.find(key) else { return Ok(Dynamic::UNIT) };
