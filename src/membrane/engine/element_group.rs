@@ -106,6 +106,9 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Without a rupture criterion of their own.
     fn start_tear(&mut self, element: usize, width: f64, offset: f64);
 
+    /// Lets an element that tears go on from what it stores now.
+    fn go_on(&mut self, element: usize);
+
     /// Their rupture criterion.
     fn rupture(&self) -> Option<&Rupture>;
 
@@ -265,7 +268,7 @@ where
         let Blocks { count, corners, tearing: Some(tearing), .. } = &mut self.elements else { return };
         for i in 0..*count {
             let (b, l) = (i / LANES, i % LANES);
-            tearing.set_at_tip([b, l], corners[b].in_lane(l).into_iter().any(is_open));
+            tearing.set_beside_open([b, l], corners[b].in_lane(l).into_iter().any(is_open));
         }
     }
 
@@ -286,6 +289,11 @@ where
     fn start_tear(&mut self, element: usize, width: f64, offset: f64) {
         let tearing = self.elements.tearing.as_mut().expect("a tear");
         tearing.start([element / LANES, element % LANES], width, offset);
+    }
+
+    fn go_on(&mut self, element: usize) {
+        let tearing = self.elements.tearing.as_mut().expect("a tear");
+        tearing.go_on([element / LANES, element % LANES]);
     }
 
     fn rupture(&self) -> Option<&Rupture> {

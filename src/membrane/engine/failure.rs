@@ -1,6 +1,7 @@
 //! Failure of fibre sets, layer by layer, and of elements.
 
 use super::element::{Block, Blocks, ElementEnergy, TooWide, energy_at};
+use super::tips::smaller;
 use crate::lane::LANES;
 use crate::material::{History, MembraneLaw};
 
@@ -17,6 +18,9 @@ pub struct Failures {
     pub too_wide: Option<TooWide>,
     /// Whether a tear opened.
     pub opened: bool,
+    /// Least share of the work done on film around the tip of a tear that it would return, where all work would suffice for
+    /// the tear and that share does not.
+    pub returned: Option<f64>,
 }
 
 impl Failures {
@@ -27,6 +31,7 @@ impl Failures {
         self.energy.add(&other.energy);
         self.too_wide = TooWide::worse(self.too_wide, other.too_wide);
         self.opened |= other.opened;
+        self.returned = smaller(self.returned, other.returned);
     }
 }
 

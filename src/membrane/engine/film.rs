@@ -19,7 +19,7 @@ use super::mesh::Mesh;
 use super::nodes::{Nodes, Vectors};
 use super::section::Section;
 use super::thread_pool::ThreadPool;
-use super::tips::{MirrorPlane, Start, Tips};
+use super::tips::{Events, MirrorPlane, Start, Tips};
 use crate::lane::Width;
 
 /// A face of film ready to be stepped.
@@ -274,7 +274,7 @@ impl Film {
             self.find_tips();
         }
         if dt > 0.0 {
-            self.start_tears(&position);
+            total.returned = self.start_tears(&position);
         }
         if total.broken > 0 && self.bending.is_some() {
             let energy = |film: &Film| film.bending.as_ref().map_or(0.0, |bending| bending.energy(&position));
@@ -357,11 +357,14 @@ impl Film {
     }
 
     /// Starts the tears of elements at tips where film releases what they take (theory.md, equation 304).
-    fn start_tears(&mut self, position: &[&[f64]; 3]) {
-        let Some(tips) = &self.tips else { return };
+    /// Returns the least share of work that film returned at a tip where that decided.
+    fn start_tears(&mut self, position: &[&[f64]; 3]) -> Option<f64> {
+        let tips = self.tips.as_ref()?;
         let groups = self.groups();
-        let Some(rupture) = groups[0].rupture() else { return };
-        let starts = tips.starts(&groups, position, [rupture.fracture_energy, self.thickness]);
+        let rupture = groups[0].rupture()?;
+        let Events { starts, waiting, returned } =
+            tips.events(&groups, position, [rupture.fracture_energy, self.thickness]);
+        waiting.iter().for_each(|[c, e]| self.chunks[*c as usize].group.go_on(*e as usize));
         let mut opened = false;
         for Start { element: [c, e], width, offset } in starts {
             let group = &mut self.chunks[c as usize].group;
@@ -371,6 +374,7 @@ impl Film {
         if opened {
             self.find_tips();
         }
+        returned
     }
 
     /// Its elements, chunk by chunk.

@@ -134,6 +134,9 @@ pub struct Engine {
     failed: usize,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     too_wide: Option<TooWide>,
+    /// Least share of the work done on film around the tip of a tear that it would return, where all work would have sufficed
+    /// for the tear and that share did not.
+    returned: Option<f64>,
 }
 
 /// Nodes of a range.
@@ -223,6 +226,7 @@ impl Engine {
             node_ranges,
             failed: 0,
             too_wide: None,
+            returned: None,
         };
         // The stiffness depends on history variables, which pre-strain changes.
         // With no time: viscous film is mounted by this pass, and no strain rate arises from the pre-strain.
@@ -372,6 +376,7 @@ impl Engine {
             failures.add(&of_film);
         }
         self.too_wide = TooWide::worse(self.too_wide, failures.too_wide);
+        self.returned = tips::smaller(self.returned, failures.returned);
         if failures.broken > 0 {
             self.time_step.tear();
             self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
@@ -555,6 +560,7 @@ impl Engine {
             ledger: self.ledger,
             previous: &self.previous,
             too_wide: self.too_wide,
+            returned: self.returned,
             pool: &self.pool,
         }
     }

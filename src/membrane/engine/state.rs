@@ -23,6 +23,7 @@ pub struct State {
     inflated: Option<Inflated>,
     cushion: Option<CushionState>,
     too_wide: Option<TooWide>,
+    returned: Option<f64>,
     position: Vectors,
     velocity: Vectors,
     films: Vec<FilmHistory>,
@@ -56,6 +57,7 @@ impl Engine {
             inflated: *inflated,
             cushion: *cushion,
             too_wide: self.too_wide,
+            returned: self.returned,
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::save).collect(),
@@ -81,6 +83,7 @@ impl Engine {
         self.inflated = state.inflated;
         self.cushion = state.cushion;
         self.too_wide = state.too_wide;
+        self.returned = state.returned;
         self.failed = 0;
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;

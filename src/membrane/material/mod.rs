@@ -41,7 +41,7 @@ pub use plastic::{
 };
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use rupture::{Criterion, Limit, Rupture};
-pub(crate) use rupture::{Densities, OPEN, Tear};
+pub(crate) use rupture::{Densities, Tear};
 pub use tension_field::TensionField;
 pub use viscous::{
     Arrhenius, GAS_CONSTANT, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousLaw, ViscousStep, Wlf, Written,

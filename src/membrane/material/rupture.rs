@@ -81,9 +81,12 @@ fn interpolated(points: &[[f64; 2]], x: f64) -> f64 {
     points.get(after).map_or(value, |[to, next]| value + (next - value) * (x - from) / (to - from))
 }
 
-/// Share of its fracture energy that an element has spent, and nearly half of its forces lost, when the elements around it are at
-/// the tip.
-pub(crate) const OPEN: f64 = 0.25;
+/// Share of its fracture energy that an element has spent when the elements around it are at the tip.
+const OPEN: f64 = 0.25;
+
+/// Share of the film's forces that an element has then at most, whatever it has spent: less than by equation 303 where it is
+/// stretched by a third from its start on.
+const WEAK: f64 = 0.4;
 
 /// By how much the energy of equation 303 is larger than the fracture energy, over itself.
 const REST: f64 = 0.1;
@@ -152,6 +155,11 @@ impl Tear {
         self.width > 0.0
     }
 
+    /// Whether the element has started to tear and still has forces.
+    pub(crate) fn is_tearing(&self) -> bool {
+        self.has_started() && self.next > 0.0
+    }
+
     /// Energy stored and absorbed at the last position, J/m³.
     pub(crate) fn work(&self) -> f64 {
         self.stored + self.absorbed
@@ -160,6 +168,26 @@ impl Tear {
     /// Whether film that tears stores half of what it did when it started: less where the tear went on beside it.
     pub(crate) fn is_loaded(&self) -> bool {
         self.stored > 0.5 * self.start
+    }
+
+    /// Whether film that tears stores less than that at which it would go on to lose forces, in film of this fracture
+    /// energy (J/m²).
+    pub(crate) fn waits(&self, fracture_energy: f64) -> bool {
+        self.is_tearing() && self.next * (self.stored / self.start).sqrt() < self.left(fracture_energy).powi(2)
+    }
+
+    /// Lets film that waits lose forces from what it stores now on: ψ₀ of equation 303 becomes what it would have been,
+    /// had it started at this.
+    pub(crate) fn go_on(&mut self, fracture_energy: f64) {
+        if self.waits(fracture_energy) {
+            self.start =
+                (self.stored * (self.next / self.left(fracture_energy).powi(2)).powi(2)).max(f64::MIN_POSITIVE);
+        }
+    }
+
+    /// Share b of the energy of equation 303 that is left.
+    fn left(&self, fracture_energy: f64) -> f64 {
+        1.0 - self.spent * self.width * (1.0 - REST) / fracture_energy
     }
 
     /// Strain rate since the criterion was half way to its smallest limit, at the strain `strain`, 1/s.
@@ -175,6 +203,11 @@ impl Tear {
             true if self.next == 0.0 => 1.0,
             true => (self.spent * self.width / fracture_energy).min(1.0),
         }
+    }
+
+    /// Whether so much is torn that the elements around it are at the tip.
+    pub(crate) fn is_open(&self, fracture_energy: f64) -> bool {
+        self.has_started() && (self.next < WEAK || self.open(fracture_energy) > OPEN)
     }
 
     /// Moves on to the next position, with these energies there. The energies that were lost on the way: the work of

@@ -13,6 +13,9 @@ use membrane::engine::{
 };
 use membrane::material::Law;
 
+/// Share of the work done on it that film at the tip of a tear returns, above which the fracture energy decides.
+const RETURNING: f64 = 0.8;
+
 /// Figures that are known only at the end of a run.
 pub(super) struct Figures<'a> {
     /// Whether each impactor reached the end of the test without contact.
@@ -60,6 +63,8 @@ pub(super) struct Monitor {
     beyond: Option<(f64, f64)>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     too_wide: Option<TooWide>,
+    /// Least share of its work that film at a tip would return, where that decided.
+    returned: Option<f64>,
     has_bars: bool,
 }
 
@@ -156,6 +161,7 @@ impl Monitor {
             slack: None,
             beyond: None,
             too_wide: None,
+            returned: None,
             has_bars,
         }
     }
@@ -191,6 +197,7 @@ impl Monitor {
         }
         if torn.is_some() {
             self.too_wide = view.too_wide;
+            self.returned = view.returned;
         }
         if let Some(FilmContactState { distance, lost, unresolved, .. }) = *films {
             self.films(view.time, distance, lost);
@@ -295,6 +302,8 @@ impl Monitor {
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
         out.extend(self.biaxial.map(|(time, share, face)| Warning::UncoupledBiaxial { time, share, face }));
         out.extend(self.too_wide.map(|TooWide { width, ratio }| Warning::ElementsTooWide { width, ratio }));
+        let decides = self.returned.filter(|share| *share < RETURNING);
+        out.extend(decides.map(|share| Warning::TearByLimit { share }));
         out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
         out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
         let [steps, all] = self.unresolved;

@@ -304,14 +304,25 @@ findings! {
             width: f64, "its width across the tear, m" => "width_m";
             ratio: f64, "what it stored over what its tear takes" => "stored_over_fracture_energy";
         } = "elements-too-wide", Warning;
-            meaning "an element that reached its limit away from a tear stored more energy than its tear takes: the \
-                rest was lost with it, so that where and when a tear starts depends on the mesh";
+            meaning "an element that reached its limit, or came to the tip of a tear, stored more energy than its tear takes: \
+                the rest was lost with it, so that where and when film tears depends on the mesh";
             remedy "use a smaller `specimen.mesh.size`, or a lower limit: an element stores at its limit less than \
                 `specimen.material.rupture.energy` over its width";
             message "elements too wide for the fracture energy: one of {} mm stored {} times what its tear takes; the \
                 widest that fits is {} mm",
                 number::significant(1e3 * width, 3), number::significant(*ratio, 3),
                 number::significant(1e3 * width / ratio, 2);
+        TearByLimit {
+            share: f64, "least share of the work that film at a tip would return" => "returned";
+        } = "tear-by-limit", Warning;
+            meaning "film around the tip of a tear or cut would return so little of the work done on it that this is less than \
+                the tear takes, where all of the work would be more: not the fracture energy, but the limit decides when \
+                the tear goes on, and with it the element size";
+            remedy "give no force or travel at which film that absorbs or yields tears without its `specimen.mesh.size`; \
+                `specimen.material.rupture.limit` found on a sheet with a cut holds for elements of that size alone";
+            message "tear by its limit: at a tip film would return {} % of the work done on it, less than its tear takes, so \
+                that the limit decides there, which depends on the element size",
+                percent(share);
         FilmCrossing {
             time: f64, "when it did first, s" => "time_s";
             depth: f64, "largest depth, m" => "depth_m";

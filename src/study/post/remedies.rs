@@ -36,6 +36,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::ThinningBeforeBreak { .. }
         | Warning::EnergyBalance { .. }
         | Warning::ElementsTooWide { .. }
+        | Warning::TearByLimit { .. }
         | Warning::HardeningExceeded { .. }
         | Warning::StrainRateOutside { .. } => return warning.to_string(),
     };

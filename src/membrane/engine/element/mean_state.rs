@@ -42,16 +42,15 @@ impl MeanState {
         MeanState { gradients: self.gradients.map(reflected), f, stress, ..self }
     }
 
-    /// Extent (m) along the largest stretch, where that is one.
-    pub(crate) fn width_across(&self) -> Option<f64> {
-        let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let [f1, f2] = &self.f;
-        let metric = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
-        (largest(metric) > 1.0).then(|| width_across(&self.gradients, metric))
+    /// Share of the work done on it that it would return.
+    pub(crate) fn returned(&self) -> f64 {
+        let work = self.stored + self.absorbed;
+        if work > 0.0 { self.stored / work } else { 1.0 }
     }
 
     /// Part of the element in the material force (N, along MD and TD) on nodes whose shape functions have the sum of
-    /// gradients `gradient` (1/m) in it, for film around it that is deformed by `mean` (theory.md, equation 304).
+    /// gradients `gradient` (1/m) in it, for film around it that is deformed by `mean`, if it returned all work (theory.md,
+    /// equation 304).
     pub(crate) fn material_force(&self, gradient: [f64; 2], mean: &[[f64; 3]; 2]) -> [f64; 2] {
         let work = self.stored + self.absorbed;
         if self.volume == 0.0 || work <= 0.0 {
@@ -60,10 +59,10 @@ impl MeanState {
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let ([s11, s22, s12], [q1, q2]) = (self.stress, gradient);
         let flux = [s11 * q1 + s12 * q2, s12 * q1 + s22 * q2];
-        let share = self.volume * self.stored / work;
         std::array::from_fn(|i| {
             let relative: [f64; 3] = std::array::from_fn(|k| self.f[i][k] - mean[i][k]);
-            share * (flux[0] * dot(&relative, &self.f[0]) + flux[1] * dot(&relative, &self.f[1]) - work * gradient[i])
+            self.volume
+                * (flux[0] * dot(&relative, &self.f[0]) + flux[1] * dot(&relative, &self.f[1]) - work * gradient[i])
         })
     }
 }

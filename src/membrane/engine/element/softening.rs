@@ -5,7 +5,7 @@ use super::block::{Block, BlockEnergies, Blocks};
 use super::kernel::{block_energies, gather};
 use super::mean_state::{gradients_of, largest, width_across};
 use crate::lane::{Lane, Width, at_width, lanes, larger, splat};
-use crate::material::{Criterion, Densities, MembraneLaw, OPEN, Rupture, Tear};
+use crate::material::{Criterion, Densities, MembraneLaw, Rupture, Tear};
 
 at_width! {
     /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was
@@ -43,7 +43,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
             let mut tear = tearing.element_tear(b, l);
             let had_started = tear.has_started();
-            let was_open = tear.open(fracture_energy) > OPEN;
+            let was_open = tear.is_open(fracture_energy);
             // A tear releases the energy of the stabilisation, too.
             let stored = (stored[l] + hourglass[l]) / volume[l];
             let lost = tear.advance(Densities { stored, absorbed: absorbed[l] / volume[l] });
@@ -54,14 +54,14 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
                 let mut stress = || *stress.get_or_insert_with(|| block.stress(law, elements.viscous_block(b), &x));
                 let value = values.map(|values| values[l]);
                 let element = Element { block, metric: metric.map(|c| c[l]), strain: strains[l], value, lane: l };
-                let starts = element.starts(&tearing.rupture, &mut tear, dt, &mut stress, tearing.is_at_tip(b, l));
+                let starts = element.starts(&tearing.rupture, &mut tear, dt, &mut stress, tearing.is_beside_open(b, l));
                 if let Some(width) = starts {
                     tear.start(width);
                     tearing.lost.note_start(&tear, fracture_energy);
                 }
             }
             tear.soften(fracture_energy);
-            tearing.lost.opened |= !was_open && tear.open(fracture_energy) > OPEN;
+            tearing.lost.opened |= !was_open && tear.is_open(fracture_energy);
             // Also while a share falls: stiffness and time step change with it.
             changed |= tear.has_started() != had_started || tear.share == 0.0 || tear.share != tear.next;
             changed |= lost.stored != 0.0 || lost.absorbed != 0.0;
@@ -122,7 +122,7 @@ impl<B> Element<'_, B> {
         tear: &mut Tear,
         dt: f64,
         stress: &mut impl FnMut() -> [Lane<L>; 3],
-        at_tip: bool,
+        beside_open: bool,
     ) -> Option<f64>
     where
         B: Block<NODES, L>,
@@ -142,7 +142,7 @@ impl<B> Element<'_, B> {
             value >= smallest && value >= rupture.limit.value_at(triaxiality(stress(), self.metric), tear.rate(strain));
         let energy = rupture.fracture_energy;
         // Film beside a tear may be compressed, which does not open it.
-        let may_grow = at_tip && energy > 0.0 && strain > 0.0;
+        let may_grow = beside_open && energy > 0.0 && strain > 0.0;
         if !reaches && !may_grow {
             return None;
         }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::energy::ElementEnergy;
 use crate::lane::{Lane, splat};
-use crate::material::{OPEN, Rupture, Tear};
+use crate::material::{Rupture, Tear};
 
 /// Rupture of elements and its variables, block by block.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub(crate) struct Tearing<const L: usize> {
     /// The variables of [`Tear`]; of blocks far from a tear the energies are those of the last step near one.
     variables: Vec<[Lane<L>; Tear::VARIABLES]>,
     /// Which elements share a node with one that is open or deleted.
-    at_tip: Vec<[bool; L]>,
+    beside_open: Vec<[bool; L]>,
     /// Losses of the last pass.
     pub(super) lost: Lost,
     /// Volume of stress-free film of each element, also of deleted ones, m³.
@@ -88,8 +88,8 @@ impl<const L: usize> Tearing<L> {
     /// Tears of film that is whole, in blocks with elements of these volumes (m³).
     pub(crate) fn new(rupture: Arc<Rupture>, volumes: Vec<Lane<L>>) -> Tearing<L> {
         let variables = vec![Tear::NONE.variables().map(splat); volumes.len()];
-        let at_tip = vec![[false; L]; volumes.len()];
-        Tearing { rupture, variables, at_tip, lost: Lost::default(), volumes }
+        let beside_open = vec![[false; L]; volumes.len()];
+        Tearing { rupture, variables, beside_open, lost: Lost::default(), volumes }
     }
 
     /// Resets the variables to those of film that does not tear.
@@ -125,6 +125,13 @@ impl<const L: usize> Tearing<L> {
         self.set(block, lane, &tear);
     }
 
+    /// Lets the element at a block and lane tear on from what it stores now.
+    pub(crate) fn go_on(&mut self, [block, lane]: [usize; 2]) {
+        let mut tear = self.element_tear(block, lane);
+        tear.go_on(self.rupture.fracture_energy);
+        self.set(block, lane, &tear);
+    }
+
     /// Share of the film's forces that the elements of a block have at their next position.
     #[inline(always)]
     pub(crate) fn next(&self, block: usize) -> &Lane<L> {
@@ -151,25 +158,25 @@ impl<const L: usize> Tearing<L> {
 
     /// Bytes of its arrays.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.variables[..]) + size_of_val(&self.at_tip[..]) + size_of_val(&self.volumes[..])
+        size_of_val(&self.variables[..]) + size_of_val(&self.beside_open[..]) + size_of_val(&self.volumes[..])
     }
 
-    /// Whether half of the fracture energy of the element at a block and lane is spent.
+    /// Whether so much of the element at a block and lane is torn that the elements around it are at the tip.
     pub(crate) fn is_open(&self, block: usize, lane: usize) -> bool {
-        self.element_tear(block, lane).open(self.rupture.fracture_energy) > OPEN
+        self.element_tear(block, lane).is_open(self.rupture.fracture_energy)
     }
 
-    /// Whether the element at a block and lane is at the tip of a tear.
-    pub(super) fn is_at_tip(&self, block: usize, lane: usize) -> bool {
-        self.at_tip[block][lane]
+    /// Whether the element at a block and lane shares a node with one that is open or deleted.
+    pub(super) fn is_beside_open(&self, block: usize, lane: usize) -> bool {
+        self.beside_open[block][lane]
     }
 
-    /// Notes whether an element is at the tip of a tear.
-    pub(crate) fn set_at_tip(&mut self, [block, lane]: [usize; 2], at_tip: bool) {
-        self.at_tip[block][lane] = at_tip;
+    /// Notes whether an element shares a node with one that is open or deleted.
+    pub(crate) fn set_beside_open(&mut self, [block, lane]: [usize; 2], beside_open: bool) {
+        self.beside_open[block][lane] = beside_open;
     }
 
-    /// Where no element of a block tears, is at the tip of a tear, or reaches the smallest limit with its one of
+    /// Where no element of a block tears, is beside an open one, or reaches the smallest limit with its one of
     /// `values`: goes on to the next position after `dt` (s) with these strains. Whether that is so.
     #[inline(always)]
     pub(super) fn stays_whole(&mut self, block: usize, values: &Lane<L>, strains: &Lane<L>, dt: f64) -> bool {
@@ -179,7 +186,7 @@ impl<const L: usize> Tearing<L> {
         for l in 0..L {
             let reaches = values[l] >= smallest;
             let is_far = !reaches | (self.volumes[block][l] == 0.0);
-            is_whole &= is_far & (width[l] == 0.0) & (share[l] == 1.0) & (next[l] == 1.0) & !self.at_tip[block][l];
+            is_whole &= is_far & (width[l] == 0.0) & (share[l] == 1.0) & (next[l] == 1.0) & !self.beside_open[block][l];
         }
         if is_whole && dt > 0.0 {
             for l in 0..L {

@@ -42,7 +42,9 @@ impl Shape {
                 let row = j - 0.5 * f64::from(rows);
                 let [a, b] = [random(), random()].map(|r| 2.0 * uneven * r);
                 let x = (i - 0.5 * f64::from(columns) + skew * row % 1.0 + a) * along;
-                let y = (row + b) * across;
+                // Jaws hold straight lines of an even mesh.
+                let is_held = turned == 0.0 && row.abs() * across > 0.5 * height - 1e-9;
+                let y = if is_held { row * across } else { (row + b) * across };
                 Point3::new(0.5 * length + cos * x - sin * y, sin * x + cos * y, 0.0)
             })
             .collect();
@@ -148,24 +150,81 @@ impl Pulled {
     }
 }
 
-/// Γ of the rubber, J/m², its shear modulus, Pa, and the distance of its jaws, m: W H = Γ at a strain of 0.71.
-const RUBBER: [f64; 3] = [25e3, 395e3, 0.1];
+/// Γ of the rubber, J/m², and its shear modulus, Pa: W H = Γ at a strain of 0.71 where jaws are 0.1 m apart.
+const RUBBER: [f64; 2] = [25e3, 395e3];
 
-/// W H/Γ of a wide strip of the rubber that is strained so much.
-fn energy(strain: f64) -> f64 {
-    let [energy, mu, height] = RUBBER;
-    let stretch = 1.0 + strain;
-    0.5 * mu * (stretch * stretch + stretch.powi(-2) - 2.0) * height / energy
+/// Length of the wide strip and of its cut, m.
+const LENGTHS: [f64; 2] = [0.4, 0.1];
+
+/// A wide strip of rubber with a cut.
+struct Strip {
+    shape: Shape,
+    section: Section,
+    /// Distance of the jaws, m.
+    height: f64,
+    /// Height of film so strained that stores as much for its length as the strip does, m.
+    stores: f64,
 }
 
-/// A wide strip of the rubber with a cut, from this strain on.
-fn rubber(shape: Shape, strain: [f64; 2]) -> Pulled {
-    let [energy, mu, height] = RUBBER;
-    let law = HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::neo_hookean(mu), wrinkling: true });
-    let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(8.0), fracture_energy: energy };
-    let section =
-        Section { law: Law::Hyperelastic(law), rupture: Some(rupture), density: 930.0, thickness: 5e-4, ..section() };
-    Pulled { section, shape, lengths: [0.2, height], cut: [-0.01, 0.08], strain, damping: 100.0 }
+impl Strip {
+    fn new(shape: Shape) -> Strip {
+        let [energy, mu] = RUBBER;
+        let law = HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::neo_hookean(mu), wrinkling: true });
+        let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(8.0), fracture_energy: energy };
+        let section = Section {
+            law: Law::Hyperelastic(law),
+            rupture: Some(rupture),
+            density: 930.0,
+            thickness: 5e-4,
+            ..section()
+        };
+        // Jaws at nodes, with an element around the middle, where the cut is.
+        let [_, across] = shape.edges;
+        let rows = (0.1 / across).floor();
+        let height = across * if rows % 2.0 == 1.0 { rows } else { rows + 1.0 };
+        let mut strip = Strip { shape, section, height, stores: height };
+        if shape.turned != 0.0 {
+            strip.stores = strip.measured_height();
+        }
+        strip
+    }
+
+    /// The strip with a cut up to `cut` (m), from this strain on.
+    fn pulled(&self, length: f64, cut: f64, strain: [f64; 2], damping: f64) -> Pulled {
+        let Strip { shape, section, height, .. } = self;
+        Pulled {
+            section: section.clone(),
+            shape: *shape,
+            lengths: [length, *height],
+            cut: [cut - LENGTHS[1] - 0.01, cut],
+            strain,
+            damping,
+        }
+    }
+
+    /// By what strips of two lengths without a cut store at rest: jaws hold a mesh that is turned along no straight line.
+    fn measured_height(&self) -> f64 {
+        let strain = 0.7;
+        let [short, long] = [0.2, 0.4].map(|length| {
+            let (mut engine, ..) = self.pulled(length, -0.1, [strain, 0.0], 300.0).mounted();
+            while engine.time() < 0.1 {
+                engine.step(&mut Unobserved).unwrap();
+            }
+            engine.read_step(|view| view.films[0].energy(&view.nodes.position).stored).unwrap()
+        });
+        (long - short) / 0.2 / (self.section.thickness * stored(strain))
+    }
+
+    /// W H/Γ of the strip that is strained so much.
+    fn energy(&self, strain: f64) -> f64 {
+        stored(strain) * self.stores / RUBBER[0]
+    }
+}
+
+/// Energy of the wide strip per volume, J/m³.
+fn stored(strain: f64) -> f64 {
+    let stretch = 1.0 + strain;
+    0.5 * RUBBER[1] * (stretch * stretch + stretch.powi(-2) - 2.0)
 }
 
 /// Elements of 5 mm, long and short along the tear, uneven and skewed, in a mesh that is turned by so many degrees.
@@ -176,70 +235,70 @@ fn shapes(turned: f64) -> Vec<Shape> {
     [&even[..], &[Shape { uneven: 0.2, ..square }, Shape { skew: 0.4, ..square }]].concat()
 }
 
-/// Pulls the rubber at 1/s on meshes that are turned by so many degrees: whether the tear starts where W H is Γ, within
-/// a tenth, and whether it has grown by 15 mm before W H/Γ is `most`.
-fn tears_at_its_energy(turned: f64, most: f64) {
+/// Pulls the rubber at 0.5/s on meshes that are turned by so many degrees: whether the tear starts where W H is Γ, within
+/// 7 %, and has grown by 60 mm before W H/Γ is 1.08.
+fn tears_at_its_energy(turned: f64) {
     for shape in shapes(turned) {
-        let (moments, _) = rubber(shape, [0.4, 1.0]).torn(15e-3, 1.1);
-        let [start, grown] = moments.map(|moment| energy(moment.expect("a tear").strain));
-        println!("{shape:?}: starts at W H/Γ {start:.3}, grown by 15 mm at {grown:.3}");
-        assert!((start - 1.0).abs() < 0.1, "{shape:?}: starts at {start}");
-        assert!(grown >= start && grown < most, "{shape:?}: grown at {grown}");
+        let strip = Strip::new(shape);
+        let (moments, _) = strip.pulled(LENGTHS[0], LENGTHS[1], [0.45, 0.5], 100.0).torn(60e-3, 1.1);
+        let [start, grown] = moments.map(|moment| moment.map_or(f64::NAN, |moment| strip.energy(moment.strain)));
+        println!(
+            "{shape:?}, {:.4} for {:.3} m: starts at W H/Γ {start:.3}, grown by 60 mm at {grown:.3}",
+            strip.stores, strip.height
+        );
+        assert!((start - 1.0).abs() < 0.07, "{shape:?}: starts at {start}");
+        assert!(grown >= start && grown < 1.08, "{shape:?}: grown at {grown}");
     }
 }
 
 #[test]
 fn a_wide_strip_of_rubber_tears_at_its_energy_on_elements_of_any_shape() {
-    tears_at_its_energy(0.0, 1.2);
+    tears_at_its_energy(0.0);
 }
 
 #[test]
 fn a_wide_strip_of_rubber_tears_at_its_energy_on_a_mesh_that_is_turned() {
-    tears_at_its_energy(22.5, 1.5);
+    tears_at_its_energy(22.5);
 }
 
 #[test]
 fn a_wide_strip_of_rubber_tears_at_its_energy_along_diagonals() {
-    tears_at_its_energy(45.0, 1.2);
+    tears_at_its_energy(45.0);
 }
 
-/// A strip that rests with 1.25 Γ starts to tear without being pulled on, and one with 0.85 Γ does not.
+/// A strip that rests with 1.15 Γ tears without being pulled on, and one with 0.85 Γ does not.
 #[test]
 fn a_tip_at_rest_starts_above_its_energy_alone() {
-    let rests = |share: f64| {
-        let (mut low, mut high) = (0.0, 2.0);
-        while high - low > 1e-9 {
-            let middle = 0.5 * (low + high);
-            if energy(middle) < share { low = middle } else { high = middle }
-        }
-        high
-    };
     for turned in [0.0, 22.5, 45.0] {
-        for (share, tears) in [(1.25, true), (0.85, false)] {
-            let shape = Shape::even([5e-3; 2], turned);
+        let strip = Strip::new(Shape::even([5e-3; 2], turned));
+        for (share, tears) in [(1.15, true), (0.85, false)] {
+            let (mut low, mut high) = (0.0, 2.0);
+            while high - low > 1e-9 {
+                let middle = 0.5 * (low + high);
+                if strip.energy(middle) < share { low = middle } else { high = middle }
+            }
             // Damped so much that film around the cut does not swing beyond its state of rest.
-            let (mut engine, ..) = Pulled { damping: 2000.0, ..rubber(shape, [rests(share), 0.0]) }.mounted();
-            while engine.time() < 0.2 {
+            let (mut engine, ..) = strip.pulled(LENGTHS[0], LENGTHS[1], [high, 0.0], 2000.0).mounted();
+            while engine.time() < 0.3 {
                 engine.step(&mut Unobserved).unwrap();
             }
             let torn = engine.read_step(|view| view.torn().unwrap().length).unwrap();
             println!("turned by {turned}°, {share} Γ: torn by {:.1} mm", 1e3 * torn);
-            assert_eq!(torn > 2e-3, tears, "turned by {turned}°, {share} Γ: {torn} m");
-            assert!(tears || torn == 0.0, "turned by {turned}°, {share} Γ: {torn} m");
+            assert!(if tears { torn > 10e-3 } else { torn == 0.0 }, "turned by {turned}°, {share} Γ: {torn} m");
         }
     }
 }
 
 /// Stress at which a crack in a wide plate grows, over that of G = π σ² a/E sec(π a/L) with half the length a of the cut in
 /// whole elements.
-fn centre_crack(shape: Shape) -> f64 {
-    let (energy, half, length) = (1370.0, 0.0275, 0.2);
+fn centre_crack(shape: Shape, half: f64, by: f64) -> f64 {
+    let (energy, length) = (1370.0, 0.2);
     let law = Law::Elastic(Elastic { young: YOUNG, poisson: POISSON });
     let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.5), fracture_energy: energy };
     let section = Section { law, rupture: Some(rupture), thickness: THICKNESS, ..section() };
     let cut = [0.5 * length - half + 1e-4, 0.5 * length + half - 1e-4];
-    let pulled = Pulled { section, shape, lengths: [length, 0.3], cut, strain: [0.005, 0.1], damping: 1000.0 };
-    let ([_, grown], cut) = pulled.torn(10e-3, 0.08);
+    let pulled = Pulled { section, shape, lengths: [length, 0.305], cut, strain: [0.005, 0.1], damping: 1000.0 };
+    let ([_, grown], cut) = pulled.torn(by, 0.12);
     let (pi, half) = (std::f64::consts::PI, 0.5 * cut);
     grown.expect("a tear").stress * (pi * half / (pi * half / length).cos() / (YOUNG * energy)).sqrt()
 }
@@ -249,9 +308,20 @@ fn a_crack_in_the_middle_of_a_plate_grows_at_its_stress() {
     for turned in [0.0, 22.5, 45.0] {
         let square = Shape::even([5e-3; 2], turned);
         for shape in [square, Shape { uneven: 0.2, ..square }] {
-            let ratio = centre_crack(shape);
+            let ratio = centre_crack(shape, 0.0275, 10e-3);
             println!("{shape:?}: stress over that of the crack {ratio:.3}");
             assert!((ratio - 1.0).abs() < 0.1, "{shape:?}: {ratio}");
         }
+    }
+}
+
+/// Of cuts as short as one element and more.
+#[test]
+fn a_short_crack_grows_at_its_stress() {
+    let square = Shape::even([5e-3; 2], 0.0);
+    for elements in 1..6 {
+        let ratio = centre_crack(square, 2.5e-3 * f64::from(elements), 1e-3);
+        println!("{elements} elements: stress over that of the crack {ratio:.3}");
+        assert!((ratio - 1.0).abs() < 0.1, "{elements} elements: {ratio}");
     }
 }

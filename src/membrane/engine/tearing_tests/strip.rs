@@ -178,9 +178,7 @@ fn a_wide_strip_tears_at_its_fracture_energy_on_any_mesh() {
         energies.push((kind, size, start / expected - 1.0, energy / FRACTURE_ENERGY - 1.0, imbalance));
     }
     for (kind, size, start, energy, imbalance) in energies {
-        // Of two triangles that make a step the first one holds the tear back: they take its energy, but late (docs/limits.md).
-        let bound = if kind == Kind::Triangles { 0.1 } else { 0.03 };
-        assert!(start.abs() < bound, "{kind:?} {size} m: start {start}");
+        assert!(start.abs() < 0.03, "{kind:?} {size} m: start {start}");
         assert!(energy.abs() < 0.05, "{kind:?} {size} m: energy {energy}");
         assert!(imbalance < 0.01, "{kind:?} {size} m: imbalance {imbalance}");
     }
@@ -192,7 +190,7 @@ const RELAXING: f64 = 0.4;
 /// The tear takes Γ within the hundredth that an element loses with its rest, and what the law absorbs in its elements
 /// is part of it. Film that relaxes much faster or much slower than it is strained tears at the strain of Griffith's
 /// balance for its long-term or its instantaneous modulus; all other film takes more than with the latter. The balance
-/// errs by the square of the step; 2·10⁻⁴ is the error of the first steps, which exchange next to nothing.
+/// errs by the square of the step, most where the tear runs as fast as waves let it; 2·10⁻⁴ is the error of the first steps, which exchange next to nothing.
 #[test]
 fn a_viscous_strip_takes_its_fracture_energy_besides_what_it_absorbs() {
     let lengths @ [height, ..] = [0.06, 0.1, 0.03];
@@ -221,7 +219,7 @@ fn a_viscous_strip_takes_its_fracture_energy_besides_what_it_absorbs() {
         );
         assert!(excess.abs() < 0.01 && torn.area > 0.98 * strip.whole(), "{kind:?} {time} s: {excess}");
         assert!(of_law > 0.0 && of_law < energies.absorbed, "{kind:?} {time} s: {of_law} J");
-        assert!(*imbalance < 3e-3 && half.0.imbalance < 0.5 * imbalance + 2e-4, "{kind:?} {time} s: {imbalance}");
+        assert!(*imbalance < 0.01 && half.0.imbalance < 0.5 * imbalance + 2e-4, "{kind:?} {time} s: {imbalance}");
         assert!(*start > 0.97 * at_once, "{kind:?} {time} s: {start}");
         if let Some(expected) = expected {
             assert!((start / expected - 1.0).abs() < 0.03, "{kind:?} {time} s: {start} for {expected}");

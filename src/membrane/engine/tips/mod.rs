@@ -1,5 +1,7 @@
 //! Tips of tears: where film releases what a tear takes, and the element that tears next (theory.md, section 25).
 
+mod domain;
+
 use super::element::{MeanState, corners};
 use super::element_group::ElementGroup;
 use crate::material::Tear;
@@ -7,20 +9,9 @@ use crate::material::Tear;
 /// An element of a film: its chunk, and its number there.
 type Element = [u32; 2];
 
-/// Rings of elements around one at a tip whose nodes move with the tip: the material force is that of the ring beyond.
-const RINGS: usize = 2;
-
-/// An element at a tip stores more than this over the square root of its area where the material force is near the
+/// Work is done on an element at a tip by more than this over the square root of its area where the material force is near the
 /// fracture energy (J/m²), by a margin of four on all shapes (theory.md, equation 304).
 const LEAST: f64 = 1.0 / 16.0;
-
-/// Share of what film releases that the means over coarse elements show: 0.91 to 0.97 of the energy of a wide strip, and all
-/// of a crack's (theory.md, equation 304).
-const SHOWN: f64 = 0.985;
-
-/// Energy that film releases where a triangle at a tip tears, over that which it stores, as on squares of a wide
-/// strip (theory.md, equation 303a).
-const RELEASED_BY_TRIANGLES: f64 = 4.0;
 
 /// Smallest length of a tear in an element over its area for its width.
 const SHORTEST: f64 = 0.2;
@@ -53,6 +44,18 @@ pub(super) struct Start {
     pub width: f64,
     /// Distance of its middle from the line of the tear, m.
     pub offset: f64,
+}
+
+/// What happens at the tips of a film.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Events {
+    /// Elements that start to tear.
+    pub starts: Vec<Start>,
+    /// Elements that have started, and wait though the tip releases what their tear takes.
+    pub waiting: Vec<Element>,
+    /// Least share of the work done on film around a tip that it would return, where all work would suffice for its tear
+    /// and that share does not.
+    pub returned: Option<f64>,
 }
 
 /// Elements of a film that tears, and their neighbours.
@@ -131,23 +134,27 @@ impl Tips {
         }
     }
 
-    /// The elements at tips that start to tear, in film of this fracture energy (J/m²) and thickness (m, all layers).
-    pub(super) fn starts(
+    /// The elements at tips that start to tear, or go on to, in film of this fracture energy (J/m²) and thickness (m, all
+    /// layers).
+    pub(super) fn events(
         &self,
         groups: &[&dyn ElementGroup],
         position: &[&[f64]; 3],
         [energy, thickness]: [f64; 2],
-    ) -> Vec<Start> {
+    ) -> Events {
         let state = |[c, e]: Element| groups[c as usize].mean_state(e as usize, position);
         let tear = |[c, e]: Element| groups[c as usize].tear(e as usize);
-        let mut starts: Vec<Start> = vec![];
+        let Events { mut starts, mut waiting, mut returned } = Events::default();
+        let enough = energy * thickness;
         for element in &self.at_tip {
             let (own, volume) = tear(*element);
-            if own.has_started() || own.stored * (volume / thickness).sqrt() < LEAST * energy {
+            if own.work() * (volume / thickness).sqrt() < LEAST * energy {
                 continue;
             }
-            if let Some(width) = self.width_of_triangle(*element, own.stored, energy, &state) {
-                starts.push(Start { element: *element, width, offset: 0.0 });
+            if own.has_started() {
+                if own.waits(energy) && size(self.material_force(*element, &state, &tear)[0]) >= enough {
+                    waiting.push(*element);
+                }
                 continue;
             }
             let near = self.ring(&[*element]);
@@ -165,12 +172,15 @@ impl Tips {
             if around.iter().filter(|other| *other != element).any(yields) {
                 continue;
             }
-            let force = self.material_force(*element, &state);
-            let size = (force[0] * force[0] + force[1] * force[1]).sqrt();
-            if size < SHOWN * energy * thickness {
+            let [force, of_work] = self.material_force(*element, &state, &tear);
+            let released = size(force);
+            if released < enough {
+                if size(of_work) >= enough {
+                    returned = smaller(returned, Some(released / size(of_work)));
+                }
                 continue;
             }
-            let along = [force[0] / size, force[1] / size];
+            let along = force.map(|part| part / released);
             let may_tear = |other: &Element| {
                 let (of_other, _) = tear(*other);
                 self.place(*other) == Place::AtTip
@@ -187,21 +197,7 @@ impl Tips {
                 starts.push(Start { element, width, offset });
             }
         }
-        starts
-    }
-
-    /// Width (m) across a tear of a triangle that starts by what it stores (J/m³): the means over triangles, and over either of
-    /// two that make a step of a tear, differ too much from each other for (304) alone.
-    fn width_of_triangle(
-        &self,
-        element: Element,
-        stored: f64,
-        energy: f64,
-        state: &impl Fn(Element) -> MeanState,
-    ) -> Option<f64> {
-        let wide_enough = |width: &f64| RELEASED_BY_TRIANGLES * stored * width >= energy;
-        let is_triangle = self.of(element).len() == 3;
-        is_triangle.then(|| state(element).width_across()).flatten().filter(wide_enough)
+        Events { starts, waiting, returned }
     }
 
     /// Elements at a node.
@@ -233,54 +229,6 @@ impl Tips {
         all.sort_unstable();
         all.dedup();
         all
-    }
-
-    /// Material force (N, along MD and TD) on the tip at an element: on all nodes of [`RINGS`] around it, by the ring
-    /// beyond (theory.md, equation 304).
-    fn material_force(&self, element: Element, state: &impl Fn(Element) -> MeanState) -> [f64; 2] {
-        // Elements and nodes beyond mirror planes are images: each with the planes, a bit each, beyond which it lies.
-        let nodes_of = |(element, beyond): (Element, u8)| {
-            self.of(element).iter().map(move |node| (*node, beyond & !self.mirrors[*node as usize]))
-        };
-        let around = |images: &[(Element, u8)]| {
-            let mut all: Vec<(Element, u8)> = vec![];
-            for (node, beyond) in images.iter().flat_map(|image| nodes_of(*image)) {
-                let on = self.mirrors[node as usize];
-                for bits in (0..4).filter(|bits| bits & !on == 0) {
-                    all.extend(self.at(node).iter().map(|element| (*element, beyond | bits)));
-                }
-            }
-            all.sort_unstable();
-            all.dedup();
-            all
-        };
-        let mut moved = vec![(element, 0)];
-        for _ in 0..RINGS {
-            moved = around(&moved);
-        }
-        let mut nodes: Vec<(u32, u8)> = moved.iter().flat_map(|image| nodes_of(*image)).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let mean = state(element).f;
-        let mut force = [0.0; 2];
-        for image in around(&moved) {
-            let within: Vec<bool> = nodes_of(image).map(|node| nodes.binary_search(&node).is_ok()).collect();
-            if within.iter().all(|is_moved| *is_moved) {
-                continue;
-            }
-            let (element, beyond) = image;
-            let mut state = state(element);
-            for axis in (0..2).filter(|axis| beyond & (1 << axis) != 0) {
-                state = state.mirrored(self.normals[axis], axis);
-            }
-            let mut gradient = [0.0; 2];
-            for (of_node, _) in state.gradients.iter().zip(&within).filter(|(_, is_moved)| **is_moved) {
-                (0..2).for_each(|i| gradient[i] += of_node[i]);
-            }
-            let part = state.material_force(gradient, &mean);
-            (0..2).for_each(|i| force[i] += part[i]);
-        }
-        force
     }
 
     /// An element at a tip and the distance (m) of its middle from the line of a tear that runs `along` (MD and TD), where
@@ -347,5 +295,18 @@ impl Tips {
         let (area, extent) = (state.volume / thickness, most - least);
         let width = area / (ahead - reached).max(SHORTEST * area / extent);
         width.min(most_aside.max(extent))
+    }
+}
+
+/// Length of a vector.
+fn size([a, b]: [f64; 2]) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
+/// The smaller of two figures.
+pub(super) fn smaller(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+    match (one, other) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
     }
 }
