@@ -55,6 +55,42 @@ fn two_faces_that_tear_do_not_cross() {
 }
 
 #[test]
+#[ignore = "x"]
+fn measure_tearing() {
+    for factor in [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.25] {
+        let films = [(square(0.2, 20, 0.0), 0.01, [0.0; 3]), (square(0.2, 20, 0.3), 0.0, [0.0; 3])];
+        let rupture =
+            Rupture { criterion: Criterion::Strain, limit: Limit::One(0.05), fracture_energy: FRACTURE_ENERGY };
+        let scene = Scene {
+            prestrain: 0.02,
+            is_clamped: true,
+            friction: 0.3,
+            rupture: vec![Some(rupture)],
+            sphere: Some((0.03, 6.0, 0.5)),
+            loads: Loads { step_factor: factor, ..Loads::default() },
+            ..Scene::default()
+        };
+        let mut run = scene.with(&films);
+        let start = run.after(1);
+        let (mut error, mut distance, mut crossings, mut lost, mut first) = (0.0_f64, f64::INFINITY, 0, 0, None);
+        while run.engine.time() < 0.025 {
+            let now = run.after(25);
+            crossings = crossings.max(now.crossings);
+            if now.crossings > 0 && first.is_none() {
+                first = Some((run.engine.time(), now.contact));
+            }
+            distance = distance.min(now.contact.distance);
+            lost = now.contact.lost;
+            error = error.max(now.balance_error(&start));
+        }
+        println!(
+            "TEARING {factor}: crossings {crossings} lost {lost} distance/h {} error {error:e} first {first:?}",
+            distance / THICKNESS
+        );
+    }
+}
+
+#[test]
 fn a_face_that_tears_does_not_cross_the_one_below() {
     check([true, false], 0.5);
 }
