@@ -10,6 +10,7 @@ mod detection;
 mod gradient;
 mod hierarchy;
 mod pairs;
+mod piercing;
 mod topology;
 
 pub(super) use detection::{FoundPairs, Step};
@@ -201,10 +202,13 @@ impl SelfContact {
         self.pairs.replace(all);
     }
 
-    /// Least distance of the pairs, m, where it is less than `distance`.
+    /// Least distance of the pairs, m, where it is less than `distance`; where film passes through film, less the largest
+    /// depth.
     pub(super) fn least_distance(&self, surface: &Surface, position: &Vectors, distance: f64) -> f64 {
         let of_pair = |place: usize| signed_distance(surface, position, &self.pairs.get(place));
-        self.pairs.places().map(of_pair).fold(distance, f64::min)
+        let least = self.pairs.places().map(of_pair).fold(distance, f64::min);
+        let depth = self.largest_depth(surface, position);
+        if depth > 0.0 { least.min(-depth) } else { least }
     }
 
     /// The history after the last step.
