@@ -278,36 +278,25 @@ impl Wrap {
 
 #[test]
 fn a_sheet_that_wraps_around_a_ball_does_not_cross_itself() {
-    for step_factor in [1.0, 0.5] {
-        let course = Wrap { thickness: 3e-4, speed: 4.0, friction: 0.4, step_factor }.course();
+    for (speed, step_factor) in [(4.0, 1.0), (4.0, 0.5), (6.0, 0.5)] {
+        let course = Wrap { thickness: 3e-4, speed, friction: 0.4, step_factor }.course();
         assert_eq!((course.crossings, course.lost, course.unresolved[0]), (0, 0, 0), "{course:?}");
         assert!(course.distance > 0.0 && course.pressed > 50 && course.balance < 2e-3, "{course:?}");
     }
 }
 
-/// Folds that move over themselves faster pass through each other at some time, a known limit: the distance of film tells.
+/// 24 variants of it.
 #[test]
-fn a_sheet_that_crosses_itself_around_a_faster_ball_is_reported() {
-    let course = Wrap { thickness: 3e-4, speed: 6.0, friction: 0.4, step_factor: 0.5 }.course();
-    assert!((1..=4).contains(&course.crossings) && course.distance < 0.0, "{course:?}");
-}
-
-/// Variants of both: few cross, all of them where the ball is faster, and all that do tell.
-#[test]
-#[ignore = "two minutes; measures a known limit (docs/limits.md)"]
-fn few_variants_of_a_sheet_around_a_ball_cross_and_all_of_them_are_reported() {
-    let mut crossed = vec![];
+#[ignore = "minutes"]
+fn no_variant_of_a_sheet_around_a_ball_crosses_itself() {
     for step_factor in [1.0, 0.5] {
-        for speed in [4.0, 6.0] {
+        for speed in [4.0, 6.0, 8.0] {
             for (thickness, friction) in [(2e-4, 0.4), (3e-4, 0.4), (5e-4, 0.4), (3e-4, 0.0)] {
                 println!("{thickness} m, {speed} m/s, friction {friction}, steps {step_factor}:");
                 let course = Wrap { thickness, speed, friction, step_factor }.course();
-                assert_eq!(course.crossings > 0, course.distance < 0.0, "{course:?}");
-                assert!(course.crossings <= 4 && course.balance < 2e-3, "{course:?}");
-                crossed.extend((course.crossings > 0).then_some(speed));
+                assert_eq!((course.crossings, course.lost), (0, 0), "{course:?}");
+                assert!(course.distance > 0.1 * thickness && course.balance < 2.5e-3, "{course:?}");
             }
         }
     }
-    println!("{} of 16 cross", crossed.len());
-    assert!(crossed.len() <= 5 && crossed.iter().all(|speed| *speed == 6.0), "{crossed:?}");
 }
