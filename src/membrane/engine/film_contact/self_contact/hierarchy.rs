@@ -1,13 +1,15 @@
-//! Triangles of a face in bounding volumes with cones of their normals, built once and refitted.
+//! Triangles of a face in bounding volumes with their deformation gradients, built once and refitted.
 //!
-//! Film whose normals are all within a right angle of one direction is the graph of a function over the plane across it
-//! and cannot meet itself (Volino and Magnenat-Thalmann 1994), if it is convex as mounted: between two lips of a slit, or
-//! around a notch, film lies beside film that it may meet.
+//! Film over a convex region does not meet itself where its gradients are all near one ([`gradient`](super::gradient)).
+//! The triangles of a volume have a ragged outline; the region of a volume is a rectangle around them, with all triangles
+//! that it cuts. The face has to be convex as mounted, and no cut, tear, hole or notch may lie in the rectangle: between
+//! two lips of a slit, or around a notch, film lies beside film that it may meet.
 
 use std::ops::Range;
 
 use nalgebra::Vector3;
 
+use super::gradient::{Gradient, Gradients, Mounted, Plane};
 use crate::engine::film_contact::surface::{NONE, Surface};
 use crate::engine::film_contact::tracking::place;
 use crate::engine::footprint::bytes;
@@ -16,11 +18,11 @@ use crate::engine::nodes::Vectors;
 /// Triangles of a leaf at most.
 const LEAF: usize = 4;
 
-/// Largest angle of normals from the axis of their cone for which film does not meet itself, rad: 85°.
-const WIDEST: f64 = 1.483_529_864_195_180_2;
-
-/// Share of the size of a face by which it may lie beside a line or plane and still counts as on it.
+/// Share of the size of a face by which it may lie beside a line and still counts as on it.
 const FLAT: f64 = 1e-6;
+
+/// Share of the size of a face by which a triangle may reach into a rectangle that it only touches.
+const TOUCH: f64 = 1e-9;
 
 /// A face in bounding volumes.
 pub(super) struct Hierarchy {
@@ -30,8 +32,16 @@ pub(super) struct Hierarchy {
     volumes: Vec<Volume>,
     /// Bounds of each triangle in this order, as of the last fit.
     boxes: Vec<Bounds>,
-    /// Edges of the outline as mounted that all of the face lies on one side of, in order.
+    /// Edges of the outline as mounted that all of the face lies on one side of, seen along z, in order.
     hull: Vec<u32>,
+    /// The triangles as mounted in this order; none where film was not a single-valued surface over the plane across z.
+    mounted: Option<Mounted>,
+    /// Their deformation gradients when they were measured last.
+    gradients: Vec<Gradient>,
+    /// Their least altitudes as mounted, m; zero where film has ended at one of their edges, or they have no gradient.
+    altitudes: Vec<f64>,
+    /// Places of the triangles that the rectangles of the leaves cut.
+    covers: Vec<u32>,
 }
 
 /// Lowest and highest coordinates, m.
@@ -45,13 +55,14 @@ struct Bounds {
 #[derive(Clone, Debug)]
 struct Volume {
     bounds: Bounds,
-    /// Sum of the areas times the normals of its triangles, m².
-    area: Vector3<f64>,
-    /// Largest angle of a normal from that sum until the next search, rad; infinite where film in it may meet itself
-    /// whatever the angle.
-    angle: f64,
+    /// Of the triangles that its rectangle cuts.
+    gradients: Gradients,
+    /// Least altitude of these as mounted, m; zero where film in the rectangle may meet itself whatever the gradients.
+    altitude: f64,
     /// Of [`Hierarchy::triangles`].
     range: Range<u32>,
+    /// Of [`Hierarchy::covers`]; of leaves only.
+    cover: Range<u32>,
     /// Volume of the second half; zero for a leaf.
     second: u32,
 }
@@ -70,7 +81,15 @@ impl Hierarchy {
         let triangles: Vec<u32> = sorted.into_iter().map(|(triangle, _)| triangle).collect();
         let hull = hull(surface, position, &triangles);
         let boxes = vec![Bounds::EMPTY; triangles.len()];
-        Hierarchy { triangles, volumes, boxes, hull }
+        let mounted = Mounted::new(surface, position, &triangles);
+        let corners = |triangle: &u32| surface.corners_at(position, *triangle).map(|corner| [corner.x, corner.y]);
+        let covers = if mounted.is_some() {
+            let corners: Vec<[[f64; 2]; 3]> = triangles.iter().map(corners).collect();
+            cover(&corners, &mut volumes)
+        } else {
+            vec![]
+        };
+        Hierarchy { triangles, volumes, boxes, hull, mounted, gradients: vec![], altitudes: vec![], covers }
     }
 
     /// Whether an edge of the triangle is one beside which film may meet film without a fold: of a cut, a tear, a hole or
@@ -87,78 +106,81 @@ impl Hierarchy {
         intact.any(|triangle| self.is_open(surface, *triangle))
     }
 
-    /// Distance by which two points of a face without open edges may come nearer to each other until it may meet itself,
-    /// m; not positive where it may do so already, as its normals spread too far.
-    pub(super) fn spared(&self, surface: &Surface, position: &Vectors) -> f64 {
-        let area = |triangle: u32| {
-            let [a, b, c] = surface.corners_at(position, triangle);
-            ((b - a).cross(&(c - a)), [b - a, c - b, a - c])
-        };
-        let sum: Vector3<f64> = self.triangles.iter().map(|triangle| area(*triangle).0).sum();
-        let axis = sum / sum.norm();
-        let (sin, cos) = WIDEST.sin_cos();
-        let of_triangle = |triangle: &u32| {
-            let (area, sides) = area(*triangle);
-            let twice = area.norm();
-            // Each radian by which the normal turns is a motion of a corner over the opposite edge of one altitude. From
-            // the cosine instead of the angle: the sine is concave, so that the angle left is larger than this.
-            (area.dot(&axis) / twice - cos) / sin * (twice / longest(&sides))
-        };
-        let least = self.triangles.iter().map(of_triangle).fold(f64::INFINITY, f64::min);
-        if least.is_nan() { 0.0 } else { least }
+    /// Takes the gradients of film at `position`.
+    pub(super) fn measure(&mut self, surface: &Surface, position: &Vectors) {
+        let Some(mounted) = &self.mounted else { return };
+        self.gradients.clear();
+        let triangles = self.triangles.iter().enumerate();
+        self.gradients.extend(triangles.map(|(k, t)| mounted.gradient(k, &surface.corners_at(position, *t))));
     }
 
-    /// Fits the volumes to the film at `position`, which moves by no more than `margin` (m) over itself until the next
-    /// search.
-    pub(super) fn refit(&mut self, surface: &Surface, position: &Vectors, margin: f64) {
+    /// Distance by which two points of a face without open edges may come nearer to each other, after it was measured,
+    /// until parts of it that share no node may be nearer than `bound` (m), m; not positive where they may be already.
+    pub(super) fn spared(&self, bound: f64) -> f64 {
+        let Some(mounted) = &self.mounted else { return 0.0 };
+        let Some(plane) = Plane::of(&mounted.mean(&self.gradients)) else { return 0.0 };
+        // Parts that share no node were at least that far apart as mounted.
+        let least = bound / mounted.least_altitude;
+        let mut spared = f64::INFINITY;
+        for (k, gradient) in self.gradients.iter().enumerate() {
+            let of_triangle = mounted.altitude(k) * (plane.monotonicity(gradient) - least);
+            // Also what is not a number.
+            if of_triangle < spared || of_triangle.is_nan() {
+                spared = of_triangle;
+            }
+        }
+        if spared.is_nan() { 0.0 } else { spared }
+    }
+
+    /// Fits the volumes to the film at `position`, where it was measured.
+    pub(super) fn refit(&mut self, surface: &Surface, position: &Vectors) {
+        self.altitudes.clear();
+        if let Some(mounted) = &self.mounted {
+            for (k, triangle) in self.triangles.iter().enumerate() {
+                let is_whole = surface.is_intact[*triangle as usize] && !self.is_open(surface, *triangle);
+                let is_finite = self.gradients[k].iter().sum::<f64>().is_finite();
+                self.altitudes.push(if is_whole && is_finite { mounted.altitude(k) } else { 0.0 });
+            }
+        }
         for k in (0..self.volumes.len()).rev() {
-            let Volume { ref range, second, .. } = self.volumes[k];
-            let fitted = match second {
-                0 => {
-                    let range = range.clone();
-                    self.leaf(surface, position, margin, range)
-                }
+            let fitted = match self.volumes[k].second {
+                0 => self.leaf(surface, position, k),
                 second => self.volumes[k + 1].with(&self.volumes[second as usize]),
             };
-            self.volumes[k] = Volume { second, ..fitted };
+            let Volume { bounds, gradients, altitude, .. } = &mut self.volumes[k];
+            (*bounds, *gradients, *altitude) = fitted;
         }
     }
 
-    fn leaf(&mut self, surface: &Surface, position: &Vectors, margin: f64, range: Range<u32>) -> Volume {
-        let (mut bounds, mut area, mut largest) = (Bounds::EMPTY, Vector3::zeros(), 0.0);
-        let mut normals = [(Vector3::zeros(), 0.0); LEAF];
-        let mut count = 0;
+    fn leaf(&mut self, surface: &Surface, position: &Vectors, at: usize) -> (Bounds, Gradients, f64) {
+        let Volume { ref range, ref cover, .. } = self.volumes[at];
+        let mut bounds = Bounds::EMPTY;
         for k in range.start as usize..range.end as usize {
             let triangle = self.triangles[k];
             self.boxes[k] = Bounds::EMPTY;
-            if !surface.is_intact[triangle as usize] {
-                continue;
-            }
-            let [a, b, c] = surface.corners_at(position, triangle);
-            self.boxes[k] = Bounds::EMPTY.around(&a).around(&b).around(&c);
-            bounds = bounds.with(&self.boxes[k]);
-            let twice = (b - a).cross(&(c - a));
-            area += twice;
-            normals[count] = (twice, margin * longest(&[b - a, c - b, a - c]) / twice.norm());
-            count += 1;
-            if self.is_open(surface, triangle) {
-                largest = f64::INFINITY;
+            if surface.is_intact[triangle as usize] {
+                let [a, b, c] = surface.corners_at(position, triangle);
+                self.boxes[k] = Bounds::EMPTY.around(&a).around(&b).around(&c);
+                bounds = bounds.with(&self.boxes[k]);
             }
         }
-        for (normal, turn) in &normals[..count] {
-            largest = worse(largest, angle(normal, &area) + turn);
+        let mut gradients = Gradients::EMPTY;
+        let mut altitude = if cover.is_empty() { 0.0 } else { f64::INFINITY };
+        for k in &self.covers[cover.start as usize..cover.end as usize] {
+            gradients = gradients.around(&self.gradients[*k as usize]);
+            altitude = self.altitudes[*k as usize].min(altitude);
         }
-        Volume { bounds, area, angle: largest, range, second: 0 }
+        (bounds, gradients, altitude)
     }
 
-    /// Calls `meet` with all pairs of intact triangles of which any points may lie within `reach` (m) of each other, and
-    /// with each triangle and itself, but for those on film that cannot meet itself.
+    /// Calls `meet` with all pairs of intact triangles of which any points may lie within `reach` (m) of each other, but for
+    /// those on film whose parts that share no node are farther from each other.
     pub(super) fn for_each_pair(&self, surface: &Surface, reach: f64, meet: &mut impl FnMut(u32, u32)) {
         let mut left = vec![[0_usize; 2]];
         while let Some([one, other]) = left.pop() {
             let (a, b) = (&self.volumes[one], &self.volumes[other]);
             let is_same = one == other;
-            if is_same && a.angle < WIDEST {
+            if is_same && a.is_apart(reach) {
                 continue;
             }
             if !is_same && !a.bounds.is_within(reach, &b.bounds) {
@@ -193,22 +215,23 @@ impl Hierarchy {
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
-        bytes(&self.triangles) + bytes(&self.volumes) + bytes(&self.boxes) + bytes(&self.hull)
+        let mounted = self.mounted.as_ref().map_or(0, Mounted::bytes);
+        let of_triangles =
+            bytes(&self.triangles) + bytes(&self.boxes) + bytes(&self.gradients) + bytes(&self.altitudes);
+        of_triangles + bytes(&self.volumes) + bytes(&self.hull) + bytes(&self.covers) + mounted
     }
 }
 
 impl Volume {
-    /// Both halves.
-    fn with(&self, other: &Volume) -> Volume {
-        let area = self.area + other.area;
-        let of_half = |half: &Volume| half.angle + angle(&half.area, &area);
-        Volume {
-            bounds: self.bounds.with(&other.bounds),
-            area,
-            angle: worse(of_half(self), of_half(other)),
-            range: self.range.start..other.range.end,
-            second: 0,
-        }
+    /// Bounds, gradients and altitude of both halves.
+    fn with(&self, other: &Volume) -> (Bounds, Gradients, f64) {
+        let (bounds, gradients) = (self.bounds.with(&other.bounds), self.gradients.with(&other.gradients));
+        (bounds, gradients, self.altitude.min(other.altitude))
+    }
+
+    /// Whether its parts that share no node are farther than `reach` (m) from each other.
+    fn is_apart(&self, reach: f64) -> bool {
+        self.altitude > 0.0 && self.altitude * self.gradients.monotonicity() > reach
     }
 }
 
@@ -249,8 +272,8 @@ impl Bounds {
 /// Divides triangles with their middles into halves along the longest side of their box until they are leaves.
 fn divide(triangles: &mut [(u32, Vector3<f64>)], range: Range<u32>, volumes: &mut Vec<Volume>) {
     let at = volumes.len();
-    let area = Vector3::zeros();
-    volumes.push(Volume { bounds: Bounds::EMPTY, area, angle: 0.0, range: range.clone(), second: 0 });
+    let (bounds, gradients) = (Bounds::EMPTY, Gradients::EMPTY);
+    volumes.push(Volume { bounds, gradients, altitude: 0.0, range: range.clone(), cover: 0..0, second: 0 });
     if triangles.len() <= LEAF {
         return;
     }
@@ -266,8 +289,72 @@ fn divide(triangles: &mut [(u32, Vector3<f64>)], range: Range<u32>, volumes: &mu
     divide(second, middle..range.end, volumes);
 }
 
-/// Edges of the outline of a face that all of its outline lies on one side of, if it is mounted in a plane of constant
-/// height; none otherwise.
+/// A rectangle in the plane across z.
+#[derive(Clone, Copy)]
+struct Rectangle {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Rectangle {
+    fn around(corners: &[[f64; 2]]) -> Rectangle {
+        let by = |of: fn(f64, f64) -> f64, k: usize| corners.iter().map(|corner| corner[k]).reduce(of).unwrap_or(0.0);
+        Rectangle { low: [0, 1].map(|k| by(f64::min, k)), high: [0, 1].map(|k| by(f64::max, k)) }
+    }
+
+    /// Whether the inside of a triangle, counterclockwise, reaches into it by more than `touch` (m).
+    fn cuts(&self, corners: &[[f64; 2]; 3], touch: f64) -> bool {
+        let of = Rectangle::around(corners);
+        let overlap = (0..2).all(|k| of.high[k] > self.low[k] + touch && of.low[k] < self.high[k] - touch);
+        overlap
+            && (0..3).all(|k| {
+                let ([a, b], [c, d]) = (corners[k], corners[(k + 1) % 3]);
+                // To the left of the side.
+                let [x, y] = [b - d, c - a];
+                let farthest = [
+                    if x > 0.0 { self.high[0] } else { self.low[0] },
+                    if y > 0.0 { self.high[1] } else { self.low[1] },
+                ];
+                x * (farthest[0] - a) + y * (farthest[1] - b) > touch * x.hypot(y)
+            })
+    }
+}
+
+/// Gives the leaves of `volumes` the triangles that their rectangles cut, from the corners of all as mounted: the places of
+/// these, leaf by leaf. The rectangle of a volume holds its triangles and is that of its halves together.
+fn cover(corners: &[[[f64; 2]; 3]], volumes: &mut [Volume]) -> Vec<u32> {
+    let mut own: Vec<Rectangle> = volumes
+        .iter()
+        .map(|Volume { range, .. }| Rectangle::around(corners[range.start as usize..range.end as usize].as_flattened()))
+        .collect();
+    let Rectangle { low, high } = own[0];
+    let touch = TOUCH * (high[0] - low[0]).hypot(high[1] - low[1]);
+    let mut covers = vec![];
+    let all: Vec<u32> = (0..corners.len() as u32).collect();
+    let mut left = vec![(0_usize, all)];
+    while let Some((at, mut within)) = left.pop() {
+        let whole = own[at];
+        within.retain(|k| whole.cuts(&corners[*k as usize], touch));
+        let (first, second) = (at + 1, volumes[at].second as usize);
+        if second == 0 {
+            let from = covers.len() as u32;
+            covers.extend(within);
+            volumes[at].cover = from..covers.len() as u32;
+            continue;
+        }
+        // Divided where the halves overlap least.
+        let [a, b] = [own[first], own[second]];
+        let axis = usize::from(a.high[1] - b.low[1] < a.high[0] - b.low[0]);
+        let middle = 0.5 * (a.high[axis] + b.low[axis]);
+        [own[first], own[second]] = [whole; 2];
+        own[first].high[axis] = a.high[axis].max(middle);
+        own[second].low[axis] = b.low[axis].min(middle);
+        left.extend([(second, within.clone()), (first, within)]);
+    }
+    covers
+}
+
+/// Edges of the outline of a face that all of its outline lies on one side of, seen along z.
 fn hull(surface: &Surface, position: &Vectors, triangles: &[u32]) -> Vec<u32> {
     let sides = triangles.iter().flat_map(|triangle| (0..3).map(move |k| (*triangle as usize, k)));
     let outline: Vec<u32> =
@@ -277,14 +364,11 @@ fn hull(surface: &Surface, position: &Vectors, triangles: &[u32]) -> Vec<u32> {
         triangles.iter().flat_map(|triangle| &surface.corners[*triangle as usize]).map(at).collect();
     let low = corners.iter().fold(Vector3::repeat(f64::INFINITY), |low, corner| low.inf(corner));
     let high = corners.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |high, corner| high.sup(corner));
-    let size = (high - low).norm();
-    if high.z - low.z > FLAT * size {
-        return vec![];
-    }
+    let size = (high - low).xy().norm();
     let ends: Vec<Vector3<f64>> = outline.iter().flat_map(|edge| &surface.edges[*edge as usize]).map(at).collect();
     let is_hull = |edge: &u32| {
         let [a, b] = surface.edges[*edge as usize].each_ref().map(at);
-        let along = (b - a) / (b - a).norm();
+        let along = (b - a).xy().normalize();
         let beside = ends.iter().map(|p| along.x * (p.y - a.y) - along.y * (p.x - a.x));
         let (least, most) = beside.fold((0.0_f64, 0.0_f64), |(least, most), d| (least.min(d), most.max(d)));
         least > -FLAT * size || most < FLAT * size
@@ -292,20 +376,4 @@ fn hull(surface: &Surface, position: &Vectors, triangles: &[u32]) -> Vec<u32> {
     let mut hull: Vec<u32> = outline.iter().copied().filter(is_hull).collect();
     hull.sort_unstable();
     hull
-}
-
-#[inline(always)]
-fn longest([a, b, c]: &[Vector3<f64>; 3]) -> f64 {
-    a.norm_squared().max(b.norm_squared()).max(c.norm_squared()).sqrt()
-}
-
-/// Angle between two vectors, rad; zero where one is zero, as of a volume without triangles.
-fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-    let product = (a.norm_squared() * b.norm_squared()).sqrt();
-    if product == 0.0 { 0.0 } else { (a.dot(b) / product).clamp(-1.0, 1.0).acos() }
-}
-
-/// The larger of two angles; infinite where one is not a number.
-fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

@@ -2,13 +2,15 @@
 //!
 //! Every node and triangle and every two edges of one face that are near each other, but not along the film, are a pair
 //! with a history: the side on which they have come to each other ([`pairs`]). A search finds them in bounding volumes
-//! with cones of normals ([`hierarchy`]), so that film without folds costs next to nothing; [`detection`] finds those that
-//! would come too close in a step, and their constraints (theory.md, section 6).
+//! with the deformation gradients of their triangles ([`hierarchy`], [`gradient`]), so that film without folds costs next
+//! to nothing; [`detection`] finds those that would come too close in a step, and their constraints (theory.md, section 6).
 
 mod closest;
 mod detection;
+mod gradient;
 mod hierarchy;
 mod pairs;
+mod piercing;
 mod topology;
 
 pub(super) use detection::{FoundPairs, Step};
@@ -171,20 +173,21 @@ impl SelfContact {
         let mut found = vec![];
         self.margin = f64::INFINITY;
         for face in 0..self.hierarchies.len() {
+            let (reach, bound) = (self.reach[face], self.bound[face]);
+            let hierarchy = &mut self.hierarchies[face];
+            hierarchy.measure(surface, position);
             if !self.has_open_edges[face] {
-                let spared = self.hierarchies[face].spared(surface, position);
+                let spared = hierarchy.spared(bound);
                 if spared > SPARED_STEPS * 2.0 * last_motion && spared > 0.0 {
                     self.margin = self.margin.min(spared);
                     continue;
                 }
             }
-            let (reach, bound) = (self.reach[face], self.bound[face]);
             // What is not found is farther than `reach`.
-            let margin = reach - bound;
-            self.margin = self.margin.min(margin);
-            self.hierarchies[face].refit(surface, position, margin);
+            self.margin = self.margin.min(reach - bound);
+            hierarchy.refit(surface, position);
             let topology = &self.topology;
-            self.hierarchies[face].for_each_pair(surface, reach, &mut |one, other| {
+            hierarchy.for_each_pair(surface, reach, &mut |one, other| {
                 topology.candidates(surface, [one, other], &mut |parts| {
                     if distance_within(surface, position, parts, reach).is_some() {
                         found.push(SelfPair { parts, sign: 0.0, bound, whole: bound, due: 0.0 });
@@ -199,10 +202,13 @@ impl SelfContact {
         self.pairs.replace(all);
     }
 
-    /// Least distance of the pairs, m, where it is less than `distance`.
+    /// Least distance of the pairs, m, where it is less than `distance`; where film passes through film, less the largest
+    /// depth.
     pub(super) fn least_distance(&self, surface: &Surface, position: &Vectors, distance: f64) -> f64 {
         let of_pair = |place: usize| signed_distance(surface, position, &self.pairs.get(place));
-        self.pairs.places().map(of_pair).fold(distance, f64::min)
+        let least = self.pairs.places().map(of_pair).fold(distance, f64::min);
+        let depth = self.largest_depth(surface, position);
+        if depth > 0.0 { least.min(-depth) } else { least }
     }
 
     /// The history after the last step.
@@ -265,7 +271,34 @@ impl SelfContactHistory {
 impl SelfContact {
     /// Distance by which two points of the first face may come nearer to each other before it has to be searched, m; zero
     /// where it is searched whatever its shape.
-    pub(super) fn spared(&self, surface: &Surface, position: &Vectors) -> f64 {
-        if self.has_open_edges[0] { 0.0 } else { self.hierarchies[0].spared(surface, position) }
+    pub(super) fn spared(&mut self, surface: &Surface, position: &Vectors) -> f64 {
+        self.hierarchies[0].measure(surface, position);
+        if self.has_open_edges[0] { 0.0 } else { self.hierarchies[0].spared(self.bound[0]) }
+    }
+
+    /// Pairs of triangles of the first face that a search looks at.
+    pub(super) fn pairs_of_triangles(&mut self, surface: &Surface, position: &Vectors) -> usize {
+        let hierarchy = &mut self.hierarchies[0];
+        hierarchy.measure(surface, position);
+        hierarchy.refit(surface, position);
+        let mut count = 0;
+        hierarchy.for_each_pair(surface, self.reach[0], &mut |_, _| count += 1);
+        count
+    }
+
+    /// Parts of the first face that may meet and are nearer than `distance` (m), or than its reach, of all pairs of
+    /// triangles.
+    pub(super) fn parts_within(&self, surface: &Surface, position: &Vectors, distance: Option<f64>) -> usize {
+        let distance = distance.unwrap_or(self.reach[0]);
+        let mut count = 0;
+        let intact = || surface.faces[0].clone().filter(|triangle| surface.is_intact[*triangle as usize]);
+        for one in intact() {
+            for other in intact().filter(|other| *other > one) {
+                self.topology.candidates(surface, [one, other], &mut |parts| {
+                    count += usize::from(distance_within(surface, position, parts, distance).is_some());
+                });
+            }
+        }
+        count
     }
 }

@@ -7,7 +7,7 @@ use crate::material::{Criterion, Limit};
 
 /// A grid of quadrilaterals, `cells` along each direction, at `place` of shares between 0 and 1; closed where the last
 /// column is the first one again.
-fn grid(cells: [u32; 2], is_closed: bool, place: impl Fn(f64, f64) -> Point3<f64>) -> Mesh {
+pub(super) fn grid(cells: [u32; 2], is_closed: bool, place: impl Fn(f64, f64) -> Point3<f64>) -> Mesh {
     let [columns, rows] = cells;
     let row = if is_closed { columns } else { columns + 1 };
     let share = |k: u32, of: u32| f64::from(k) / f64::from(of);
@@ -21,7 +21,7 @@ fn grid(cells: [u32; 2], is_closed: bool, place: impl Fn(f64, f64) -> Point3<f64
     Mesh { nodes, quads, ..Mesh::default() }
 }
 
-fn section(young: f64) -> Section {
+pub(super) fn section(young: f64) -> Section {
     Section {
         law: Law::Elastic(Elastic { young, poisson: 0.3 }),
         viscosity: None,
@@ -35,7 +35,7 @@ fn section(young: f64) -> Section {
 }
 
 /// Film that meets itself, mounted from `mesh` with a velocity (m/s) at every point.
-fn mount(mesh: &Mesh, section: &Section, velocity: impl Fn(Vector3<f64>) -> [f64; 3]) -> (Film, Nodes) {
+pub(super) fn mount(mesh: &Mesh, section: &Section, velocity: impl Fn(Vector3<f64>) -> [f64; 3]) -> (Film, Nodes) {
     let mut nodes = Nodes::default();
     let film = Film::mount(mesh, section, 0.0, &mut nodes).unwrap();
     for n in film.nodes.clone() {
@@ -47,36 +47,36 @@ fn mount(mesh: &Mesh, section: &Section, velocity: impl Fn(Vector3<f64>) -> [f64
 
 /// Pairs of triangles of one film that cross each other, but for those that have no other point in common than film that
 /// is connected has.
-fn self_crossings(view: &View<'_>) -> usize {
-    let at = |n: u32| Vector3::from(view.nodes.position.value_at(n as usize));
+pub(super) fn crossing_pairs(film: &Film, nodes: &Nodes) -> usize {
+    let at = |n: u32| Vector3::from(nodes.position.value_at(n as usize));
+    let mut all: Vec<[u32; 3]> = vec![];
+    film.for_each_intact(|corners| {
+        all.push([corners[0], corners[1], corners[2]]);
+        if corners.len() == 4 {
+            all.push([corners[0], corners[2], corners[3]]);
+        }
+    });
+    let low = |t: &[u32; 3]| at(t[0]).inf(&at(t[1])).inf(&at(t[2]));
+    let high = |t: &[u32; 3]| at(t[0]).sup(&at(t[1])).sup(&at(t[2]));
+    let boxes: Vec<_> = all.iter().map(|t| (low(t), high(t))).collect();
+    let pierced =
+        |edge: [u32; 2], t: &[u32; 3]| !edge.iter().any(|n| t.contains(n)) && pierces(edge.map(at), t.map(at));
+    let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     let mut count = 0;
-    for film in view.films {
-        let mut all: Vec<[u32; 3]> = vec![];
-        film.for_each_intact(|corners| {
-            all.push([corners[0], corners[1], corners[2]]);
-            if corners.len() == 4 {
-                all.push([corners[0], corners[2], corners[3]]);
-            }
-        });
-        let low = |t: &[u32; 3]| at(t[0]).inf(&at(t[1])).inf(&at(t[2]));
-        let high = |t: &[u32; 3]| at(t[0]).sup(&at(t[1])).sup(&at(t[2]));
-        let boxes: Vec<_> = all.iter().map(|t| (low(t), high(t))).collect();
-        let pierced =
-            |edge: [u32; 2], t: &[u32; 3]| !edge.iter().any(|n| t.contains(n)) && pierces(edge.map(at), t.map(at));
-        let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-        for (k, s) in all.iter().enumerate() {
-            for (l, t) in all.iter().enumerate().skip(k + 1) {
-                let apart =
-                    (0..3).any(|axis| boxes[k].0[axis] > boxes[l].1[axis] || boxes[l].0[axis] > boxes[k].1[axis]);
-                if !apart {
-                    let cross =
-                        edges(s).into_iter().any(|e| pierced(e, t)) || edges(t).into_iter().any(|e| pierced(e, s));
-                    count += usize::from(cross);
-                }
+    for (k, s) in all.iter().enumerate() {
+        for (l, t) in all.iter().enumerate().skip(k + 1) {
+            let apart = (0..3).any(|axis| boxes[k].0[axis] > boxes[l].1[axis] || boxes[l].0[axis] > boxes[k].1[axis]);
+            if !apart {
+                let cross = edges(s).into_iter().any(|e| pierced(e, t)) || edges(t).into_iter().any(|e| pierced(e, s));
+                count += usize::from(cross);
             }
         }
     }
     count
+}
+
+fn self_crossings(view: &View<'_>) -> usize {
+    view.films.iter().map(|film| crossing_pairs(film, view.nodes)).sum()
 }
 
 /// What a run came to.
@@ -251,53 +251,52 @@ fn the_lips_of_a_tear_meet() {
     course.check(10);
 }
 
-/// Flat film, film bent about one line, and film that was cut: how far it may move until it has to be searched.
-#[test]
-fn film_that_cannot_meet_itself_is_not_searched() {
-    use super::super::self_contact::SelfContact;
-    use super::super::surface::Surface;
-
-    let (mut film, mut nodes) = mount(&square(0.1, 10, 0.0), &section(2e8), |_| [0.0; 3]);
-    let flat = nodes.clone();
-    let surface = Surface::new(std::slice::from_ref(&film));
-    let itself = SelfContact::new(std::slice::from_ref(&film), &surface, &flat);
-    // Half squares with sides of 10 mm: the least altitude is that over the diagonal. Bent, they are longer uphill.
-    let widest = 85_f64.to_radians();
-    for slope in [0.0_f64, 30.0, 60.0, 80.0, 84.0, 86.0] {
-        let slope = slope.to_radians();
-        for n in 0..nodes.mass.len() {
-            let [x, y, _] = flat.position.value_at(n);
-            nodes.position.set(n, [x, y, x.abs() * slope.tan()]);
-        }
-        let uphill = 0.01 / slope.cos();
-        let altitude = 0.01 * uphill / f64::hypot(0.01, uphill);
-        let expected = altitude * (slope.cos() - widest.cos()) / widest.sin();
-        let found = itself.spared(&surface, &nodes.position);
-        assert!((found - expected).abs() < 1e-9 * altitude, "{slope}: {found} for {expected}");
-    }
-    // A cut that ends inside has edges beside which film is on the other side, too.
-    film.cut(&flat, &[[-0.06, 0.002], [0.02, 0.002]]);
-    let surface = Surface::new(std::slice::from_ref(&film));
-    let cut = SelfContact::new(std::slice::from_ref(&film), &surface, &flat);
-    assert_eq!(cut.spared(&surface, &flat.position), 0.0);
+/// A free sheet around a ball: its thickness (m), the speed of the ball (m/s), the friction, and the share of the time step.
+struct Wrap {
+    thickness: f64,
+    speed: f64,
+    friction: f64,
+    step_factor: f64,
 }
 
-/// A ball flies into a free sheet, which wraps around it in sharp folds that move over themselves by more than they are
-/// thick in a step.
-#[test]
-fn a_sheet_that_wraps_around_a_ball_does_not_cross_itself() {
-    let (thickness, friction) = (3e-4, 0.4);
-    for step_factor in [1.0, 0.5] {
+impl Wrap {
+    /// Of the ball's flight into the sheet, which wraps around it in sharp folds that move over themselves by more than
+    /// they are thick in a step.
+    fn course(&self) -> Course {
+        let Wrap { thickness, speed, friction, step_factor } = *self;
         let section = Section { thickness, ..section(5e6) };
         let (film, nodes) = mount(&square(0.4, 25, 0.0), &section, |_| [0.0; 3]);
         let offset = vec![0.5 * thickness; nodes.mass.len()];
         let pose = Isometry3::translation(0.0, 0.0, 0.04 + 0.5 * thickness);
         let contact = Contact::new(Surface::sphere(0.04).unwrap(), friction, 1.0, offset);
-        let ball = Impact::new(RigidBody::guided(pose, -4.0, 0.5), contact).starting_in_contact(true);
+        let ball = Impact::new(RigidBody::guided(pose, -speed, 0.5), contact).starting_in_contact(true);
         let loads = Loads { gravity: 9.81, damping: 5.0, step_factor, ..Loads::default() };
         let engine = Engine::new(vec![film], nodes, [ball], loads).with_self_contact(friction);
-        let course = Run { engine }.course(0.12, 10);
+        Run { engine }.course(0.12, 10)
+    }
+}
+
+#[test]
+fn a_sheet_that_wraps_around_a_ball_does_not_cross_itself() {
+    for (speed, step_factor) in [(4.0, 1.0), (4.0, 0.5), (6.0, 0.5)] {
+        let course = Wrap { thickness: 3e-4, speed, friction: 0.4, step_factor }.course();
         assert_eq!((course.crossings, course.lost, course.unresolved[0]), (0, 0, 0), "{course:?}");
         assert!(course.distance > 0.0 && course.pressed > 50 && course.balance < 2e-3, "{course:?}");
+    }
+}
+
+/// 24 variants of it.
+#[test]
+#[ignore = "minutes"]
+fn no_variant_of_a_sheet_around_a_ball_crosses_itself() {
+    for step_factor in [1.0, 0.5] {
+        for speed in [4.0, 6.0, 8.0] {
+            for (thickness, friction) in [(2e-4, 0.4), (3e-4, 0.4), (5e-4, 0.4), (3e-4, 0.0)] {
+                println!("{thickness} m, {speed} m/s, friction {friction}, steps {step_factor}:");
+                let course = Wrap { thickness, speed, friction, step_factor }.course();
+                assert_eq!((course.crossings, course.lost), (0, 0), "{course:?}");
+                assert!(course.distance > 0.1 * thickness && course.balance < 2.5e-3, "{course:?}");
+            }
+        }
     }
 }

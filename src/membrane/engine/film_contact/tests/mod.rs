@@ -1,6 +1,7 @@
 //! Films that meet, against conservation laws and a search for crossings that shares nothing with the contact.
 
 mod itself;
+mod searched;
 mod tearing;
 
 use nalgebra::{Isometry3, Point3, Vector3};

@@ -8,9 +8,7 @@ use crate::material::{Criterion, Limit};
 const FRACTURE_ENERGY: f64 = 1e4;
 
 /// A sphere at 6 m/s on two clamped squares with meshes that do not fit, 10 mm apart, of which those marked may tear.
-/// Central differences err by the square of the step where elements lose their forces in a few steps: with the whole step
-/// the largest error of the balance is 0.0056 of the energy exchanged.
-fn check(may_tear: [bool; 2], step_factor: f64) {
+fn tear(may_tear: [bool; 2], step_factor: f64) -> Run {
     let films = [(square(0.2, 20, 0.0), 0.01, [0.0; 3]), (square(0.2, 20, 0.3), 0.0, [0.0; 3])];
     let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.05), fracture_energy: FRACTURE_ENERGY };
     let scene = Scene {
@@ -22,7 +20,13 @@ fn check(may_tear: [bool; 2], step_factor: f64) {
         loads: Loads { step_factor, ..Loads::default() },
         ..Scene::default()
     };
-    let mut run = scene.with(&films);
+    scene.with(&films)
+}
+
+/// Central differences err by the square of the step where elements lose their forces in a few steps: with the whole step
+/// the largest error of the balance is 0.0056 of the energy exchanged.
+fn check(may_tear: [bool; 2], step_factor: f64) {
+    let mut run = tear(may_tear, step_factor);
     let start = run.after(1);
     let (mut error, mut lowest) = (0.0_f64, f64::INFINITY);
     while run.engine.time() < 0.025 {
@@ -48,10 +52,42 @@ fn check(may_tear: [bool; 2], step_factor: f64) {
     assert!((taken / rupture - 1.0).abs() < 1e-9, "{taken} J for {rupture} J");
 }
 
+/// Largest number of pairs of triangles of two faces that tear which cross at a time, and how often contact was lost.
+fn crossed(step_factor: f64) -> (usize, u64) {
+    let mut run = tear([true, true], step_factor);
+    let (mut most, mut lost) = (0, 0);
+    while run.engine.time() < 0.025 {
+        let now = run.after(25);
+        (most, lost) = (now.crossings.max(most), now.contact.lost);
+    }
+    println!("steps {step_factor}: {most} cross, lost {lost} times");
+    (most, lost)
+}
+
+/// Not for every step: see below.
 #[test]
 fn two_faces_that_tear_do_not_cross() {
-    // With half the step two torn edges pass each other (docs/limits.md).
     check([true, true], 0.9);
+}
+
+/// A known limit: with half the step, torn edges of two faces that meet edge to edge pass each other, of which the run
+/// knows only that contact was lost.
+#[test]
+fn torn_edges_that_pass_each_other_are_reported_as_lost() {
+    let (most, lost) = crossed(0.5);
+    assert!((1..=3).contains(&most) && lost > 0, "{most} {lost}");
+}
+
+#[test]
+#[ignore = "two minutes; measures a known limit (docs/limits.md)"]
+fn torn_edges_pass_each_other_with_some_steps_and_are_reported_as_lost() {
+    let mut count = 0;
+    for step_factor in [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.25] {
+        let (most, lost) = crossed(step_factor);
+        assert!(most <= 3 && (most == 0 || lost > 0), "{step_factor}: {most} {lost}");
+        count += usize::from(most > 0);
+    }
+    assert!(count <= 4, "{count} of nine cross");
 }
 
 #[test]
