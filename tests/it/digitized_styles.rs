@@ -154,6 +154,8 @@ struct Reading {
     peak: f64,
     /// Share of the axis along which the curve was found.
     found: f64,
+    /// Half of the points state an error below this, of the axis.
+    error: f64,
 }
 
 fn reading(found: &Digitized, of: Known) -> Reading {
@@ -169,11 +171,14 @@ fn reading(found: &Digitized, of: Known) -> Reading {
     let largest = inner().map(|([_, value], _)| *value).fold(0.0, f64::max);
     let known = (0..=4000).map(|k| of(2e-3 + 0.116 * f64::from(k) / 4000.0)).fold(0.0, f64::max);
     let count = inner().count();
+    let mut errors: Vec<f64> = inner().map(|(_, error)| *error).collect();
+    errors.sort_unstable_by(f64::total_cmp);
     Reading {
         within: within as f64 / count as f64,
         worst: worst / ENDS[1],
         peak: (largest - known).abs() / ENDS[1],
         found: count as f64 / (0.116 / step),
+        error: errors[errors.len() / 2] / ENDS[1],
     }
 }
 
