@@ -162,7 +162,11 @@ impl Figures {
                 1 => String::new(),
                 count => format!(" +- {} ({count} tests)", figure(*deviation, 2)),
             };
-            let _ = writeln!(text, "coupling of MD and TD {}{of_all}: fabric.biaxial", figure(*mean, 3));
+            let _ = writeln!(
+                text,
+                "coupling of MD and TD {}{of_all}: fabric.biaxial, and this test as its biaxial_source",
+                figure(*mean, 3)
+            );
         }
         text += &findings::lines("", &self.findings);
         text.extend(self.written.iter().map(|file| format!("wrote {file}\n")));

@@ -248,15 +248,6 @@ pub enum Law {
 }
 
 impl Law {
-    /// Whether it is a fabric whose MD and TD do not know of each other's strain.
-    pub fn is_uncoupled(&self) -> bool {
-        match self {
-            Law::Fabric(law) => !law.has_biaxial(),
-            Law::RateFabric(law) => !law.has_biaxial(),
-            Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) | Law::Plastic(_) => false,
-        }
-    }
-
     /// Strains at which the MD and TD fibres break when they are strained slowly.
     pub fn break_strains(&self) -> [f64; 2] {
         self.break_range()[0]

@@ -40,6 +40,8 @@ struct Film {
     material: Material,
     /// Whether its break strains are not those of its curves: `break_factor` moves them.
     break_is_moved: bool,
+    /// Biaxial coupling of a fabric that does not tell its source.
+    unsourced_coupling: Option<f64>,
     /// Standard deviation of the break strains of layers over their mean.
     break_scatter: f64,
     /// The MD and TD curves without multipliers, to which film relaxes on the frame; none where it does not.
@@ -85,7 +87,9 @@ fn film(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostic
     let relaxed = relaxed(written, path, mistakes);
     let moves = |fabric: &scenario::Fabric| [&fabric.md, &fabric.td].iter().any(|fibre| fibre.break_factor != 1.0);
     let break_is_moved = written.fabric.as_ref().is_some_and(moves);
-    Some(Film { name: written.name.clone(), material, break_is_moved, break_scatter, relaxed })
+    let unsourced_coupling =
+        written.fabric.as_ref().filter(|fabric| fabric.biaxial_source.is_none()).map(|fabric| fabric.biaxial);
+    Some(Film { name: written.name.clone(), material, break_is_moved, unsourced_coupling, break_scatter, relaxed })
 }
 
 /// The curves without multipliers where film relaxes to them; those with them were checked before.
@@ -126,6 +130,7 @@ fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Model
         film: film.name.clone(),
         material: film.of_layers(layers.count),
         break_is_moved: film.break_is_moved,
+        unsourced_coupling: film.unsourced_coupling,
         md_angle: scenario.specimen.md_angle.0,
         prestrain: film.prestrain([layers.prestrain.md, layers.prestrain.td]),
         meshing: meshing.clone(),
@@ -159,6 +164,7 @@ fn single(
         film: film.name.clone(),
         material: film.of_layers(layer.count),
         break_is_moved: film.break_is_moved,
+        unsourced_coupling: film.unsourced_coupling,
         md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
         prestrain: film.prestrain([layer.prestrain.md, layer.prestrain.td]),
         meshing: meshing?,

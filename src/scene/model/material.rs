@@ -53,6 +53,14 @@ fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut ModelDiagnostic
     if written.rate_memory.is_some() && written.md.rates.is_none() && written.td.rates.is_none() {
         mistakes.out_of_place(&format!("{path}.rate_memory"), "neither fibre set has `rates`");
     }
+    if written.biaxial_source.as_ref().is_some_and(|source| source.trim().is_empty()) {
+        let path = format!("{path}.biaxial_source");
+        mistakes.report_with(
+            &path,
+            "expected where the coupling comes from, found nothing",
+            "name the test, or leave it out",
+        );
+    }
     if written.biaxial > 0.0 && written.wrinkling {
         let message = "a fabric with `biaxial` cannot also wrinkle";
         mistakes.report_with(&format!("{path}.wrinkling"), message, "leave one of them out");

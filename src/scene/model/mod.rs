@@ -257,6 +257,8 @@ pub struct Face {
     pub material: Material,
     /// Whether its break strains are not those of its curves: `break_factor` moves them.
     pub break_is_moved: bool,
+    /// Biaxial coupling of a fabric that does not tell its source; none of one that does, and of other film.
+    pub unsourced_coupling: Option<f64>,
     /// Angle from the x axis to MD, rad; under a stretch it puts the direction of loading along x.
     pub md_angle: f64,
     /// Engineering pre-strain along MD and TD: the film's own length is the span / (1 + pre-strain).

@@ -97,6 +97,9 @@ pub struct Fabric {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 5, "x-likely" = [0.0, 1.0]))]
     pub biaxial: f64,
+    /// Where `biaxial` comes from, in a sentence: a bulge, a wide coupon, a fit. A coupling below 0.5, that of isotropic film
+    /// with ν = 1/3, is reported (`uncoupled-biaxial`) where film is stretched in both directions, unless this tells its source.
+    pub biaxial_source: Option<String>,
     /// Whether the film wrinkles under any compression, shear included, so that it carries tension only (tension
     /// field); otherwise a slack fibre alone carries no stress, and slack film in shear keeps a compression. Not together
     /// with `biaxial`.

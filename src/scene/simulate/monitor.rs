@@ -47,7 +47,7 @@ pub(super) struct Figures<'a> {
 pub(super) struct Monitor {
     contacts: Vec<ContactMonitor>,
     localised: Option<(f64, f64, usize)>,
-    /// Time (s), share and face of the largest part of an uncoupled fabric under biaxial load.
+    /// Time (s), share and place of the face whose largest part of too little coupled fabric is under biaxial load.
     biaxial: Option<(f64, f64, usize)>,
     crossed: Option<(f64, f64)>,
     lost: Option<(f64, u64)>,
@@ -246,12 +246,13 @@ impl Monitor {
         }
     }
 
-    /// Looks for biaxial load of fabric whose directions are not coupled.
+    /// Looks for biaxial load of fabric whose directions are coupled less than those of isotropic film, and nothing says why.
     pub(super) fn biaxial(&mut self, time: f64, strains: &[Vec<ElementStrain>], model: &Model) {
         for (place, (face, strains)) in model.faces.iter().zip(strains).enumerate() {
-            let share = if face.material.law.is_uncoupled() { biaxial_share(strains) } else { 0.0 };
+            let is_doubtful = face.unsourced_coupling.is_some_and(|coupling| coupling < bounds::COUPLING);
+            let share = if is_doubtful { biaxial_share(strains) } else { 0.0 };
             if share > bounds::BIAXIAL && self.biaxial.is_none_or(|(_, largest, _)| share > largest) {
-                self.biaxial = Some((time, share, place + 1));
+                self.biaxial = Some((time, share, place));
             }
         }
     }
@@ -300,7 +301,10 @@ impl Monitor {
         out.extend(self.slack.map(|(time, share)| Warning::SpringsSlack { time, share }));
         out.extend(self.beyond.map(|(time, ratio)| Warning::SpringsBeyondCurve { time, ratio }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
-        out.extend(self.biaxial.map(|(time, share, face)| Warning::UncoupledBiaxial { time, share, face }));
+        out.extend(self.biaxial.map(|(time, share, place)| {
+            let coupling = model.faces[place].unsourced_coupling.unwrap_or_default();
+            Warning::UncoupledBiaxial { time, share, face: place + 1, coupling }
+        }));
         out.extend(self.too_wide.map(|TooWide { width, ratio }| Warning::ElementsTooWide { width, ratio }));
         let decides = self.returned.filter(|share| *share < RETURNING);
         out.extend(decides.map(|share| Warning::TearByLimit { share }));

@@ -276,16 +276,20 @@ findings! {
             time: f64, "when the share was largest, s" => "time_s";
             share: f64, "share of the face under biaxial load" => "share";
             face: usize, "its face" => "face";
+            coupling: f64, "its `biaxial`" => "biaxial";
         } = "uncoupled-biaxial", Warning;
-            meaning "the directions of the fabric do not know of each other's strain, but are strained at once over a part of \
-                the film: real film is stiffer there, as much as isotropic film or less, which uniaxial coupons do not \
-                tell; in a drop on near-isotropic film the peak is a quarter low and the travel a quarter long";
+            meaning "the directions of the fabric know nothing or little of each other's strain (`biaxial` below 0.5, the \
+                coupling of isotropic film with Poisson's ratio 1/3; 0.79 with 0.44, 1 with 0.5), but are strained at once over a \
+                part of the film, and nothing says where the coupling comes from: real film is stiffer there, as much as \
+                isotropic film or less, which uniaxial coupons do not tell; in a drop on near-isotropic film without coupling the \
+                peak is a quarter low and the travel a quarter long";
             remedy "run once more with `--set specimen.material.fabric.biaxial=0.79`, the coupling of isotropic film with \
                 Poisson's ratio 0.44, and compare both with `droptower compare`; the film lies between. A bulge test or a \
-                wide coupon tells the coupling";
-            message "uncoupled biaxial load: at {} {} % of face {face} is stretched in both directions, which \
-                `biaxial = 0` does not couple",
-                number::duration(*time), percent(share);
+                wide coupon tells the coupling: give it with its test as `specimen.material.fabric.biaxial_source`, after which \
+                this is not reported, also of a fabric that has none";
+            message "uncoupled biaxial load: at {} {} % of face {face} is stretched in both directions, which `biaxial = {}` {}",
+                number::duration(*time), percent(share), number::significant(*coupling, 3),
+                if *coupling > 0.0 { "couples less than isotropic film (0.5 to 1)" } else { "does not couple" };
         ThinningBeforeBreak {
             face: usize, "its face" => "face";
             strain: f64, "largest equivalent plastic strain" => "plastic_strain";
@@ -443,6 +447,9 @@ pub(super) mod bounds {
     pub(in crate::simulate) const LOCALISED_STRAIN: f64 = 0.5;
     /// Share of a face under biaxial load.
     pub(in crate::simulate) const BIAXIAL: f64 = 0.05;
+    /// Biaxial coupling of a fabric, a lower bound: ν/(1 − ν) of isotropic film with ν = 1/3, which few polymers are below;
+    /// film of polyethylene and polypropylene has 0.67 to 0.85 (ν of 0.40 to 0.46).
+    pub(in crate::simulate) const COUPLING: f64 = 0.5;
     /// Error of the energy balance.
     pub(in crate::simulate) const BALANCE: f64 = 0.01;
     /// Share of the strain increments outside the measured rates.

@@ -34,6 +34,7 @@ pub(super) fn model() -> Model {
         film: None,
         material,
         break_is_moved: false,
+        unsourced_coupling: None,
         md_angle: 0.0,
         prestrain: [0.0; 2],
         meshing: Meshing { element: Element::Quad4, size: 0.01, grading: None },

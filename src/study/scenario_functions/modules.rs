@@ -28,6 +28,11 @@ pub const ENTRIES: &[Entry] = &[
         gives: "the change of one key of a fabric, for `scenario.with(…)`",
         example: r#"import "droptower/film" as film; film::fabric_key("biaxial", 0.3) == #{ "specimen.material.fabric.biaxial": 0.3 }"#,
     },
+    Entry {
+        call: "film::softened(scenario, loss)",
+        gives: "the scenario whose fabric softens by the heat of its own work, by the share `loss` of the stress where MD's curve ends",
+        example: r#"import "droptower/film" as film; let test = scenario(args.scenario); let end = |test| { let md = test.curve("md", 0); md.at(md.end()) }; (end.call(film::softened(test, 0.1)) / end.call(test) - 0.9).abs() < 1e-9"#,
+    },
 ];
 
 #[cfg(test)]

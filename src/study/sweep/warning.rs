@@ -1,7 +1,8 @@
 //! Warnings about what varies: values of a distribution with which the scenario cannot be run; indices that too few runs leave
-//! open.
+//! open; specimens that tell no distribution of the strength.
 
 use uncertainty::distribution::Distribution;
+use uncertainty::staircase::ProbitError;
 
 use base::findings;
 use base::number;
@@ -30,15 +31,25 @@ findings! {
         OpenIndices {
             figure: String, "figure of the runs" => "figure";
             key: String, "path of the key whose index is known least" => "key";
-            width: f64, "from the lower to the upper end of its 95 % interval" => "width";
+            width: Option<f64>, "from the lower to the upper end of its 95 % interval; none where it has no interval"
+                => ..width.map(|width| ("width", width));
             blocks: usize, "blocks of runs" => "blocks";
         } = "open-indices", Warning;
-            meaning "an interval of Sobol' indices is wider than 0.2: so few blocks of runs do not tell how much of the \
-                variance the key causes";
+            meaning "an interval of Sobol' indices is wider than 0.2, or an index has none: so few blocks of runs do not \
+                tell how much of the variance the key causes";
             remedy "more blocks (the width falls with their square root), or `surrogate`, which needs fewer runs where the \
                 figure is smooth";
-            message "{figure}: the index of `{key}` is known to within {} after {blocks} blocks of runs",
-                number::significant(*width, 2);
+            message "{figure}: the index of `{key}` {} after {blocks} blocks of runs",
+                width.map_or_else(|| "has no interval".to_owned(),
+                    |width| format!("is known to within {}", number::significant(width, 2)));
+        NoStrengthFit {
+            reason: ProbitError, "why there is none";
+        } = "no-strength-fit", Note;
+            meaning "specimens that failed or held at their levels have no normal distribution of the strength by maximum \
+                likelihood, so that neither its deviation nor an interval of its mean is known";
+            remedy "test further specimens, with steps between half and once the deviation of the strength, so that some hold at \
+                a level above one at which others fail";
+            message "no distribution of the strength: {reason}";
     }
 }
 

@@ -76,6 +76,7 @@ impl Film {
             layers: 1,
             material,
             break_is_moved: false,
+            unsourced_coupling: None,
             md_angle: 0.0,
             prestrain,
             meshing,

@@ -58,6 +58,7 @@ fn face(material: Material, element: Element) -> Face {
         layers: 1,
         material,
         break_is_moved: false,
+        unsourced_coupling: None,
         md_angle: 0.3,
         prestrain: [0.0; 2],
         meshing,

@@ -92,6 +92,7 @@ pub fn face(material: Material, element: Element, prestrain: [f64; 2]) -> Face {
         layers: 1,
         material,
         break_is_moved: false,
+        unsourced_coupling: None,
         md_angle: 0.0,
         prestrain,
         meshing,

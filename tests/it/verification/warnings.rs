@@ -24,14 +24,20 @@ fn runs_outside_the_valid_range_have_warnings() {
     let drop = "drop/1008.toml";
     let md = "stretch/md-0.02.toml";
     let shipped_mesh = "specimen.mesh.size=10mm";
+    let told: &[&str] = &["specimen.mesh.size=40mm", r#"specimen.material.fabric.biaxial_source="a wide coupon""#];
     let fast: &[&str] = &["specimen.mesh.size=50mm", "loading.impact.velocity=6"];
-    let cases: [(&str, &str, &[&str], bool); 17] = [
+    let cases: [(&str, &str, &[&str], bool); 22] = [
         ("coarse-contact", drop, &["specimen.mesh.size=40mm"], true),
         ("coarse-contact", drop, &[shipped_mesh, "loading.impact.duration=40ms"], false),
         ("strain-localisation", drop, &[&flat_td[..], &[shipped_mesh]].concat(), true),
         ("strain-localisation", drop, &["specimen.mesh.size=20mm"], false),
         ("uncoupled-biaxial", drop, &["specimen.mesh.size=40mm"], true),
         ("uncoupled-biaxial", drop, &["specimen.mesh.size=40mm", "specimen.material.fabric.biaxial=0.79"], false),
+        ("uncoupled-biaxial", drop, &["specimen.mesh.size=40mm", "specimen.material.fabric.biaxial=0.01"], true),
+        ("uncoupled-biaxial", drop, &["specimen.mesh.size=40mm", "specimen.material.fabric.biaxial=0.49"], true),
+        ("uncoupled-biaxial", drop, &["specimen.mesh.size=40mm", "specimen.material.fabric.biaxial=0.5"], false),
+        ("uncoupled-biaxial", drop, &[told, &["specimen.material.fabric.biaxial=0.2"]].concat(), false),
+        ("uncoupled-biaxial", drop, told, false),
         (
             "uncoupled-biaxial",
             "stretch/45deg-0.02.toml",

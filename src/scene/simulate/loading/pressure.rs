@@ -103,6 +103,7 @@ mod tests {
             film: None,
             material,
             break_is_moved: false,
+            unsourced_coupling: None,
             md_angle: 0.0,
             prestrain: [0.0; 2],
             meshing,

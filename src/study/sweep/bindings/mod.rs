@@ -36,7 +36,9 @@ pub fn register(engine: &mut Engine, evaluations: &Arc<Evaluations>) {
             function(study, &Options { of: name, map: &options }, &host)
         });
     }
-    engine.register_fn("probit", |levels: Array, failed: Array| reliability::probit_of(&levels, &failed));
+    engine.register_fn("probit", |context: NativeCallContext, levels: Array, failed: Array| {
+        reliability::probit_of(&levels, &failed, &Session::from_context(&context))
+    });
 }
 
 /// The reference of sweeps in scripts.

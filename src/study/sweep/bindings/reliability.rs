@@ -8,12 +8,13 @@ use uncertainty::reliability::{
     FormOptions, Probability, SamplingOptions, SubsetOptions, design_point, importance_sampling, monte_carlo,
     subset_simulation,
 };
-use uncertainty::staircase::{Counts, Outcome, ProbitFit, Staircase, probit};
+use uncertainty::staircase::{Counts, Outcome, ProbitError, ProbitFit, Staircase, probit};
 
 use super::common::{Host, assignment, refused, varied, whole};
 use crate::scenario_functions::Study;
-use crate::script::{Entry, HostResult, Options, from_json, number, refuse};
-use crate::sweep::{Sweep, SweepError};
+use crate::script::{Entry, HostResult, Options, Session, from_json, number, refuse};
+use crate::sweep::{Sweep, SweepError, Warning};
+use base::finding::Finding;
 use scene::model;
 use scene::scenario::Document;
 
@@ -143,7 +144,7 @@ pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -
         outcomes.push(if state <= 0.0 { Outcome::Failed } else { Outcome::Survived });
     }
     let reduction = stairs.reduce(&outcomes, CONFIDENCE).map_err(refuse)?;
-    let fit = probit(&stairs.counts(&outcomes), CONFIDENCE).ok();
+    let fit = strength(&stairs.counts(&outcomes), &host.session)?;
     let failed: Vec<bool> = outcomes.iter().map(|outcome| *outcome == Outcome::Failed).collect();
     let found = json!({
         "level": reduction.mean,
@@ -166,8 +167,20 @@ fn fitted(fit: &ProbitFit) -> Value {
     })
 }
 
-/// `probit(levels, failed)`: () where the outcomes have no fit.
-pub(super) fn probit_of(levels: &Array, failed: &Array) -> HostResult<Dynamic> {
+/// The fit of specimens; none, and a finding that says why, where they have none.
+fn strength(counts: &[Counts], session: &Session) -> HostResult<Option<ProbitFit>> {
+    match probit(counts, CONFIDENCE) {
+        Ok(fit) => Ok(Some(fit)),
+        Err(error @ ProbitError::Counts { .. }) => Err(refuse(error.to_string())),
+        Err(reason) => {
+            session.report([Finding::new(&Warning::NoStrengthFit { reason })]);
+            Ok(None)
+        }
+    }
+}
+
+/// `probit(levels, failed)`: () and a finding where the outcomes have no fit.
+pub(super) fn probit_of(levels: &Array, failed: &Array, session: &Session) -> HostResult<Dynamic> {
     if levels.len() != failed.len() {
         return Err(refuse(format!("{} levels, but {} outcomes", levels.len(), failed.len())));
     }
@@ -177,16 +190,17 @@ pub(super) fn probit_of(levels: &Array, failed: &Array) -> HostResult<Dynamic> {
         Ok(Counts { level: number(level, "a level")?, trials: 1, failures: u64::from(failed) })
     };
     let counts = levels.iter().zip(failed).map(specimen).collect::<HostResult<Vec<Counts>>>()?;
-    Ok(probit(&counts, CONFIDENCE).map_or(Dynamic::UNIT, |fit| from_json(&fitted(&fit))))
+    Ok(strength(&counts, session)?.map_or(Dynamic::UNIT, |fit| from_json(&fitted(&fit))))
 }
 
 /// The reference of reliability in scripts.
 pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "failure_probability(scenario, #{ figure, above, method, samples, vary, seed })",
-        gives: "the probability that a figure is above a limit (or `below`): `probability`, its `interval` (95 %) and coefficient of \
-                `variation`, `runs`, `missing`. Methods: \"subset\" simulation (so many samples a level, 500 where none are given), \
-                \"monte-carlo\", \"importance\" sampling about the design point",
+        gives: "the probability that a figure is above a limit (or `below`): `probability`, its `interval` (95 %; of subset \
+                simulation a bound that covers at least 95 %) and coefficient of `variation` (of subset simulation at most), `runs`, \
+                `missing`. Methods: \"subset\" simulation (so many samples a level, 500 where none are given), \"monte-carlo\", \
+                \"importance\" sampling about the design point",
         example: "failure_probability(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
                   #{ figure: \"peak_displacement_m\", above: -4.1e-3, method: \"monte-carlo\", samples: 16, \
                   vary: #{ \"loading.impact.velocity\": #{ uniform: [4.0, 4.2] } } }).probability > 0.2",
@@ -204,7 +218,8 @@ pub(super) const ENTRIES: &[Entry] = &[
         call: "probit(levels, failed)",
         gives: "the normal distribution of the strength by maximum likelihood from specimens that each failed (true) or not at a level: \
                 `level` at which half fail, `deviation`, and their 95 % intervals `interval` and `deviation_interval` by the profile \
-                likelihood, of which an end that the outcomes leave open is (); () where the levels of both outcomes do not overlap",
+                likelihood, of which an end that the outcomes leave open is (); () and a finding (`no-strength-fit`) \
+                that says why where the outcomes have no fit, as where the levels of both do not overlap",
         example: "let fit = probit([1.0, 2.0, 3.0, 2.0, 3.0, 4.0, 3.0, 2.0], [false, false, true, false, false, true, true, true]); \
                   fit.level > 2.0 && fit.level < 3.0 && fit.deviation_interval[0] < fit.deviation && probit([1, 2], [false, true]) == ()",
     },

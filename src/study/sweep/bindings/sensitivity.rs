@@ -19,6 +19,9 @@ use scene::model::{Factor, Values};
 /// Levels of a screening, of each input.
 const LEVELS: usize = 8;
 
+/// Blocks of runs from which indices are found where none are given.
+const BLOCKS: usize = 64;
+
 /// `screening(scenario, #{ … })`.
 pub(super) fn screening(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
     options.check(&["vary", "trajectories", "seed", "figures"])?;
@@ -41,7 +44,7 @@ pub(super) fn screening(study: &Study, options: &Options<'_>, host: &Host<'_>) -
 /// `indices(scenario, #{ … })`.
 pub(super) fn indices(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
     options.check(&["vary", "blocks", "seed", "figures"])?;
-    let blocks = whole(options, "blocks", 64)?;
+    let blocks = whole(options, "blocks", BLOCKS)?;
     let seed = whole(options, "seed", 1)? as u64;
     let places = |factors| sobol::rows(factors, blocks, seed).map_err(|error| error.to_string());
     let (sweep, _) = sweep_at(study, options, &places)?;
@@ -55,14 +58,15 @@ pub(super) fn indices(study: &Study, options: &Options<'_>, host: &Host<'_>) -> 
     })
 }
 
-/// The finding of indices whose widest interval leaves them open.
+/// The finding of indices whose widest interval leaves them open; no interval is wider than any.
 fn open(figure: &str, keys: impl Iterator<Item = String>, found: &[FactorIndices], blocks: usize) -> Option<Warning> {
     /// Largest width that needs no word.
     const WIDTH: f64 = 0.2;
-    let width = |estimate: &Estimate| estimate.interval.map_or(0.0, |interval| interval.high - interval.low);
+    let width = |estimate: &Estimate| estimate.interval.map_or(f64::INFINITY, |interval| interval.high - interval.low);
     let widths = found.iter().map(|factor| width(&factor.first).max(width(&factor.total)));
     let (key, width) = keys.zip(widths).max_by(|one, other| one.1.total_cmp(&other.1))?;
-    (width > WIDTH).then(|| Warning::OpenIndices { figure: figure.to_owned(), key, width, blocks })
+    let width_if_any = Some(width).filter(|width| width.is_finite());
+    (width > WIDTH).then(|| Warning::OpenIndices { figure: figure.to_owned(), key, width: width_if_any, blocks })
 }
 
 /// `surrogate(scenario, #{ … })`.
@@ -124,17 +128,46 @@ pub(super) const ENTRIES: &[Entry] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use uncertainty::statistics::Interval;
 
-    /// x + 2y: of few blocks the indices are open, of many they are not.
+    fn warning(found: &[FactorIndices], blocks: usize) -> Option<Warning> {
+        open("peak", ["x", "y"].map(String::from).into_iter(), found, blocks)
+    }
+
+    /// x + 2y: of few blocks, and of as many as there are where none are given, the indices are open; of many they are not.
     #[test]
     fn many_blocks_close_indices() {
         let found = |blocks: usize| {
             let rows = sobol::rows(2, blocks, 1).expect("rows");
             let outputs: Vec<Option<f64>> = rows.iter().map(|row| Some(row[0] + 2.0 * row[1])).collect();
             let found = sobol::indices(2, &outputs, &Bootstrap::default()).expect("indices");
-            open("peak", ["x", "y"].map(String::from).into_iter(), &found, blocks)
+            warning(&found, blocks)
         };
-        assert!(matches!(found(8), Some(Warning::OpenIndices { figure, blocks: 8, .. }) if figure == "peak"));
+        for blocks in [8, BLOCKS] {
+            let Some(Warning::OpenIndices { figure, key, width: Some(width), blocks: said }) = found(blocks) else {
+                panic!("{blocks} blocks")
+            };
+            assert_eq!((&figure[..], &key[..], said), ("peak", "y", blocks));
+            println!("{blocks} blocks: {width}");
+            assert!(width > 0.2 && width < 3.0);
+        }
         assert_eq!(found(4096), None);
+    }
+
+    /// Where least is known: a resample of two blocks, one of which has the same output everywhere, has no variance to share.
+    #[test]
+    fn an_index_without_an_interval_is_open() {
+        let outputs = [1.0, 1.0, 1.0, 1.0, 3.0, 1.0, 1.0, 3.0].map(Some);
+        let found = sobol::indices(2, &outputs, &Bootstrap::default()).expect("indices");
+        assert!(found.iter().all(|factor| factor.first.interval.is_none() && factor.total.interval.is_none()));
+        let narrow = |value: f64| Estimate { value, interval: Some(Interval { low: value, high: value }) };
+        let mut half = found.clone();
+        (half[1].first, half[1].total) = (narrow(0.5), narrow(0.5));
+        for (found, key) in [(&found, "y"), (&half, "x")] {
+            let warning = warning(found, 2).expect("a finding");
+            let Warning::OpenIndices { key: of, width: None, blocks: 2, .. } = &warning else { panic!("{warning:?}") };
+            assert_eq!(of, key);
+            assert!(warning.to_string().contains("has no interval after 2 blocks"), "{warning}");
+        }
     }
 }
