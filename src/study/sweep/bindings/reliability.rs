@@ -5,15 +5,17 @@ use serde_json::{Value, json};
 use uncertainty::normal;
 use uncertainty::random::Stream;
 use uncertainty::reliability::{
-    FormOptions, Probability, SamplingOptions, SubsetOptions, design_point, importance_sampling, monte_carlo,
-    subset_simulation,
+    FormOptions, Probability, ReliabilityError, SamplingOptions, SubsetOptions, design_point, importance_sampling_at,
+    monte_carlo, subset_simulation,
 };
+use uncertainty::statistics::Interval;
 use uncertainty::staircase::{Counts, Outcome, ProbitFit, Staircase, probit};
 
 use super::common::{Host, assignment, refused, varied, whole};
 use crate::scenario_functions::Study;
-use crate::script::{Entry, HostResult, Options, from_json, number, refuse};
-use crate::sweep::{Sweep, SweepError};
+use crate::script::{Entry, HostResult, Options, from_json, number, refuse, refuse_key};
+use crate::sweep::{Sweep, SweepError, Warning};
+use base::finding::Finding;
 use scene::model;
 use scene::scenario::Document;
 
@@ -38,7 +40,7 @@ impl Limit {
         }
     }
 
-    /// The limit state: at most zero where the test fails.
+    /// The limit state: below zero where the test fails.
     fn state(&self, value: f64) -> f64 {
         if self.above { self.limit - value } else { value - self.limit }
     }
@@ -67,24 +69,50 @@ pub(super) fn failure_probability(study: &Study, options: &Options<'_>, host: &H
     };
     let method = options.map.get("method").map_or_else(|| "subset".to_owned(), Dynamic::to_string);
     let sampling = SamplingOptions { samples, seed, confidence: CONFIDENCE, ..SamplingOptions::default() };
+    let mut warnings = vec![];
     let found = match method.as_str() {
         "subset" => {
             let options = SubsetOptions { samples, seed, confidence: CONFIDENCE, ..SubsetOptions::default() };
-            subset_simulation(inputs, &options, &mut limit_state)
-                .map(|found| with(&found.probability, "thresholds", json!(found.thresholds)))
+            subset_simulation(inputs, &options, &mut limit_state).map(|found| {
+                if !found.reached {
+                    let below = found.probability.interval.map_or(1.0, |interval| interval.high);
+                    let (figure, levels) = (limit.figure.clone(), found.thresholds.len());
+                    warnings.push(Warning::NotReached { figure, levels, below });
+                }
+                with(&found.probability, "thresholds", json!(found.thresholds))
+            })
         }
         "monte-carlo" => monte_carlo(inputs, &sampling, &mut limit_state).map(|found| with(&found, "", Value::Null)),
         "importance" => design_point(inputs, &FormOptions::default(), &mut limit_state).and_then(|at| {
-            let found = importance_sampling(&at.point, &sampling, &mut limit_state)?;
+            let mut found = importance_sampling_at(&at, &sampling, &mut limit_state)?;
+            if !at.converged {
+                let distance = at.point.iter().map(|u| u * u).sum::<f64>().sqrt();
+                warnings.push(Warning::NoDesignPoint { figure: limit.figure.clone(), distance });
+            }
+            if let (None, Some(interval)) = (found.variation, found.interval) {
+                let (figure, samples) = (limit.figure.clone(), samples - found.missing);
+                let Interval { low, high } = interval;
+                warnings.push(Warning::OneSided { figure, fails: at.origin_fails, samples, low, high });
+            }
+            // A run is a run: those of the search for the design point, too.
+            found.evaluations += at.evaluations;
+            found.missing += at.missing;
             let point = json!({ "index": at.index, "probability": at.probability, "direction": at.direction, "converged": at.converged });
             Ok(with(&found, "design_point", point))
         }),
         other => return Err(refuse(format!("method is \"subset\", \"monte-carlo\" or \"importance\", not \"{other}\""))),
     };
-    match (failed, found) {
-        (Some(error), _) => Err(error),
-        (None, found) => found.map(|found| from_json(&found)).map_err(refuse),
+    if let Some(error) = failed {
+        return Err(error);
     }
+    host.session.report(warnings.iter().map(Finding::new));
+    found.map(|found| from_json(&found)).map_err(|error| match error {
+        ReliabilityError::NoProgress { .. } | ReliabilityError::Flat { .. } => {
+            let hint = "a figure with few values, such as `ruptured`, takes method: \"monte-carlo\"";
+            refuse_key("figure", &error.to_string(), Some(hint.into()))
+        }
+        _ => refuse(error),
+    })
 }
 
 /// A probability with one more entry.
@@ -140,7 +168,7 @@ pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -
         let output = outputs(&specimen, &[place], &limit, host)?;
         let state = output.first().copied().flatten();
         let state = state.ok_or_else(|| refuse(format!("the run at {key} = {level} failed")))?;
-        outcomes.push(if state <= 0.0 { Outcome::Failed } else { Outcome::Survived });
+        outcomes.push(if state < 0.0 { Outcome::Failed } else { Outcome::Survived });
     }
     let reduction = stairs.reduce(&outcomes, CONFIDENCE).map_err(refuse)?;
     let fit = probit(&stairs.counts(&outcomes), CONFIDENCE).ok();
@@ -184,9 +212,10 @@ pub(super) fn probit_of(levels: &Array, failed: &Array) -> HostResult<Dynamic> {
 pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "failure_probability(scenario, #{ figure, above, method, samples, vary, seed })",
-        gives: "the probability that a figure is above a limit (or `below`): `probability`, its `interval` (95 %) and coefficient of \
-                `variation`, `runs`, `missing`. Methods: \"subset\" simulation (so many samples a level, 500 where none are given), \
-                \"monte-carlo\", \"importance\" sampling about the design point",
+        gives: "the probability that a figure is above a limit (or `below`), a figure equal to it being neither: `probability`, its \
+                `interval` (95 %) and coefficient of `variation`, `runs`, `missing`. Methods: \"subset\" simulation (so many samples a \
+                level, 500 where none are given), \"monte-carlo\", \"importance\" sampling about the design point, whose search is among \
+                the `runs`. Where no run fails, the probability is 0 and the end of its interval a bound",
         example: "failure_probability(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
                   #{ figure: \"peak_displacement_m\", above: -4.1e-3, method: \"monte-carlo\", samples: 16, \
                   vary: #{ \"loading.impact.velocity\": #{ uniform: [4.0, 4.2] } } }).probability > 0.2",
