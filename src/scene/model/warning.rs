@@ -45,6 +45,15 @@ findings! {
             remedy "fit the coefficients to tests in several kinds of tension, with signs that are stable, or see that \
                 the film is stretched less";
             message "`{key}` is unstable in {tension} from a stretch of {} on", significant(*stretch, 3);
+        CutOnMirrorPlane {
+            cut: usize, "its place among the cuts, from zero" => "cut";
+            axis: char, "the axis across the plane" => "axis" = axis.to_string();
+        } = "cut-on-mirror-plane", Warning;
+            meaning "a cut runs along a mirror plane of film that can tear: it is a row of elements of the computed part and one of \
+                its image, twice as wide as a cut elsewhere, and a tear that goes on from it along the plane takes twice its \
+                fracture energy";
+            remedy "compute the whole: `specimen.symmetry = \"none\"`, or the half whose plane the cut crosses";
+            message "`specimen.cuts.{cut}` runs along the mirror plane {axis} = 0, where a tear takes twice its energy";
         AbsorptionNotGiven {
             key: String, "path of the key that is left out" => "key";
         } = "absorption-not-given" as ABSORPTION_NOT_GIVEN, Note;
@@ -61,7 +70,7 @@ pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
     let values = document.implausible().into_iter().map(Warning::Value);
     let meshes = model.meshes().into_iter().filter_map(wide);
     let unstable = unstable(document, model);
-    let absorption = without_absorption(document, model);
+    let absorption = without_absorption(document, model).into_iter().chain(on_mirror_planes(model));
     values.chain(meshes).chain(drawing(document, model)).chain(unstable).chain(absorption).collect()
 }
 
@@ -77,6 +86,24 @@ fn unstable(document: &Document, model: &Model) -> Vec<Warning> {
     };
     let mut warnings: Vec<Warning> = model.faces.iter().enumerate().filter_map(of_face).collect();
     warnings.dedup();
+    warnings
+}
+
+/// The cuts of film that can tear with a part in the first row of elements along a mirror plane, each once a plane.
+fn on_mirror_planes(model: &Model) -> Vec<Warning> {
+    let row = model.faces.iter().map(|face| face.meshing.size).fold(f64::INFINITY, f64::min);
+    let is_along = |points: &[[f64; 2]], across: usize| {
+        points.windows(2).any(|ends| {
+            let is_near = ends.iter().all(|point| point[across].abs() < row);
+            is_near && (ends[1][1 - across] - ends[0][1 - across]).abs() >= row
+        })
+    };
+    let mut warnings = vec![];
+    let planes = [(0, 'x'), (1, 'y')].into_iter().zip(model.specimen.symmetry.mirrors());
+    for ((across, axis), _) in planes.filter(|(_, is_mirrored)| *is_mirrored && model.can_tear()) {
+        let cuts = model.specimen.cuts.iter().enumerate().filter(|(_, points)| is_along(points, across));
+        warnings.extend(cuts.map(|(cut, _)| Warning::CutOnMirrorPlane { cut, axis }));
+    }
     warnings
 }
 

@@ -157,13 +157,14 @@ pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -
     } else {
         Limit { figure: "ruptured".into(), limit: 0.5, above: true }
     };
-    let stairs = Staircase::new(options.needed_number("start")?, options.needed_number("step")?).map_err(refuse)?;
+    let step = options.needed_number("step")?;
+    let stairs = Staircase::new(options.needed_number("start")?, step).map_err(refuse)?;
     let document = varied(study, options)?;
     let factors = document.varied_keys().len();
     let mut outcomes: Vec<Outcome> = vec![];
     for _ in 0..count {
         let level = stairs.next_level(&outcomes);
-        let specimen = document.with(&[assignment(&key, &json!(level))?]);
+        let specimen = specimen(&document, &key, level, step)?;
         let place: Vec<f64> = (0..factors).map(|_| stream.normal()).collect();
         let output = outputs(&specimen, &[place], &limit, host)?;
         let state = output.first().copied().flatten();
@@ -182,6 +183,21 @@ pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -
         "probit": fit.as_ref().map(fitted),
     });
     Ok(from_json(&found))
+}
+
+/// The scenario with the key at a level.
+fn specimen(document: &Document, key: &str, level: f64, step: f64) -> HostResult<Document> {
+    // Sums of steps leave zero by round-off.
+    let level = if level.abs() < 1e-9 * step.abs() { 0.0 } else { level };
+    let is_whole = level.fract() == 0.0 && level.abs() < 1e15;
+    let value = if is_whole { json!(level as i64) } else { json!(level) };
+    let specimen = document.with(&[assignment(key, &value)?]);
+    model::check(&specimen).map_err(|mistakes| {
+        let why = mistakes.first().map_or_else(String::new, |mistake| mistake.message.to_string());
+        let hint = "start further from what the key may be, or with a smaller step";
+        refuse_key("start", &format!("the staircase came to {key} = {level}, which the scenario does not take: {why}"), Some(hint.into()))
+    })?;
+    Ok(specimen)
 }
 
 /// A fit as scripts see it; ends of intervals that are infinite are ().
