@@ -170,7 +170,8 @@ mod tests {
                     assert!(*error < 0.5 * (1.0 + slope.abs()) + 0.5, "slope {slope}: {error}");
                     (count, most) = (count + 1, most.max(wrong));
                 }
-                assert!(count >= 39 && (off == 0.0 || most > 0.4 * slope.abs() || slope == 1.0), "{count} {most}");
+                // Half a pixel across and half a pixel down.
+                assert!(count >= 39 && (most - off * (1.0 - slope).abs()).abs() < 0.15, "slope {slope}: {count} {most}");
             }
         }
     }

@@ -5,7 +5,7 @@ use crate::mesh::{Outline, import};
 use crate::scenario::{Document, Implausible};
 use base::findings;
 use base::number::significant;
-use membrane::material::{Law, Tension};
+use membrane::material::{Criterion, Law, Tension};
 
 /// Largest extent of a mesh that is likely, m.
 const LARGEST_MESH: f64 = 10.0;
@@ -35,6 +35,13 @@ findings! {
                     true => "check the unit of the drawing".to_owned(),
                     false => format!("coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
                 };
+        /// The limit of a rupture criterion is as small as if it were in another unit.
+        RuptureLimit {
+            limit: f64, "smallest limit, Pa or J/m3" => "limit";
+            unit: &'static str, "its unit";
+        } = code &IMPLAUSIBLE_VALUE;
+            message "a limit of `specimen.material.rupture` is {} {unit}, which is implausible: usual are 10 kPa and more, or \
+                10 kJ/m3 and more", significant(*limit, 3);
         Unstable {
             key: String, "path of the key of the law" => "key";
             tension: Tension, "in which kind of tension first" => "tension" = tension.to_string();
@@ -69,9 +76,29 @@ findings! {
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
     let values = document.implausible().into_iter().map(Warning::Value);
     let meshes = model.meshes().into_iter().filter_map(wide);
-    let unstable = unstable(document, model);
+    let unstable = rupture_limits(model).into_iter().chain(unstable(document, model));
     let absorption = without_absorption(document, model).into_iter().chain(on_mirror_planes(model));
     values.chain(meshes).chain(drawing(document, model)).chain(unstable).chain(absorption).collect()
+}
+
+/// The limit of a stress or an energy below which no film holds, Pa or J/m³.
+const LEAST_LIMIT: f64 = 1e4;
+
+/// Limits of rupture criteria that no film has, each once.
+fn rupture_limits(model: &Model) -> Vec<Warning> {
+    let of_face = |face: &Face| {
+        let rupture = face.material.rupture.as_ref()?;
+        let unit = match rupture.criterion {
+            Criterion::Stress => "Pa",
+            Criterion::Energy => "J/m3",
+            Criterion::Strain | Criterion::FibreStrain | Criterion::Break => return None,
+        };
+        let limit = rupture.limit.smallest();
+        (limit < LEAST_LIMIT).then_some(Warning::RuptureLimit { limit, unit })
+    };
+    let mut warnings: Vec<Warning> = model.faces.iter().filter_map(of_face).collect();
+    warnings.dedup();
+    warnings
 }
 
 /// The hyperelastic laws that are unstable, each once.

@@ -81,7 +81,15 @@ impl Study {
         evaluations: Option<Arc<Evaluations>>,
         session: &Session,
     ) -> HostResult<Study> {
-        Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, evaluations, session)
+        let document = Document::read(path).map_err(|mut found| {
+            let folder = std::env::current_dir().ok().filter(|_| path.is_relative() && !path.exists());
+            if let (Some(folder), Some(mistake)) = (folder, found.first_mut()) {
+                let hint = format!("paths in scripts are relative to the working directory, {}", folder.display());
+                mistake.hint.get_or_insert(hint);
+            }
+            mistakes(found)
+        })?;
+        Study::check(document.with(changes), None, evaluations, session)
     }
 
     /// Its name.
