@@ -29,7 +29,9 @@ pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String
     text += &field(results.measures.audit());
     if let Some(time) = outcome.rupture_time {
         // Film that tears breaks by and by: its first element is not its end.
-        let torn = outcome.torn.map(|torn| format!(" first, torn {} mm in the end", number::figure(1e3 * torn.length, DIGITS)));
+        let torn = outcome
+            .torn
+            .map(|torn| format!(" first, torn {} mm in the end", number::figure(1e3 * torn.length, DIGITS)));
         let _ = writeln!(text, "  the film ruptured at {}{}", duration(time), torn.unwrap_or_default());
     }
     text += &findings::lines("  ", results.measures.findings().iter());

@@ -171,7 +171,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let page = folder.path().join("film.html");
         assert!(check_page(&page, None).is_ok());
-        for (text, is_ours) in [("", true), ("<h1>my notes</h1>", false), ("<p><footer>droptower 0.1.0</footer>", true)] {
+        for (text, is_ours) in [("", true), ("<h1>my notes</h1>", false), ("<p><footer>droptower 0.1.0</footer>", true)]
+        {
             fs::write(&page, text).expect("a file");
             assert_eq!(check_page(&page, None).is_ok(), is_ours, "{text}");
         }

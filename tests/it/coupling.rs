@@ -99,7 +99,10 @@ fn curves_of_both_directions_can_be_fitted() {
         // Remedies that can be typed.
         (&of_file("no-units.csv")[..], "give it: --unit pressure=Pa"),
         (&of_file("negative.csv")[..], "change the sign"),
-        (&["tensile", "wide", "md-0.02-9.csv", "--gauge", "5 mm", "--width", "50 mm", "--thickness", "1 mm"], "--unit force=N"),
+        (
+            &["tensile", "wide", "md-0.02-9.csv", "--gauge", "5 mm", "--width", "50 mm", "--thickness", "1 mm"],
+            "--unit force=N",
+        ),
         (&[&bulge[..3], &["--radius", "-50 mm", "--thickness", "1 mm"]].concat(), "radius"),
         (&[&bulge[..], &["--film", "none.toml"]].concat()[..], "none.toml"),
         (&[&bulge[..], &["--pressure", "p"]].concat(), "channel `p`"),

@@ -536,7 +536,10 @@ fn probabilities_of_failure_and_their_findings() {
         let searched = options.contains("importance");
         assert!(summary["runs"].as_f64().expect("a number") >= samples + if searched { 1.0 } else { 0.0 }, "{summary}");
     }
-    let few = studied(scene.path(), "failure_probability(drop, #{ figure: \"ruptured\", below: 0, samples: 20, vary: vary })");
+    let few = studied(
+        scene.path(),
+        "failure_probability(drop, #{ figure: \"ruptured\", below: 0, samples: 20, vary: vary })",
+    );
     assert!(few.status.code() == Some(2) && error(&few).contains("\"monte-carlo\""), "{}", error(&few));
 }
 
@@ -556,7 +559,10 @@ fn a_staircase_takes_whole_numbers_and_says_where_it_came_to() {
         let output = studied(scene.path(), &expression);
         assert!(output.status.code() == Some(2) && error(&output).contains(expected), "{}", error(&output));
     }
-    let named = studied(scene.path(), "sweep(drop, #{ vary: #{ \"loading.impact.velocity\": #{ mean: 4.1, deviation: 0.05 } } })");
+    let named = studied(
+        scene.path(),
+        "sweep(drop, #{ vary: #{ \"loading.impact.velocity\": #{ mean: 4.1, deviation: 0.05 } } })",
+    );
     assert!(error(&named).contains("`normal`"), "{}", error(&named));
 }
 

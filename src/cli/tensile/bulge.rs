@@ -41,7 +41,8 @@ fn test(args: &BulgeArgs, bulge: &Bulge, path: &Path, fabric: Option<&Fabric>) -
     let curve = curve.map_err(|error| Diagnostic { hint: error.hint().map(str::to_owned), ..fault(&error) })?;
     let coupling = fabric.map(|fabric| coupling::of(fabric, |film| Coupling::of_equal_strains(&curve, film)));
     let coupling = coupling.transpose();
-    let coupling = coupling.map_err(|error| fault(&error).hint("check the units of height and --radius, and --film"))?;
+    let coupling =
+        coupling.map_err(|error| fault(&error).hint("check the units of height and --radius, and --film"))?;
     let is_virtual = table.annotations.is_virtual();
     Ok(Test { name: shown_path(path), is_virtual, curve, coupon: None, coupling, high: None })
 }

@@ -186,7 +186,10 @@ mod tests {
     #[test]
     fn a_description_is_a_sentence_and_not_a_line() {
         for (script, expected) in [
-            ("//! Mass at which the film breaks or\n//! holds. More of it.\n//!\n//! --arg a=1  b\n", "Mass at which the film breaks or holds."),
+            (
+                "//! Mass at which the film breaks or\n//! holds. More of it.\n//!\n//! --arg a=1  b\n",
+                "Mass at which the film breaks or holds.",
+            ),
             ("//! One line\n//!\n//! more\nlet a = 1;", "One line"),
             ("// a comment\nlet a = 1;", ""),
         ] {

@@ -141,7 +141,8 @@ mod tests {
                 let [top, bottom] = [-1.0, 1.0].map(|side| middle(f64::from(column) + 0.5) + side * half);
                 (bottom.min(f64::from(row) + 1.0) - top.max(f64::from(row))).clamp(0.0, 1.0)
             };
-            let picture = RgbImage::from_fn(200, 200, |column, row| Rgb([(255.0 * (1.0 - share(column, row))) as u8; 3]));
+            let picture =
+                RgbImage::from_fn(200, 200, |column, row| Rgb([(255.0 * (1.0 - share(column, row))) as u8; 3]));
             for off in [0.0, 0.5] {
                 // Values are pixels, up from the lower edge.
                 let axis = |pixels, column: &str| {
@@ -149,7 +150,8 @@ mod tests {
                     Axis { column, pixels, values, scale: AxisScale::Linear }
                 };
                 let [low, high] = [0.5 - off, 199.5 - off];
-                let axes = Axes::new([axis([[low, high], [high, high]], "x"), axis([[low, high], [low, low]], "y")]).unwrap();
+                let axes =
+                    Axes::new([axis([[low, high], [high, high]], "x"), axis([[low, high], [low, low]], "y")]).unwrap();
                 let ink = Ink::new([0; 3], [255; 3], 0.25, Fidelity::EXACT).unwrap();
                 let figure = Figure {
                     path: PathBuf::new(),
@@ -171,7 +173,10 @@ mod tests {
                     (count, most) = (count + 1, most.max(wrong));
                 }
                 // Half a pixel across, which the slope turns into one up, and half a pixel up.
-                assert!(count >= 39 && (most - off * (1.0 + slope).abs()).abs() < 0.15, "slope {slope}: {count} {most}");
+                assert!(
+                    count >= 39 && (most - off * (1.0 + slope).abs()).abs() < 0.15,
+                    "slope {slope}: {count} {most}"
+                );
             }
         }
     }

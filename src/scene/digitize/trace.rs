@@ -204,7 +204,13 @@ mod tests {
             let pixel = |column: usize, row: usize| {
                 let off = column.min(99 - column);
                 let is_line = off < width || row.abs_diff(curve(column)) <= width;
-                let share = if is_line { 1.0 } else if off == width { faint } else { 0.0 };
+                let share = if is_line {
+                    1.0
+                } else if off == width {
+                    faint
+                } else {
+                    0.0
+                };
                 Some([(255.0 * (1.0 - share)) as u8; 3])
             };
             let found = trace([0..100, 0..100], &ink, pixel).unwrap();

@@ -123,7 +123,8 @@ impl VariedKey {
                 let mistake = refused(format!("unknown key `{}`", self.path));
                 let known = rule.table().into_iter().flat_map(|table| &table.keys);
                 if ["mean", "deviation"].contains(&step) {
-                    return mistake.hint("mean and deviation are those of a distribution: put them into `normal` or `lognormal`");
+                    return mistake
+                        .hint("mean and deviation are those of a distribution: put them into `normal` or `lognormal`");
                 }
                 match closest(step, known.map(|key| key.name.as_str())) {
                     Some(name) => mistake.hint(format!("did you mean `{}`?", self.path.replacen(step, name, 1))),

@@ -282,7 +282,9 @@ impl Monitor {
             .map(|(face, film)| Warning::MisshapenElements { face: face + 1, quality: film.quality })
             .collect();
         out.extend(relaxation.and_then(|relaxation| match relaxation {
-            relaxation if !relaxation.is_in_equilibrium() || relaxation.is_given_up() => Some(Warning::NotInEquilibrium(relaxation)),
+            relaxation if !relaxation.is_in_equilibrium() || relaxation.is_given_up() => {
+                Some(Warning::NotInEquilibrium(relaxation))
+            }
             relaxation if relaxation.steps > 0 => Some(Warning::Settled(relaxation)),
             _ => None,
         }));

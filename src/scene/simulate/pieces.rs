@@ -42,7 +42,8 @@ impl Pieces {
 
     /// The pieces of these nodes, counted among all nodes; ascending.
     fn of(&mut self, nodes: impl IntoIterator<Item = usize>) -> Vec<usize> {
-        let nodes: Vec<usize> = nodes.into_iter().map(|node| node - self.first).filter(|node| self.used[*node]).collect();
+        let nodes: Vec<usize> =
+            nodes.into_iter().map(|node| node - self.first).filter(|node| self.used[*node]).collect();
         let mut roots: Vec<usize> = nodes.into_iter().map(|node| self.root(node)).collect();
         roots.sort_unstable();
         roots.dedup();

@@ -73,7 +73,9 @@ impl SweepResults {
     /// How often the runs had findings.
     pub fn run_findings(&self) -> RunFindings {
         let mut found = RunFindings::default();
-        let Some(Values::Texts(codes)) = self.table.column("findings").map(|column| &column.values) else { return found };
+        let Some(Values::Texts(codes)) = self.table.column("findings").map(|column| &column.values) else {
+            return found;
+        };
         let outcomes = codes.iter().enumerate().filter(|(row, _)| self.table.failure(*row).is_none());
         outcomes.for_each(|(_, codes)| found.count(codes.as_deref().unwrap_or_default().split_whitespace()));
         found

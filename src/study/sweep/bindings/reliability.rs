@@ -8,8 +8,8 @@ use uncertainty::reliability::{
     FormOptions, Probability, ReliabilityError, SamplingOptions, SubsetOptions, design_point, importance_sampling_at,
     monte_carlo, subset_simulation,
 };
-use uncertainty::statistics::Interval;
 use uncertainty::staircase::{Counts, Outcome, ProbitFit, Staircase, probit};
+use uncertainty::statistics::Interval;
 
 use super::common::{Host, assignment, refused, varied, whole};
 use crate::scenario_functions::Study;
@@ -195,7 +195,11 @@ fn specimen(document: &Document, key: &str, level: f64, step: f64) -> HostResult
     model::check(&specimen).map_err(|mistakes| {
         let why = mistakes.first().map_or_else(String::new, |mistake| mistake.message.to_string());
         let hint = "start further from what the key may be, or with a smaller step";
-        refuse_key("start", &format!("the staircase came to {key} = {level}, which the scenario does not take: {why}"), Some(hint.into()))
+        refuse_key(
+            "start",
+            &format!("the staircase came to {key} = {level}, which the scenario does not take: {why}"),
+            Some(hint.into()),
+        )
     })?;
     Ok(specimen)
 }
