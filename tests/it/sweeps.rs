@@ -554,8 +554,9 @@ fn a_staircase_takes_whole_numbers_and_says_where_it_came_to() {
         ),
         ("key: \"layers.count\", start: 2, step: 1", "the staircase came to layers.count = 0"),
     ] {
-        let expression =
-            format!("staircase(drop, #{{ {options}, specimens: 4, figure: \"peak_displacement_m\", below: 0 }})");
+        let expression = format!(
+            "staircase(drop, #{{ {options}, specimens: 4, figure: \"peak_displacement_m\", below: 0, vary: #{{ \"impactor.friction\": #{{ uniform: [0.1, 0.3] }} }} }})"
+        );
         let output = studied(scene.path(), &expression);
         assert!(output.status.code() == Some(2) && error(&output).contains(expected), "{}", error(&output));
     }
