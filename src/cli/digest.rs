@@ -27,8 +27,14 @@ pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String
     };
     text += &steadiness(results.measures.audit());
     text += &field(results.measures.audit());
+    // Film that tears breaks by and by: its first element is not its end, and an element takes its tear before it is deleted.
+    let torn = outcome.torn.filter(|torn| torn.length > 0.0);
+    let torn = torn.map(|torn| format!("torn {} mm in the end", number::figure(1e3 * torn.length, DIGITS)));
     if let Some(time) = outcome.rupture_time {
-        let _ = writeln!(text, "  the film ruptured at {}", duration(time));
+        let torn = torn.map(|torn| format!(" first, {torn}")).unwrap_or_default();
+        let _ = writeln!(text, "  the film ruptured at {}{torn}", duration(time));
+    } else if let Some(torn) = torn {
+        let _ = writeln!(text, "  the film is {torn}");
     }
     text += &findings::lines("  ", results.measures.findings().iter());
     for line in &results.script_output.log {

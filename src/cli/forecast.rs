@@ -7,7 +7,7 @@ use base::number::{self, grouped, rounded, wall_time};
 use base::units::Time;
 use scene::mesh::Outline;
 use scene::model::{Model, Symmetry};
-use scene::simulate::Progress;
+use scene::simulate::{self, Progress, SpringStep};
 
 /// Wall time from which a forecast is printed, s.
 const LONG: f64 = 60.0;
@@ -92,7 +92,13 @@ impl Left {
     /// Ways to a shorter run, or to one that may be interrupted.
     fn cheaper(&self, model: &Model, has_checkpoints: bool) -> Vec<String> {
         let mut cheaper = vec![];
-        if model.faces.iter().any(|face| face.meshing.grading.is_some()) {
+        // Mounted once more, which a run that takes so long does not notice.
+        let engine = model.frame.springs.as_ref().and_then(|_| simulate::engine(model).ok());
+        let springs = engine.as_ref().and_then(SpringStep::of_engine).filter(SpringStep::is_much_shorter);
+        if let Some(springs) = springs {
+            let free = number::figure(1e6 * springs.free, DIGITS);
+            cheaper.push(format!("{} makes the step so short: without springs it is {free} us", springs.key()));
+        } else if model.faces.iter().any(|face| face.meshing.grading.is_some()) {
             cheaper.push("a larger specimen.mesh.fine takes fewer elements and longer steps".to_owned());
         } else if !matches!(model.specimen.shape, Outline::Mesh { .. }) {
             cheaper.push("twice the specimen.mesh.size takes an eighth of the time".to_owned());

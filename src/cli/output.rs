@@ -15,6 +15,12 @@ use base::scratch;
 /// Text before the checksum in the last line of a file that may be replaced while it is unchanged.
 const SEAL: &str = "# Replaced by the next reduction only while it is unchanged: ";
 
+/// What every page of droptower has in its foot.
+const PAGE_MARK: &str = "<footer>droptower ";
+
+/// Longest page that is checked for its mark, bytes.
+const LONGEST_PAGE: u64 = 1 << 30;
+
 /// Longest file that is checked for a seal, bytes.
 const LONGEST_SEALED: u64 = 16 << 20;
 
@@ -46,6 +52,21 @@ pub(super) fn check(out: &Path, ending: &str, input: Option<&Path>, force: Optio
         None => ("already exists and was not written by droptower", ", or remove it first"),
     };
     refused(format!("{shown} {why} and is not replaced"), &format!("give another name{hint}"))
+}
+
+/// Refuses a page as [`check`] does, and one that exists and is no page of droptower: these hold nothing that is not computed
+/// again.
+pub(super) fn check_page(out: &Path, input: Option<&Path>) -> Result<(), Failure> {
+    check(out, "html", input, Some(true))?;
+    let Some((place, there)) = existing(out).map_err(|error| unwritable(out, &error))? else {
+        return Ok(());
+    };
+    let is_ours = || file::read_text(&place, LONGEST_PAGE).is_ok_and(|text| text.contains(PAGE_MARK));
+    if there.len() == 0 || is_ours() {
+        return Ok(());
+    }
+    let message = format!("{} already exists, is no page of droptower and is not replaced", shown_path(out));
+    Err(Diagnostic::new(message).hint("give another name, or remove it first").into())
 }
 
 /// Whether the name ends in `.{ending}`, however it is capitalised.
@@ -144,6 +165,18 @@ fn has_seal(content: &str) -> bool {
 mod tests {
     use super::*;
     use crate::failure::ExitStatus;
+
+    #[test]
+    fn a_page_of_somebody_else_is_not_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let page = folder.path().join("film.html");
+        assert!(check_page(&page, None).is_ok());
+        for (text, is_ours) in [("", true), ("<h1>my notes</h1>", false), ("<p><footer>droptower 0.1.0</footer>", true)]
+        {
+            fs::write(&page, text).expect("a file");
+            assert_eq!(check_page(&page, None).is_ok(), is_ours, "{text}");
+        }
+    }
 
     fn refusal(out: &Path, input: Option<&Path>, force: Option<bool>) -> String {
         let refused = check(out, "csv", input, force).expect_err("a refusal");

@@ -111,6 +111,9 @@ pub(super) fn of_drop(figures: &Map<String, Value>) -> String {
     if cards.is_empty() { cards } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
 }
 
+/// Of film that tears: how far, which may be short of its end.
+const TORN: Key = key("torn", "torn_length_m", 1e3, "mm");
+
 /// Of a run that is compared with a displacement field.
 const FIELD: [Key; 2] =
     [key("field error, rms", "field_rms_m", 1e3, "mm"), key("field error", "field_error", 100.0, "%")];
@@ -137,9 +140,11 @@ pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: boo
         .flat_map(|prefix| keys(prefix).iter().filter_map(move |key| card(key, prefix, summary)))
         .collect();
     let field = FIELD.iter().filter_map(|key| card(key, "", summary)).collect::<String>();
+    let is_torn = summary.get(TORN.name).and_then(Value::as_f64).is_some_and(|length| length > 0.0);
+    let torn = is_torn.then(|| card(&TORN, "", summary)).flatten().unwrap_or_default();
     let unmet: String =
         bodies.iter().filter(|body| !body.had_film_contact && !failed).map(|body| not_met(&body.prefix)).collect();
-    format!("<ul class=\"cards\">\n{cards}{field}{unmet}{}</ul>\n", film(summary, failed))
+    format!("<ul class=\"cards\">\n{cards}{torn}{field}{unmet}{}</ul>\n", film(summary, failed))
 }
 
 /// The card of an impactor that never met the film; `prefix` begins the names of its figures.

@@ -87,7 +87,23 @@ fn curves_of_both_directions_can_be_fitted() {
     let fit =
         figures(&droptower(folder.path(), &["tensile", "fit", "rubber-curve.csv", "--law", "neo-hookean", "--json"]));
     assert!((number(&fit["coefficients"][0]["value"]) / 1e6 - 1.0).abs() < 1e-9, "{fit}");
+    for (name, text) in [
+        ("no-units.csv", "pressure,height\n100,0.01\n200,0.02\n"),
+        ("negative.csv", "pressure [Pa],height [mm]\n-100,10\n-200,20\n"),
+        ("md-0.02-9.csv", "force,displacement\n1,1\n2,2\n3,3\n"),
+    ] {
+        fs::write(folder.path().join(name), text).expect("writable");
+    }
+    let of_file = |file| ["tensile", "bulge", file, "--radius", "50 mm", "--thickness", "1 mm"];
     for (arguments, expected) in [
+        // Remedies that can be typed.
+        (&of_file("no-units.csv")[..], "give it: --unit pressure=Pa"),
+        (&of_file("negative.csv")[..], "change the sign"),
+        (
+            &["tensile", "wide", "md-0.02-9.csv", "--gauge", "5 mm", "--width", "50 mm", "--thickness", "1 mm"],
+            "--unit force=N",
+        ),
+        (&[&bulge[..3], &["--radius", "-50 mm", "--thickness", "1 mm"]].concat(), "radius"),
         (&[&bulge[..], &["--film", "none.toml"]].concat()[..], "none.toml"),
         (&[&bulge[..], &["--pressure", "p"]].concat(), "channel `p`"),
         (&[&bulge[..3], &["--radius", "0 mm", "--thickness", "1 mm"]].concat(), "radius"),

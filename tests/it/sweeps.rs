@@ -497,3 +497,98 @@ fn mistakes_about_a_computing_centre_are_shown() {
     assert_eq!(changed.status.code(), Some(2));
     assert!(error(&changed).contains("changed since the job was submitted"), "{}", error(&changed));
 }
+
+/// A script with one expression over a drop of a millisecond whose speed varies evenly from 4 to 4.2 m/s.
+fn studied(folder: &Path, expression: &str) -> Output {
+    let script = format!(
+        "let drop = scenario(args.scenario).with(#{{ \"loading.impact.duration\": \"1 ms\" }});\n\
+         let vary = #{{ \"loading.impact.velocity\": #{{ uniform: [4.0, 4.2] }} }};\n{expression};\n"
+    );
+    fs::write(folder.join("study.rhai"), script).expect("a script");
+    droptower(folder, &["script", "study.rhai", "--scenario", "drop.toml", "--force", "--json"])
+}
+
+/// Probabilities beyond one half, limits that a figure is equal to or never reaches, and what is said of each.
+#[test]
+fn probabilities_of_failure_and_their_findings() {
+    let scene = scene("");
+    // The displacement after a millisecond is 1 ms times the speed, nearly: -4.0 to -4.2 mm.
+    for (options, low, high, code) in [
+        ("above: -4.19e-3, method: \"importance\", samples: 60", 0.8, 1.0, None),
+        ("above: -5e-3, method: \"importance\", samples: 20", 0.0, 1.0, Some("one-sided-sample")),
+        ("above: -3.9e-3, method: \"subset\", samples: 20", 0.0, 0.05, Some("failure-not-reached")),
+        ("above: -5e-3, method: \"subset\", samples: 20", 0.83, 1.0, None),
+        ("above: 0, figure: \"ruptured\", method: \"monte-carlo\", samples: 20", 0.0, 0.17, None),
+        ("below: 0, figure: \"ruptured\", method: \"monte-carlo\", samples: 20", 0.0, 0.17, None),
+    ] {
+        let figure = if options.contains("figure") { "" } else { "figure: \"peak_displacement_m\", " };
+        let expression = format!(
+            "let found = failure_probability(drop, #{{ {figure}{options}, vary: vary }}); measure(\"low\", found.interval[0]); \
+             measure(\"high\", found.interval[1]); measure(\"runs\", found.runs)"
+        );
+        let summary = figures(&studied(scene.path(), &expression));
+        let [found_low, found_high] = ["low", "high"].map(|name| summary[name].as_f64().expect("a number"));
+        assert!(found_low >= low && found_high <= high && found_low < found_high, "{options}: {summary}");
+        let codes: Vec<&str> =
+            summary["findings"].as_array().expect("a list").iter().filter_map(|own| own["code"].as_str()).collect();
+        assert!(code.is_none_or(|code| codes.contains(&code)), "{options}: {codes:?}");
+        let samples = if options.contains("20") { 20.0 } else { 60.0 };
+        let searched = options.contains("importance");
+        assert!(summary["runs"].as_f64().expect("a number") >= samples + if searched { 1.0 } else { 0.0 }, "{summary}");
+    }
+    let few = studied(
+        scene.path(),
+        "failure_probability(drop, #{ figure: \"ruptured\", below: 0, samples: 20, vary: vary })",
+    );
+    assert!(few.status.code() == Some(2) && error(&few).contains("\"monte-carlo\""), "{}", error(&few));
+}
+
+#[test]
+fn a_staircase_takes_whole_numbers_and_says_where_it_came_to() {
+    let scene = scene("");
+    for (options, expected) in [
+        ("key: \"layers.count\", start: 4, step: 1", "all had the same outcome"),
+        (
+            "key: \"loading.impact.velocity\", start: 0.2, step: 0.1",
+            "the staircase came to loading.impact.velocity = 0, which the scenario does not take",
+        ),
+        ("key: \"layers.count\", start: 2, step: 1", "the staircase came to layers.count = 0"),
+    ] {
+        let expression = format!(
+            "staircase(drop, #{{ {options}, specimens: 4, figure: \"peak_displacement_m\", below: 0, vary: #{{ \"impactor.friction\": #{{ uniform: [0.1, 0.3] }} }} }})"
+        );
+        let output = studied(scene.path(), &expression);
+        assert!(output.status.code() == Some(2) && error(&output).contains(expected), "{}", error(&output));
+    }
+    let named = studied(
+        scene.path(),
+        "sweep(drop, #{ vary: #{ \"loading.impact.velocity\": #{ mean: 4.1, deviation: 0.05 } } })",
+    );
+    assert!(error(&named).contains("`normal`"), "{}", error(&named));
+}
+
+/// Both runs end in contact, which a study of them says as they do.
+#[test]
+fn a_study_says_which_warnings_its_runs_have() {
+    let scene = scene("");
+    let output = studied(scene.path(), "simulate_all([drop, drop.with(#{ \"impactor.mass\": 11.0 })])");
+    let summary = figures(&output);
+    let of_runs = |summary: &Json| {
+        let findings = summary["findings"].as_array().expect("a list").iter();
+        findings.filter(|own| own["code"] == "warnings-of-runs").cloned().collect::<Vec<Json>>()
+    };
+    let found = of_runs(&summary);
+    assert!(found.len() == 1 && found[0]["runs"] == 2 && found[0]["codes"]["unfinished"] == 2, "{summary}");
+    assert!(error(&output).contains("warning[warnings-of-runs]: of 2 runs some have warnings: "), "{}", error(&output));
+    let page = fs::read_to_string(scene.path().join("runs/study/report.html")).expect("a page");
+    assert!(page.contains("warnings-of-runs"));
+    let swept = summary_of_sweep(&scene);
+    assert_eq!(of_runs(&swept)[0]["codes"]["unfinished"], 3, "{swept}");
+}
+
+fn summary_of_sweep(scene: &TempDir) -> Json {
+    let text = fs::read_to_string(scene.path().join("drop.toml")).expect("a scenario");
+    let varied = format!("{text}\n[variation]\n\"impactor.mass\" = [\"10 kg\", \"11 kg\", \"12 kg\"]\n");
+    fs::write(scene.path().join("drop.toml"), varied).expect("a scenario");
+    summary(scene.path(), &[])
+}

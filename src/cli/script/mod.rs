@@ -18,7 +18,7 @@ use super::faults::{reading, script, storing};
 use super::given::Given;
 use super::live_page::LivePage;
 use super::scenarios::both;
-use super::{Failure, Shared, digest, folder, print_figures, table};
+use super::{Failure, Shared, digest, findings, folder, print_figures, table};
 use base::diagnostic::{Diagnostic, printable, shown_path};
 use base::finding::Finding;
 use base::units::with_decimal_point;
@@ -280,8 +280,13 @@ fn run_script(
     if let Some(finding) = &virtual_recordings {
         print_line(&Message::Finding(finding).to_string());
     }
+    let of_runs = findings::of_runs(&Session::of_engine(&engine).run_findings());
+    if let Some(finding) = &of_runs {
+        print_line(&Message::Finding(finding).to_string());
+    }
     let mut output = collector.output();
     output.findings.splice(..0, virtual_recordings.clone());
+    output.findings.extend(of_runs);
     Ok((ScriptRun { name, call, program, output, virtual_recordings }, is_stopped))
 }
 

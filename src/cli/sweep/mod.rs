@@ -16,7 +16,7 @@ use super::farm::{self, Ends, ShardArgs};
 use super::faults::{preparing, storing};
 use super::live_page::LivePage;
 use super::scenarios::both;
-use super::{Failure, Shared, print_figures};
+use super::{Failure, Shared, findings, print_figures};
 use base::diagnostic::{Diagnostic, printable, printable_json, shown_path};
 use cluster::Cluster;
 use progress::Progress;
@@ -136,7 +136,8 @@ fn swept(task: &Task, args: &SweepArgs, shared: &Shared, begin: Instant) -> Resu
         page.discard();
         return print_figures(shared, &partly(&done, sweep), || shard_text(&done, sweep));
     }
-    let found = SweepResults::from_evaluations(sweep, &done, evaluations).map_err(|error| failed(&error))?;
+    let mut found = SweepResults::from_evaluations(sweep, &done, evaluations).map_err(|error| failed(&error))?;
+    found.findings.extend(findings::of_runs(&found.run_findings()));
     results::store(task, &found, args, shared, begin.elapsed().as_secs_f64())
 }
 

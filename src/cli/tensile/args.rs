@@ -16,13 +16,13 @@ pub(crate) struct CouponArgs {
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<String>,
     /// Length between the jaws, "5 mm" [default: as the head of a machine's export states it]
-    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    #[arg(long, allow_hyphen_values = true, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
     pub gauge: Option<f64>,
     /// Width of the coupons, "10 mm" [default: likewise]
-    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    #[arg(long, allow_hyphen_values = true, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
     pub width: Option<f64>,
     /// Thickness of the coupons, "12 um" [default: likewise]
-    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    #[arg(long, allow_hyphen_values = true, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
     pub thickness: Option<f64>,
     /// Direction of all coupons, in place of what the files state: MD, TD, D3, D4 or an angle such as 15deg
     #[arg(long)]
@@ -100,10 +100,10 @@ pub(crate) struct BulgeArgs {
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<String>,
     /// Radius within the clamp, "50 mm"
-    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    #[arg(long, allow_hyphen_values = true, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
     pub radius: f64,
     /// Thickness of the film before the test, "12 um"
-    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    #[arg(long, allow_hyphen_values = true, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
     pub thickness: f64,
     /// Name of the channel of pressure
     #[arg(long, value_name = "NAME", default_value = "pressure")]

@@ -37,9 +37,12 @@ fn test(args: &BulgeArgs, bulge: &Bulge, path: &Path, fabric: Option<&Fabric>) -
     let pressure = channel(&table, path, &args.pressure, Pressure::DIMENSION)?;
     let named = args.height.as_deref().or_else(|| HEIGHTS.into_iter().find(|name| table.channel(name).is_ok()));
     let height = channel(&table, path, named.unwrap_or(HEIGHTS[0]), Length::DIMENSION)?;
-    let curve = bulge.curve(pressure.values(), height.values()).map_err(|error| fault(&error))?;
+    let curve = bulge.curve(pressure.values(), height.values());
+    let curve = curve.map_err(|error| Diagnostic { hint: error.hint().map(str::to_owned), ..fault(&error) })?;
     let coupling = fabric.map(|fabric| coupling::of(fabric, |film| Coupling::of_equal_strains(&curve, film)));
-    let coupling = coupling.transpose().map_err(|error| fault(&error))?;
+    let coupling = coupling.transpose();
+    let coupling =
+        coupling.map_err(|error| fault(&error).hint("check the units of height and --radius, and --film"))?;
     let is_virtual = table.annotations.is_virtual();
     Ok(Test { name: shown_path(path), is_virtual, curve, coupon: None, coupling, high: None })
 }
@@ -56,5 +59,11 @@ fn channel<'t>(
             .hint("a bulge has the channels `pressure` and `height`; --pressure and --height name others")
     };
     let found = table.channel(name).map_err(|error| missing(&error))?;
-    found.quantity(dimension).map_err(|error: QuantityError| faults::quantity(path, &error))
+    found.quantity(dimension).map_err(|error| match &error {
+        // Of several channels, each has its own.
+        QuantityError::NoUnit { name, expected } => {
+            faults::quantity(path, &error).hint(format!("give it: --unit {name}={}", expected.unit))
+        }
+        QuantityError::OtherDimension { .. } => faults::quantity(path, &error),
+    })
 }

@@ -265,8 +265,12 @@ findings! {
             meaning "no film couples like that: below zero, above 1.2, or with a tenth of the stress left over; curves, thickness, a \
                 unit or the film is another one than that of the test";
             remedy "check `--film`, the thickness and the units, and that the curves were measured at the rate of the test";
-            message "{test}: no coupling of MD and TD explains the test: {} would leave {:.0} % of its stress",
-                significant(*coupling, 3), 100.0 * left;
+            message "{test}: no coupling of MD and TD explains the test: {}, and {:.0} % of its stress would be left",
+                match *coupling {
+                    value if value < 0.0 => format!("it would be {}, below zero", significant(value, 3)),
+                    value => format!("it would be {}, where films have up to 1.2", significant(value, 3)),
+                },
+                100.0 * left;
         CouplingVaries {
             test: String, "the recording" => "test";
             at: [[f64; 2]; 2], "strain and coupling where it is least and largest"

@@ -282,6 +282,13 @@ impl Engine {
         TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, support)
     }
 
+    /// The time step that the film would have on springs without dashpots, and without springs, s; none where it hangs on none.
+    pub fn time_steps_beside_springs(&self) -> Option<[f64; 2]> {
+        let support = self.springs.as_ref()?.support(&self.nodes);
+        let step = |support| TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, support).now();
+        Some([step(Support { rate: 0.0, ..support }), step(Support::default())])
+    }
+
     /// The frame's bars, where there are any.
     fn bars(&self) -> Option<&Impact> {
         self.impacts.last().filter(|impact| impact.is_frame)

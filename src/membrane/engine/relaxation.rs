@@ -66,19 +66,46 @@ impl Relaxation {
     pub fn is_in_equilibrium(&self) -> bool {
         self.residual <= MOUNTED
     }
+
+    /// Whether it ended at the most steps, short of the residual that is asked for.
+    pub fn is_given_up(&self) -> bool {
+        self.steps >= MOST_STEPS && self.residual > TOLERANCE
+    }
 }
 
 impl Engine {
     /// Brings the films that are `wanted`, one entry each, to equilibrium with their pre-strain and their weight before
     /// the first step; jaws stand still and nothing touches the film but the frame's bars, without friction; the
     /// impactor stays above it. Where the residual of these films as mounted is below 10⁻³, nothing is changed.
-    /// Histories and energies count from the equilibrium; initial velocities stay as they are.
+    /// Histories and energies count from the equilibrium; initial velocities stay as they are. Nodes without elements, as cuts along
+    /// a mirror plane leave them, stay where they are.
     ///
     /// Each step calls `proceed` with its progress, which ends the relaxation by `false`.
     ///
     /// # Errors
     /// The time step collapses, or a force on the film as mounted is not finite.
-    pub fn relax(&mut self, wanted: &[bool], mut proceed: impl FnMut(Settling) -> bool) -> Result<Relaxation, Fault> {
+    pub fn relax(&mut self, wanted: &[bool], proceed: impl FnMut(Settling) -> bool) -> Result<Relaxation, Fault> {
+        let loose = self.nodes_without_elements();
+        let free: Vec<[bool; 3]> = loose.iter().map(|node| self.nodes.free_axes(*node)).collect();
+        self.nodes.hold(loose.iter().copied(), [true; 3]);
+        let found = self.relax_elements(wanted, proceed);
+        loose.into_iter().zip(free).for_each(|(node, free)| self.nodes.release(node, free));
+        found
+    }
+
+    /// Nodes that belong to no element: they would fall freely, and film with them would never be at rest.
+    fn nodes_without_elements(&self) -> Vec<usize> {
+        let mut alone = vec![true; self.nodes.mass.len()];
+        let mut used = |corners: &[u32]| corners.iter().for_each(|node| alone[*node as usize] = false);
+        self.films.iter().for_each(|film| film.for_each_intact(&mut used));
+        (0..alone.len()).filter(|node| alone[*node] && self.nodes.free_axes(*node) != [false; 3]).collect()
+    }
+
+    fn relax_elements(
+        &mut self,
+        wanted: &[bool],
+        mut proceed: impl FnMut(Settling) -> bool,
+    ) -> Result<Relaxation, Fault> {
         let all = vec![true; self.films.len()];
         self.virgin_forces();
         let mounted = self.residual(&all);

@@ -56,9 +56,17 @@ fn search_fits(search: &ConvergenceHistory) -> impl Iterator<Item = Fit<'_>> {
 pub(super) fn sentence(output: &ScriptOutput, estimates: &[Estimate], script: &str) -> String {
     let sentences: Vec<String> = [met(&fits(output)), known(estimates)].into_iter().flatten().collect();
     match sentences.is_empty() {
-        true => script.lines().find_map(|line| line.strip_prefix("//!")).unwrap_or_default().trim().to_owned(),
+        true => described(script),
         false => sentences.join(" "),
     }
+}
+
+/// The first paragraph of the script's description, at most its first sentence: its lines end where the page is narrow.
+fn described(script: &str) -> String {
+    let lines = script.lines().skip_while(|line| !line.starts_with("//!")).map_while(|line| line.strip_prefix("//!"));
+    let words: Vec<&str> = lines.map(str::trim).take_while(|line| !line.is_empty()).collect();
+    let text = words.join(" ");
+    text.split_once(". ").map_or(text.clone(), |(first, _)| format!("{first}."))
 }
 
 /// How far the identified curves are from those measured.
@@ -169,4 +177,23 @@ pub(super) fn cards(measures: &Row) -> String {
     };
     let cards: String = measures.iter().filter_map(card).take(MOST_CARDS).collect();
     if cards.is_empty() { cards } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_description_is_a_sentence_and_not_a_line() {
+        for (script, expected) in [
+            (
+                "//! Mass at which the film breaks or\n//! holds. More of it.\n//!\n//! --arg a=1  b\n",
+                "Mass at which the film breaks or holds.",
+            ),
+            ("//! One line\n//!\n//! more\nlet a = 1;", "One line"),
+            ("// a comment\nlet a = 1;", ""),
+        ] {
+            assert_eq!(described(script), expected);
+        }
+    }
 }

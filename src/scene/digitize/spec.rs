@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::axes::{Axes, Axis};
 use super::{Fidelity, Ink};
-use crate::scenario::{self, Amount, Document};
+use crate::scenario::{self, Amount, AxisScale, Document};
 use base::diagnostic::{Diagnostic, Diagnostics, shown_path};
 use base::file::{self, FileError};
 use lab::signal::column;
@@ -24,7 +24,7 @@ const MOST_BYTES: u64 = 256 << 20;
 pub struct Figure {
     /// Where the picture is.
     pub path: PathBuf,
-    picture: RgbImage,
+    pub(super) picture: RgbImage,
     /// Its axes.
     pub axes: Axes,
     /// Colour of the curve.
@@ -169,10 +169,13 @@ impl Check<'_> {
         if ink.is_none() {
             self.report(&["curve", "colour"], "the curve and what is behind it have nearly the same colour", "");
         }
+        if let Some((_, picture, _)) = &picture {
+            self.inside([("x", &written.x), ("y", &written.y)], [picture.width(), picture.height()]);
+        }
         let [x, y] = axes;
         let axes = Axes::new([x?, y?]);
         if axes.is_none() {
-            let hint = "each axis needs two points apart in picture and value; a logarithmic one values above 0";
+            let hint = "each axis needs two points apart in picture and value";
             self.report(&["x", "points"], "the points of the axes do not span a plane", hint);
         }
         let (axes, (path, picture, _)) = (axes?, picture?);
@@ -191,6 +194,17 @@ impl Check<'_> {
         }
         let (without, pixel_error) = (curve.without.clone(), curve.pixel_error);
         Some(Figure { path, picture, axes, ink: ink?, area, without, pixel_error, least_scatter })
+    }
+
+    /// Reports points of axes beside a picture of this size.
+    fn inside(&mut self, axes: [(&str, &scenario::FigureAxis); 2], [width, height]: [u32; 2]) {
+        for (key, axis) in axes {
+            let is_outside = |[x, y]: [f64; 2]| x > f64::from(width) || y > f64::from(height);
+            if let Some([x, y]) = axis.points.iter().map(|point| point.pixel).find(|pixel| is_outside(*pixel)) {
+                let message = format!("the pixel [{x}, {y}] is not in the picture of {width} x {height} pixels");
+                self.report(&[key, "points"], message, "pixels count from the upper left corner, across and down");
+            }
+        }
     }
 
     fn axis(&mut self, key: &str, written: &scenario::FigureAxis) -> Option<Axis> {
@@ -218,6 +232,11 @@ impl Check<'_> {
         let [Some(first), Some(second)] = values else {
             return None;
         };
+        if written.scale == AxisScale::Log && first.min(second) <= 0.0 {
+            let message = format!("expected values above 0 on a logarithmic axis, found {}", first.min(second));
+            self.report(&[key, "points"], message, "give other points, or `scale = \"linear\"`");
+            return None;
+        }
         let (column, scale) = (written.column.clone(), written.scale);
         Some(Axis { column, pixels: [from.pixel, to.pixel], values: [first, second], scale })
     }

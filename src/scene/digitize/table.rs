@@ -74,7 +74,8 @@ fn scatter(points: &[[f64; 2]]) -> f64 {
 }
 
 /// Half the width of the interval of a value up: from the scatter of the trace, and from the points of the axes, whose error
-/// grows beyond them; an error across counts by the slope of the curve. Where another curve hides a part of the line, its
+/// grows beyond them; an error across counts by the slope of the curve. Both points of an axis, and both axes, may be off alike, as where
+/// the corner of a pixel was taken for its middle: such errors add up. Where another curve hides a part of the line, its
 /// middle is uncertain by half of what is hidden, and where it turns within its width, by a part of that.
 fn error(figure: &Figure, trace: &Trace, place: usize, scatter: f64) -> f64 {
     let points = &trace.points;
@@ -86,16 +87,12 @@ fn error(figure: &Figure, trace: &Trace, place: usize, scatter: f64) -> f64 {
     let pixel = points[place];
     let slopes = figure.axes.slopes(pixel);
     let places = figure.axes.places(pixel);
-    // Evenly distributed within ± `pixel_error`.
-    let of_axis = |index: usize| {
-        let place: f64 = places[index];
-        figure.pixel_error / 3.0_f64.sqrt() * ((1.0 - place).powi(2) + place.powi(2)).sqrt()
-    };
+    let of_axis = |index: usize| figure.pixel_error * ((1.0 - places[index]).abs() + places[index].abs());
     let length = |index: usize| slopes[index][0].hypot(slopes[index][1]);
-    let across = of_axis(0) * length(0) * steep;
-    let up = of_axis(1) * length(1);
-    let deviation = (across.powi(2) + up.powi(2) + (scatter * slopes[1][1]).powi(2)).sqrt();
-    2.0 * deviation + (hidden + trace.doubts[place]) * slopes[1][1].abs()
+    let of_points = of_axis(0) * length(0) * steep.abs() + of_axis(1) * length(1);
+    // Two deviations of a normal scatter are 95 %.
+    let of_both = of_points.hypot(2.0 * scatter * slopes[1][1]);
+    of_both + (hidden + trace.doubts[place]) * slopes[1][1].abs()
 }
 
 fn warnings(figure: &Figure, found: &Trace) -> Vec<Warning> {
@@ -121,4 +118,66 @@ fn warnings(figure: &Figure, found: &Trace) -> Vec<Warning> {
         warnings.push(Warning::Short { share });
     }
     warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use image::{Rgb, RgbImage};
+
+    use super::*;
+    use crate::digitize::axes::Axis;
+    use crate::digitize::{Axes, Fidelity, Ink};
+    use crate::scenario::AxisScale;
+
+    /// Lines of 3 pixels up and down by `slope`, read with the corners of the axes' pixels for their middles, and with their middles.
+    #[test]
+    fn half_a_pixel_of_the_axes_is_within_the_error() {
+        for slope in [-4.0, -1.0, 0.0, 1.0, 4.0] {
+            let middle = |across: f64| 100.0 - slope * (across - 100.0);
+            let half = 1.5 * f64::hypot(1.0, slope);
+            let share = |column: u32, row: u32| {
+                let [top, bottom] = [-1.0, 1.0].map(|side| middle(f64::from(column) + 0.5) + side * half);
+                (bottom.min(f64::from(row) + 1.0) - top.max(f64::from(row))).clamp(0.0, 1.0)
+            };
+            let picture =
+                RgbImage::from_fn(200, 200, |column, row| Rgb([(255.0 * (1.0 - share(column, row))) as u8; 3]));
+            for off in [0.0, 0.5] {
+                // Values are pixels, up from the lower edge.
+                let axis = |pixels, column: &str| {
+                    let (column, values) = (column.to_owned(), [0.5, 199.5]);
+                    Axis { column, pixels, values, scale: AxisScale::Linear }
+                };
+                let [low, high] = [0.5 - off, 199.5 - off];
+                let axes =
+                    Axes::new([axis([[low, high], [high, high]], "x"), axis([[low, high], [low, low]], "y")]).unwrap();
+                let ink = Ink::new([0; 3], [255; 3], 0.25, Fidelity::EXACT).unwrap();
+                let figure = Figure {
+                    path: PathBuf::new(),
+                    picture: picture.clone(),
+                    axes,
+                    ink,
+                    area: [5, 5, 195, 195],
+                    without: vec![],
+                    pixel_error: 0.5,
+                    least_scatter: 0.1,
+                };
+                let found = digitize(&figure).unwrap();
+                let inner = found.points.iter().zip(&found.errors).filter(|([x, _], _)| (85.0..115.0).contains(x));
+                let (mut count, mut most) = (0, 0.0_f64);
+                for ([x, y], error) in inner {
+                    let wrong = (y - (200.0 - middle(*x))).abs();
+                    assert!(wrong <= *error, "slope {slope}, off by {off}: {wrong} of {error} at {x}");
+                    assert!(*error < 0.5 * (1.0 + slope.abs()) + 0.5, "slope {slope}: {error}");
+                    (count, most) = (count + 1, most.max(wrong));
+                }
+                // Half a pixel across, which the slope turns into one up, and half a pixel up.
+                assert!(
+                    count >= 29 && (most - off * (1.0 + slope).abs()).abs() < 0.15,
+                    "slope {slope}: {count} {most}"
+                );
+            }
+        }
+    }
 }

@@ -29,6 +29,10 @@ const SKIP: f64 = 0.05;
 /// the square of their number.
 const MOST_RUNS: usize = 20;
 
+/// Share of a column from which what covers it is a line of the figure, such as its frame or an axis: a curve that goes up and down
+/// as far within a pixel has no middle there.
+const FRAME: f64 = 0.9;
+
 /// Most columns that a dash or another curve may interrupt it for, as a share of all.
 const LONGEST_GAP: f64 = 0.08;
 
@@ -135,8 +139,11 @@ fn without_jumps(path: Vec<Run>) -> Vec<Run> {
 
 fn column_runs(column: usize, rows: Range<usize>, grid: &Grid, covered: &impl Fn(usize, usize) -> f64) -> Vec<Run> {
     let mut coverage: Vec<f64> = rows.clone().map(|row| covered(column, row)).collect();
-    grid.remove(&mut coverage);
     let mut runs = Vec::new();
+    if coverage.iter().filter(|share| **share >= LEAST).count() as f64 >= FRAME * coverage.len() as f64 {
+        return runs;
+    }
+    grid.remove(&mut coverage);
     let mut next = 0;
     while next < coverage.len() {
         if coverage[next] < LEAST {
@@ -181,4 +188,39 @@ fn best(runs: &[Run], longest: usize) -> Option<Vec<Run>> {
         std::iter::successors(Some(end), |place| before[*place]).map(|place| runs[place]).collect();
     path.reverse();
     Some(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::digitize::Fidelity;
+
+    /// A black curve at row 80 that rises to 20, in a black frame of some pixels at the columns 0 and 99 and the rows 0 and 99.
+    #[test]
+    fn a_frame_of_the_colour_of_the_curve_is_not_the_curve() {
+        let ink = Ink::new([0; 3], [255; 3], 0.25, Fidelity::EXACT).unwrap();
+        for (width, faint) in [(1, 0.0), (2, 0.4), (3, 0.8)] {
+            let curve = |column: usize| if column < 50 { 80 } else { 80 - (column - 50).min(30) * 2 };
+            let pixel = |column: usize, row: usize| {
+                let off = column.min(99 - column);
+                let is_line = off < width || row.abs_diff(curve(column)) <= width;
+                let share = if is_line {
+                    1.0
+                } else if off == width {
+                    faint
+                } else {
+                    0.0
+                };
+                Some([(255.0 * (1.0 - share)) as u8; 3])
+            };
+            let found = trace([0..100, 0..100], &ink, pixel).unwrap();
+            let at = |column: usize| found.points.iter().find(|point| point[0] == column as f64 + 0.5);
+            assert!(at(width - 1).is_none() && at(100 - width).is_none(), "{width}: {:?}", found.points);
+            assert!(found.points.len() >= 100 - 2 * width - 2);
+            for [column, row] in &found.points {
+                let off = row - 0.5 - curve(*column as usize) as f64;
+                assert!(off.abs() < 2.0, "{width}: {off} at {column}");
+            }
+        }
+    }
 }

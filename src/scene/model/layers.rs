@@ -284,6 +284,10 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnost
             mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger limit");
             continue;
         }
+        // A limit that is no limit has its own mistake.
+        if face.material.rupture.as_ref().is_some_and(|rupture| rupture.limit.largest() <= 0.0) {
+            continue;
+        }
         let ends = face.material.break_strains();
         let fibres = [("md", "MD"), ("td", "TD")].into_iter().zip(ends);
         for (((key, name), end), prestrain) in fibres.zip(face.prestrain) {

@@ -5,7 +5,7 @@ use crate::mesh::{Outline, import};
 use crate::scenario::{Document, Implausible};
 use base::findings;
 use base::number::significant;
-use membrane::material::{Law, Tension};
+use membrane::material::{Criterion, Law, Tension};
 
 /// Largest extent of a mesh that is likely, m.
 const LARGEST_MESH: f64 = 10.0;
@@ -35,6 +35,13 @@ findings! {
                     true => "check the unit of the drawing".to_owned(),
                     false => format!("coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
                 };
+        /// The limit of a rupture criterion is as small as if it were in another unit.
+        RuptureLimit {
+            limit: f64, "smallest limit, Pa or J/m3" => "limit";
+            unit: &'static str, "its unit";
+        } = code &IMPLAUSIBLE_VALUE;
+            message "a limit of `specimen.material.rupture` is {} {unit}, which is implausible: usual are 10 kPa and more, or \
+                10 kJ/m3 and more", significant(*limit, 3);
         Unstable {
             key: String, "path of the key of the law" => "key";
             tension: Tension, "in which kind of tension first" => "tension" = tension.to_string();
@@ -45,6 +52,15 @@ findings! {
             remedy "fit the coefficients to tests in several kinds of tension, with signs that are stable, or see that \
                 the film is stretched less";
             message "`{key}` is unstable in {tension} from a stretch of {} on", significant(*stretch, 3);
+        CutOnMirrorPlane {
+            cut: usize, "its place among the cuts, from zero" => "cut";
+            axis: char, "the axis across the plane" => "axis" = axis.to_string();
+        } = "cut-on-mirror-plane", Warning;
+            meaning "a cut runs along a mirror plane of film that can tear: it is a row of elements of the computed part and one of \
+                its image, twice as wide as a cut elsewhere, and a tear that goes on from it along the plane takes twice its \
+                fracture energy";
+            remedy "compute the whole: `specimen.symmetry = \"none\"`, or the half whose plane the cut crosses";
+            message "`specimen.cuts.{cut}` runs along the mirror plane {axis} = 0, where a tear takes twice its energy";
         AbsorptionNotGiven {
             key: String, "path of the key that is left out" => "key";
         } = "absorption-not-given" as ABSORPTION_NOT_GIVEN, Note;
@@ -60,9 +76,29 @@ findings! {
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
     let values = document.implausible().into_iter().map(Warning::Value);
     let meshes = model.meshes().into_iter().filter_map(wide);
-    let unstable = unstable(document, model);
-    let absorption = without_absorption(document, model);
+    let unstable = rupture_limits(model).into_iter().chain(unstable(document, model));
+    let absorption = without_absorption(document, model).into_iter().chain(on_mirror_planes(model));
     values.chain(meshes).chain(drawing(document, model)).chain(unstable).chain(absorption).collect()
+}
+
+/// The limit of a stress or an energy below which no film holds, Pa or J/m³.
+const LEAST_LIMIT: f64 = 1e4;
+
+/// Limits of rupture criteria that no film has, each once.
+fn rupture_limits(model: &Model) -> Vec<Warning> {
+    let of_face = |face: &Face| {
+        let rupture = face.material.rupture.as_ref()?;
+        let unit = match rupture.criterion {
+            Criterion::Stress => "Pa",
+            Criterion::Energy => "J/m3",
+            Criterion::Strain | Criterion::FibreStrain | Criterion::Break => return None,
+        };
+        let limit = rupture.limit.smallest();
+        (limit < LEAST_LIMIT).then_some(Warning::RuptureLimit { limit, unit })
+    };
+    let mut warnings: Vec<Warning> = model.faces.iter().filter_map(of_face).collect();
+    warnings.dedup();
+    warnings
 }
 
 /// The hyperelastic laws that are unstable, each once.
@@ -77,6 +113,24 @@ fn unstable(document: &Document, model: &Model) -> Vec<Warning> {
     };
     let mut warnings: Vec<Warning> = model.faces.iter().enumerate().filter_map(of_face).collect();
     warnings.dedup();
+    warnings
+}
+
+/// The cuts of film that can tear with a part in the first row of elements along a mirror plane, each once a plane.
+fn on_mirror_planes(model: &Model) -> Vec<Warning> {
+    let row = model.faces.iter().map(|face| face.meshing.size).fold(f64::INFINITY, f64::min);
+    let is_along = |points: &[[f64; 2]], across: usize| {
+        points.windows(2).any(|ends| {
+            let is_near = ends.iter().all(|point| point[across].abs() < row);
+            is_near && (ends[1][1 - across] - ends[0][1 - across]).abs() >= row
+        })
+    };
+    let mut warnings = vec![];
+    let planes = [(0, 'x'), (1, 'y')].into_iter().zip(model.specimen.symmetry.mirrors());
+    for ((across, axis), _) in planes.filter(|(_, is_mirrored)| *is_mirrored && model.can_tear()) {
+        let cuts = model.specimen.cuts.iter().enumerate().filter(|(_, points)| is_along(points, across));
+        warnings.extend(cuts.map(|(cut, _)| Warning::CutOnMirrorPlane { cut, axis }));
+    }
     warnings
 }
 

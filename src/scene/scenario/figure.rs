@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Amount;
 
-/// A curve in a picture. Pixels count from the upper left corner, across and down.
+/// A curve in a picture. Pixels count from the upper left corner, across and down; the first goes from 0 to 1, so that the middle of
+/// the pixel that an image viewer calls 87 is at 87.5.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Figure {
     /// A file of the same kind whose keys hold where this one has none: several curves of a figure share its axes.
@@ -40,7 +41,7 @@ pub struct FigureAxis {
 /// A point of an axis.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct AxisPoint {
-    /// Where it is in the picture, pixels across and down.
+    /// Where it is in the picture, pixels across and down: the numbers that an image viewer shows, and half a pixel more for its middle.
     #[schemars(inner(range(min = 0, max = 100_000)))]
     pub pixel: [f64; 2],
     /// Value there, with its unit: "50 ms".
@@ -76,7 +77,7 @@ pub struct FigureCurve {
     /// Parts of it that are left out, such as a legend: left, top, right, bottom in pixels.
     #[serde(default)]
     pub without: Vec<[f64; 4]>,
-    /// By how much the pixels of the axes' points may be wrong.
+    /// By how much the pixels of the axes' points may be wrong, all alike or not.
     #[serde(default = "half")]
     #[schemars(range(min = 0, max = 100))]
     pub pixel_error: f64,

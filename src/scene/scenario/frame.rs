@@ -79,9 +79,10 @@ pub struct Springs {
     #[serde(default = "no_mass")]
     #[schemars(range(min = 0), extend("x-likely" = [1e-6, 100.0]))]
     pub mass: Mass,
-    /// Dashpot of one spring: its force over the velocity of elongation.
+    /// Dashpot of one spring: its force over the velocity of elongation. The stable time step falls with it, over the mass of the edge
+    /// and the springs.
     #[serde(default = "no_damping")]
-    #[schemars(range(min = 0), extend("x-likely" = [1e-4, 1e6]))]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-4, 1e3]))]
     pub damping: ForcePerSpeed,
     /// Whether a spring pushes where it is shorter than without force; otherwise it goes slack there.
     #[serde(default)]

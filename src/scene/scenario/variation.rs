@@ -122,6 +122,10 @@ impl VariedKey {
             rule = rule.under(step).ok_or_else(|| {
                 let mistake = refused(format!("unknown key `{}`", self.path));
                 let known = rule.table().into_iter().flat_map(|table| &table.keys);
+                if ["mean", "deviation"].contains(&step) {
+                    return mistake
+                        .hint("mean and deviation are those of a distribution: put them into `normal` or `lognormal`");
+                }
                 match closest(step, known.map(|key| key.name.as_str())) {
                     Some(name) => mistake.hint(format!("did you mean `{}`?", self.path.replacen(step, name, 1))),
                     None => mistake.hint("`droptower explain` lists the keys of a scenario"),

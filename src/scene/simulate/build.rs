@@ -6,6 +6,8 @@ use super::frame;
 use super::frame_force::HeldSides;
 use super::loading::{self, LoadCase};
 use super::mount::{self, BodyMounting, Mounting};
+use super::pieces::Pieces;
+use super::spring_step::SpringStep;
 use super::springs;
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::loading::{Inertia, MassScaling};
@@ -83,7 +85,23 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         match &mut springs {
             // Their ends on the frame are held, and no node is.
             Some(springs) => topology.springs = springs.mount(model, films.len(), &mesh, &topology.held, first)?,
-            None => loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold)),
+            None => {
+                let jaws = loading.hold(&mut nodes, &mesh, first, &model.frame.hold);
+                if !model.specimen.cuts.is_empty() {
+                    let mirrored: Vec<usize> = mesh.mirrors[0].iter().map(|node| first + *node as usize).collect();
+                    if Pieces::new(&films[films.len() - 1]).are_jaws_parted(&jaws, &mirrored) {
+                        return Err(RunError::CutsPart { face: films.len() });
+                    }
+                }
+                loads.jaws.extend(jaws);
+            }
+        }
+        let is_held = model.frame.hold != Hold::None || !loads.jaws.is_empty();
+        if is_held && !model.specimen.cuts.is_empty() {
+            // Nothing would keep it from falling, also while film settles.
+            if Pieces::new(&films[films.len() - 1]).is_one_free(&nodes, &topology.springs) {
+                return Err(RunError::CutsFree { face: films.len() });
+            }
         }
         topologies.push(topology);
     }
@@ -105,7 +123,9 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         held.tie(springs)?;
     }
     let mass_scaling = (model.loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
-    let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held, crest };
+    let spring_step = None;
+    let mut mounting =
+        Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, spring_step, held, crest };
     let clamp = model.frame.clamp.map(|clamp| {
         let width = clamp.width.unwrap_or(f64::INFINITY);
         Clamp::new(clamped, &nodes, width, multiplicity)
@@ -121,6 +141,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         Some(springs) => engine.with_springs(springs),
         None => engine,
     };
+    mounting.spring_step = SpringStep::of_engine(&engine);
     let engine = match model.contact.film_friction.filter(|_| model.contact.film) {
         Some(friction) => engine.with_film_contact(friction),
         None => engine,

@@ -76,6 +76,7 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
         RunError::NoSprings { .. } => "frame.springs.spacing".to_owned(),
         RunError::NotFlat { .. } => "specimen.bending".to_owned(),
         RunError::CutMisses { cut, .. } => format!("specimen.cuts.{cut}"),
+        RunError::CutsPart { .. } | RunError::CutsFree { .. } => "specimen.cuts".to_owned(),
         RunError::FacesCross => "contact".to_owned(),
         RunError::StateMismatch(_) | RunError::Cancelled | RunError::Failure(_) => String::new(),
     }

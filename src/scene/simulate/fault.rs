@@ -140,6 +140,18 @@ pub enum RunError {
         /// The face, counted from one.
         face: usize,
     },
+    /// Cuts part film between the jaws.
+    #[error("the cuts part face {face} in two: nothing is stretched between the jaws")]
+    CutsPart {
+        /// The face, counted from one.
+        face: usize,
+    },
+    /// Cuts free a piece of film.
+    #[error("the cuts free a piece of face {face}, which nothing holds")]
+    CutsFree {
+        /// The face, counted from one.
+        face: usize,
+    },
     /// Faces lie inside each other at the start.
     #[error("two faces pass through each other before the test")]
     FacesCross,
@@ -202,6 +214,10 @@ impl RunError {
             RunError::NotFlat { .. } => "leave `specimen.bending` out, or use a flat mesh".to_owned(),
             RunError::CutMisses { .. } => {
                 "give points on the film, with symmetry on its computed part, further apart than an element".to_owned()
+            }
+            RunError::CutsPart { .. } => "end the cut further from an edge of the film, or from another cut".to_owned(),
+            RunError::CutsFree { .. } => {
+                "leave a part between the ends of a cut; a hole is one of `specimen.shape.polygon.holes`".to_owned()
             }
             RunError::Missed => "change `impactor.position`".to_owned(),
             RunError::Mesh(_)

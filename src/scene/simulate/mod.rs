@@ -18,12 +18,14 @@ mod motion;
 mod mount;
 mod prestress;
 mod outcome;
+mod pieces;
 mod probe;
 mod pull;
 mod rates;
 mod rise;
 mod rows;
 mod snapshot;
+mod spring_step;
 mod springs;
 mod thinning;
 mod tracks;
@@ -50,6 +52,7 @@ use probe::Probe;
 pub use pull::{Across, PullError, pull, pull_along, section_between_jaws};
 pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot};
+pub use spring_step::SpringStep;
 pub use warning::{BodySize, CODES, ImpactorName, Warning};
 
 /// Progress of a run.

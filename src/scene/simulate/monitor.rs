@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::biaxial::biaxial_share;
 use super::channels::Sample;
 use super::film::Film;
+use super::spring_step::SpringStep;
 use super::thinning::thins_from;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::model::{Face, Loading, Model, SNAPSHOT_MEMORY};
@@ -34,6 +35,8 @@ pub(super) struct Figures<'a> {
     pub(super) kinetic: Option<f64>,
     /// Mass added to the small elements of each face.
     pub(super) added_mass: &'a [AddedMass],
+    /// What springs of the frame make of the time step.
+    pub(super) spring_step: Option<SpringStep>,
     /// Snapshots requested and taken.
     pub(super) snapshots: [usize; 2],
     /// Whether each impactor is still in contact at the end.
@@ -268,6 +271,7 @@ impl Monitor {
             plastic,
             kinetic,
             added_mass,
+            spring_step,
             snapshots,
             unfinished,
             rupture_time,
@@ -286,13 +290,20 @@ impl Monitor {
             .map(|(face, film)| Warning::MisshapenElements { face: face + 1, quality: film.quality })
             .collect();
         out.extend(relaxation.and_then(|relaxation| match relaxation {
-            relaxation if !relaxation.is_in_equilibrium() => Some(Warning::NotInEquilibrium(relaxation)),
+            relaxation if !relaxation.is_in_equilibrium() || relaxation.is_given_up() => {
+                Some(Warning::NotInEquilibrium(relaxation))
+            }
             relaxation if relaxation.steps > 0 => Some(Warning::Settled(relaxation)),
             _ => None,
         }));
         let heavy = added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
+        out.extend(spring_step.filter(SpringStep::is_much_shorter).map(Warning::StepOfSprings));
         out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
-        out.extend(of(missed, Warning::NoContact));
+        let without_contact = names.iter().zip(missed).filter(|(_, missed)| **missed);
+        out.extend(without_contact.map(|(name, _)| match rupture_time {
+            Some(time) => Warning::TornBeforeContact { impactor: name.clone(), time: *time },
+            None => Warning::NoContact(name.clone()),
+        }));
         out.extend(of(met_others_alone, Warning::NoFilmContact));
         let bodies = self.contacts.iter().zip(&names).zip(sizes);
         out.extend(bodies.flat_map(|((contact, name), size)| contact.warnings(name, size, self.has_bars)));

@@ -6,6 +6,7 @@ use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame::Crest;
 use super::frame_force::HeldSides;
+use super::spring_step::SpringStep;
 use super::warning::ImpactorName;
 use crate::mesh::{self, Element, Mesh};
 use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model, Part};
@@ -23,6 +24,8 @@ pub(super) struct Mounting {
     pub(super) mass_scaling: Option<f64>,
     /// Mass added to small elements of each face; empty where none was asked for.
     pub(super) added_mass: Vec<AddedMass>,
+    /// What springs of the frame make of the time step, where film hangs on some.
+    pub(super) spring_step: Option<SpringStep>,
     /// Sides whose force on the frame is recorded.
     pub(super) held: HeldSides,
     /// The held edge on the crest of the frame's bars.

@@ -302,6 +302,7 @@ impl<'a> Probe<'a> {
             plastic: largest_plastic_strains(&self.record.snapshots, mounting.films.len()),
             kinetic: kinetic_share,
             added_mass: &mounting.added_mass,
+            spring_step: mounting.spring_step,
             snapshots,
             unfinished,
             rupture_time: self.record.rupture_time,

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::spring_step::SpringStep;
 use crate::mesh::Quality;
 use crate::model::{ImpactorShape, Model};
 use base::findings;
@@ -139,6 +140,15 @@ findings! {
             remedy "set a shorter `solver.smallest_step`, or leave it out";
             message "added mass: small elements of face {face} got {} % of its mass (bound {} %)",
                 percent(share), percent(&bounds::ADDED_MASS);
+        StepOfSprings(
+            springs: SpringStep => "time_step_s" = springs.step, "time_step_without_springs_s" = springs.free
+        ) = "step-of-springs", Note;
+            meaning "springs of the frame make the stable time step a quarter of the film's or less, so that the run takes many times as \
+                long; a larger element does not help";
+            remedy "use a lower `frame.springs.damping` or `frame.springs.stiffness`, whichever the message names: those of all springs \
+                of a held node over its mass bound the step; a larger `frame.springs.mass` helps too, where springs have it";
+            message "step of springs: `{}` makes the time step {} us, which without springs is {} us", springs.key(),
+                number::figure(1e6 * springs.step, 2), number::figure(1e6 * springs.free, 2);
         Settled(
             relaxation: Relaxation
                 => "mounted_residual" = relaxation.mounted, "residual" = relaxation.residual,
@@ -157,16 +167,31 @@ findings! {
                 "steps" = relaxation.steps, "displacement_m" = relaxation.displacement
         ) = "not-in-equilibrium", Warning;
             meaning "the film is out of balance with its pre-strain or its weight when the test starts, so that it \
-                moves by itself";
-            remedy "leave out `settle = false`; where the film has no equilibrium, such as slack film under its \
+                moves by itself; or it was not brought to the balance that is asked for (10⁻⁶ of the reactions) in 200 000 steps";
+            remedy "leave out `settle = false`, where it is given; where the film has no equilibrium, such as slack film under its \
                 weight, give it a pre-strain";
-            message "not in equilibrium: at the start forces out of balance are {} of the reactions",
-                number::figure(relaxation.residual, 2);
+            message "not in equilibrium: at the start forces out of balance are {} of the reactions{}",
+                number::figure(relaxation.residual, 2),
+                match relaxation.steps {
+                    0 => String::new(),
+                    steps => format!(", after {} steps in which the film moved by up to {} mm", number::grouped(steps),
+                        number::figure(1e3 * relaxation.displacement, 3)),
+                };
         NoContact(impactor: ImpactorName => ..impactor.figure()) = "no-contact", Warning;
             meaning "the impactor passed the film, or did not reach it, without touching it: its signals are those of \
                 a free fall";
             remedy "correct `impactor.position` or the outline of the film, or use a longer duration";
             message "no contact: {impactor} did not touch the film during the whole test";
+        TornBeforeContact {
+            impactor: ImpactorName, "which one" => ..impactor.figure();
+            time: f64, "when film first broke, s" => "time_s";
+        } = "torn-before-contact", Warning;
+            meaning "the film broke before the impactor touched it, and the impactor passed without touching what is left: its \
+                signals are those of a free fall";
+            remedy "use a lower `layers.prestrain` or a shorter cut in `specimen.cuts`, or a higher limit in \
+                `specimen.material.rupture`: the film breaks by what it is mounted with";
+            message "torn before contact: the film broke at {}, and {impactor} did not touch it during the whole test",
+                number::duration(*time);
         NoFilmContact(impactor: ImpactorName => ..impactor.figure()) = "no-film-contact", Note;
             meaning "the impactor met other impactors or the frame's bars, but never the film: its displacement counts \
                 from its start, and it has no lowest point, no rebound and no energy absorption";

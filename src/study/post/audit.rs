@@ -27,9 +27,10 @@ pub const COST: [&str; 8] = [
 pub struct Audit {
     /// Largest error of the energy balance over the largest energy.
     pub energy_balance_error: f64,
-    /// Whether the film ruptured.
+    /// Whether the film ruptured: whether a fibre, or an element of film with a rupture criterion of its own, is past its limit and
+    /// deleted; of film that tears by and by, how far is `torn_length_m`.
     pub ruptured: bool,
-    /// Time of the first rupture.
+    /// Time of the first such element.
     pub rupture_time_s: Option<f64>,
     /// Length of all tears in stress-free film; only of film with a rupture criterion of its own.
     #[serde(skip_serializing_if = "Option::is_none")]

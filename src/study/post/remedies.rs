@@ -14,6 +14,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         Warning::AddedMass { .. }
         | Warning::NotInEquilibrium(_)
         | Warning::NoContact(_)
+        | Warning::TornBeforeContact { .. }
         | Warning::TooFast { .. }
         | Warning::ClampLeft { .. }
         | Warning::ClampSlip { .. }
@@ -23,6 +24,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::Settled(_)
+        | Warning::StepOfSprings(_)
         | Warning::SpringsSlack { .. }
         | Warning::NoFilmContact(_)
         | Warning::MisshapenElements { .. }

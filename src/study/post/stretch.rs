@@ -18,7 +18,7 @@ pub struct Stretch {
     pub peak_stress: Option<f64>,
     /// Engineering strain at the largest stress.
     pub strain_at_peak_stress: Option<f64>,
-    /// Engineering strain at the rupture; none without one.
+    /// Engineering strain at the first rupture, after which film that tears may still hold; none without one.
     pub strain_at_break: Option<f64>,
     /// Nominal stress at the last sample before the rupture, Pa; none without one.
     #[serde(rename = "stress_at_break_Pa")]

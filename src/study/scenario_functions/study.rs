@@ -14,7 +14,8 @@ use crate::evaluate::{Description, EvaluationError, Evaluations, NoOutcome, RunE
 use crate::post::run::{self, ReferenceSignals};
 use crate::post::{EvaluateError, Plan, ReferenceComparison, Results, Run};
 use crate::script::{
-    Entry, HostResult, Options, Session, check_stop, from_json, number, numerical_failure, refuse, refuse_key, to_json,
+    Entry, HostResult, Options, RunFindings, Session, check_stop, from_json, number, numerical_failure, refuse,
+    refuse_key, to_json,
 };
 use crate::store::evaluations::Share;
 use base::budget::Claim;
@@ -81,7 +82,15 @@ impl Study {
         evaluations: Option<Arc<Evaluations>>,
         session: &Session,
     ) -> HostResult<Study> {
-        Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, evaluations, session)
+        let document = Document::read(path).map_err(|mut found| {
+            let folder = std::env::current_dir().ok().filter(|_| path.is_relative() && !path.exists());
+            if let (Some(folder), Some(mistake)) = (folder, found.first_mut()) {
+                let hint = format!("paths in scripts are relative to the working directory, {}", folder.display());
+                mistake.hint.get_or_insert(hint);
+            }
+            mistakes(found)
+        })?;
+        Study::check(document.with(changes), None, evaluations, session)
     }
 
     /// Its name.
@@ -204,6 +213,9 @@ impl Study {
         if model.run_time() < self.0.model.run_time() {
             results = results.ended_early();
         }
+        let mut found = RunFindings::default();
+        found.count(results.measures.findings().iter().map(|finding| finding.code.as_str()));
+        session.count_runs(&found);
         Ok(Some(Run::new(model, &outcome, &results, Some(session.budget()))))
     }
 

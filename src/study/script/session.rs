@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use rhai::{Dynamic, Engine, NativeCallContext, Position};
 
 use super::module::{Programs, ShippedModule};
-use super::{Compared, OutputCollector};
+use super::{Compared, OutputCollector, RunFindings};
 use base::budget::Budget;
 use base::cancellation::Cancellation;
 use base::file::{Digest, FileError};
@@ -53,6 +53,7 @@ pub struct Session {
     fields: Arc<Mutex<Vec<Fields>>>,
     options: Arc<Mutex<Vec<CallOptions>>>,
     output: Arc<Mutex<Option<OutputCollector>>>,
+    run_findings: Arc<Mutex<RunFindings>>,
     modules: Arc<Mutex<(Vec<ShippedModule>, bool)>>,
     programs: Programs,
 }
@@ -103,6 +104,18 @@ impl Session {
         if let Some(output) = output.filter(|_| !self.is_trial()) {
             findings.into_iter().for_each(|finding| output.report_once(finding));
         }
+    }
+
+    /// Counts runs with the codes of their findings. Those of the trials of a search are left out.
+    pub fn count_runs(&self, found: &RunFindings) {
+        if !self.is_trial() {
+            lock(&self.run_findings).add(found);
+        }
+    }
+
+    /// How often the runs so far had findings.
+    pub fn run_findings(&self) -> RunFindings {
+        lock(&self.run_findings).clone()
     }
 
     /// Declares the fields of maps of the host, which scripts are checked against before they run.

@@ -1,7 +1,9 @@
 //! Warnings about the output of a script.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use super::RunFindings;
 use base::diagnostic::shown_path;
 use base::findings;
 use lab::signal::VIRTUAL_RECORDING;
@@ -23,6 +25,18 @@ findings! {
                     0 => String::new(),
                     more => format!(" and {more} more"),
                 };
+        /// Runs of the study have warnings.
+        RunWarnings {
+            runs: usize, "number of runs" => "runs";
+            codes: Vec<(String, usize)>, "codes of their warnings, each with the number of runs that have it"
+                => "codes" = codes.iter().cloned().collect::<BTreeMap<String, usize>>();
+        } = "warnings-of-runs", Warning;
+            meaning "runs of a study have warnings of their own, which put its figures in doubt as they do those of a single run";
+            remedy "`droptower explain` with each code says what it means and what to do; run one of the scenarios alone to see its \
+                warning";
+            message "of {runs} runs {} warnings: {}",
+                if *runs == 1 { "one has" } else { "some have" },
+                codes.iter().map(|(code, count)| format!("{code} ({count})")).collect::<Vec<_>>().join(", ");
         SearchesNotShown { shown: usize, "how many have plots" => "shown" } = "searches-not-shown", Note;
             meaning "a script makes more searches, or more correlations of estimated parameters, than report and \
                 recording show";
@@ -37,6 +51,13 @@ fn shown<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Vec<String> {
 }
 
 impl Warning {
+    /// The warning of runs of which some have findings whose codes are warnings; none where no run has.
+    pub fn of_runs(found: &RunFindings, is_warning: impl Fn(&str) -> bool) -> Option<Warning> {
+        let codes = found.codes.iter().filter(|(code, _)| is_warning(code));
+        let codes: Vec<(String, usize)> = codes.map(|(code, count)| (code.clone(), *count)).collect();
+        (!codes.is_empty()).then_some(Warning::RunWarnings { runs: found.runs, codes })
+    }
+
     /// The warning of these virtual recordings; none where there are none.
     pub fn virtual_recordings(recordings: Vec<PathBuf>) -> Option<Warning> {
         (!recordings.is_empty()).then_some(Warning::VirtualRecordings { recordings })

@@ -7,8 +7,9 @@ use super::table::Table;
 use super::{Done, Sweep, warnings};
 use crate::evaluate::{EvaluationError, Evaluations, is_cost};
 use crate::post::{is_of_script, is_result};
+use crate::script::RunFindings;
 use base::finding::Finding;
-use base::table::Column;
+use base::table::{Column, Values};
 
 /// The results of a sweep.
 #[derive(Clone, Debug)]
@@ -69,6 +70,17 @@ impl SweepResults {
         })
     }
 
+    /// How often the runs had findings.
+    pub fn run_findings(&self) -> RunFindings {
+        let mut found = RunFindings::default();
+        let Some(Values::Texts(codes)) = self.table.column("findings").map(|column| &column.values) else {
+            return found;
+        };
+        let outcomes = codes.iter().enumerate().filter(|(row, _)| self.table.failure(*row).is_none());
+        outcomes.for_each(|(_, codes)| found.count(codes.as_deref().unwrap_or_default().split_whitespace()));
+        found
+    }
+
     /// The content of `summary.json`; `seconds` is the wall time of this process.
     pub fn summary(&self, sweep: &Sweep, seconds: f64) -> Map<String, Value> {
         let statistics = self.statistics.iter().map(|(name, quantiles)| (name.clone(), json!(quantiles)));
@@ -121,7 +133,6 @@ impl SweepResults {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use base::table::Values;
 
     fn results(values: [Option<f64>; 5], failed: usize) -> SweepResults {
         let column = |name: &str, values| Column { name: name.into(), values };

@@ -1,5 +1,5 @@
-//! Warnings about what varies: values of a distribution with which the scenario cannot be run; indices that too few runs leave
-//! open; specimens that tell no distribution of the strength.
+//! Warnings about what varies: values of a distribution with which the scenario cannot be run; indices and probabilities that
+//! the runs leave open; specimens that tell no distribution of the strength.
 
 use uncertainty::distribution::Distribution;
 use uncertainty::staircase::ProbitError;
@@ -50,6 +50,37 @@ findings! {
             remedy "test further specimens, with steps between half and once the deviation of the strength, so that some hold at \
                 a level above one at which others fail";
             message "no distribution of the strength: {reason}";
+        NoDesignPoint {
+            figure: String, "figure of the runs" => "figure";
+            distance: f64, "distance of the place from the medians, standard deviations" => "distance";
+        } = "no-design-point", Warning;
+            meaning "the search for the design point of importance sampling did not converge: the runs are sampled where it \
+                stood, where failure and survival need not meet, and may miss most of either";
+            remedy "the method \"subset\" or \"monte-carlo\", which need no design point; a limit that the figure can reach";
+            message "{figure}: the search for the design point ended {} standard deviations from the medians without a point at \
+                the limit", number::significant(*distance, 2);
+        OneSided {
+            figure: String, "figure of the runs" => "figure";
+            fails: bool, "whether all samples fail";
+            samples: usize, "samples with an output" => "samples";
+            low: f64, "lower end of the 95 % interval" => "low";
+            high: f64, "upper end of the 95 % interval" => "high";
+        } = "one-sided-sample", Warning;
+            meaning "no sample about the design point fails, or none survives where failure is the rule: of the probability \
+                only a bound is known";
+            remedy "the method \"subset\" or \"monte-carlo\"; a limit that the figure can reach; more samples";
+            message "{figure}: of {samples} samples about the design point {}: the probability lies between {} and {}",
+                if *fails { "all fail" } else { "none fails" },
+                number::figure(*low, 2), number::figure(*high, 2);
+        NotReached {
+            figure: String, "figure of the runs" => "figure";
+            levels: usize, "levels that were simulated" => "levels";
+            below: f64, "upper end of the 95 % interval" => "below";
+        } = "failure-not-reached", Warning;
+            meaning "the last level of a subset simulation has no failing sample: of the probability only a bound is known";
+            remedy "none where so rare a failure does not matter; otherwise a limit that the figure can reach, or distributions \
+                without ends short of failure";
+            message "{figure}: after {levels} levels no sample fails: the probability is below {}", number::figure(*below, 2);
     }
 }
 

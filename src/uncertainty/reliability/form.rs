@@ -35,12 +35,16 @@ pub struct DesignPoint {
     pub index: f64,
     /// Φ(−β), the probability of failure of the linearized limit state.
     pub probability: f64,
+    /// Whether the origin fails, so that more than about half of all points do.
+    pub origin_fails: bool,
     /// Whether the search converged; if not, point and probability are where it stood.
     pub converged: bool,
     /// Iterations.
     pub iterations: usize,
     /// Points that were evaluated.
     pub evaluations: usize,
+    /// Of these, points whose output is missing.
+    pub missing: usize,
 }
 
 /// Trial steps of a batch, each half the one before.
@@ -72,7 +76,7 @@ pub fn design_point(
     loop {
         let (g, gradient) = linearized(&mut counted, &point, options.step)?;
         // g has no scale of its own: its value at the origin is the unit in which it counts as zero.
-        let scale: f64 = *at_origin.get_or_insert(g.abs());
+        let scale = at_origin.get_or_insert(g).abs();
         let length = dot(&gradient, &gradient).sqrt();
         if length == 0.0 {
             return Err(ReliabilityError::Flat { evaluations: counted.evaluations });
@@ -91,8 +95,17 @@ pub fn design_point(
         };
         let Some(next) = next else {
             let probability = normal::cumulative(-index);
-            let evaluations = counted.evaluations;
-            return Ok(DesignPoint { point, direction, index, probability, converged, iterations, evaluations });
+            return Ok(DesignPoint {
+                point,
+                direction,
+                index,
+                probability,
+                origin_fails: at_origin.is_some_and(|g| g < 0.0),
+                converged,
+                iterations,
+                evaluations: counted.evaluations,
+                missing: counted.missing,
+            });
         };
         point = next;
         iterations += 1;

@@ -1,4 +1,4 @@
-//! Probability of failure: that a limit state g of standard normal inputs is at most zero.
+//! Probability of failure: that a limit state g of standard normal inputs is below zero.
 //!
 //! A limit state is given as a closure over a batch of points, so that its caller may evaluate them in parallel and
 //! record them; all points of a batch are known before any of its outputs. Inputs of other distributions are reached by
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use form::{DesignPoint, FormOptions, design_point};
-pub use importance::importance_sampling;
+pub use importance::{importance_sampling, importance_sampling_at};
 pub use monte_carlo::monte_carlo;
 pub use subset::{SubsetOptions, SubsetResult, subset_simulation};
 
@@ -21,7 +21,8 @@ use crate::random::Stream;
 use crate::statistics::{self, Interval};
 
 /// Limit state: one output for every point of a batch in standard normal space, none for a run that failed to give one;
-/// a value that is no number counts as missing. At most zero is failure.
+/// a value that is no number counts as missing. Below zero is failure; zero itself is not, so that a figure equal to its limit is
+/// not beyond it.
 pub type LimitState<'a> = dyn FnMut(&[Vec<f64>]) -> Vec<Option<f64>> + 'a;
 
 /// Why there is no probability.
@@ -69,14 +70,6 @@ pub enum ReliabilityError {
         /// Length of a chain.
         chain: usize,
     },
-    /// Failure is rarer than the allowed levels reach.
-    #[error("after {levels} levels failure is still not reached: its probability is below about {below:e}")]
-    TooRare {
-        /// Levels that were simulated.
-        levels: usize,
-        /// Probability of the last level.
-        below: f64,
-    },
     /// All samples of a level have the same output, short of failure.
     #[error("all samples of level {level} have the output {threshold}: nothing leads on to failure")]
     NoProgress {
@@ -92,7 +85,7 @@ pub enum ReliabilityError {
 pub struct Probability {
     /// The estimate.
     pub value: f64,
-    /// Coefficient of variation of the estimate; none where no sample failed.
+    /// Coefficient of variation of the estimate; none where no sample failed, or of a complement where none survived.
     pub variation: Option<f64>,
     /// Confidence interval; none where the method gives none.
     pub interval: Option<Interval>,

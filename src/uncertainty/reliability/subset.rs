@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Counted, LimitState, Probability, ReliabilityError, log_normal, normal_point};
 use crate::random::Stream;
+use crate::statistics::{Interval, wilson};
 
 /// Length of a chain: the inverse of the conditional probability p₀ = 0.1 of every level.
 const CHAIN: usize = 10;
@@ -35,8 +36,11 @@ pub struct SubsetResult {
     /// The probability. Its coefficient of variation is Au and Beck's upper bound (2001): levels that share the chains they grew
     /// from err together, and independence would have 75 to 90 % of 95 % intervals cover.
     pub probability: Probability,
-    /// Outputs that bound the levels, decreasing; the last is zero.
+    /// Outputs that bound the levels, decreasing; the last is zero where failure was reached.
     pub thresholds: Vec<f64>,
+    /// Whether failure was reached; if not, the interval of the probability goes from 0 to the upper end of that of the last level,
+    /// within which failure lies.
+    pub reached: bool,
     /// Share of the proposed points that each level after the first accepted.
     pub acceptance: Vec<f64>,
 }
@@ -51,7 +55,8 @@ struct Level {
 /// in step: nine batches of a tenth of the samples.
 ///
 /// A point whose output is missing counts as one that does not fail: in a chain it is rejected. Where failure itself
-/// makes a run give no output, the estimate is low. The interval takes the logarithm of the estimate for normal.
+/// makes a run give no output, the estimate is low. The interval takes the logarithm of the estimate for normal; where the
+/// first level suffices, whose samples are independent, it is Wilson's (1927) as with [`super::monte_carlo`].
 ///
 /// # Errors
 /// See [`ReliabilityError`].
@@ -72,35 +77,46 @@ pub fn subset_simulation(
     let mut level = first_level(&mut counted, &mut stream, inputs, options.samples)?;
     let (mut value, mut log_deviation) = (1.0, 0.0);
     let (mut thresholds, mut acceptance) = (Vec::new(), Vec::new());
-    for number in 0..options.levels.max(1) {
-        let threshold = level.threshold();
-        // Counted, not 0.1: at the last level more may fail, and equal outputs may share the threshold.
-        let share = level.share(threshold);
-        // Nothing told the samples apart, so the next level would be this one again.
-        if share == 1.0 && threshold > 0.0 {
+    let (mut number, mut reached) = (0, false);
+    while !reached {
+        let is_last = number + 1 >= options.levels;
+        // Nothing tells these samples apart, so the next level would be this one again.
+        let leads_on = |threshold: &f64| level.outputs.iter().any(|g| g > threshold);
+        // Fewer than a tenth that fail are counted only where no level follows.
+        let threshold = level.threshold().filter(|at| !level.fails() || !is_last && leads_on(at));
+        if let Some(threshold) = threshold.filter(|at| !leads_on(at)) {
             return Err(ReliabilityError::NoProgress { level: number, threshold });
         }
+        // Counted, not 0.1: at the last level more may fail, and equal outputs may share the threshold.
+        let within = level.within(threshold);
+        let share = within.iter().filter(|within| **within).count() as f64 / options.samples as f64;
         value *= share;
         // Deviations of the logarithms add up in a product of factors that are fully correlated; only the first level has
         // no chains.
-        log_deviation += libm::log1p(level.squared_variation(threshold, share, number > 0)).sqrt();
-        thresholds.push(threshold);
-        if threshold == 0.0 {
-            let variation = libm::expm1(log_deviation * log_deviation).sqrt();
-            let probability = Probability {
-                value,
-                variation: Some(variation),
-                interval: Some(log_normal(value, variation, options.confidence)),
-                evaluations: counted.evaluations,
-                missing: counted.missing,
-            };
-            return Ok(SubsetResult { probability, thresholds, acceptance });
-        }
+        log_deviation += libm::log1p(level.squared_variation(&within, share, number > 0)).sqrt();
+        thresholds.push(threshold.unwrap_or(0.0));
+        reached = threshold.is_none();
+        let Some(threshold) = threshold.filter(|_| !is_last) else { break };
         let accepted;
         (level, accepted) = level.conditional(threshold, options.reach, &mut counted, &mut stream)?;
         acceptance.push(accepted);
+        number += 1;
     }
-    Err(ReliabilityError::TooRare { levels: options.levels.max(1), below: value })
+    let variation = libm::expm1(log_deviation * log_deviation).sqrt();
+    let interval = if reached && number == 0 {
+        wilson((value * options.samples as f64).round() as u64, options.samples as u64, options.confidence)
+    } else {
+        log_normal(value, variation, options.confidence)
+    };
+    let probability = Probability {
+        value: if reached { value } else { 0.0 },
+        variation: reached.then_some(variation),
+        // All failure lies within the last level, whose probability bounds that of failure.
+        interval: Some(if reached { interval } else { Interval { low: 0.0, ..interval } }),
+        evaluations: counted.evaluations,
+        missing: counted.missing,
+    };
+    Ok(SubsetResult { probability, thresholds, reached, acceptance })
 }
 
 fn first_level(
@@ -124,29 +140,34 @@ impl Level {
         self.outputs.len() / CHAIN
     }
 
-    /// Output that a tenth of the samples does not exceed; zero where at least so many fail.
-    fn threshold(&self) -> f64 {
+    fn fails(&self) -> bool {
+        self.outputs.iter().any(|&g| g < 0.0)
+    }
+
+    /// Output that a tenth of the samples does not exceed; none where at least so many fail.
+    fn threshold(&self) -> Option<f64> {
         let mut sorted = self.outputs.clone();
         sorted.sort_by(f64::total_cmp);
         let (last, next) = (sorted[self.chains() - 1], sorted[self.chains()]);
         // Between two samples, so that none lies on the threshold by rounding.
         let between = if next.is_finite() { 0.5 * (last + next) } else { last };
-        between.max(0.0)
+        (last >= 0.0 || between > 0.0).then_some(between)
     }
 
-    fn share(&self, threshold: f64) -> f64 {
-        self.outputs.iter().filter(|&&g| g <= threshold).count() as f64 / self.outputs.len() as f64
+    /// Whether each sample is within `threshold`, or fails where there is none.
+    fn within(&self, threshold: Option<f64>) -> Vec<bool> {
+        self.outputs.iter().map(|&g| threshold.map_or(g < 0.0, |threshold| g <= threshold)).collect()
     }
 
-    /// Square of the coefficient of variation of the share of samples within `threshold`: of independent ones, or of
-    /// chains, whose samples are correlated (Au, Beck 2001).
-    fn squared_variation(&self, threshold: f64, share: f64, chains: bool) -> f64 {
+    /// Square of the coefficient of variation of the share of samples `within`: of independent ones, or of chains, whose
+    /// samples are correlated (Au, Beck 2001).
+    fn squared_variation(&self, within: &[bool], share: f64, chains: bool) -> f64 {
         let samples = self.outputs.len();
         let independent = (1.0 - share) / (share * samples as f64);
         if !chains || share == 1.0 {
             return independent;
         }
-        let within: Vec<f64> = self.outputs.iter().map(|&g| f64::from(u8::from(g <= threshold))).collect();
+        let within: Vec<f64> = within.iter().map(|&within| f64::from(u8::from(within))).collect();
         let correlation = |lag: usize| {
             let pairs = within.iter().zip(&within[lag * self.chains()..]);
             let mean = pairs.map(|(one, other)| one * other).sum::<f64>() / (samples - lag * self.chains()) as f64;

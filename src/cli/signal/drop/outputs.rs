@@ -14,7 +14,7 @@ pub(super) fn check(args: &DropArgs, inputs: &[(PathBuf, bool)]) -> Result<(), F
     });
     // A page holds nothing that is not computed again.
     let page = args.page.iter().map(|page| {
-        let check = |(input, _): &(PathBuf, bool)| output::check(page, "html", Some(input), Some(true));
+        let check = |(input, _): &(PathBuf, bool)| output::check_page(page, Some(input));
         inputs.iter().try_for_each(check)
     });
     Failure::all(table.chain(page).filter_map(Result::err)).map_or(Ok(()), Err)

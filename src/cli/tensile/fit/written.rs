@@ -21,11 +21,10 @@ impl Places {
             return Err(Diagnostic::new(message).into());
         }
         let page = args.page.clone().or_else(|| material.as_ref().map(|path| path.with_extension("html")));
-        let check = |path: &Option<PathBuf>, ending: &str, force: Option<bool>| {
-            path.as_deref().map_or(Ok(()), |path| output::check(path, ending, None, force))
-        };
-        // A page holds nothing that is not computed again.
-        let checked = [check(&material, "toml", None), check(&page, "html", Some(true))];
+        let checked = [
+            material.as_deref().map_or(Ok(()), |path| output::check(path, "toml", None, None)),
+            page.as_deref().map_or(Ok(()), |path| output::check_page(path, None)),
+        ];
         match Failure::all(checked.into_iter().filter_map(Result::err)) {
             Some(failure) => Err(failure),
             None => Ok(Places { material, page }),

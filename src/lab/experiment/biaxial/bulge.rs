@@ -43,6 +43,18 @@ pub enum BulgeError {
     Curve(#[from] CurveError),
 }
 
+impl BulgeError {
+    /// The remedy, where there is one.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            BulgeError::Flat => Some(
+                "pressure and height count above zero where film rises: change the sign of a channel that is negative",
+            ),
+            _ => None,
+        }
+    }
+}
+
 impl Bulge {
     /// A disc of this radius within the clamp (m) and this thickness before the test (m).
     ///
@@ -127,6 +139,10 @@ mod tests {
         let bulge = Bulge::new(0.05, 1e-5).unwrap();
         assert_eq!(bulge.curve(&[0.0, 1.0], &[0.0, 0.0]), Err(BulgeError::Flat));
         assert_eq!(bulge.curve(&[], &[]), Err(BulgeError::Flat));
+        for negative in [[[-1.0, -2.0], [0.01, 0.02]], [[1.0, 2.0], [-0.01, -0.02]]] {
+            let error = bulge.curve(&negative[0], &negative[1]).unwrap_err();
+            assert!(error.hint().unwrap().contains("sign"), "{error}");
+        }
         let back = bulge.curve(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.01, 0.004, 0.02]);
         assert_eq!(back, Err(BulgeError::Sinks { sample: 3, height: 0.004, before: 0.01 }));
         assert_eq!(bulge.curve(&[f64::NAN, 1.0], &[0.01, f64::NAN]), Err(BulgeError::Flat));

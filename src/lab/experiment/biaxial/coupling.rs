@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::experiment::coupon::Curve;
+use base::number::significant;
 
 /// The curves of MD and TD, to which the coupling comes: nominal stress (Pa) over engineering strain.
 pub struct Uncoupled<'a> {
@@ -29,7 +30,11 @@ pub struct Coupling {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum CouplingError {
     /// The curves end before the test begins.
-    #[error("the curves of the film end at a strain of {end}, before the first sample of the test, at {from}")]
+    #[error(
+        "the curves of the film end at a strain of {}, before the first sample of the test, at {}",
+        significant(*end, 4),
+        significant(*from, 4)
+    )]
     NoOverlap {
         /// End of the curves.
         end: f64,

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::label::{self, Label, LabelError};
-use super::{Coupon, CouponError, Rules, Sample, SampleError};
+use super::{Coupon, CouponError, ModulusError, Rules, Sample, SampleError};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::{ChannelError, Measurement, QuantityError};
 use base::units::{Force, Length};
@@ -142,12 +142,20 @@ impl RecordingFault {
         match self {
             RecordingFault::Channel(error) => error.hint(),
             RecordingFault::Quantity(QuantityError::NoUnit { name, expected }) => {
-                Some(format!("write its unit into the header, e.g. `{name} [{}]`", expected.unit))
+                Some(format!(
+                    "write its unit into the header, e.g. `{name} [{0}]`, or give it: --unit {name}={0}",
+                    expected.unit
+                ))
             }
             RecordingFault::NoDimensions { .. } => Some(
                 "give --gauge, --width and --thickness, or state them in the head of the file: `Width;10;mm`".into(),
             ),
             RecordingFault::Label(error) => Some(error.hint().into()),
+            RecordingFault::Sample(SampleError::Modulus(ModulusError::NotRising { .. })) => Some(
+                "force and displacement count above zero in tension: change the sign of a channel that falls, or give other \
+                 strains by --window"
+                    .into(),
+            ),
             _ => None,
         }
     }

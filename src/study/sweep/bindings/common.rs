@@ -21,7 +21,9 @@ impl Host<'_> {
     /// The results of a sweep.
     pub(super) fn results(&self, sweep: &Sweep) -> HostResult<SweepResults> {
         let done = self.done(sweep)?;
-        SweepResults::from_evaluations(sweep, &done, self.evaluations).map_err(refuse)
+        let found = SweepResults::from_evaluations(sweep, &done, self.evaluations).map_err(refuse)?;
+        self.session.count_runs(&found.run_findings());
+        Ok(found)
     }
 
     fn done(&self, sweep: &Sweep) -> HostResult<Done> {

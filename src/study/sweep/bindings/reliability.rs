@@ -5,14 +5,15 @@ use serde_json::{Value, json};
 use uncertainty::normal;
 use uncertainty::random::Stream;
 use uncertainty::reliability::{
-    FormOptions, Probability, SamplingOptions, SubsetOptions, design_point, importance_sampling, monte_carlo,
-    subset_simulation,
+    FormOptions, Probability, ReliabilityError, SamplingOptions, SubsetOptions, design_point, importance_sampling_at,
+    monte_carlo, subset_simulation,
 };
 use uncertainty::staircase::{Counts, Outcome, ProbitError, ProbitFit, Staircase, probit};
+use uncertainty::statistics::Interval;
 
 use super::common::{Host, assignment, refused, varied, whole};
 use crate::scenario_functions::Study;
-use crate::script::{Entry, HostResult, Options, Session, from_json, number, refuse};
+use crate::script::{Entry, HostResult, Options, Session, from_json, number, refuse, refuse_key};
 use crate::sweep::{Sweep, SweepError, Warning};
 use base::finding::Finding;
 use scene::model;
@@ -39,7 +40,7 @@ impl Limit {
         }
     }
 
-    /// The limit state: at most zero where the test fails.
+    /// The limit state: below zero where the test fails.
     fn state(&self, value: f64) -> f64 {
         if self.above { self.limit - value } else { value - self.limit }
     }
@@ -68,24 +69,50 @@ pub(super) fn failure_probability(study: &Study, options: &Options<'_>, host: &H
     };
     let method = options.map.get("method").map_or_else(|| "subset".to_owned(), Dynamic::to_string);
     let sampling = SamplingOptions { samples, seed, confidence: CONFIDENCE, ..SamplingOptions::default() };
+    let mut warnings = vec![];
     let found = match method.as_str() {
         "subset" => {
             let options = SubsetOptions { samples, seed, confidence: CONFIDENCE, ..SubsetOptions::default() };
-            subset_simulation(inputs, &options, &mut limit_state)
-                .map(|found| with(&found.probability, "thresholds", json!(found.thresholds)))
+            subset_simulation(inputs, &options, &mut limit_state).map(|found| {
+                if !found.reached {
+                    let below = found.probability.interval.map_or(1.0, |interval| interval.high);
+                    let (figure, levels) = (limit.figure.clone(), found.thresholds.len());
+                    warnings.push(Warning::NotReached { figure, levels, below });
+                }
+                with(&found.probability, "thresholds", json!(found.thresholds))
+            })
         }
         "monte-carlo" => monte_carlo(inputs, &sampling, &mut limit_state).map(|found| with(&found, "", Value::Null)),
         "importance" => design_point(inputs, &FormOptions::default(), &mut limit_state).and_then(|at| {
-            let found = importance_sampling(&at.point, &sampling, &mut limit_state)?;
+            let mut found = importance_sampling_at(&at, &sampling, &mut limit_state)?;
+            if !at.converged {
+                let distance = at.point.iter().map(|u| u * u).sum::<f64>().sqrt();
+                warnings.push(Warning::NoDesignPoint { figure: limit.figure.clone(), distance });
+            }
+            if let (None, Some(interval)) = (found.variation, found.interval) {
+                let (figure, samples) = (limit.figure.clone(), samples - found.missing);
+                let Interval { low, high } = interval;
+                warnings.push(Warning::OneSided { figure, fails: at.origin_fails, samples, low, high });
+            }
+            // A run is a run: those of the search for the design point, too.
+            found.evaluations += at.evaluations;
+            found.missing += at.missing;
             let point = json!({ "index": at.index, "probability": at.probability, "direction": at.direction, "converged": at.converged });
             Ok(with(&found, "design_point", point))
         }),
         other => return Err(refuse(format!("method is \"subset\", \"monte-carlo\" or \"importance\", not \"{other}\""))),
     };
-    match (failed, found) {
-        (Some(error), _) => Err(error),
-        (None, found) => found.map(|found| from_json(&found)).map_err(refuse),
+    if let Some(error) = failed {
+        return Err(error);
     }
+    host.session.report(warnings.iter().map(Finding::new));
+    found.map(|found| from_json(&found)).map_err(|error| match error {
+        ReliabilityError::NoProgress { .. } | ReliabilityError::Flat { .. } => {
+            let hint = "a figure with few values, such as `ruptured`, takes method: \"monte-carlo\"";
+            refuse_key("figure", &error.to_string(), Some(hint.into()))
+        }
+        _ => refuse(error),
+    })
 }
 
 /// A probability with one more entry.
@@ -130,18 +157,19 @@ pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -
     } else {
         Limit { figure: "ruptured".into(), limit: 0.5, above: true }
     };
-    let stairs = Staircase::new(options.needed_number("start")?, options.needed_number("step")?).map_err(refuse)?;
+    let step = options.needed_number("step")?;
+    let stairs = Staircase::new(options.needed_number("start")?, step).map_err(refuse)?;
     let document = varied(study, options)?;
     let factors = document.varied_keys().len();
     let mut outcomes: Vec<Outcome> = vec![];
     for _ in 0..count {
         let level = stairs.next_level(&outcomes);
-        let specimen = document.with(&[assignment(&key, &json!(level))?]);
+        let specimen = specimen(&document, &key, level, step)?;
         let place: Vec<f64> = (0..factors).map(|_| stream.normal()).collect();
         let output = outputs(&specimen, &[place], &limit, host)?;
         let state = output.first().copied().flatten();
         let state = state.ok_or_else(|| refuse(format!("the run at {key} = {level} failed")))?;
-        outcomes.push(if state <= 0.0 { Outcome::Failed } else { Outcome::Survived });
+        outcomes.push(if state < 0.0 { Outcome::Failed } else { Outcome::Survived });
     }
     let reduction = stairs.reduce(&outcomes, CONFIDENCE).map_err(refuse)?;
     let fit = strength(&stairs.counts(&outcomes), &host.session)?;
@@ -155,6 +183,25 @@ pub(super) fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -
         "probit": fit.as_ref().map(fitted),
     });
     Ok(from_json(&found))
+}
+
+/// The scenario with the key at a level.
+fn specimen(document: &Document, key: &str, level: f64, step: f64) -> HostResult<Document> {
+    // Sums of steps leave zero by round-off.
+    let level = if level.abs() < 1e-9 * step.abs() { 0.0 } else { level };
+    let is_whole = level.fract() == 0.0 && level.abs() < 1e15;
+    let value = if is_whole { json!(level as i64) } else { json!(level) };
+    let specimen = document.with(&[assignment(key, &value)?]);
+    model::check(&specimen).map_err(|mistakes| {
+        let why = mistakes.first().map_or_else(String::new, |mistake| mistake.message.to_string());
+        let hint = "start further from what the key may be, or with a smaller step";
+        refuse_key(
+            "start",
+            &format!("the staircase came to {key} = {level}, which the scenario does not take: {why}"),
+            Some(hint.into()),
+        )
+    })?;
+    Ok(specimen)
 }
 
 /// A fit as scripts see it; ends of intervals that are infinite are ().
@@ -197,10 +244,11 @@ pub(super) fn probit_of(levels: &Array, failed: &Array, session: &Session) -> Ho
 pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "failure_probability(scenario, #{ figure, above, method, samples, vary, seed })",
-        gives: "the probability that a figure is above a limit (or `below`): `probability`, its `interval` (95 %; of subset \
-                simulation a bound that covers at least 95 %) and coefficient of `variation` (of subset simulation at most), `runs`, \
-                `missing`. Methods: \"subset\" simulation (so many samples a level, 500 where none are given), \"monte-carlo\", \
-                \"importance\" sampling about the design point",
+        gives: "the probability that a figure is above a limit (or `below`), a figure equal to it being neither: `probability`, its \
+                `interval` (95 %; of subset simulation a bound that covers at least 95 %) and coefficient of `variation` (of subset \
+                simulation at most), `runs`, `missing`. Methods: \"subset\" simulation (so many samples a level, 500 where none are \
+                given), \"monte-carlo\", \"importance\" sampling about the design point, whose search is among the `runs`. Where no \
+                run fails, the probability is 0 and the end of its interval a bound",
         example: "failure_probability(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
                   #{ figure: \"peak_displacement_m\", above: -4.1e-3, method: \"monte-carlo\", samples: 16, \
                   vary: #{ \"loading.impact.velocity\": #{ uniform: [4.0, 4.2] } } }).probability > 0.2",
