@@ -1,7 +1,6 @@
 //! Failure of fibre sets, layer by layer, and of elements.
 
 use super::element::{Block, Blocks, ElementEnergy, TooWide, energy_at};
-use super::tips::smaller;
 use crate::lane::LANES;
 use crate::material::{History, MembraneLaw};
 
@@ -98,4 +97,12 @@ where
     }
     let lost = elements.tearing.as_mut().expect("a tear").take_lost();
     Failures { energy: lost.energy, too_wide: lost.too_wide, opened: lost.opened, ..total }
+}
+
+/// The smaller of two figures.
+pub(super) fn smaller(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+    match (one, other) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
 }

@@ -373,7 +373,7 @@ impl Engine {
         self.add_forces(dt);
         let mut failures = Failures::default();
         for (face, film) in self.films.iter_mut().enumerate() {
-            let of_film = film.fail(self.nodes.position.axes(), dt);
+            let of_film = film.fail(self.nodes.position.axes(), dt, self.steps);
             if let Some(cushion) = self.cushion.as_mut().filter(|_| face < 2 && of_film.failed > 0) {
                 cushion.is_open = true;
             }
@@ -383,7 +383,7 @@ impl Engine {
             failures.add(&of_film);
         }
         self.too_wide = TooWide::worse(self.too_wide, failures.too_wide);
-        self.returned = tips::smaller(self.returned, failures.returned);
+        self.returned = failure::smaller(self.returned, failures.returned);
         if failures.broken > 0 {
             self.time_step.tear();
             self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());

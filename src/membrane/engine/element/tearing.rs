@@ -22,6 +22,9 @@ pub(crate) struct Tearing<const L: usize> {
     volumes: Vec<Lane<L>>,
 }
 
+/// Share of the fracture energy by which an element may store more by round-off.
+const ROUND_OFF: f64 = 1e-9;
+
 /// Losses to tears in a pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lost {
@@ -70,7 +73,8 @@ impl Lost {
         // Above one the element stores more than its tear takes: the surplus is lost at once and depends on the mesh, which
         // is reported.
         let ratio = start * width / fracture_energy;
-        let too_wide = (ratio > 1.0 && ratio.is_finite()).then_some(TooWide { width, ratio });
+        // A step aside is as wide as what the element stores allows, so that it stores just as much.
+        let too_wide = (ratio > 1.0 + ROUND_OFF && ratio.is_finite()).then_some(TooWide { width, ratio });
         self.too_wide = TooWide::worse(self.too_wide, too_wide);
     }
 }

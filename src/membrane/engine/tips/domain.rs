@@ -32,14 +32,14 @@ impl Tips {
             moved = self.around(&moved);
         }
         // What film takes up behind the tip is part of what its tear takes.
-        let behind = self.connected(element, |other| tear(other).0.is_tearing());
-        let body = self.connected(element, |other| self.place(other) == Place::Open);
-        moved.extend(behind);
+        moved.extend(self.connected(element, |image| tear(image.0).0.is_tearing(), |_| true));
         moved.sort_unstable();
         moved.dedup();
         let mut nodes = self.nodes_of_all(&moved);
         // A tear as short as this has its other tip in here.
-        if body.len() < LONGEST && body.iter().all(|image| moved.binary_search(image).is_ok()) {
+        let is_within = |image: &Image| moved.binary_search(image).is_ok();
+        let body = self.connected(element, |image| self.place(image.0) == Place::Open, is_within);
+        if body.iter().all(is_within) {
             nodes = self.ahead_of_middle(element, &body, &moved, nodes, state);
         }
         let mean = state(element).f;
@@ -128,12 +128,18 @@ impl Tips {
         state
     }
 
-    /// Elements that are connected with one by nodes and are such, this one left out; at most [`LONGEST`], in order.
-    fn connected(&self, element: Element, is_such: impl Fn(Element) -> bool) -> Vec<Image> {
-        let (mut all, mut last) = (vec![], vec![(element, 0)]);
-        while !last.is_empty() && all.len() < LONGEST {
+    /// Elements that are connected with one by nodes and are such, this one left out, in order: at most about [`LONGEST`], as
+    /// far as they `lead_on`.
+    fn connected(
+        &self,
+        element: Element,
+        is_such: impl Fn(&Image) -> bool,
+        lead_on: impl Fn(&Image) -> bool,
+    ) -> Vec<Image> {
+        let (mut all, mut last): (Vec<Image>, _) = (vec![], vec![(element, 0)]);
+        while !last.is_empty() && all.len() < LONGEST && all.iter().all(&lead_on) {
             let mut next = self.around(&last);
-            next.retain(|image| image.0 != element && is_such(image.0) && !all.contains(image));
+            next.retain(|image| image.0 != element && is_such(image) && !all.contains(image));
             all.extend(&next);
             last = next;
         }
