@@ -154,7 +154,7 @@ impl Tips {
         for element in &self.at_tip {
             let (own, volume) = tear(*element);
             // Of film that absorbs work most has to be done for that: what it would return is looked at now and then.
-            let counts = if step % NOW_AND_THEN == 0 { own.work() } else { own.stored };
+            let counts = if step.is_multiple_of(NOW_AND_THEN) { own.work() } else { own.stored };
             if counts * (volume / thickness).sqrt() < LEAST * energy {
                 continue;
             }
