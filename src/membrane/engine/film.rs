@@ -262,9 +262,9 @@ impl Film {
     }
 
     /// Breaks the fibres that the last pass over the forces found past their break strain, and deletes elements without
-    /// fibres; mass stays at the nodes. `position`, to which the nodes moved in the step of number `step` and length `dt` (s), is
-    /// that of all nodes.
-    pub fn fail(&mut self, position: [&[f64]; 3], dt: f64, step: u64) -> Failures {
+    /// fibres; mass stays at the nodes. `position`, to which the nodes moved in `dt` (s), is that of all nodes. Whether it
+    /// `looks` at tips of tears where film stores little of the work done on it.
+    pub fn fail(&mut self, position: [&[f64]; 3], dt: f64, looks: bool) -> Failures {
         let position = self.own(position);
         let mut total = Failures::default();
         // The pass over forces has flagged them: nearly always there is none, and no element is looked at.
@@ -275,7 +275,7 @@ impl Film {
             self.find_tips();
         }
         if dt > 0.0 {
-            total.returned = self.start_tears(&position, step);
+            total.returned = self.start_tears(&position, looks);
         }
         if total.broken > 0 && self.bending.is_some() {
             let energy = |film: &Film| film.bending.as_ref().map_or(0.0, |bending| bending.energy(&position));
@@ -359,12 +359,12 @@ impl Film {
 
     /// Starts the tears of elements at tips where film releases what they take (theory.md, equation 304).
     /// Returns the least share of work that film returned at a tip where that decided.
-    fn start_tears(&mut self, position: &[&[f64]; 3], step: u64) -> Option<f64> {
+    fn start_tears(&mut self, position: &[&[f64]; 3], looks: bool) -> Option<f64> {
         let tips = self.tips.as_ref()?;
         let groups = self.groups();
         let rupture = groups[0].rupture()?;
         let Events { starts, waiting, returned } =
-            tips.events(&groups, position, [rupture.fracture_energy, self.thickness], step);
+            tips.events(&groups, position, [rupture.fracture_energy, self.thickness], looks);
         waiting.iter().for_each(|[c, e]| self.chunks[*c as usize].group.go_on(*e as usize));
         let mut opened = false;
         for Start { element: [c, e], width, offset } in starts {

@@ -124,8 +124,8 @@ pub struct View<'a> {
     pub(super) previous: &'a PreviousStep,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     pub too_wide: Option<TooWide>,
-    /// Least share of the work done on film around the tip of a tear that it would return, where all work would have sufficed
-    /// for the tear and that share did not.
+    /// Share of the work done on film around the tip of a tear that it would have returned where, for the first time, all work
+    /// would have sufficed for the tear and that share did not.
     pub returned: Option<f64>,
     pub(super) pool: &'a ThreadPool,
 }

@@ -14,9 +14,6 @@ use membrane::engine::{
 };
 use membrane::material::Law;
 
-/// Share of the work done on it that film at the tip of a tear returns, above which the fracture energy decides.
-const RETURNING: f64 = 0.8;
-
 /// Figures that are known only at the end of a run.
 pub(super) struct Figures<'a> {
     /// Whether each impactor reached the end of the test without contact.
@@ -66,7 +63,7 @@ pub(super) struct Monitor {
     beyond: Option<(f64, f64)>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     too_wide: Option<TooWide>,
-    /// Least share of its work that film at a tip would return, where that decided.
+    /// Share of its work that film at a tip would have returned, where that decided.
     returned: Option<f64>,
     has_bars: bool,
 }
@@ -317,8 +314,7 @@ impl Monitor {
             Warning::UncoupledBiaxial { time, share, face: place + 1, coupling }
         }));
         out.extend(self.too_wide.map(|TooWide { width, ratio }| Warning::ElementsTooWide { width, ratio }));
-        let decides = self.returned.filter(|share| *share < RETURNING);
-        out.extend(decides.map(|share| Warning::TearByLimit { share }));
+        out.extend(self.returned.map(|share| Warning::TearByLimit { share }));
         out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
         out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
         let [steps, all] = self.unresolved;

@@ -240,7 +240,7 @@ impl SingleElement {
     /// that are past their break strain.
     fn pulled(&mut self, stretch: Stretch, dt: f64) -> f64 {
         load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
-        if self.film.fail(self.nodes.position.axes(), dt, 0).broken > 0 {
+        if self.film.fail(self.nodes.position.axes(), dt, false).broken > 0 {
             load(&mut self.film, &mut self.nodes, &self.flat, stretch, 0.0);
         }
         -self.nodes.total_force(&self.sides[0], 0)

@@ -342,7 +342,7 @@ findings! {
                 number::significant(1e3 * width, 3), number::significant(*ratio, 3),
                 number::significant(1e3 * width / ratio, 2);
         TearByLimit {
-            share: f64, "least share of the work that film at a tip would return" => "returned";
+            share: f64, "share of the work that film at the first such tip would return" => "returned";
         } = "tear-by-limit", Warning;
             meaning "film around the tip of a tear or cut would return so little of the work done on it that this is less than \
                 the tear takes, where all of the work would be more: not the fracture energy, but the limit decides when \

@@ -14,8 +14,8 @@ type Element = [u32; 2];
 /// fracture energy (J/m²), by a margin of four on all shapes (theory.md, equation 304).
 const LEAST: f64 = 1.0 / 16.0;
 
-/// Steps from one look at tips in film that stores little of the work done on it to the next.
-const NOW_AND_THEN: u64 = 16;
+/// Share of the work done on it that film returns, above which the fracture energy decides.
+const RETURNING: f64 = 0.8;
 
 /// Smallest length of a tear in an element over its area for its width.
 const SHORTEST: f64 = 0.2;
@@ -57,8 +57,8 @@ pub(super) struct Events {
     pub starts: Vec<Start>,
     /// Elements that have started, and wait though the tip releases what their tear takes.
     pub waiting: Vec<Element>,
-    /// Least share of the work done on film around a tip that it would return, where all work would suffice for its tear
-    /// and that share does not.
+    /// Least share of the work done on film around a tip that it would return, where all work would suffice for its tear,
+    /// that share does not, and is below [`RETURNING`].
     pub returned: Option<f64>,
 }
 
@@ -139,13 +139,13 @@ impl Tips {
     }
 
     /// The elements at tips that start to tear, or go on to, in film of this fracture energy (J/m²) and thickness (m, all
-    /// layers), after the step of this number.
+    /// layers). Whether it `looks` at film that stores little of the work done on it, too.
     pub(super) fn events(
         &self,
         groups: &[&dyn ElementGroup],
         position: &[&[f64]; 3],
         [energy, thickness]: [f64; 2],
-        step: u64,
+        looks: bool,
     ) -> Events {
         let state = |[c, e]: Element| groups[c as usize].mean_state(e as usize, position);
         let tear = |[c, e]: Element| groups[c as usize].tear(e as usize);
@@ -153,8 +153,8 @@ impl Tips {
         let enough = energy * thickness;
         for element in &self.at_tip {
             let (own, volume) = tear(*element);
-            // Of film that absorbs work most has to be done for that: what it would return is looked at now and then.
-            let counts = if step.is_multiple_of(NOW_AND_THEN) { own.work() } else { own.stored };
+            // Film that absorbs most of the work done on it stores little.
+            let counts = if looks { own.work() } else { own.stored };
             if counts * (volume / thickness).sqrt() < LEAST * energy {
                 continue;
             }
@@ -182,8 +182,9 @@ impl Tips {
             let [force, of_work] = self.material_force(*element, &state, &tear);
             let released = size(force);
             if released < enough {
-                if size(of_work) >= enough {
-                    returned = smaller(returned, Some(released / size(of_work)));
+                let share = released / size(of_work);
+                if size(of_work) >= enough && share < RETURNING {
+                    returned = smaller(returned, Some(share));
                 }
                 continue;
             }

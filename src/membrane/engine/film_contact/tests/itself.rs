@@ -248,7 +248,7 @@ fn the_lips_of_a_tear_meet() {
     run.engine = run.engine.with_self_contact(0.3);
     let course = run.course(0.03, 25);
     assert!(run.observe(|view| view.films[0].torn().length) > 0.1);
-    course.check(10);
+    course.check(5);
 }
 
 /// A free sheet around a ball: its thickness (m), the speed of the ball (m/s), the friction, and the share of the time step.
