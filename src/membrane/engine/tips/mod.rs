@@ -153,13 +153,14 @@ impl Tips {
         let enough = energy * thickness;
         for element in &self.at_tip {
             let (own, volume) = tear(*element);
-            // Film that absorbs most of the work done on it stores little.
-            let counts = if looks { own.work() } else { own.stored };
-            if counts * (volume / thickness).sqrt() < LEAST * energy {
+            let is_enough = |stored: f64| stored * (volume / thickness).sqrt() >= LEAST * energy;
+            // Film that absorbs most of the work done on it stores little: it is looked at, and does not start.
+            let may_start = is_enough(own.stored);
+            if !may_start && !(looks && is_enough(own.work())) {
                 continue;
             }
             if own.has_started() {
-                if own.waits(energy) && size(self.material_force(*element, &state, &tear)[0]) >= enough {
+                if may_start && own.waits(energy) && size(self.material_force(*element, &state, &tear)[0]) >= enough {
                     waiting.push(*element);
                 }
                 continue;
@@ -186,6 +187,8 @@ impl Tips {
                 if size(of_work) >= enough && share < RETURNING {
                     returned = smaller(returned, Some(share));
                 }
+            }
+            if released < enough || !may_start {
                 continue;
             }
             let along = force.map(|part| part / released);
