@@ -85,7 +85,7 @@ fn interpolated(points: &[[f64; 2]], x: f64) -> f64 {
 const OPEN: f64 = 0.25;
 
 /// Share of the film's forces that an element has then at most, whatever it has spent: less than by equation 303 where it is
-/// stretched by a third from its start on.
+/// stretched by half from its start on.
 const WEAK: f64 = 0.4;
 
 /// By how much the energy of equation 303 is larger than the fracture energy, over itself.

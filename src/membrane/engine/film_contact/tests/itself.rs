@@ -287,7 +287,7 @@ fn a_sheet_that_wraps_around_a_ball_does_not_cross_itself() {
 
 /// 24 variants of it.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "minutes; its command is in docs/verification.md"]
 fn no_variant_of_a_sheet_around_a_ball_crosses_itself() {
     for step_factor in [1.0, 0.5] {
         for speed in [4.0, 6.0, 8.0] {

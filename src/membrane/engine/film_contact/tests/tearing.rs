@@ -23,9 +23,7 @@ fn tear(may_tear: [bool; 2], step_factor: f64) -> Run {
     scene.with(&films)
 }
 
-/// Central differences err by the square of the step where elements lose their forces in a few steps: with the whole step
-/// the largest error of the balance is 0.0056 of the energy exchanged.
-/// At most `crossings` pairs of triangles cross at a time.
+/// Central differences err by the square of the step where elements lose their forces in a few steps. At most `crossings` pairs of triangles cross at a time.
 fn check(may_tear: [bool; 2], step_factor: f64, crossings: usize) {
     let mut run = tear(may_tear, step_factor);
     let start = run.after(1);
@@ -80,7 +78,7 @@ fn torn_edges_that_pass_each_other_are_reported_as_lost() {
 }
 
 #[test]
-#[ignore = "two minutes; measures a known limit (docs/limits.md)"]
+#[ignore = "two minutes; measures a known limit (docs/limits.md, which has its command)"]
 fn torn_edges_pass_each_other_with_some_steps_and_are_reported_as_lost() {
     let mut count = 0;
     for step_factor in [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.25] {
