@@ -156,7 +156,7 @@ impl Tips {
             let is_enough = |stored: f64| stored * (volume / thickness).sqrt() >= LEAST * energy;
             // Film that absorbs most of the work done on it stores little: it is looked at, and does not start.
             let may_start = is_enough(own.stored);
-            if !may_start && !(looks && is_enough(own.work())) {
+            if !(may_start || looks && is_enough(own.work())) {
                 continue;
             }
             if own.has_started() {
