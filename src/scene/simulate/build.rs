@@ -76,6 +76,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
             let bent = film.bend(&nodes, &mesh, &section, face.layers, built_in);
             bent.map_err(|NotFlat { height }| RunError::NotFlat { face: films.len() + 1, height })?;
         }
+        let pieces = (!model.specimen.cuts.is_empty()).then(|| Pieces::new(&film));
         films.push(film);
         mount::mirror(&mut nodes, &mesh, first);
         held.mount(&mesh, first);
@@ -87,21 +88,17 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
             Some(springs) => topology.springs = springs.mount(model, films.len(), &mesh, &topology.held, first)?,
             None => {
                 let jaws = loading.hold(&mut nodes, &mesh, first, &model.frame.hold);
-                if !model.specimen.cuts.is_empty() {
-                    let mirrored: Vec<usize> = mesh.mirrors[0].iter().map(|node| first + *node as usize).collect();
-                    if Pieces::new(&films[films.len() - 1]).are_jaws_parted(&jaws, &mirrored) {
-                        return Err(RunError::CutsPart { face: films.len() });
-                    }
+                let mirrored: Vec<usize> = mesh.mirrors[0].iter().map(|node| first + *node as usize).collect();
+                if pieces.as_ref().is_some_and(|pieces| pieces.are_jaws_parted(&jaws, &mirrored)) {
+                    return Err(RunError::CutsPart { face: films.len() });
                 }
                 loads.jaws.extend(jaws);
             }
         }
         let is_held = model.frame.hold != Hold::None || !loads.jaws.is_empty();
-        if is_held && !model.specimen.cuts.is_empty() {
-            // Nothing would keep it from falling, also while film settles.
-            if Pieces::new(&films[films.len() - 1]).is_one_free(&nodes, &topology.springs) {
-                return Err(RunError::CutsFree { face: films.len() });
-            }
+        // Nothing would keep it from falling, also while film settles.
+        if is_held && pieces.is_some_and(|pieces| pieces.is_one_free(&nodes, &topology.springs)) {
+            return Err(RunError::CutsFree { face: films.len() });
         }
         topologies.push(topology);
     }

@@ -63,24 +63,13 @@ fn vector(v: &Vector3<f64>) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers between minus one and one, by a linear congruential generator.
-    struct Numbers(u64);
-
-    impl Numbers {
-        fn vector(&mut self) -> Vector3<f64> {
-            Vector3::from_fn(|_, _| {
-                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (self.0 >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
-            })
-        }
-    }
+    use crate::engine::film_contact::tests::numbers::Numbers;
 
     /// No point of a fine division of a triangle or of two segments is nearer, and one is nearly as near; the weights are of the
     /// corners of the part that is told.
     #[test]
     fn distances_are_the_least() {
-        let mut numbers = Numbers(7);
+        let mut numbers = Numbers::new(7);
         let mut features = [0; 3];
         let share = |k: i32| f64::from(k) / 40.0;
         for _ in 0..500 {

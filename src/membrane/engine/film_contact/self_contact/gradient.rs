@@ -199,19 +199,10 @@ fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::film_contact::tests::numbers::Numbers;
 
-    /// Numbers between minus one and one, by a linear congruential generator.
-    struct Numbers(u64);
-
-    impl Numbers {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
-        }
-
-        fn gradient(&mut self) -> Gradient {
-            [(); 6].map(|()| self.next())
-        }
+    fn random(numbers: &mut Numbers) -> Gradient {
+        [(); 6].map(|()| numbers.next())
     }
 
     /// The least of h·QᵀF h over unit vectors h.
@@ -226,9 +217,9 @@ mod tests {
 
     #[test]
     fn the_plane_of_a_gradient_is_that_of_its_polar_decomposition() {
-        let mut numbers = Numbers(5);
+        let mut numbers = Numbers::new(5);
         for _ in 0..1000 {
-            let gradient = numbers.gradient();
+            let gradient = random(&mut numbers);
             let plane = Plane::of(&gradient).expect("two directions");
             let ([p, q], [a, b]) = (&plane.directions, columns(&gradient));
             for (product, expected) in [(dot(p, p), 1.0), (dot(q, q), 1.0), (dot(p, q), 0.0)] {
@@ -239,7 +230,7 @@ mod tests {
             let square = least_eigenvalue([dot(&a, &a), dot(&a, &b), dot(&b, &b)]);
             assert!((plane.least_stretch.powi(2) - square).abs() < 1e-9, "{gradient:?}");
             assert!((plane.monotonicity(&gradient) - plane.least_stretch).abs() < 1e-9, "{gradient:?}");
-            let other = numbers.gradient();
+            let other = random(&mut numbers);
             assert!((plane.monotonicity(&other) - least(&plane, &other)).abs() < 1e-5, "{gradient:?} {other:?}");
         }
         assert!(Plane::of(&[1.0, 2.0, 3.0, 2.0, 4.0, 6.0]).is_none() && Plane::of(&[f64::NAN; 6]).is_none());
@@ -248,13 +239,13 @@ mod tests {
     /// No gradient in the range of others is less monotone than the bound, and some of an arc is as little.
     #[test]
     fn ranges_of_gradients_bound_what_is_in_them() {
-        let mut numbers = Numbers(6);
+        let mut numbers = Numbers::new(6);
         for _ in 0..1000 {
             let size = numbers.next();
-            let middle = numbers.gradient();
+            let middle = random(&mut numbers);
             let all: Vec<Gradient> = (0..20)
                 .map(|_| {
-                    let part = numbers.gradient();
+                    let part = random(&mut numbers);
                     std::array::from_fn(|k| middle[k] + size * part[k])
                 })
                 .collect();

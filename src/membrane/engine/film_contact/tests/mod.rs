@@ -1,6 +1,7 @@
 //! Films that meet, against conservation laws and a search for crossings that shares nothing with the contact.
 
 mod itself;
+pub(super) mod numbers;
 mod searched;
 mod tearing;
 

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::itself::{crossing_pairs, grid, mount, section};
+use super::numbers::Numbers;
 use super::*;
 use crate::engine::film_contact::self_contact::SelfContact;
 use crate::engine::film_contact::surface::Surface;
@@ -156,26 +157,12 @@ fn film_with_a_cut_is_searched_beside_it() {
     }
 }
 
-/// Numbers between minus one and one, by a linear congruential generator.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
-    }
-
-    fn vector(&mut self) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| self.next())
-    }
-}
-
 /// Smooth sheets on uneven meshes, thin and as thick as a fifth of an element, gently bent up to crossing themselves, at
 /// all orientations. Film that is not searched keeps its distance, also after any motion for which it is not searched; of
 /// film that is searched no pair is missed.
 #[test]
 fn no_film_that_meets_itself_is_missed() {
-    let mut numbers = Numbers(3);
+    let mut numbers = Numbers::new(3);
     let [mut crossed, mut untold, mut spared_ones, mut searched] = [0; 4];
     for sheet in 0..300 {
         let cells = 10;
