@@ -126,7 +126,7 @@ impl Dimension {
 
     /// The SI unit as the end of a column's name, `m_s2`; empty of a number without unit.
     pub fn suffix(self) -> String {
-        if self.unit == "1" { String::new() } else { self.unit.replace('/', "_").replace(' ', "") }
+        if self.unit == "1" { String::new() } else { self.unit.replace('/', "_").replace([' ', '(', ')'], "") }
     }
 
     /// The value of `text` in the SI unit.
@@ -172,6 +172,8 @@ impl Dimension {
             "N/m" => &["N/m", "N/mm", "kN/m"],
             "Nm" => &["Nmm", "Nm", "kNm"],
             "J/m2" => &["J/m2", "kJ/m2"],
+            "J/(kg K)" => &["J/(kg K)", "kJ/(kg K)"],
+            "1/K" => &["%/K", "1/K"],
             "J/mol" => &["J/mol", "kJ/mol"],
             "K" if self.name == Temperature::DIMENSION.name => &["degC", "K"],
             "K" => &["K"],
@@ -184,7 +186,7 @@ impl Dimension {
     pub fn pattern(self) -> String {
         let others = DIMENSIONS.iter().filter(|other| other.powers != self.powers);
         let units: BTreeSet<&str> = others.flat_map(|other| other.usual_units()).copied().collect();
-        let units = Vec::from_iter(units).join("|");
+        let units = Vec::from_iter(units).join("|").replace('(', r"\(").replace(')', r"\)");
         format!(r"^\s*[-+]?[0-9.]+(?![0-9.])([eE][-+]?[0-9.]+(?![0-9.]))?\s*(?!({units})\s*$)\S")
     }
 
@@ -258,6 +260,8 @@ fn parse_unit(unit: &str) -> Result<(f64, Powers), UnknownFactor> {
     let mut total = (1.0, [0; 6]);
     for (place, group) in unit.split('/').enumerate() {
         let sign: i8 = if place == 0 { 1 } else { -1 };
+        // J/(kg K): all factors behind a `/` divide, with brackets and without.
+        let group = group.strip_prefix('(').and_then(|inner| inner.strip_suffix(')')).unwrap_or(group);
         for factor in group.split(['*', '·', ' ']).filter(|f| !f.is_empty()) {
             let (symbol, power) = split_power(factor);
             let (size, powers) = look_up(symbol).ok_or_else(|| UnknownFactor(symbol.to_owned()))?;
@@ -297,6 +301,7 @@ fn split_power(factor: &str) -> (&str, i8) {
 fn look_up(symbol: &str) -> Option<(f64, Powers)> {
     match symbol {
         "1" => return Some((1.0, [0; 6])),
+        "%" => return Some((0.01, [0; 6])),
         "K" => return Some((1.0, [0, 0, 0, 0, 1, 0])),
         "mol" => return Some((1.0, [0, 0, 0, 0, 0, 1])),
         // A moment is energy per radian; written so it is not taken for an energy.
@@ -428,6 +433,10 @@ quantities! {
     TemperatureDifference: "a temperature difference", "K", "50 K", [0, 0, 0, 0, 1, 0];
     /// J/mol.
     MolarEnergy: "an energy per mole", "J/mol", "100 kJ/mol", [2, 1, -2, 0, 0, -1];
+    /// J/(kg K).
+    HeatCapacity: "a heat capacity", "J/(kg K)", "2.3 kJ/(kg K)", [2, 0, -2, 0, -1, 0];
+    /// 1/K.
+    SharePerTemperature: "a share per temperature difference", "1/K", "0.8 %/K", [0, 0, 0, 0, -1, 0];
     /// A number without unit.
     Strain: "a strain", "1", "0.02 1", [0, 0, 0, 0, 0, 0];
 }
@@ -490,6 +499,11 @@ mod tests {
             (Temperature::DIMENSION, "-40 °C", 233.15),
             (Temperature::DIMENSION, "300 K", 300.0),
             (TemperatureDifference::DIMENSION, "50 K", 50.0),
+            (HeatCapacity::DIMENSION, "2.3 kJ/(kg K)", 2300.0),
+            (HeatCapacity::DIMENSION, "2300 J/kg/K", 2300.0),
+            (HeatCapacity::DIMENSION, "2.3 J/g K", 2300.0),
+            (SharePerTemperature::DIMENSION, "0.8 %/K", 0.008),
+            (SharePerTemperature::DIMENSION, "0.008 1/K", 0.008),
             (MolarEnergy::DIMENSION, "100 kJ/mol", 1e5),
             (Length::DIMENSION, "1e-3 m", 1e-3),
             (Mass::DIMENSION, "1.5e1 g", 0.015),

@@ -128,7 +128,7 @@ fn rubber(
     };
     losses.push(Loss::Compressible { poisson: request.poisson });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
-    losses.extend(film.material.rupture.as_ref().map(|_| Loss::Rupture));
+    losses.extend(film.lost_to_rupture_and_heat());
     let relaxation = viscosity.filter(|_| has_relaxation).map_or_else(String::new, |viscosity| {
         // Shares of the instantaneous shear modulus; the volume does not relax.
         let rows = viscosity.terms().iter().map(|term| vec![term.share, 0.0, term.time / request.system.time()]);

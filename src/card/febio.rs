@@ -13,7 +13,7 @@ const TERMS: usize = 6;
 /// The card without its head.
 pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     let refused = |law| Err(Refusal::NoLaw { target: NAME, law });
-    losses.extend(film.material.rupture.as_ref().map(|_| Loss::Rupture));
+    losses.extend(film.lost_to_rupture_and_heat());
     match &film.material.law {
         Law::Elastic(law) => Ok(isotropic(film, law, request, losses)),
         Law::TensionField(field) => {

@@ -325,11 +325,16 @@ impl Film<'_> {
         wrinkles(&self.material.law)
     }
 
-    /// What a card loses that has neither rupture nor relaxation.
-    pub(crate) fn lost_beside_the_law(&self) -> impl Iterator<Item = Loss> {
+    /// What a card loses that has neither rupture nor heat.
+    pub(crate) fn lost_to_rupture_and_heat(&self) -> impl Iterator<Item = Loss> {
         let rupture = self.material.rupture.as_ref().map(|_| Loss::Rupture);
-        let viscosity = self.material.viscosity.as_ref().map(|_| Loss::Viscosity);
-        rupture.into_iter().chain(viscosity)
+        let heating = self.material.thermal.as_ref().map(|_| Loss::Heating);
+        rupture.into_iter().chain(heating)
+    }
+
+    /// What a card loses that has neither rupture nor heat nor relaxation.
+    pub(crate) fn lost_beside_the_law(&self) -> impl Iterator<Item = Loss> {
+        self.lost_to_rupture_and_heat().chain(self.material.viscosity.as_ref().map(|_| Loss::Viscosity))
     }
 }
 

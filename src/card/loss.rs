@@ -70,6 +70,10 @@ findings! {
             meaning "the rupture criterion of the film has no place in the card";
             remedy "add a failure criterion of the solver";
             message "lost: rupture by a criterion of its own";
+        Heating = "card-heating", Warning;
+            meaning "the film warms up by what it absorbs and softens, the material of the card keeps its temperature";
+            remedy "couple it with temperature there, or write curves measured at the rates of the load, which have the heat in them";
+            message "lost: softening by the heat of what the film absorbs";
         Viscosity = "card-viscosity", Warning;
             meaning "the film relaxes by a Prony series, the material of the card does not";
             remedy "use a target with Prony terms for this law, or write a law identified at the rate of the load";

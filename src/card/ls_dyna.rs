@@ -262,7 +262,7 @@ fn rubber(
     };
     losses.push(Loss::Compressible { poisson });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
-    losses.extend(film.material.rupture.as_ref().map(|_| Loss::Rupture));
+    losses.extend(film.lost_to_rupture_and_heat());
     // Prony moduli are added to the law, which is that of film that has relaxed.
     let relaxed = film.material.viscosity.as_ref().map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
     let head = |name: &'static str| {

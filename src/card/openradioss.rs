@@ -188,7 +188,7 @@ fn rubber(
     }
     losses.push(Loss::Compressible { poisson: request.poisson });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
-    losses.extend(film.material.rupture.as_ref().map(|_| Loss::Rupture));
+    losses.extend(film.lost_to_rupture_and_heat());
     let stress = request.system.stress();
     let viscosity = film.material.viscosity.as_ref();
     let relaxed = viscosity.map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());

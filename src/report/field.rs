@@ -22,7 +22,7 @@ pub struct Field {
 
 /// The fields to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown. The
 /// last three only where a law gives the thickness or a plastic strain, and where film can tear.
-pub const FIELDS: [Field; 7] = [
+pub const FIELDS: [Field; 8] = [
     Field {
         key: "largest",
         title: "Larger fibre strain",
@@ -86,6 +86,15 @@ pub const FIELDS: [Field; 7] = [
         of: |state, element| state.damage.get(element).copied().unwrap_or(f32::NAN),
         only: Some(|state| !state.damage.is_empty()),
     },
+    Field {
+        key: "warming",
+        title: "Warming",
+        symbol: "ΔT",
+        unit: "K",
+        factor: 1.0,
+        of: |state, element| state.warming.get(element).copied().unwrap_or(f32::NAN),
+        only: Some(|state| !state.warming.is_empty()),
+    },
 ];
 
 /// Least upper end of the range of a field: strains below it are rounding errors.
@@ -139,6 +148,7 @@ mod tests {
             thickness_ratio: vec![],
             plastic_strain: vec![],
             damage: vec![],
+            warming: vec![],
             in_contact: vec![],
             detail: None,
         };
@@ -148,7 +158,7 @@ mod tests {
         for (strain, expected) in strains.iter().zip(expected) {
             assert!((strain - expected).abs() < 1e-5, "{strains:?}");
         }
-        assert_eq!(FIELDS.each_ref().map(|field| field.largest(&state)), [0.4, 0.2, 0.4, 0.5, 0.0, 0.0, 0.0]);
+        assert_eq!(FIELDS.each_ref().map(|field| field.largest(&state)), [0.4, 0.2, 0.4, 0.5, 0.0, 0.0, 0.0, 0.0]);
         let thin = FilmState { thickness_ratio: vec![0.9, 0.7, 0.1], ..state.clone() };
         assert!((FIELDS[4].largest(&thin) - 0.3).abs() < 1e-6, "of the intact elements");
         let shear = at_nodes(&FIELDS[3]);

@@ -114,6 +114,9 @@ pub(super) fn of_drop(figures: &Map<String, Value>) -> String {
 /// Of film that tears: how far, which may be short of its end.
 const TORN: Key = key("torn", "torn_length_m", 1e3, "mm");
 
+/// Of film that warms up by what it absorbs.
+const WARMING: Key = key("warmed up by", "warming_K", 1.0, "K");
+
 /// Of a run that is compared with a displacement field.
 const FIELD: [Key; 2] =
     [key("field error, rms", "field_rms_m", 1e3, "mm"), key("field error", "field_error", 100.0, "%")];
@@ -142,9 +145,10 @@ pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: boo
     let field = FIELD.iter().filter_map(|key| card(key, "", summary)).collect::<String>();
     let is_torn = summary.get(TORN.name).and_then(Value::as_f64).is_some_and(|length| length > 0.0);
     let torn = is_torn.then(|| card(&TORN, "", summary)).flatten().unwrap_or_default();
+    let warming = card(&WARMING, "", summary).unwrap_or_default();
     let unmet: String =
         bodies.iter().filter(|body| !body.had_film_contact && !failed).map(|body| not_met(&body.prefix)).collect();
-    format!("<ul class=\"cards\">\n{cards}{torn}{field}{unmet}{}</ul>\n", film(summary, failed))
+    format!("<ul class=\"cards\">\n{cards}{torn}{warming}{field}{unmet}{}</ul>\n", film(summary, failed))
 }
 
 /// The card of an impactor that never met the film; `prefix` begins the names of its figures.

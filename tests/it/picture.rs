@@ -43,6 +43,7 @@ fn scene(is_torn: bool) -> RunScene {
         thickness_ratio: vec![],
         plastic_strain: vec![],
         damage: vec![],
+        warming: vec![],
         in_contact: vec![],
         detail: None,
     };

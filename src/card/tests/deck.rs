@@ -16,7 +16,15 @@ use proptest::prelude::*;
 const DIGITS: f64 = 2e-6;
 
 fn material(law: Law) -> Material {
-    Material { density: 915.0, thickness: 12e-6, law, viscosity: None, rupture: None, measured_rates: None }
+    Material {
+        density: 915.0,
+        thickness: 12e-6,
+        law,
+        viscosity: None,
+        rupture: None,
+        thermal: None,
+        measured_rates: None,
+    }
 }
 
 fn fabric() -> Material {

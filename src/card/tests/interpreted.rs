@@ -12,7 +12,15 @@ use membrane::material::{
 };
 
 fn film_of(law: Law) -> Material {
-    Material { density: 915.0, thickness: 12e-6, law, viscosity: None, rupture: None, measured_rates: None }
+    Material {
+        density: 915.0,
+        thickness: 12e-6,
+        law,
+        viscosity: None,
+        rupture: None,
+        thermal: None,
+        measured_rates: None,
+    }
 }
 
 fn lldpe() -> (Curve, Curve, Curve) {

@@ -13,7 +13,15 @@ use membrane::material::{
 const DIGITS: f64 = 2e-6;
 
 fn film_of(law: Law) -> Material {
-    Material { density: 917.3456789, thickness: 12e-6, law, viscosity: None, rupture: None, measured_rates: None }
+    Material {
+        density: 917.3456789,
+        thickness: 12e-6,
+        law,
+        viscosity: None,
+        rupture: None,
+        thermal: None,
+        measured_rates: None,
+    }
 }
 
 fn curve(points: &[[f64; 2]]) -> Curve {

@@ -18,6 +18,7 @@ fn section(young: f64, poisson: f64, thickness: f64, density: f64) -> Section {
         law: Law::Elastic(Elastic { young, poisson }),
         viscosity: None,
         rupture: None,
+        thermal: None,
         density,
         thickness,
         md_angle: 0.0,

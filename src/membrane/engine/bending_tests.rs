@@ -58,6 +58,7 @@ fn section() -> Section {
         law: Law::Elastic(Elastic { young: YOUNG, poisson: POISSON }),
         viscosity: None,
         rupture: None,
+        thermal: None,
         density: 900.0,
         thickness: THICKNESS,
         md_angle: 0.0,

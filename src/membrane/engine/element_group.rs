@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::element::{
-    self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, MeanState, OwnForces, Tearing, Torn,
+    self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, Heating, MeanState, OwnForces, Tearing, Torn,
     ViscousPoints,
 };
 use super::failure::{self, Failures};
@@ -75,6 +75,9 @@ pub(super) trait ElementGroup: Send + Sync {
 
     /// Whether the elements have a rupture criterion of their own.
     fn has_rupture(&self) -> bool;
+
+    /// Whether they warm up by what they absorb.
+    fn warms_up(&self) -> bool;
 
     /// Whether their tears take a fracture energy.
     fn takes_fracture_energy(&self) -> bool;
@@ -193,6 +196,7 @@ where
         if mounts {
             element::count_mounting(width, &mut self.elements, &*self.law, position);
         }
+        element::heat(width, &mut self.elements, &*self.law, position, dt);
         failed | element::tear(width, &mut self.elements, &*self.law, position, dt)
     }
 
@@ -238,11 +242,16 @@ where
             *history = M::History::virgin();
         }
         self.elements.viscous.iter_mut().for_each(ViscousPoints::reset);
+        self.elements.heating.iter_mut().for_each(Heating::reset);
         self.elements.tearing.iter_mut().for_each(Tearing::reset);
     }
 
     fn has_rupture(&self) -> bool {
         self.elements.tearing.is_some()
+    }
+
+    fn warms_up(&self) -> bool {
+        self.elements.heating.is_some()
     }
 
     fn takes_fracture_energy(&self) -> bool {

@@ -292,6 +292,11 @@ impl Film {
         self.chunks.iter().any(|chunk| chunk.group.has_rupture())
     }
 
+    /// Whether it warms up by what it absorbs.
+    pub fn warms_up(&self) -> bool {
+        self.chunks.iter().any(|chunk| chunk.group.warms_up())
+    }
+
     /// Whether its tears take a fracture energy.
     pub fn takes_fracture_energy(&self) -> bool {
         self.chunks.iter().any(|chunk| chunk.group.takes_fracture_energy())

@@ -9,7 +9,7 @@ use crate::material::History;
 /// whatever the chunks and blocks that hold the elements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FilmHistory {
-    /// Of each element those of the law, as many a point as it has, then those of its Prony series and of its
+    /// Of each element those of the law, as many a point as it has, then those of its Prony series, of its heat and of its
     /// tear.
     variables: Vec<f64>,
     /// Volume of stress-free film, m³; zero once the element is deleted.
@@ -39,8 +39,9 @@ impl FilmHistory {
             }
             let viscous =
                 elements.viscous.iter().flat_map(|viscous| viscous.of_block(block).iter().map(|stored| &stored.0));
+            let heating = elements.heating.iter().flat_map(|heating| heating.of_block(block));
             let tearing = elements.tearing.iter().flat_map(|tearing| tearing.of_block(block));
-            self.variables.extend(viscous.chain(tearing).map(|variable| variable[lane]));
+            self.variables.extend(viscous.chain(heating).chain(tearing).map(|variable| variable[lane]));
         }
     }
 
@@ -77,8 +78,9 @@ impl Reader<'_> {
                 .viscous
                 .iter_mut()
                 .flat_map(|viscous| viscous.block_mut(block).1.iter_mut().map(|stored| &mut stored.0));
+            let heating = elements.heating.iter_mut().flat_map(|heating| heating.of_block_mut(block));
             let tearing = elements.tearing.iter_mut().flat_map(|tearing| tearing.of_block_mut(block));
-            for (variable, saved) in viscous.chain(tearing).zip(&mut self.variables) {
+            for (variable, saved) in viscous.chain(heating).chain(tearing).zip(&mut self.variables) {
                 variable[lane] = *saved;
                 variable[copies.clone()].fill(*saved);
             }

@@ -83,7 +83,7 @@ impl Mount<'_> {
         B: Block<NODES, LANES>,
         B::Element: Shaped<NODES>,
     {
-        let Section { density, thickness, law, viscosity, rupture, .. } = self.section;
+        let Section { density, thickness, law, viscosity, rupture, thermal, .. } = self.section;
         let (density, thickness) = (*density, *thickness);
         let viscous = viscosity.as_ref().map(|viscosity| {
             let base = law.viscous().expect("laws of viscous film are checked");
@@ -104,6 +104,10 @@ impl Mount<'_> {
             let blocks = Blocks::new(nodes, &elements, thickness);
             let blocks = match &viscous {
                 Some(law) => blocks.with_viscosity(law.clone()),
+                None => blocks,
+            };
+            let blocks = match thermal {
+                Some(thermal) => blocks.with_heating(*thermal),
                 None => blocks,
             };
             self.groups.push(group(match &rupture {

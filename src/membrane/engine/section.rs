@@ -1,6 +1,6 @@
 //! The membrane section: what the elements of a face are made of.
 
-use crate::material::{Law, Rupture, Viscosity};
+use crate::material::{Law, Rupture, Thermal, Viscosity};
 
 /// Properties of the elements of a face, which act as one membrane.
 #[derive(Clone, Debug)]
@@ -11,6 +11,8 @@ pub struct Section {
     pub viscosity: Option<Viscosity>,
     /// Rupture by a criterion of its own; without it fibres break at the end of their curves, and other film does not.
     pub rupture: Option<Rupture>,
+    /// How film warms up by what it absorbs; without it film keeps its temperature.
+    pub thermal: Option<Thermal>,
     /// kg/m³, with mass scaling.
     pub density: f64,
     /// Thickness of all layers, m.

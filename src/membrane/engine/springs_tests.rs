@@ -34,6 +34,7 @@ fn engine(preload: f64, damping: f64, velocity: impl Fn(f64) -> Vector3<f64>) ->
         law: Law::Elastic(Elastic { young: 1e9, poisson: 0.3 }),
         viscosity: None,
         rupture: None,
+        thermal: None,
         density: DENSITY,
         thickness: THICKNESS,
         md_angle: 0.0,

@@ -18,6 +18,7 @@ mod plastic;
 mod rate_curves;
 mod rupture;
 mod tension_field;
+mod thermal;
 #[cfg(test)]
 mod tests;
 mod viscous;
@@ -43,6 +44,8 @@ pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use rupture::{Criterion, Limit, Rupture};
 pub(crate) use rupture::{Densities, Tear};
 pub use tension_field::TensionField;
+pub(crate) use thermal::Heat;
+pub use thermal::Thermal;
 pub use viscous::{
     Arrhenius, GAS_CONSTANT, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousLaw, ViscousStep, Wlf, Written,
 };
@@ -368,6 +371,8 @@ pub struct Material {
     pub viscosity: Option<Viscosity>,
     /// Rupture by a criterion of its own.
     pub rupture: Option<Rupture>,
+    /// How the film warms up by what it absorbs, where it does.
+    pub thermal: Option<Thermal>,
     /// Lowest and highest strain rate (1/s) at which the curves were measured, as written, else the lowest and highest
     /// rate of the curves.
     pub measured_rates: Option<[f64; 2]>,

@@ -155,6 +155,7 @@ fn film(places: &[[u8; 6]], strains: &[[u8; 3]], data: &Data) -> FilmState {
         thickness_ratio: vec![],
         plastic_strain: vec![],
         damage: vec![],
+        warming: vec![],
         in_contact: vec![],
         detail: None,
     }

@@ -146,6 +146,7 @@ mod tests {
                 thickness_ratio: vec![],
                 plastic_strain: vec![],
                 damage: vec![],
+                warming: vec![],
                 in_contact: vec![],
                 detail: None,
             };

@@ -116,6 +116,9 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
     if cells.iter().any(|cell| !cell.sheet.state.damage.is_empty()) {
         arrays.push(of("damage", &|cell| cell.damage()));
     }
+    if cells.iter().any(|cell| !cell.sheet.state.warming.is_empty()) {
+        arrays.push(of("warming_K", &|cell| cell.warming()));
+    }
     if with_thickness {
         arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.thickness_ratio()));
     }
@@ -168,6 +171,11 @@ impl Cell<'_> {
     /// NaN where film has no rupture criterion of its own.
     fn damage(&self) -> f32 {
         self.sheet.state.damage.get(self.element).copied().unwrap_or(f32::NAN)
+    }
+
+    /// K; NaN where film does not warm up.
+    fn warming(&self) -> f32 {
+        self.sheet.state.warming.get(self.element).copied().unwrap_or(f32::NAN)
     }
 
     fn area_ratio(&self) -> f32 {

@@ -1,6 +1,6 @@
 //! The material of a layer: valid curves with their multipliers.
 
-use super::{ModelDiagnostics, hyperelastic, plastic, rupture, viscous};
+use super::{ModelDiagnostics, hyperelastic, plastic, rupture, thermal, viscous};
 use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
 use base::number::significant;
 use base::units::Rate;
@@ -35,8 +35,9 @@ pub fn check(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagn
     let measured_rates = written_rates.or_else(|| law.rates());
     let viscosity = viscous::check(written, &law, path, mistakes);
     let rupture = rupture::check(written, &law, path, mistakes);
+    let thermal = thermal::check(written, path, mistakes);
     let (density, thickness) = (written.density.0, written.thickness.0);
-    Some(Material { density, thickness, law, viscosity, rupture, measured_rates })
+    Some(Material { density, thickness, law, viscosity, rupture, thermal, measured_rates })
 }
 
 fn elastic(written: &scenario::Elastic) -> Law {

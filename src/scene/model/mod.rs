@@ -20,6 +20,7 @@ mod rupture;
 mod size;
 mod solver;
 mod specimen;
+mod thermal;
 mod variation;
 mod viscous;
 mod warning;

@@ -10,6 +10,7 @@ use super::plastic::Plastic;
 use super::point::Point;
 use super::rupture::Rupture;
 use super::schema;
+use super::thermal::Thermal;
 use super::viscous::{PronyOf, PronyTerm, Shift};
 use base::units::{Density, Length, Pressure, Rate, Temperature};
 
@@ -55,6 +56,9 @@ pub struct Material {
     pub temperature: Option<Temperature>,
     /// How the times of `prony` change with temperature.
     pub shift: Option<Shift>,
+    /// Heat that the film keeps of the energy that it absorbs, in tests too short for it to leave; left out, film keeps its
+    /// temperature.
+    pub thermal: Option<Thermal>,
     /// When the film tears, and the energy that a tear takes; left out, fibres of a fabric break at the last strain of their
     /// curves, and other film does not break.
     pub rupture: Option<Rupture>,

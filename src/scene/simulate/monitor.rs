@@ -40,7 +40,12 @@ pub(super) struct Figures<'a> {
     pub(super) unfinished: Vec<bool>,
     /// When film first broke.
     pub(super) rupture_time: Option<f64>,
+    /// At the end of the run, s.
+    pub(super) time: f64,
 }
+
+/// Heat that film gives to still air and by radiation through each side, W/(m² K); assumed.
+const TO_AIR: f64 = 10.0;
 
 /// For each bound, the first time at which it was exceeded, and the largest excess.
 #[derive(Serialize, Deserialize)]
@@ -272,6 +277,7 @@ impl Monitor {
             snapshots,
             unfinished,
             rupture_time,
+            time,
         } = figures;
         let [wanted, taken] = snapshots;
         let impactors = (0..model.impactors.len()).map(|place| ImpactorName::of_impactor(model, place));
@@ -346,6 +352,12 @@ impl Monitor {
             face.material.rupture.as_ref()?;
             let from = thins_from(law.hardening(), strain)?;
             Some(Warning::ThinningBeforeBreak { face: place + 1, strain, from })
+        }));
+        out.extend(model.faces.iter().enumerate().filter_map(|(place, face)| {
+            let thickness = face.material.thickness * f64::from(face.layers);
+            let cooling = face.material.thermal?.capacity * thickness / (2.0 * TO_AIR);
+            let is_slow = *time > bounds::COOLING * cooling;
+            is_slow.then_some(Warning::HeatLeaves { face: place + 1, time: *time, cooling })
         }));
         out.extend(kinetic.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),

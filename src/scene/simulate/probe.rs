@@ -306,7 +306,9 @@ impl<'a> Probe<'a> {
             snapshots,
             unfinished,
             rupture_time: self.record.rupture_time,
+            time: engine.time(),
         };
+        let warming = largest_warming(&self.record.snapshots);
         Outcome {
             signals,
             energies,
@@ -326,6 +328,7 @@ impl<'a> Probe<'a> {
             added_mass: mounting.added_mass,
             penetration: self.record.penetration,
             torn: torn.map(|((length, area), energy)| Torn { length, area, energy }),
+            warming,
             elements: engine.elements(),
             bytes: engine.bytes(),
             threads: engine.pool().threads(),
@@ -388,6 +391,15 @@ impl Observer for Probe<'_> {
         }
         self.record.tracks.follow(track);
     }
+}
+
+/// Largest growth of the temperature of an intact element in `snapshots`, K, where film warms up; it never falls.
+fn largest_warming(snapshots: &[Snapshot]) -> Option<f64> {
+    let intact = |state: &FilmState| {
+        let elements = state.warming.iter().zip(&state.failed).filter(|(_, failed)| !**failed);
+        elements.map(|(warming, _)| f64::from(*warming)).reduce(f64::max)
+    };
+    snapshots.iter().flat_map(|snapshot| &snapshot.films).filter_map(intact).reduce(f64::max)
 }
 
 /// Largest equivalent plastic strain of each face in `snapshots`; it never falls.

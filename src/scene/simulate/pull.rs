@@ -63,7 +63,7 @@ pub enum PullError {
 /// element of the size of the specimen, with the history variables of its law and the strain rate of the jaws. Beyond
 /// the break strain the stress is zero; a rupture criterion of its own does not act, since what an element carries while it
 /// tears depends on its size. A plastic film takes a strain in steps of a fifth of its yield strain: the return of one large
-/// step is not that of its path.
+/// step is not that of its path. Film that warms up takes it in steps of 0.001.
 ///
 /// # Errors
 /// Another loading than a stretch, a strain of −1 or less, no transverse equilibrium.
@@ -132,6 +132,9 @@ const STEP: f64 = 0.2;
 /// Largest step of the logarithmic strain of other film that shears.
 const SHEARED_STEP: f64 = 0.02;
 
+/// Largest step of the logarithmic strain of film that warms up: its stress is that of the heat one step before.
+const WARM_STEP: f64 = 1e-3;
+
 /// Most halvings of a step of Newton's method that leaves more force than there was.
 const HALVINGS: usize = 12;
 
@@ -193,12 +196,11 @@ impl SingleElement {
 
     /// Number of steps to `strain`.
     fn steps(&self, strain: f64, across: Across) -> usize {
-        let longest = match (self.yield_strain, across) {
-            (Some(yield_strain), _) => STEP * yield_strain,
-            // Newton's method starts from the width and the shear before.
-            (None, Across::Strip) => SHEARED_STEP,
-            (None, _) => return 1,
-        };
+        let plastic = self.yield_strain.map(|yield_strain| STEP * yield_strain);
+        // Newton's method starts from the width and the shear before.
+        let sheared = (across == Across::Strip).then_some(SHEARED_STEP);
+        let warm = self.film.warms_up().then_some(WARM_STEP);
+        let Some(longest) = [plastic.or(sheared), warm].into_iter().flatten().reduce(f64::min) else { return 1 };
         let change = (strain - self.strain).abs() / (1.0 + strain.min(self.strain));
         (change / longest).ceil().clamp(1.0, MOST_STEPS) as usize
     }

@@ -35,6 +35,8 @@ pub struct FilmState {
     /// Share of its forces that an element lost by tearing, one entry an element; empty where film has no rupture criterion
     /// of its own.
     pub damage: Vec<f32>,
+    /// Growth of the temperature since film was mounted, K, one entry an element; empty where film does not warm up.
+    pub warming: Vec<f32>,
     /// Nodes of the face in contact with an impactor or the frame's bars, ascending.
     pub in_contact: Vec<u32>,
     /// Stresses and more, where the run takes detailed snapshots
@@ -71,11 +73,12 @@ pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
 pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: bool) -> Snapshot {
     let in_contact = view.nodes_in_contact();
     let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| {
-        let is_needed = detailed || film.has_thickness() || film.has_rupture();
+        let is_needed = detailed || film.has_thickness() || film.has_rupture() || film.warms_up();
         let details = if is_needed { film.details(&view.nodes.position) } else { vec![] };
         let thickness = details.iter().filter(|_| film.has_thickness()).map(|of| of.thickness_ratio as f32);
         let plastic = details.iter().filter(|_| film.is_plastic()).map(|of| of.plastic_strain as f32);
         let damage = details.iter().filter(|_| film.has_rupture()).map(|of| of.damage as f32);
+        let warming = details.iter().filter(|_| film.warms_up()).map(|of| of.warming as f32);
         FilmState {
             positions: film.nodes.clone().map(|n| view.nodes.position.value_at(n).map(|x| x as f32)).collect(),
             strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
@@ -83,6 +86,7 @@ pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed
             thickness_ratio: thickness.collect(),
             plastic_strain: plastic.collect(),
             damage: damage.collect(),
+            warming: warming.collect(),
             in_contact: of_face(&in_contact, &film.nodes),
             detail: detailed.then(|| detail(view, film, strains, &details)),
         }

@@ -428,6 +428,17 @@ findings! {
                 (`specimen.material.plastic.hardening.curve`), or give Voce's law";
             message "face {face} reached the equivalent plastic strain {}, its flow curve ends at {}",
                 number::significant(*strain, 3), number::significant(*end, 3);
+        HeatLeaves {
+            face: usize, "its face" => "face";
+            time: f64, "of the test, s" => "time_s";
+            cooling: f64, "in which two thirds of its heat leave film in still air, s" => "cooling_s";
+        } = "heat-leaves", Warning;
+            meaning "film warms up by what it absorbs (`thermal`), as if no heat left it, but the test takes so long that air takes a \
+                part of it: what leaves through both sides of the face at 10 W/(m² K), assumed for still air and radiation; metal \
+                takes more";
+            remedy "leave `specimen.material.thermal` out of slow tests, whose film keeps the temperature of the room";
+            message "heat leaves: the test takes {}, face {face} gives two thirds of its heat to still air in {}",
+                number::duration(*time), number::duration(*cooling);
         NotQuasiStatic {
             share: f64, "largest share of kinetic energy in the energy that the film took up" => "kinetic_share";
         } = "not-quasi-static", Warning;
@@ -475,6 +486,8 @@ pub(super) mod bounds {
     /// Biaxial coupling of a fabric, a lower bound: ν/(1 − ν) of isotropic film with ν = 1/3, which few polymers are below;
     /// film of polyethylene and polypropylene has 0.67 to 0.85 (ν of 0.40 to 0.46).
     pub(in crate::simulate) const COUPLING: f64 = 0.5;
+    /// Duration of a test over the time in which film that warms up gives its heat to the air.
+    pub(in crate::simulate) const COOLING: f64 = 0.3;
     /// Error of the energy balance.
     pub(in crate::simulate) const BALANCE: f64 = 0.01;
     /// Share of the strain increments outside the measured rates.

@@ -41,6 +41,10 @@ pub struct Audit {
     /// Energy that they took.
     #[serde(rename = "fracture_energy_J", skip_serializing_if = "Option::is_none")]
     pub fracture_energy_j: Option<f64>,
+    /// Largest growth of the temperature of an element that is not deleted, in the states that the run keeps; only of film with
+    /// `thermal`.
+    #[serde(rename = "warming_K", skip_serializing_if = "Option::is_none")]
+    pub warming_k: Option<f64>,
     /// Root mean square of the errors against the displacement field of the reference; only with one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub field_rms_m: Option<f64>,
@@ -172,6 +176,7 @@ impl Audit {
             torn_length_m: outcome.torn.map(|torn| torn.length),
             torn_area_m2: outcome.torn.map(|torn| torn.area),
             fracture_energy_j: outcome.torn.map(|torn| torn.energy),
+            warming_k: outcome.warming,
             field_rms_m: None,
             field_error: None,
             field: None,

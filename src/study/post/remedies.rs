@@ -40,6 +40,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::ElementsTooWide { .. }
         | Warning::TearByLimit { .. }
         | Warning::HardeningExceeded { .. }
+        | Warning::HeatLeaves { .. }
         | Warning::StrainRateOutside { .. } => return warning.to_string(),
     };
     format!("{warning}; {remedy}")

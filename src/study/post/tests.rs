@@ -26,6 +26,7 @@ pub(super) fn model() -> Model {
         law: Law::Elastic(Elastic { young: 50e6, poisson: 0.44 }),
         viscosity: None,
         rupture: None,
+        thermal: None,
         measured_rates: None,
     };
     let face = Face {
@@ -124,6 +125,7 @@ fn outcome() -> Outcome {
         added_mass: vec![],
         penetration: Some(f64::NAN),
         torn: None,
+        warming: None,
         elements: 400,
         bytes: 160_000,
         threads: 2,

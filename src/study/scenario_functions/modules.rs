@@ -29,9 +29,10 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"import "droptower/film" as film; film::fabric_key("biaxial", 0.3) == #{ "specimen.material.fabric.biaxial": 0.3 }"#,
     },
     Entry {
-        call: "film::softened(scenario, loss)",
-        gives: "the scenario whose fabric softens by the heat of its own work, by the share `loss` of the stress where MD's curve ends",
-        example: r#"import "droptower/film" as film; let test = scenario(args.scenario); let end = |test| { let md = test.curve("md", 0); md.at(md.end()) }; (end.call(film::softened(test, 0.1)) / end.call(test) - 0.9).abs() < 1e-9"#,
+        call: "film::halved(near, far, first, rounds, outcomes)",
+        gives: "figures at which outcomes change, of lists of ends between which each does: all are halved together, `rounds` times; \
+                `outcomes` gives those of a list of figures, that of `near` is `first`",
+        example: r#"import "droptower/film" as film; let found = film::halved([1.0, 1.0], [100.0, 9.0], [false, false], 30, |figures| figures.map(|figure| figure > 5.0)); (found[0] - 5.0).abs() < 1e-6 && (found[1] - 5.0).abs() < 1e-6"#,
     },
 ];
 

@@ -22,6 +22,7 @@ mod frame_force;
 mod graded;
 mod gradient;
 mod guide_friction;
+mod heating;
 mod indentation;
 mod inflation;
 mod instability;

@@ -272,6 +272,7 @@ fn aluminium_goes_from_its_recordings_to_a_simulated_coupon() {
             measured_rates: None,
             viscosity: None,
             rupture: None,
+            thermal: None,
         };
         for direction in [PlasticDirection::Md, PlasticDirection::Td] {
             let mut model = single(&format!("\"{direction}\""), KEYS);

@@ -297,6 +297,7 @@ fn a_balloon_has_the_pressure_of_the_sphere() {
             law: material.law.clone(),
             viscosity: None,
             rupture: None,
+            thermal: None,
             density: material.density,
             thickness: THICK,
             md_angle: 0.2,

@@ -18,6 +18,9 @@ fn small() -> Model {
 /// A change that makes film viscous.
 const PRONY: &str = "specimen.material.prony=[{ share = 0.3, time = \"1 ms\" }, { share = 0.2, time = \"20 ms\" }]";
 
+/// A change that lets film warm up.
+const THERMAL: &str = "specimen.material.thermal={ heat = 2300, softening = 0.009 }";
+
 /// A change that hangs film on springs.
 const SPRINGS: &str = "frame.springs={ stiffness = \"5 kN/m\", count = 80, length = \"60 mm\", mass = \"20 g\", \
                        damping = \"5 N s/m\" }";
@@ -63,6 +66,7 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         // So coarse that there is face contact.
         (drop(&["specimen.mesh.size=50mm"]), 1500),
         (shipped("../tests/golden/indent-disc/scenario.toml", &[]), 400),
+        (drop(&["specimen.mesh.size=20mm", THERMAL]), 400),
         (drop(&["specimen.mesh.size=20mm", SPRINGS]), 400),
         (drop(&["specimen.mesh.size=5mm", "specimen.bending=true"]), 200),
         (shipped("bending/strip.toml", &["specimen.mesh.size=2mm"]), 200),

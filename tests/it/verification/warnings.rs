@@ -26,7 +26,7 @@ fn runs_outside_the_valid_range_have_warnings() {
     let shipped_mesh = "specimen.mesh.size=10mm";
     let told: &[&str] = &["specimen.mesh.size=40mm", r#"specimen.material.fabric.biaxial_source="a wide coupon""#];
     let fast: &[&str] = &["specimen.mesh.size=50mm", "loading.impact.velocity=6"];
-    let cases: [(&str, &str, &[&str], bool); 22] = [
+    let cases: [(&str, &str, &[&str], bool); 24] = [
         ("coarse-contact", drop, &["specimen.mesh.size=40mm"], true),
         ("coarse-contact", drop, &[shipped_mesh, "loading.impact.duration=40ms"], false),
         ("strain-localisation", drop, &[&flat_td[..], &[shipped_mesh]].concat(), true),
@@ -55,6 +55,18 @@ fn runs_outside_the_valid_range_have_warnings() {
         ),
         ("thinning-before-break", "drop/plastic.toml", voce, true),
         ("thinning-before-break", "drop/plastic.toml", &voce[..3], false),
+        (
+            "heat-leaves",
+            "stretch/md-0.0002.toml",
+            &["specimen.material.thermal={ heat = 2300, softening = 0.009 }"],
+            true,
+        ),
+        (
+            "heat-leaves",
+            "stretch/md-0.2.toml",
+            &["specimen.material.thermal={ heat = 2300, softening = 0.009 }"],
+            false,
+        ),
         ("strain-rate-outside", md, &["loading.stretch.velocity=0.00002", "output.sample_rate=2"], true),
         ("strain-rate-outside", md, &["loading.stretch.velocity=2", "output.sample_rate=200kHz"], true),
         ("strain-rate-outside", md, &[], false),

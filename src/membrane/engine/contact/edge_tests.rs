@@ -150,6 +150,7 @@ impl Drop {
             law: Law::Elastic(Elastic { young: 2e8, poisson: 0.3 }),
             viscosity: None,
             rupture: None,
+            thermal: None,
             density: 1000.0,
             thickness: THICKNESS,
             md_angle: 0.0,

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use super::heating::Heating;
 use super::tearing::Tearing;
 use super::viscous::{MovedBlock, ViscousBlock, ViscousPoints};
 use crate::lane::{LANES, Lane, Lane3, splat};
 use crate::material::{
-    Deformation, Energy, History, MembraneLaw, Rupture, Stiffness, Stresses, Tear, ViscousLaw, stresses,
+    Deformation, Densities, Energy, Heat, History, MembraneLaw, Rupture, Stiffness, Stresses, Tear, Thermal,
+    ViscousLaw, stresses,
 };
 
 /// `L` elements of one kind with `NODES` nodes each: what a pass over a film computes of them.
@@ -104,6 +106,16 @@ pub(crate) struct BlockEnergies<const L: usize> {
     pub absorbed: Lane<L>,
     /// In the stabilisation against hourglass modes.
     pub hourglass: Lane<L>,
+}
+
+impl<const L: usize> BlockEnergies<L> {
+    /// Of the element in a lane for each of its `volume` (m³), J/m³: a tear, as softening, releases the energy of the
+    /// stabilisation, too.
+    #[inline(always)]
+    pub(super) fn densities(&self, volume: Lane<L>, lane: usize) -> Densities {
+        let stored = (self.stored[lane] + self.hourglass[lane]) / volume[lane];
+        Densities { stored, absorbed: self.absorbed[lane] / volume[lane] }
+    }
 }
 
 /// Strains of the elements of one block.
@@ -287,6 +299,8 @@ pub(crate) struct Blocks<B, const NODES: usize, const L: usize = LANES> {
     pub mass_factors: Vec<Lane<L>>,
     /// The Prony series of viscous film.
     pub viscous: Option<ViscousPoints<L>>,
+    /// Heat of film that warms up by what it absorbs.
+    pub heating: Option<Heating<L>>,
     /// Tears of film with a rupture criterion of its own.
     pub tearing: Option<Tearing<L>>,
 }
@@ -295,8 +309,15 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     /// Blocks of elements and their nodes, of a film `thickness` (m, all layers) thick.
     pub(crate) fn new(nodes: &[[u32; NODES]], elements: &[B::Element], thickness: f64) -> Self {
         let count = nodes.len();
-        let mut out =
-            Blocks { count, corners: vec![], blocks: vec![], mass_factors: vec![], viscous: None, tearing: None };
+        let mut out = Blocks {
+            count,
+            corners: vec![],
+            blocks: vec![],
+            mass_factors: vec![],
+            viscous: None,
+            heating: None,
+            tearing: None,
+        };
         for first in (0..count).step_by(L) {
             let at = |l: usize| (first + l).min(count - 1);
             // Padding repeats the last element without volume: all it computes is finite and multiplied by zero.
@@ -311,6 +332,12 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     pub(crate) fn with_viscosity(self, law: ViscousLaw) -> Self {
         let viscous = ViscousPoints::new(law, self.blocks.len(), self.points());
         Blocks { viscous: Some(viscous), ..self }
+    }
+
+    /// These elements, of film that warms up by what it absorbs.
+    pub(crate) fn with_heating(self, thermal: Thermal) -> Self {
+        let heating = Heating::new(thermal, self.blocks.len());
+        Blocks { heating: Some(heating), ..self }
     }
 
     /// These elements with a rupture criterion of their own.
@@ -336,14 +363,29 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     }
 
     /// History variables of one element: those of the law and of the Prony series at all its points, and those of its
-    /// tear.
+    /// heat and of its tear.
     pub(crate) fn variables(&self) -> usize {
         let of_law = self
             .blocks
             .first()
             .map_or(0, |block| block.history().map(|(history, _)| history.variables().count()).sum::<usize>());
+        let of_heat = self.heating.as_ref().map_or(0, |_| Heat::VARIABLES);
         let of_tear = self.tearing.as_ref().map_or(0, |_| Tear::VARIABLES);
-        of_law + self.viscous.as_ref().map_or(0, ViscousPoints::per_block) + of_tear
+        of_law + self.viscous.as_ref().map_or(0, ViscousPoints::per_block) + of_heat + of_tear
+    }
+
+    /// Share of the law's forces that the elements of a block had at the last position: what heat and tears left.
+    #[inline(always)]
+    pub(crate) fn share(&self, block: usize) -> Lane<L> {
+        let mut share = splat(1.0);
+        let of_heat = self.heating.as_ref().map(|heating| heating.share(block));
+        let of_tears = self.tearing.as_ref().map(|tearing| tearing.share(block));
+        for factor in of_heat.into_iter().chain(of_tears) {
+            for l in 0..L {
+                share[l] *= factor[l];
+            }
+        }
+        share
     }
 
     /// Share of the layers whose MD and TD fibres are not broken in the element at `block`, `lane`; none where it is

@@ -126,22 +126,18 @@ fn add_forces_lanewise<
             None
         }
     };
-    let tearing = elements.tearing.as_ref();
+    let (heating, tearing) = (elements.heating.as_ref(), elements.tearing.as_ref());
     for (b, (corners, block)) in elements.corners.iter().zip(&mut elements.blocks).enumerate() {
         gather(corners, position, &mut x);
         let viscous = viscous.as_mut().and_then(ViscousPass::next_block);
         // Gather, law, scatter one after another, each over all lanes: the law is the only part that a new one brings.
         let beyond = block.forces(law, viscous, &x, dt, &mut out);
+        // Heat and tears take a share of the forces of the law, which with its history knows nothing of them.
+        if let Some(heating) = heating {
+            take_share(&mut out, heating.next(b));
+        }
         match tearing {
-            Some(tearing) => {
-                // Softening takes a share of the forces of whole film; the law and its history know nothing of it.
-                let share = tearing.next(b);
-                for force in out.iter_mut().flatten() {
-                    for l in 0..L {
-                        force[l] *= share[l];
-                    }
-                }
-            }
+            Some(tearing) => take_share(&mut out, tearing.next(b)),
             None => failed |= beyond,
         }
         scatter(corners, &out, force);
@@ -149,8 +145,18 @@ fn add_forces_lanewise<
     failed
 }
 
+/// Multiplies the forces on a block's nodes by the `share` of each element.
+#[inline(always)]
+fn take_share<const NODES: usize, const L: usize>(out: &mut [Lane3<L>; NODES], share: &Lane<L>) {
+    for force in out.iter_mut().flatten() {
+        for l in 0..L {
+            force[l] *= share[l];
+        }
+    }
+}
+
 at_width! {
-    /// Energies of the elements of a block whose nodes are at `x`, J, without what their tears took. The laws are
+    /// Energies of the elements of a block whose nodes are at `x`, J, without what heat and tears took. The laws are
     /// compiled into this one function for all who need it.
     pub(super) fn block_energies[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
@@ -172,6 +178,25 @@ fn block_energies_lanewise<
     block.energies(law, viscous, x)
 }
 
+/// Energies of the elements of a block whose nodes are at `x`, J, with its heat and without what their tears took.
+#[cfg_attr(not(test), inline)]
+pub(super) fn warm_energies<
+    B: Block<NODES, L>,
+    M: MembraneLaw<History<L> = B::History>,
+    const NODES: usize,
+    const L: usize,
+>(
+    width: Width,
+    elements: &Blocks<B, NODES, L>,
+    block: usize,
+    law: &M,
+    x: &[Lane3<L>; NODES],
+) -> BlockEnergies<L> {
+    let of = &elements.blocks[block];
+    let energies = block_energies(width, of, law, elements.viscous_block(block), x);
+    elements.heating.as_ref().map_or(energies, |heating| heating.softened(block, of.volume(), energies))
+}
+
 /// Energies of the elements of `blocks`, J, a lane each: those of the same lane are summed.
 #[cfg_attr(not(test), inline)]
 fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
@@ -186,7 +211,7 @@ fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
     for b in blocks {
         gather(&elements.corners[b], position, &mut x);
         // Summed lane by lane and over the lanes at the end: one order for any number of threads and any width.
-        let energies = block_energies(width, &elements.blocks[b], law, elements.viscous_block(b), &x);
+        let energies = warm_energies(width, elements, b, law, &x);
         let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
         for l in 0..L {
             sums.stored[l] += share[l] * energies.stored[l];
@@ -308,7 +333,7 @@ pub(crate) fn frequency_bound<
         let bound = block_stiffness(width, block, law, elements.viscous_block(b), &x);
         let volume = block.volume();
         let factor = elements.mass_factors.get(b).copied().unwrap_or(splat(1.0));
-        let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
+        let share = elements.share(b);
         for l in 0..L {
             // theory.md, equation 17: lumped masses are equal, so the bound of the element is that of its stiffness
             // over one of them.
@@ -414,6 +439,8 @@ pub struct ElementDetail {
     pub plastic_strain: f64,
     /// Share of its forces that the element lost by tearing.
     pub damage: f64,
+    /// Growth of its temperature since it was mounted, K; zero of film that does not warm up.
+    pub warming: f64,
     /// Images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [[f64; 3]; 2],
 }
@@ -431,10 +458,11 @@ pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B:
         gather(corners, position, &mut x);
         let details = block.details(law, elements.viscous_block(b), &x);
         let BlockDetails { stress, thickness_ratio, plastic_strain, fibres } = details;
-        let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
+        let (share, left) = (elements.share(b), elements.tearing.as_ref().map(|tearing| tearing.share(b)));
         out.extend((0..LANES).map(|l| ElementDetail {
             stress: stress.map(|s| share[l] * s[l]),
-            damage: 1.0 - share[l],
+            damage: left.map_or(0.0, |left| 1.0 - left[l]),
+            warming: elements.heating.as_ref().map_or(0.0, |heating| heating.warming(b, l)),
             thickness_ratio: thickness_ratio[l],
             plastic_strain: plastic_strain[l],
             fibres: fibres.map(|f| f.map(|axis| axis[l])),

@@ -1,9 +1,9 @@
 //! Mean state of single elements, from which the energy that a tear releases follows (theory.md, section 25).
 
-use super::block::{Block, BlockEnergies, Blocks};
-use super::kernel::{block_energies, gather};
+use super::block::{Block, Blocks};
+use super::kernel::{gather, warm_energies};
 use crate::lane::{Width, splat};
-use crate::material::MembraneLaw;
+use crate::material::{Densities, MembraneLaw};
 
 /// Gradients ∂N_a/∂X_I (1/m) of the shape functions of an element along MD and TD of the stress-free film; that of a
 /// triangle's missing corner is zero.
@@ -16,7 +16,7 @@ pub(crate) struct MeanState {
     pub gradients: Gradients,
     /// f₁ and f₂.
     pub f: [[f64; 3]; 2],
-    /// Second Piola–Kirchhoff stresses S₁₁, S₂₂ and S₁₂ with the share of the forces that its tear left, Pa of one layer.
+    /// Second Piola–Kirchhoff stresses S₁₁, S₂₂ and S₁₂ with the share of the forces that heat and its tear left, Pa of one layer.
     pub stress: [f64; 3],
     /// Energy stored, in the stabilisation included, with that share, J/m³.
     pub stored: f64,
@@ -82,17 +82,19 @@ where
     let (block, viscous) = (&elements.blocks[b], elements.viscous_block(b));
     let mut x = [[splat(0.0); 3]; NODES];
     gather(&elements.corners[b], position, &mut x);
-    let share = elements.tearing.as_ref().map_or(1.0, |tearing| tearing.share(b)[l]);
-    let BlockEnergies { stored, absorbed, hourglass } = block_energies(Width::best(), block, law, viscous, &x);
+    let left = elements.tearing.as_ref().map_or(1.0, |tearing| tearing.share(b)[l]);
+    let energies = warm_energies(Width::best(), elements, b, law, &x);
     let volume = block.volume()[l];
     // Deleted elements: 0/0 would be a NaN.
-    let density = |energy: f64| if volume > 0.0 { share * energy / volume } else { 0.0 };
+    let Densities { stored, absorbed } =
+        if volume > 0.0 { energies.densities(block.volume(), l) } else { Densities { stored: 0.0, absorbed: 0.0 } };
+    let share = elements.share(b)[l];
     MeanState {
         gradients: gradients_of(block, l),
         f: block.deformation(&x).f.map(|f| f.map(|axis| axis[l])),
         stress: block.stress(law, viscous, &x).map(|s| share * s[l]),
-        stored: density(stored[l] + hourglass[l]),
-        absorbed: density(absorbed[l]),
+        stored: left * stored,
+        absorbed: left * absorbed,
         volume,
     }
 }

@@ -6,6 +6,7 @@
 mod block;
 mod energy;
 mod gauss;
+mod heating;
 mod kernel;
 mod mean_state;
 mod one_point;
@@ -19,6 +20,8 @@ mod viscous;
 pub(crate) use block::{Block, Blocks};
 pub use energy::ElementEnergy;
 pub(crate) use gauss::Gauss;
+pub(crate) use heating::Heating;
+pub(super) use heating::{heat, note_break};
 pub use kernel::{ElementDetail, ElementStrain};
 pub(crate) use kernel::{Forces, OwnForces};
 pub(super) use kernel::{add_forces, add_mass, count_mounting, details, energy, energy_at, frequency_bound, strains};

@@ -1,11 +1,11 @@
 //! The pass over elements that compares them with the limit of their rupture and softens what tears (theory.md, section
 //! 25).
 
-use super::block::{Block, BlockEnergies, Blocks};
-use super::kernel::{block_energies, gather};
+use super::block::{Block, Blocks};
+use super::kernel::{gather, warm_energies};
 use super::mean_state::{gradients_of, largest, width_across};
-use crate::lane::{Lane, Width, at_width, lanes, larger, splat};
-use crate::material::{Criterion, Densities, MembraneLaw, Rupture, Tear};
+use crate::lane::{Lane, Lane3, Width, at_width, lanes, larger, splat};
+use crate::material::{Criterion, MembraneLaw, Rupture, Tear};
 
 at_width! {
     /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was
@@ -32,26 +32,24 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
         gather(&elements.corners[b], position, &mut x);
         let metric = block.deformation(&x).metric();
         let strains = strains(&metric);
-        let values = values(&tearing.rupture, block, law, &metric, || block.stress(law, elements.viscous_block(b), &x));
+        // Once a block and only where a lane is close to its limit: it evaluates the law again.
+        let stress_at = || stress(elements, b, law, &x);
+        let values = values(&tearing.rupture, block, law, &metric, stress_at);
         // Most blocks are far from a tear, and energies cost more than forces.
         if values.is_some_and(|values| tearing.stays_whole(b, &values, &strains, dt)) {
             continue;
         }
-        let BlockEnergies { stored, absorbed, hourglass } =
-            block_energies(Width::best(), block, law, elements.viscous_block(b), &x);
+        let energies = warm_energies(Width::best(), elements, b, law, &x);
         let mut stress = None;
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
             let mut tear = tearing.element_tear(b, l);
             let had_started = tear.has_started();
             let was_open = tear.is_open(fracture_energy);
-            // A tear releases the energy of the stabilisation, too.
-            let stored = (stored[l] + hourglass[l]) / volume[l];
-            let lost = tear.advance(Densities { stored, absorbed: absorbed[l] / volume[l] });
+            let lost = tear.advance(energies.densities(volume, l));
             tearing.lost.energy.stored += volume[l] * lost.stored;
             tearing.lost.energy.absorbed += volume[l] * lost.absorbed;
             if dt > 0.0 && !tear.has_started() {
-                // Once a block and only where a lane is close to its limit: it evaluates the law again.
-                let mut stress = || *stress.get_or_insert_with(|| block.stress(law, elements.viscous_block(b), &x));
+                let mut stress = || *stress.get_or_insert_with(stress_at);
                 let value = values.map(|values| values[l]);
                 let element = Element { block, metric: metric.map(|c| c[l]), strain: strains[l], value, lane: l };
                 let starts = element.starts(&tearing.rupture, &mut tear, dt, &mut stress, tearing.is_beside_open(b, l));
@@ -70,6 +68,26 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
     }
     elements.tearing = Some(tearing);
     changed
+}
+
+/// Second Piola–Kirchhoff stresses S₁₁, S₂₂ and S₁₂ of the elements of a block, without what their tears took, Pa of one layer.
+#[inline(always)]
+fn stress<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
+    elements: &Blocks<B, NODES, L>,
+    block: usize,
+    law: &M,
+    x: &[Lane3<L>; NODES],
+) -> [Lane<L>; 3] {
+    let mut stress = elements.blocks[block].stress(law, elements.viscous_block(block), x);
+    if let Some(heating) = &elements.heating {
+        let share = heating.share(block);
+        for component in &mut stress {
+            for l in 0..L {
+                component[l] *= share[l];
+            }
+        }
+    }
+    stress
 }
 
 /// The quantity that the criterion compares with its limit, in each element of a block; none where it is an energy.

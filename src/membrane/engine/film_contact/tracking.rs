@@ -320,6 +320,7 @@ mod tests {
             law,
             viscosity: None,
             rupture: None,
+            thermal: None,
             density: 1.0,
             thickness: 1e-3,
             md_angle: 0.0,

@@ -30,6 +30,7 @@ fn section() -> Section {
             limit: Limit::One(0.5),
             fracture_energy: FRACTURE_ENERGY,
         }),
+        thermal: None,
         density: 1000.0,
         thickness: THICKNESS,
         md_angle: 0.0,

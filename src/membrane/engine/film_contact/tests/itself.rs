@@ -26,6 +26,7 @@ pub(super) fn section(young: f64) -> Section {
         law: Law::Elastic(Elastic { young, poisson: 0.3 }),
         viscosity: None,
         rupture: None,
+        thermal: None,
         density: 1000.0,
         thickness: THICKNESS,
         md_angle: 0.0,
