@@ -196,7 +196,7 @@ where
         if mounts {
             element::count_mounting(width, &mut self.elements, &*self.law, position);
         }
-        element::heat(width, &mut self.elements, &*self.law, position, dt);
+        element::warm_up(width, &mut self.elements, &*self.law, position, dt);
         failed | element::tear(width, &mut self.elements, &*self.law, position, dt)
     }
 

@@ -115,7 +115,7 @@ pub(crate) struct Tear {
 }
 
 /// Energies of an element at a position, J/m³.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Densities {
     pub stored: f64,
     pub absorbed: f64,

@@ -193,8 +193,16 @@ pub(super) fn warm_energies<
     x: &[Lane3<L>; NODES],
 ) -> BlockEnergies<L> {
     let of = &elements.blocks[block];
-    let energies = block_energies(width, of, law, elements.viscous_block(block), x);
-    elements.heating.as_ref().map_or(energies, |heating| heating.softened(block, of.volume(), energies))
+    let mut energies = block_energies(width, of, law, elements.viscous_block(block), x);
+    if let Some(heating) = &elements.heating {
+        let (share, absorbed, volume) = (heating.share(block), heating.absorbed(block), of.volume());
+        for l in 0..L {
+            energies.stored[l] *= share[l];
+            energies.hourglass[l] *= share[l];
+            energies.absorbed[l] = volume[l] * absorbed[l];
+        }
+    }
+    energies
 }
 
 /// Energies of the elements of `blocks`, J, a lane each: those of the same lane are summed.

@@ -16,12 +16,12 @@ mod softening;
 mod tearing;
 mod tri3;
 mod viscous;
+mod warming;
 
 pub(crate) use block::{Block, Blocks};
 pub use energy::ElementEnergy;
 pub(crate) use gauss::Gauss;
 pub(crate) use heating::Heating;
-pub(super) use heating::{heat, note_break};
 pub use kernel::{ElementDetail, ElementStrain};
 pub(crate) use kernel::{Forces, OwnForces};
 pub(super) use kernel::{add_forces, add_mass, count_mounting, details, energy, energy_at, frequency_bound, strains};
@@ -33,6 +33,7 @@ pub(super) use softening::tear;
 pub(crate) use tearing::Tearing;
 pub use tearing::{TooWide, Torn};
 pub(crate) use viscous::ViscousPoints;
+pub(super) use warming::{note_break, warm_up};
 
 use nalgebra::Point3;
 
