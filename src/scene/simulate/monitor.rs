@@ -262,6 +262,14 @@ impl Monitor {
         }
     }
 
+    /// Whether both are of scenes with the same bodies in contact, and this one of no more than so many faces.
+    pub(super) fn is_like(&self, other: &Monitor, faces: usize) -> bool {
+        let places =
+            [self.biaxial.map(|(.., place)| place), self.localised.map(|(.., number)| number.saturating_sub(1))];
+        let bodies = |monitor: &Monitor| (monitor.contacts.len(), monitor.has_bars);
+        bodies(self) == bodies(other) && places.into_iter().flatten().all(|place| place < faces)
+    }
+
     /// The warnings of a run of `model` on `films` that ended with `figures`.
     pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film], model: &Model) -> Vec<Warning> {
         let Figures {

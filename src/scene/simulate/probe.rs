@@ -126,6 +126,13 @@ impl<'a> Probe<'a> {
         if !record.tracks.is_like(&self.record.tracks) {
             return Err(StateMismatch { what: "tracks like those of the scene", found: 0, expected: found[1] });
         }
+        let faces = self.model.faces.len();
+        if !record.rates.is_like(&self.record.rates) {
+            return Err(StateMismatch { what: "curves like those of the scene", found: 0, expected: faces });
+        }
+        if !record.monitor.is_like(&self.record.monitor, faces) {
+            return Err(StateMismatch { what: "findings of bodies and faces like its", found: 0, expected: faces });
+        }
         self.record = record;
         Ok(())
     }

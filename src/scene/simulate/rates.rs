@@ -67,6 +67,12 @@ impl RateAudit {
         RateAudit { measured, edges, loading: none.clone(), pending: none, last: None }
     }
 
+    /// Whether both are of faces with the same curves, in the same bins.
+    pub(super) fn is_like(&self, other: &RateAudit) -> bool {
+        let bins = |audit: &RateAudit| [&audit.loading, &audit.pending].map(|weights| weights.bins.len());
+        self.measured == other.measured && self.edges == other.edges && bins(self) == bins(other)
+    }
+
     /// Adds the increments up to the strains of all faces at `time` (s).
     pub(super) fn sample(&mut self, time: f64, faces: &[Vec<ElementStrain>]) {
         let now = |s: &ElementStrain| [s.strain[0].max(0.0), s.strain[1].max(0.0)];
@@ -146,6 +152,15 @@ mod tests {
         assert!((histogram.shares[at(5.0)] - 0.5).abs() < 1e-12);
         assert!((histogram.shares[at(499.0)] - 0.5).abs() < 1e-12);
         assert!((histogram.outside - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_audit_without_bins_is_like_none() {
+        let [audit, mut other] = [(); 2].map(|()| RateAudit::new(vec![Some([1.0, 40.0])]));
+        assert!(audit.is_like(&other));
+        other.pending.bins.clear();
+        assert!(!audit.is_like(&other));
+        assert!(!audit.is_like(&RateAudit::new(vec![None])));
     }
 
     #[test]
