@@ -142,7 +142,8 @@ impl Dimension {
         if self.name == Temperature::DIMENSION.name && matches!(unit, "degC" | "°C") {
             return Ok(value + ZERO_CELSIUS);
         }
-        let (factor, powers) = parse_unit(unit).map_err(|UnknownFactor(unit)| UnitError::UnknownUnit {
+        let (share, unit) = self.with_kelvin(unit);
+        let (factor, powers) = parse_unit(&unit).map_err(|UnknownFactor(unit)| UnitError::UnknownUnit {
             dimension: self,
             unit,
             text: text.to_owned(),
@@ -150,7 +151,21 @@ impl Dimension {
         if powers != self.powers {
             return Err(UnitError::WrongDimension { dimension: self, text: text.to_owned() });
         }
-        Ok(scale(value, factor))
+        Ok(scale(value, share * factor))
+    }
+
+    /// The unit as [`parse_unit`] reads it, of a quantity for a temperature difference, which data sheets give in per cent and for
+    /// a degree Celsius, and the factor that this leaves.
+    fn with_kelvin<'a>(self, unit: &'a str) -> (f64, Cow<'a, str>) {
+        let [.., kelvin, _] = self.powers;
+        if kelvin >= 0 {
+            return (1.0, Cow::Borrowed(unit));
+        }
+        let plain = unit.replace("degC", "K").replace("°C", "K");
+        match plain.strip_prefix("%/") {
+            Some(rest) => (0.01, Cow::Owned(format!("1/{rest}"))),
+            None => (1.0, Cow::Owned(plain)),
+        }
     }
 
     /// Units that are usual for it, in ascending order.
@@ -261,7 +276,8 @@ fn parse_unit(unit: &str) -> Result<(f64, Powers), UnknownFactor> {
     for (place, group) in unit.split('/').enumerate() {
         let sign: i8 = if place == 0 { 1 } else { -1 };
         // J/(kg K): all factors behind a `/` divide, with brackets and without.
-        let group = group.strip_prefix('(').and_then(|inner| inner.strip_suffix(')')).unwrap_or(group);
+        let bracketed = group.strip_prefix('(').and_then(|inner| inner.strip_suffix(')'));
+        let group = bracketed.filter(|inner| place > 0 && !inner.trim().is_empty()).unwrap_or(group);
         for factor in group.split(['*', '·', ' ']).filter(|f| !f.is_empty()) {
             let (symbol, power) = split_power(factor);
             let (size, powers) = look_up(symbol).ok_or_else(|| UnknownFactor(symbol.to_owned()))?;
@@ -301,7 +317,6 @@ fn split_power(factor: &str) -> (&str, i8) {
 fn look_up(symbol: &str) -> Option<(f64, Powers)> {
     match symbol {
         "1" => return Some((1.0, [0; 6])),
-        "%" => return Some((0.01, [0; 6])),
         "K" => return Some((1.0, [0, 0, 0, 0, 1, 0])),
         "mol" => return Some((1.0, [0, 0, 0, 0, 0, 1])),
         // A moment is energy per radian; written so it is not taken for an energy.
@@ -504,6 +519,8 @@ mod tests {
             (HeatCapacity::DIMENSION, "2.3 J/g K", 2300.0),
             (SharePerTemperature::DIMENSION, "0.8 %/K", 0.008),
             (SharePerTemperature::DIMENSION, "0.008 1/K", 0.008),
+            (SharePerTemperature::DIMENSION, "0.8 %/°C", 0.008),
+            (HeatCapacity::DIMENSION, "2.3 kJ/(kg degC)", 2300.0),
             (MolarEnergy::DIMENSION, "100 kJ/mol", 1e5),
             (Length::DIMENSION, "1e-3 m", 1e-3),
             (Mass::DIMENSION, "1.5e1 g", 0.015),
@@ -526,6 +543,11 @@ mod tests {
             (Length::DIMENSION, "12", "expected a length with its unit, found \"12\""),
             (Velocity::DIMENSION, "4,16 m/s", "decimal comma in \"4,16 m/s\""),
             (Mass::DIMENSION, "3 foo", "unknown unit `foo` in \"3 foo\""),
+            (Mass::DIMENSION, "10 % kg", "unknown unit `%` in \"10 % kg\""),
+            (Mass::DIMENSION, "10 kg/()", "unknown unit `()` in \"10 kg/()\""),
+            (Mass::DIMENSION, "10 (kg)", "unknown unit `(kg)` in \"10 (kg)\""),
+            (SharePerTemperature::DIMENSION, "1 %/%/K", "unknown unit `%` in \"1 %/%/K\""),
+            (SharePerTemperature::DIMENSION, "1 %/s", "expected a share per temperature difference, found \"1 %/s\""),
             (TemperatureDifference::DIMENSION, "50 degC", "unknown unit `degC` in \"50 degC\""),
             (Angle::DIMENSION, "left", "expected an angle, found \"left\", which does not start with a number"),
         ] {

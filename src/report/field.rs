@@ -21,7 +21,7 @@ pub struct Field {
 }
 
 /// The fields to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown. The
-/// last three only where a law gives the thickness or a plastic strain, and where film can tear.
+/// last four only where a law gives the thickness or a plastic strain, where film can tear, and where it warms up.
 pub const FIELDS: [Field; 8] = [
     Field {
         key: "largest",

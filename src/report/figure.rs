@@ -80,6 +80,11 @@ fn printed(symbol: &str) -> &str {
     match symbol {
         "m/s2" => "m/s²",
         "mm/s2" => "mm/s²",
+        "m2" => "m²",
+        "m3" => "m³",
+        "J/m2" => "J/m²",
+        "kJ/m2" => "kJ/m²",
+        "kg m2" => "kg m²",
         "g_n" => "g",
         "percent" => "%",
         "deg" => "°",

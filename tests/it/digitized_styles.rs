@@ -60,6 +60,8 @@ struct Style {
     grid: Option<(&'static str, f64, &'static str, f64)>,
     other: Option<(&'static str, &'static str)>,
     quality: Option<u8>,
+    /// How far off the four points of the axes were picked, pixels: within the half that is stated.
+    picked: [f64; 4],
 }
 
 impl Style {
@@ -72,6 +74,7 @@ impl Style {
             grid: GRIDS[(number / 7) % GRIDS.len()],
             other: OTHERS[number % OTHERS.len()],
             quality: QUALITIES[(number / 4) % QUALITIES.len()],
+            picked: [31, 47, 59, 73].map(|prime| (number * prime % 97) as f64 / 97.0 - 0.5),
         }
     }
 
@@ -121,10 +124,12 @@ impl Style {
         fs::write(folder.join("figure.png"), content.into_inner()).expect("a file");
         let [left, top, right, bottom] = FRAME;
         let [time, value] = ENDS;
+        let [from, to, below, above] = self.picked;
+        let (from, to, below, above) = (left + from, right + to, bottom + below, top + above);
         let text = format!(
             "picture = \"figure.png\"
-             x = {{ column = \"time_s\", points = [{{ pixel = [{left}, {bottom}], value = 0 }}, {{ pixel = [{right}, {bottom}], value = {time} }}] }}
-             y = {{ column = \"acceleration_m_s2\", points = [{{ pixel = [{left}, {bottom}], value = 0 }}, {{ pixel = [{left}, {top}], value = {value} }}] }}
+             x = {{ column = \"time_s\", points = [{{ pixel = [{from}, {bottom}], value = 0 }}, {{ pixel = [{to}, {bottom}], value = {time} }}] }}
+             y = {{ column = \"acceleration_m_s2\", points = [{{ pixel = [{left}, {below}], value = 0 }}, {{ pixel = [{left}, {above}], value = {value} }}] }}
              curve = {{ colour = \"{}\" }}",
             self.colour
         );

@@ -330,6 +330,8 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("inflation-viscous", &["specimen.material.hyperelastic.wrinkling=false"]),
         ("drop-viscous", &["output.frames=20"]),
         ("stretch-plastic", &[]),
+        ("stretch-plastic", &["specimen.material.thermal={ heat = 2300, softening = 0.05 }"]),
+        ("drop-tear", &["output.frames=20", "specimen.material.thermal={ heat = 2300, softening = 0.05 }"]),
         ("drop-plastic", &["output.frames=20", "specimen.mesh.element=quad4-full"]),
         ("stretch-tear", &[]),
         ("drop-tear", &["output.frames=20"]),

@@ -123,7 +123,11 @@ const SUFFIXES: &[(&str, &str)] = &[
     ("1_s", "1/s"),
     ("kg_n", "kg_n"),
     ("g_n", "g_n"),
+    ("kJ_m2", "kJ/m2"),
+    ("J_m2", "J/m2"),
+    ("kg_m2", "kg m2"),
     ("m3", "m3"),
+    ("m2", "m2"),
     ("kg", "kg"),
     ("g", "g"),
     ("us", "us"),
@@ -154,6 +158,7 @@ const SUFFIXES: &[(&str, &str)] = &[
     ("percent", "percent"),
     ("deg", "deg"),
     ("rad", "rad"),
+    ("K", "K"),
 ];
 
 #[cfg(test)]
@@ -215,6 +220,11 @@ mod tests {
             ("s", None),
             ("_s", None),
             ("mass", None),
+            ("torn_area_m2", Some(("torn_area", "m2"))),
+            ("moments_kg_m2", Some(("moments", "kg m2"))),
+            ("fracture_J_m2", Some(("fracture", "J/m2"))),
+            ("warming_K", Some(("warming", "K"))),
+            ("K", None),
         ] {
             let found = Unit::of_name(name);
             let found = found.as_ref().map(|(stem, unit)| (*stem, unit.symbol()));

@@ -1,6 +1,6 @@
 //! Failure of fibre sets, layer by layer, and of elements.
 
-use super::element::{Block, Blocks, ElementEnergy, TooWide, energy_at, note_break};
+use super::element::{Block, Blocks, ElementEnergy, TooWide, energy_at, restart_after_break};
 use crate::lane::LANES;
 use crate::material::{History, MembraneLaw};
 
@@ -73,7 +73,7 @@ where
             if let Some(viscous) = &mut elements.viscous {
                 viscous.break_fibres([block, lane], before, left);
             }
-            note_break(elements, [block, lane], law, position);
+            restart_after_break(elements, [block, lane], law, position);
             lost.subtract(&energy_at(elements, [block, lane], law, position));
         }
         let failed = (0..2).any(|fibre| before[fibre] > 0.0 && left[fibre] == 0.0);

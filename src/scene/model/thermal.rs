@@ -17,6 +17,12 @@ pub(super) fn check(written: &scenario::Material, path: &str, mistakes: &mut Mod
         mistakes.report_with(&place, message, hint);
         return None;
     }
+    if written.fabric.as_ref().is_some_and(|fabric| fabric.md.rates.is_some() || fabric.td.rates.is_some()) {
+        let message =
+            "film with curves by strain rate cannot also warm up: those of high rates have their heat in them";
+        mistakes.report_with(&place, message, "leave `thermal` out, or give the slowest curve alone");
+        return None;
+    }
     // The ranges were checked before.
     let capacity = written.density.0 * thermal.heat.0;
     (capacity > 0.0).then_some(Thermal { capacity, softening: thermal.softening.0 })

@@ -47,6 +47,11 @@ pub(super) struct Figures<'a> {
 /// Heat that film gives to still air and by radiation through each side, W/(m² K); assumed.
 const TO_AIR: f64 = 10.0;
 
+/// Time (s) in which so much (m) of the film of a face gives two thirds of its heat to still air, where it warms up.
+fn cooling(face: &Face, thickness: f64) -> Option<f64> {
+    Some(face.material.thermal?.capacity * thickness / (2.0 * TO_AIR))
+}
+
 /// For each bound, the first time at which it was exceeded, and the largest excess.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Monitor {
@@ -362,10 +367,16 @@ impl Monitor {
             Some(Warning::ThinningBeforeBreak { face: place + 1, strain, from })
         }));
         out.extend(model.faces.iter().enumerate().filter_map(|(place, face)| {
-            let thickness = face.material.thickness * f64::from(face.layers);
-            let cooling = face.material.thermal?.capacity * thickness / (2.0 * TO_AIR);
-            let is_slow = *time > bounds::COOLING * cooling;
-            is_slow.then_some(Warning::HeatLeaves { face: place + 1, time: *time, cooling })
+            let layers = face.material.thickness * f64::from(face.layers);
+            let cooling = cooling(face, layers).filter(|cooling| *time > bounds::COOLING * cooling)?;
+            Some(Warning::HeatLeaves { face: place + 1, time: *time, cooling })
+        }));
+        out.extend(model.faces.iter().enumerate().filter_map(|(place, face)| {
+            let [_, rate] = face.material.measured_rates?;
+            let [strain, other] = face.material.break_strains();
+            // Coupons are single layers.
+            let holds = strain.min(other) < bounds::COOLING * cooling(face, face.material.thickness)? * rate;
+            holds.then_some(Warning::HeatTwice { face: place + 1, rate })
         }));
         out.extend(kinetic.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),

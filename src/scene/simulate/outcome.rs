@@ -56,7 +56,7 @@ pub struct Outcome {
     pub penetration: Option<f64>,
     /// Tears at the end; only of film with a rupture criterion of its own.
     pub torn: Option<Torn>,
-    /// Largest growth of the film's temperature in the snapshots, K; only of film that warms up.
+    /// Largest growth of the temperature of film that does not tear, before it first breaks, K; only of film that warms up.
     pub warming: Option<f64>,
     /// Number of elements.
     pub elements: usize,

@@ -64,6 +64,8 @@ pub(super) struct Record {
     rates: RateAudit,
     monitor: Monitor,
     rupture_time: Option<f64>,
+    /// Largest growth of the temperature before film first broke, K, where it warms up.
+    warming: Option<f64>,
     penetration: Option<f64>,
     lowest: Vec<f64>,
     relaxation: Option<Relaxation>,
@@ -87,6 +89,7 @@ impl<'a> Probe<'a> {
             rates: RateAudit::new(measured),
             monitor: Monitor::new(model.impactors.len(), model.frame.bars.is_some()),
             rupture_time: None,
+            warming: None,
             penetration: None,
             lowest: vec![f64::INFINITY; model.impactors.len()],
             relaxation: None,
@@ -257,8 +260,17 @@ impl<'a> Probe<'a> {
         }
     }
 
+    /// Notes how much film has warmed up that does not tear. Where it breaks, an element is drawn out as far as the mesh lets it.
+    fn note_warming(&mut self, view: &View<'_>) {
+        let warm = view.films.iter().filter(|film| film.warms_up() && self.record.rupture_time.is_none());
+        let elements = warm.flat_map(|film| film.details(&view.nodes.position));
+        let whole = elements.filter(|element| element.damage == 0.0).map(|element| element.warming);
+        self.record.warming = whole.chain(self.record.warming).reduce(f64::max);
+    }
+
     fn take_audit(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
         self.record.audits += 1;
+        self.note_warming(view);
         let energies = view.energies();
         if !energies.total().is_finite() {
             return Err(not_finite(view, faces));
@@ -315,7 +327,6 @@ impl<'a> Probe<'a> {
             rupture_time: self.record.rupture_time,
             time: engine.time(),
         };
-        let warming = largest_warming(&self.record.snapshots);
         Outcome {
             signals,
             energies,
@@ -335,7 +346,7 @@ impl<'a> Probe<'a> {
             added_mass: mounting.added_mass,
             penetration: self.record.penetration,
             torn: torn.map(|((length, area), energy)| Torn { length, area, energy }),
-            warming,
+            warming: self.record.warming,
             elements: engine.elements(),
             bytes: engine.bytes(),
             threads: engine.pool().threads(),
@@ -398,15 +409,6 @@ impl Observer for Probe<'_> {
         }
         self.record.tracks.follow(track);
     }
-}
-
-/// Largest growth of the temperature of an intact element in `snapshots`, K, where film warms up; it never falls.
-fn largest_warming(snapshots: &[Snapshot]) -> Option<f64> {
-    let intact = |state: &FilmState| {
-        let elements = state.warming.iter().zip(&state.failed).filter(|(_, failed)| !**failed);
-        elements.map(|(warming, _)| f64::from(*warming)).reduce(f64::max)
-    };
-    snapshots.iter().flat_map(|snapshot| &snapshot.films).filter_map(intact).reduce(f64::max)
 }
 
 /// Largest equivalent plastic strain of each face in `snapshots`; it never falls.

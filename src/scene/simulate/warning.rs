@@ -428,6 +428,15 @@ findings! {
                 (`specimen.material.plastic.hardening.curve`), or give Voce's law";
             message "face {face} reached the equivalent plastic strain {}, its flow curve ends at {}",
                 number::significant(*strain, 3), number::significant(*end, 3);
+        HeatTwice {
+            face: usize, "its face" => "face";
+            rate: f64, "highest rate of its curves, 1/s" => "rate_per_s";
+        } = "heat-twice", Warning;
+            meaning "film warms up by what it absorbs (`thermal`), but the fastest coupons of its curves broke before their heat left \
+                them: such curves hold a part of it already (under tension in one direction a half of that under a dart, or less), and \
+                softening counts twice";
+            remedy "give `specimen.material.thermal` to the curves of slow coupons alone, and name their rates in `measured_rates`";
+            message "heat counts twice: curves of face {face} were measured up to {} 1/s, too fast for heat to leave", number::significant(*rate, 3);
         HeatLeaves {
             face: usize, "its face" => "face";
             time: f64, "of the test, s" => "time_s";

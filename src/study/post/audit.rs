@@ -41,7 +41,7 @@ pub struct Audit {
     /// Energy that they took.
     #[serde(rename = "fracture_energy_J", skip_serializing_if = "Option::is_none")]
     pub fracture_energy_j: Option<f64>,
-    /// Largest growth of the temperature of an element that is not deleted, in the states that the run keeps; only of film with
+    /// Largest growth of the temperature of an element that does not tear, before film first breaks; only of film with
     /// `thermal`.
     #[serde(rename = "warming_K", skip_serializing_if = "Option::is_none")]
     pub warming_k: Option<f64>,

@@ -41,6 +41,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::TearByLimit { .. }
         | Warning::HardeningExceeded { .. }
         | Warning::HeatLeaves { .. }
+        | Warning::HeatTwice { .. }
         | Warning::StrainRateOutside { .. } => return warning.to_string(),
     };
     format!("{warning}; {remedy}")

@@ -29,10 +29,10 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"import "droptower/film" as film; film::fabric_key("biaxial", 0.3) == #{ "specimen.material.fabric.biaxial": 0.3 }"#,
     },
     Entry {
-        call: "film::halved(near, far, first, rounds, outcomes)",
+        call: "film::bisect(near, far, first, rounds, outcomes)",
         gives: "figures at which outcomes change, of lists of ends between which each does: all are halved together, `rounds` times; \
                 `outcomes` gives those of a list of figures, that of `near` is `first`",
-        example: r#"import "droptower/film" as film; let found = film::halved([1.0, 1.0], [100.0, 9.0], [false, false], 30, |figures| figures.map(|figure| figure > 5.0)); (found[0] - 5.0).abs() < 1e-6 && (found[1] - 5.0).abs() < 1e-6"#,
+        example: r#"import "droptower/film" as film; let found = film::bisect([1.0, 1.0], [100.0, 9.0], [false, false], 30, |figures| figures.map(|figure| figure > 5.0)); (found[0] - 5.0).abs() < 1e-6 && (found[1] - 5.0).abs() < 1e-6"#,
     },
 ];
 

@@ -14,23 +14,33 @@ fn batched(g: impl Fn(&[f64]) -> f64) -> impl FnMut(&[Vec<f64>]) -> Vec<Option<f
     move |points| points.iter().map(|u| Some(g(u))).collect()
 }
 
-/// Series system of four branches (Waarts 2000; Schueremans, Van Gemert 2005); k is usually 6 or 7.
+/// Series system of four branches (Waarts 2000; Schueremans, Van Gemert 2005), at the distances 3 and k/√2; k is usually 6 or 7.
 fn four_branches(k: f64) -> impl FnMut(&[Vec<f64>]) -> Vec<Option<f64>> {
+    branches_at([3.0, k])
+}
+
+/// The same with the two curved branches at the distance `near`.
+fn branches_at([near, k]: [f64; 2]) -> impl FnMut(&[Vec<f64>]) -> Vec<Option<f64>> {
     batched(move |u| {
         let (sum, difference) = (u[0] + u[1], u[0] - u[1]);
-        let curved = 3.0 + 0.1 * difference * difference - sum.abs() / 2.0_f64.sqrt();
+        let curved = near + 0.1 * difference * difference - sum.abs() / 2.0_f64.sqrt();
         curved.min(k / 2.0_f64.sqrt() - difference.abs())
     })
 }
 
-/// Exact probability of [`four_branches`]. With x = (u₁ + u₂)/√2 and y = (u₁ − u₂)/√2 the safe domain is |x| < 3 + 0.2
-/// y², |y| < k/2, so that P = 1 − ∫ φ(y) (1 − 2 Φ(−3 − 0.2 y²)) dy: Simpson's rule.
+/// Exact probability of [`four_branches`].
 fn four_branches_exact(k: f64) -> f64 {
+    branches_at_exact([3.0, k])
+}
+
+/// Exact probability of [`branches_at`]. With x = (u₁ + u₂)/√2 and y = (u₁ − u₂)/√2 the safe domain is |x| < near + 0.2
+/// y², |y| < k/2, so that P = 1 − ∫ φ(y) (1 − 2 Φ(−near − 0.2 y²)) dy: Simpson's rule.
+fn branches_at_exact([near, k]: [f64; 2]) -> f64 {
     let steps = 20_000;
     let width = k / f64::from(steps);
     let failing = |i: i32| {
         let y = -0.5 * k + width * f64::from(i);
-        normal::density(y) * 2.0 * normal::cumulative(-3.0 - 0.2 * y * y)
+        normal::density(y) * 2.0 * normal::cumulative(-near - 0.2 * y * y)
     };
     let inner: f64 = (1..steps).map(|i| if i % 2 == 0 { 2.0 } else { 4.0 } * failing(i)).sum();
     2.0 * normal::cumulative(-0.5 * k) + (failing(0) + inner + failing(steps)) * width / 3.0
@@ -102,14 +112,16 @@ fn an_origin_that_fails_has_a_negative_index() {
 fn intervals_of_subset_simulation_cover() {
     let studies: usize = 300;
     let plane = |exact: f64| -> Batch { Box::new(linear(-normal::quantile(exact))) };
-    let branches = |k: f64| -> Batch { Box::new(four_branches(k)) };
-    let limits: [(&str, usize, f64, Batch); 6] = [
+    let branches = |at: [f64; 2]| -> Batch { Box::new(branches_at(at)) };
+    let limits: [(&str, usize, f64, Batch); 8] = [
         ("plane, 3 inputs", 3, 1e-4, plane(1e-4)),
         ("plane, 1 input", 1, 1e-4, plane(1e-4)),
         ("plane, 1 input", 1, 1e-6, plane(1e-6)),
         ("plane, 10 inputs", 10, 1e-6, plane(1e-6)),
-        ("four branches, k = 6", 2, four_branches_exact(6.0), branches(6.0)),
-        ("four branches, k = 9", 2, four_branches_exact(9.0), branches(9.0)),
+        ("four branches, k = 6", 2, four_branches_exact(6.0), branches([3.0, 6.0])),
+        ("four branches, k = 9", 2, four_branches_exact(9.0), branches([3.0, 9.0])),
+        ("four branches at 4, k = 8", 2, branches_at_exact([4.0, 8.0]), branches([4.0, 8.0])),
+        ("four branches at 5, k = 10", 2, branches_at_exact([5.0, 10.0]), branches([5.0, 10.0])),
     ];
     for (name, inputs, exact, mut limit) in limits {
         let options = |seed| SubsetOptions { samples: 500, seed, ..SubsetOptions::default() };

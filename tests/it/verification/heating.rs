@@ -8,7 +8,7 @@ use super::tower::{channel, run, shipped};
 
 /// The printed points of the paper's Table 4: strain, stress (Pa).
 const MD: [[f64; 2]; 4] = [[0.0, 0.0], [0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]];
-/// kg/m³, J/(kg K) and 1/K. More than any film has, so that softening takes half of the stress.
+/// kg/m³, J/(kg K) and 1/K: more softening than any film has.
 const DENSITY: f64 = 915.0;
 const CAPACITY: f64 = 2300.0;
 const SOFTENING: f64 = 0.06;
@@ -109,11 +109,19 @@ fn drops_on_film_that_warms_up_balance() {
     let dry = run(&shipped("drop/1008.toml", &[&coarse[..], &[mild]].concat()));
     claims.holds("without softening: the same bits", "", dry.signals.channels == cold.signals.channels);
     claims.holds("it warms up", &format!("{:?} K", dry.warming), dry.warming.is_some_and(|rise| rise > 2.0));
-    for (name, changes) in [("fabric", &[THERMAL][..]), ("viscous", &[THERMAL, prony]), ("tearing", &[THERMAL, torn])] {
-        let outcome = run(&shipped("drop/1008.toml", &[&coarse[..], changes].concat()));
-        claims.at_most(&format!("{name}, energy balance error"), outcome.energy_balance_error, 2e-3);
-        let [soft, hard] = [&outcome, &cold].map(peak);
-        claims.holds(&format!("{name}, peak below that of cold film"), &format!("{soft:.1} of {hard:.1}"), soft < hard);
+    let few = run(&shipped("drop/1008.toml", &[&coarse[..], &[mild, "output.frames=1"]].concat()));
+    claims.holds("by as much whatever states are kept", &format!("{:?} K", few.warming), few.warming == dry.warming);
+    for (name, changes) in [("fabric", &[][..]), ("viscous", &[prony]), ("tearing", &[torn])] {
+        let keys = [&coarse[..], changes].concat();
+        let [warm, cold] = [&[THERMAL][..], &[]].map(|own| run(&shipped("drop/1008.toml", &[&keys[..], own].concat())));
+        claims.at_most(&format!("{name}, energy balance error"), warm.energy_balance_error, 2e-3);
+        let [soft, hard] = [&warm, &cold].map(peak);
+        // 6 %/K and 2 K or more.
+        claims.at_most(
+            &format!("{name}, peak over that of the same film that keeps its temperature"),
+            soft / hard,
+            0.9,
+        );
     }
     claims.judge();
 }

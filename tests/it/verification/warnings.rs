@@ -21,12 +21,14 @@ fn runs_outside_the_valid_range_have_warnings() {
         r#"specimen.material.plastic.hardening={ voce = { yield = "8 MPa", saturation = "20 MPa", rate = 8 } }"#,
         r#"specimen.material.rupture={ criterion = "strain", limit = 1.0, energy = "30 kJ/m2" }"#,
     ][..];
+    let warm = &["specimen.material.thermal={ heat = 2300, softening = 0.009 }"][..];
+    let slow = &[r#"specimen.material.fabric.measured_rates=["0.001 1/s", "0.04 1/s"]"#][..];
     let drop = "drop/1008.toml";
     let md = "stretch/md-0.02.toml";
     let shipped_mesh = "specimen.mesh.size=10mm";
     let told: &[&str] = &["specimen.mesh.size=40mm", r#"specimen.material.fabric.biaxial_source="a wide coupon""#];
     let fast: &[&str] = &["specimen.mesh.size=50mm", "loading.impact.velocity=6"];
-    let cases: [(&str, &str, &[&str], bool); 24] = [
+    let cases: [(&str, &str, &[&str], bool); 26] = [
         ("coarse-contact", drop, &["specimen.mesh.size=40mm"], true),
         ("coarse-contact", drop, &[shipped_mesh, "loading.impact.duration=40ms"], false),
         ("strain-localisation", drop, &[&flat_td[..], &[shipped_mesh]].concat(), true),
@@ -55,18 +57,10 @@ fn runs_outside_the_valid_range_have_warnings() {
         ),
         ("thinning-before-break", "drop/plastic.toml", voce, true),
         ("thinning-before-break", "drop/plastic.toml", &voce[..3], false),
-        (
-            "heat-leaves",
-            "stretch/md-0.0002.toml",
-            &["specimen.material.thermal={ heat = 2300, softening = 0.009 }"],
-            true,
-        ),
-        (
-            "heat-leaves",
-            "stretch/md-0.2.toml",
-            &["specimen.material.thermal={ heat = 2300, softening = 0.009 }"],
-            false,
-        ),
+        ("heat-leaves", "stretch/md-0.0002.toml", warm, true),
+        ("heat-leaves", "stretch/md-0.2.toml", warm, false),
+        ("heat-twice", "stretch/md-0.2.toml", warm, true),
+        ("heat-twice", "stretch/md-0.2.toml", &[warm, slow].concat(), false),
         ("strain-rate-outside", md, &["loading.stretch.velocity=0.00002", "output.sample_rate=2"], true),
         ("strain-rate-outside", md, &["loading.stretch.velocity=2", "output.sample_rate=200kHz"], true),
         ("strain-rate-outside", md, &[], false),

@@ -112,9 +112,10 @@ impl<const L: usize> BlockEnergies<L> {
     /// Of the element in a lane for each of its `volume` (m³), J/m³: a tear, as softening, releases the energy of the
     /// stabilisation, too.
     #[inline(always)]
-    pub(super) fn densities(&self, volume: Lane<L>, lane: usize) -> Densities {
-        let stored = (self.stored[lane] + self.hourglass[lane]) / volume[lane];
-        Densities { stored, absorbed: self.absorbed[lane] / volume[lane] }
+    pub(super) fn densities(&self, volume: &Lane<L>, lane: usize) -> Densities {
+        // Padding and deleted elements: 0/0 would be a NaN in history variables that are saved.
+        let density = |energy: f64| if volume[lane] > 0.0 { energy / volume[lane] } else { 0.0 };
+        Densities { stored: density(self.stored[lane] + self.hourglass[lane]), absorbed: density(self.absorbed[lane]) }
     }
 }
 

@@ -85,9 +85,7 @@ where
     let left = elements.tearing.as_ref().map_or(1.0, |tearing| tearing.share(b)[l]);
     let energies = warm_energies(Width::best(), elements, b, law, &x);
     let volume = block.volume()[l];
-    // Deleted elements: 0/0 would be a NaN.
-    let Densities { stored, absorbed } =
-        if volume > 0.0 { energies.densities(block.volume(), l) } else { Densities { stored: 0.0, absorbed: 0.0 } };
+    let Densities { stored, absorbed } = energies.densities(&block.volume(), l);
     let share = elements.share(b)[l];
     MeanState {
         gradients: gradients_of(block, l),

@@ -33,7 +33,7 @@ pub(super) use softening::tear;
 pub(crate) use tearing::Tearing;
 pub use tearing::{TooWide, Torn};
 pub(crate) use viscous::ViscousPoints;
-pub(super) use warming::{note_break, warm_up};
+pub(super) use warming::{restart_after_break, warm_up};
 
 use nalgebra::Point3;
 

@@ -45,7 +45,7 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
             let mut tear = tearing.element_tear(b, l);
             let had_started = tear.has_started();
             let was_open = tear.is_open(fracture_energy);
-            let lost = tear.advance(energies.densities(volume, l));
+            let lost = tear.advance(energies.densities(&volume, l));
             tearing.lost.energy.stored += volume[l] * lost.stored;
             tearing.lost.energy.absorbed += volume[l] * lost.absorbed;
             if dt > 0.0 && !tear.has_started() {
