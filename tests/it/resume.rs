@@ -13,7 +13,7 @@ use droptower::diagnostic;
 use droptower::model::{self, Model, Motion};
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
-use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunError, RunOptions};
+use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunError, RunOptions, Warning};
 
 use crate::workbench::{command, droptower, error};
 
@@ -376,6 +376,35 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
             assert_eq!(again.len(), written.len() - number - 1, "{case}: the checkpoints that were left");
         }
     }
+}
+
+/// The share of the work that film returned at the first tip where that decided is kept, and not found anew at another tip.
+#[test]
+fn a_resumed_run_keeps_the_share_that_film_returned() {
+    let share = |outcome: &Outcome| {
+        let found =
+            |warning: &Warning| if let Warning::TearByLimit { share } = warning { Some(share.to_bits()) } else { None };
+        outcome.warnings.iter().find_map(found)
+    };
+    let changes = [
+        "specimen.mesh.size=8mm",
+        "specimen.symmetry=none",
+        "specimen.cuts=[[[\"-20 mm\", \"30 mm\"], [\"20 mm\", \"30 mm\"]]]",
+        "specimen.material.rupture={ criterion = \"strain\", limit = 2.0, energy = \"60 kJ/m2\" }",
+    ];
+    let model = golden("drop-plastic", &changes);
+    let every = 0.4 * model.run_time();
+    let (through, written) = with_checkpoints(&model, every, None);
+    let found = share(&through).expect("film that returns little");
+    let last = written.last().expect("checkpoints");
+    // It was found before the checkpoint.
+    let before = format!("loading.impact.duration={} ms", 0.8e3 * model.run_time());
+    let until =
+        simulate::run(&golden("drop-plastic", &[&changes[..], &[&before]].concat()), &mut |_| {}).expect("a run");
+    assert_eq!(share(&until), Some(found));
+    let (resumed, _) = with_checkpoints(&model, every, Some(postcard::from_bytes(last).expect("what was written")));
+    assert_eq!(share(&resumed), Some(found));
+    assert_same(&through, &resumed, "resumed after the finding");
 }
 
 /// A run resumed from the checkpoint behind the equilibrium of its film does not settle again; one that is cancelled

@@ -19,7 +19,7 @@ use super::mesh::Mesh;
 use super::nodes::{Nodes, Vectors};
 use super::section::Section;
 use super::thread_pool::ThreadPool;
-use super::tips::{Events, MirrorPlane, Start, Tips};
+use super::tips::{Events, MirrorPlane, Start, TearingFilm, Tips};
 use crate::lane::Width;
 
 /// A face of film ready to be stepped.
@@ -368,8 +368,9 @@ impl Film {
         let tips = self.tips.as_ref()?;
         let groups = self.groups();
         let rupture = groups[0].rupture()?;
-        let Events { starts, waiting, returned } =
-            tips.events(&groups, position, [rupture.fracture_energy, self.thickness], looks);
+        let film =
+            TearingFilm { groups: &groups, position, energy: rupture.fracture_energy, thickness: self.thickness };
+        let Events { starts, waiting, returned } = tips.events(&film, looks);
         waiting.iter().for_each(|[c, e]| self.chunks[*c as usize].group.go_on(*e as usize));
         let mut opened = false;
         for Start { element: [c, e], width, offset } in starts {

@@ -316,6 +316,81 @@ mod tests {
         assert!(tear.share == 0.0);
     }
 
+    /// An element that stores `stored` (J/m³) when it starts to tear, and `now` at the next position.
+    fn swung_back(stored: f64, now: f64, width: f64) -> Tear {
+        let mut tear = Tear::NONE;
+        tear.advance(Densities { stored, absorbed: 0.0 });
+        tear.start(width);
+        tear.advance(Densities { stored: now, absorbed: 0.0 });
+        tear
+    }
+
+    #[test]
+    fn an_element_waits_while_it_stores_less_than_at_its_start() {
+        let (width, fracture_energy) = (1e-3, 8e3);
+        for (now, waits) in [(0.99e6, true), (1.01e6, false)] {
+            let mut tear = swung_back(1e6, now, width);
+            assert_eq!(tear.waits(fracture_energy), waits, "{now}");
+            tear.soften(fracture_energy);
+            assert_eq!(tear.next == 1.0, waits, "{now}: {tear:?}");
+        }
+        let mut whole = Tear::NONE;
+        whole.advance(Densities { stored: 1e6, absorbed: 0.0 });
+        let torn = Tear { next: 0.0, ..swung_back(1e6, 1e5, width) };
+        for mut other in [whole, torn] {
+            let before = other;
+            other.go_on(fracture_energy);
+            assert!(!other.waits(fracture_energy) && other == before, "{other:?}");
+        }
+    }
+
+    /// It softens as if it had started with what it stores now; one that does not wait is left as it is.
+    #[test]
+    fn an_element_that_goes_on_starts_anew() {
+        let (width, fracture_energy) = (1e-3, 8e3);
+        let mut tear = swung_back(1e6, 0.25e6, width);
+        tear.go_on(fracture_energy);
+        assert_eq!(tear, swung_back(0.25e6, 0.25e6, width));
+        let mut stretched = swung_back(1e6, 1.5e6, width);
+        stretched.go_on(fracture_energy);
+        assert_eq!(stretched, swung_back(1e6, 1.5e6, width));
+    }
+
+    /// Stretched until it has spent a part, let back to a third of its strain where it waits for as long as it is held, and
+    /// stretched on from there: the force falls from the next position on, and the tear takes its
+    /// fracture energy.
+    #[test]
+    fn an_element_that_goes_on_takes_its_fracture_energy() {
+        let (young, start, width, fracture_energy) = (2e8, 0.1, 1e-3, 8e3);
+        let density = |strain: f64| Densities { stored: 0.5 * young * strain * strain, absorbed: 0.0 };
+        let (mut tear, mut lost) = (Tear::NONE, 0.0);
+        let mut move_to = |tear: &mut Tear, strain: f64| {
+            lost += tear.advance(density(strain)).stored;
+            tear.soften(fracture_energy);
+            tear.share
+        };
+        tear.advance(density(start));
+        tear.start(width);
+        let mut strain = start;
+        while tear.share > 0.5 {
+            strain += start / 400.0;
+            move_to(&mut tear, strain);
+        }
+        strain /= 3.0;
+        let held: Vec<f64> = (0..10).map(|_| move_to(&mut tear, strain)).collect();
+        assert!(tear.waits(fracture_energy) && held[9] == held[1] && held[9] > 0.4, "{held:?}");
+        tear.go_on(fracture_energy);
+        let shares = [1.0, 2.0, 3.0].map(|step| move_to(&mut tear, strain + step * start / 400.0));
+        assert!(shares[0] == held[9] && shares[1] < held[9] && shares[2] < shares[1], "{shares:?} from {}", held[9]);
+        strain += 3.0 * start / 400.0;
+        while tear.share > 0.0 && strain < 400.0 * start {
+            strain += start / 400.0;
+            move_to(&mut tear, strain);
+        }
+        let asked = fracture_energy / width;
+        assert!((lost / asked - 1.0).abs() < 0.011, "{lost} J/m³ for {asked}");
+    }
+
     #[test]
     fn limits_by_triaxiality_and_by_rate() {
         let by_triaxiality = Limit::ByTriaxiality(vec![[1.0 / 3.0, 1.2], [2.0 / 3.0, 0.8]]);

@@ -41,6 +41,7 @@ mod single_element;
 mod springs;
 mod stability;
 mod stresses;
+mod tears;
 mod viscous;
 mod warnings;
 mod waves;

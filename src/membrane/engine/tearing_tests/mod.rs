@@ -1,5 +1,6 @@
 //! Tears against energy balances of Griffith's kind, on meshes of several sizes, and against closed forms.
 
+mod mesh;
 mod shapes;
 mod starts;
 mod strip;

@@ -1,72 +1,10 @@
 //! When a tear grows, on elements of many shapes and directions, against Griffith's balance: a wide strip of rubber and a
 //! crack in the middle of a plate.
 
-use nalgebra::Point3;
-
-use super::{POISSON, THICKNESS, YOUNG, cells, section};
-use crate::engine::{Engine, Film, Jaw, Loads, Mesh, Nodes, Section, Unobserved};
+use super::mesh::Shape;
+use super::{POISSON, THICKNESS, YOUNG, section};
+use crate::engine::{Engine, Film, Jaw, Loads, Nodes, Section, Unobserved};
 use crate::material::{Criterion, Elastic, Hyperelastic, HyperelasticLaw, Law, Limit, Polynomial, Rupture};
-
-/// Shape of the elements of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Shape {
-    /// Edges along and across the tear, m.
-    edges: [f64; 2],
-    /// Angle by which the mesh is turned, degrees.
-    turned: f64,
-    /// By how much rows are moved along themselves from one to the next, over the edge.
-    skew: f64,
-    /// By how much nodes are moved at random, over the edges.
-    uneven: f64,
-}
-
-impl Shape {
-    const fn even(edges: [f64; 2], turned: f64) -> Shape {
-        Shape { edges, turned, skew: 0.0, uneven: 0.0 }
-    }
-
-    /// Elements of this shape that cover a rectangle from 0 along x and about 0 along y, and some beyond.
-    fn mesh(&self, [length, height]: [f64; 2]) -> Mesh {
-        let Shape { edges: [along, across], turned, skew, uneven } = *self;
-        let reach = length + height;
-        let [columns, rows] = [along, across].map(|edge| (2 * (reach / edge).ceil() as u32) | 1);
-        let mut seed = 1_u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
-        let (sin, cos) = turned.to_radians().sin_cos();
-        let places: Vec<Point3<f64>> = (0..=rows)
-            .flat_map(|j| (0..=columns).map(move |i| (f64::from(i), f64::from(j))))
-            .map(|(i, j)| {
-                let row = j - 0.5 * f64::from(rows);
-                let [a, b] = [random(), random()].map(|r| 2.0 * uneven * r);
-                let x = (i - 0.5 * f64::from(columns) + skew * row % 1.0 + a) * along;
-                // Jaws hold straight lines of an even mesh.
-                let is_held = turned == 0.0 && row.abs() * across > 0.5 * height - 1e-9;
-                let y = if is_held { row * across } else { (row + b) * across };
-                Point3::new(0.5 * length + cos * x - sin * y, sin * x + cos * y, 0.0)
-            })
-            .collect();
-        let all = cells(columns, rows, |i, j| places[(j * (columns + 1) + i) as usize]);
-        let within = |quad: &[u32; 4]| {
-            let centre = quad.iter().map(|n| places[*n as usize].coords).sum::<nalgebra::Vector3<f64>>() / 4.0;
-            (0.0..length).contains(&centre.x) && centre.y.abs() < 0.5 * height + across.max(along)
-        };
-        let quads: Vec<[u32; 4]> = all.quads.into_iter().filter(within).collect();
-        let mut numbers = vec![u32::MAX; places.len()];
-        let mut nodes = vec![];
-        let mut number = |n: u32| {
-            if numbers[n as usize] == u32::MAX {
-                numbers[n as usize] = nodes.len() as u32;
-                nodes.push(places[n as usize]);
-            }
-            numbers[n as usize]
-        };
-        let quads = quads.iter().map(|quad| quad.map(&mut number)).collect();
-        Mesh { nodes, quads, ..Mesh::default() }
-    }
-}
 
 /// A rectangle of film that is pulled along y.
 struct Pulled {
@@ -94,14 +32,15 @@ impl Pulled {
     /// The rectangle before the first step, the nodes of its upper jaw, and the length of its cut in whole elements, m.
     fn mounted(&self) -> (Engine, Vec<u32>, f64) {
         let [_, height] = self.lengths;
-        let mesh = self.shape.mesh(self.lengths);
+        let [along, across] = self.shape.edges;
+        let mesh = self.shape.mesh(self.lengths, across.max(along));
         let mut nodes = Nodes::default();
         let mut film = Film::mount(&mesh, &self.section, 0.0, &mut nodes).unwrap();
         film.cut(&nodes, &[[self.cut[0], 1e-6], [self.cut[1], 1e-6]]);
         let mut intact = std::collections::HashSet::new();
         film.for_each_intact(|corners| _ = intact.insert(corners.to_vec()));
-        let cut = mesh.quads.iter().filter(|quad| !intact.contains(&quad[..]));
-        let along = cut.flatten().map(|n| mesh.nodes[*n as usize].x);
+        let all = mesh.quads.iter().map(|quad| &quad[..]).chain(mesh.tris.iter().map(|tri| &tri[..]));
+        let along = all.filter(|element| !intact.contains(*element)).flatten().map(|n| mesh.nodes[*n as usize].x);
         let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (x.min(a), x.max(b)));
         let [start, rate] = self.strain;
         let mut jaws = [-1.0, 1.0].map(|side| Jaw { nodes: vec![], velocity: 0.5 * side * rate * height });
@@ -155,6 +94,9 @@ const RUBBER: [f64; 2] = [25e3, 395e3];
 
 /// Length of the wide strip and of its cut, m.
 const LENGTHS: [f64; 2] = [0.4, 0.1];
+
+/// Strain from which the strip is pulled: its cut opens at once there and swings beyond rest, with up to twice the energy.
+const FROM: f64 = 0.35;
 
 /// A wide strip of rubber with a cut.
 struct Strip {
@@ -235,35 +177,42 @@ fn shapes(turned: f64) -> Vec<Shape> {
     [&even[..], &[Shape { uneven: 0.2, ..square }, Shape { skew: 0.4, ..square }]].concat()
 }
 
-/// Pulls the rubber at 0.5/s on meshes that are turned by so many degrees: whether the tear starts where W H is Γ, within
-/// 7 %, and has grown by 60 mm before W H/Γ is 1.08.
-fn tears_at_its_energy(turned: f64) {
-    for shape in shapes(turned) {
-        let strip = Strip::new(shape);
-        let (moments, _) = strip.pulled(LENGTHS[0], LENGTHS[1], [0.45, 0.5], 100.0).torn(60e-3, 1.1);
+/// Pulls the rubber at 0.5/s: whether the tear starts where W H is Γ, within 5 %, and has grown by 60 mm before W H/Γ is
+/// 1.06.
+fn tears_at_its_energy(shapes: &[Shape]) {
+    for shape in shapes {
+        let strip = Strip::new(*shape);
+        let (moments, _) = strip.pulled(LENGTHS[0], LENGTHS[1], [FROM, 0.5], 100.0).torn(60e-3, 1.1);
         let [start, grown] = moments.map(|moment| moment.map_or(f64::NAN, |moment| strip.energy(moment.strain)));
         println!(
             "{shape:?}, {:.4} for {:.3} m: starts at W H/Γ {start:.3}, grown by 60 mm at {grown:.3}",
             strip.stores, strip.height
         );
-        assert!((start - 1.0).abs() < 0.07, "{shape:?}: starts at {start}");
-        assert!(grown >= start && grown < 1.08, "{shape:?}: grown at {grown}");
+        assert!((start - 1.0).abs() < 0.05, "{shape:?}: starts at {start}");
+        assert!(grown >= start && grown < 1.06, "{shape:?}: grown at {grown}");
     }
 }
 
 #[test]
 fn a_wide_strip_of_rubber_tears_at_its_energy_on_elements_of_any_shape() {
-    tears_at_its_energy(0.0);
+    tears_at_its_energy(&shapes(0.0));
 }
 
 #[test]
 fn a_wide_strip_of_rubber_tears_at_its_energy_on_a_mesh_that_is_turned() {
-    tears_at_its_energy(22.5);
+    tears_at_its_energy(&shapes(22.5));
 }
 
 #[test]
 fn a_wide_strip_of_rubber_tears_at_its_energy_along_diagonals() {
-    tears_at_its_energy(45.0);
+    tears_at_its_energy(&shapes(45.0));
+}
+
+#[test]
+fn a_wide_strip_of_rubber_tears_at_its_energy_on_triangles() {
+    let even = |turned| Shape { triangles: true, ..Shape::even([5e-3; 2], turned) };
+    let uneven = |turned| Shape { uneven: 0.2, ..even(turned) };
+    tears_at_its_energy(&[even(0.0), even(22.5), even(45.0), uneven(-22.5), uneven(45.0)]);
 }
 
 /// A strip that rests with 1.15 Γ tears without being pulled on, and one with 0.85 Γ does not.
@@ -307,7 +256,7 @@ fn centre_crack(shape: Shape, half: f64, by: f64) -> f64 {
 fn a_crack_in_the_middle_of_a_plate_grows_at_its_stress() {
     for turned in [0.0, 22.5, 45.0] {
         let square = Shape::even([5e-3; 2], turned);
-        for shape in [square, Shape { uneven: 0.2, ..square }] {
+        for shape in [square, Shape { uneven: 0.2, ..square }, Shape { triangles: true, ..square }] {
             let ratio = centre_crack(shape, 0.0275, 10e-3);
             println!("{shape:?}: stress over that of the crack {ratio:.3}");
             assert!((ratio - 1.0).abs() < 0.1, "{shape:?}: {ratio}");

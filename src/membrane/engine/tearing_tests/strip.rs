@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use super::mesh::halves;
 use super::{FRACTURE_ENERGY, POISSON, THICKNESS, YOUNG, cells, section};
 use crate::engine::{Energies, Engine, Film, Jaw, Loads, Nodes, Section, Torn, Unobserved, View};
 use crate::material::{
@@ -67,8 +68,7 @@ impl Strip {
         let at = |k: u32, size: f64| f64::from(k) * size;
         let mut mesh = cells(columns, rows, |i, j| Point3::new(at(i, size_x) - 0.5 * height, at(j, size), 0.0));
         if self.kind == Kind::Triangles {
-            let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
-            mesh.tris = std::mem::take(&mut mesh.quads).into_iter().flat_map(halves).collect();
+            mesh.tris = halves(&std::mem::take(&mut mesh.quads));
         }
         if cuts == Cuts::Mirrored {
             mesh.mirrors[1] = (0..=columns).map(|i| rows * (columns + 1) + i).collect();
@@ -217,7 +217,13 @@ fn a_viscous_strip_takes_its_fracture_energy_besides_what_it_absorbs() {
             energies.absorbed / torn.energy,
             half.0.imbalance
         );
-        assert!(excess.abs() < 0.01 && torn.area > 0.98 * strip.whole(), "{kind:?} {time} s: {excess}");
+        // The width of triangles is larger where J points aside, by some percent where it does so by a few degrees: these are
+        // pulled on until what is torn through stores nothing.
+        let is_through = match kind {
+            Kind::Triangles => torn.area > 0.97 * strip.whole() && energies.stored < 1e-4 * torn.energy,
+            _ => torn.area > 0.98 * strip.whole(),
+        };
+        assert!(excess.abs() < 0.01 && is_through, "{kind:?} {time} s: {excess}, {torn:?}, {energies:?}");
         assert!(of_law > 0.0 && of_law < energies.absorbed, "{kind:?} {time} s: {of_law} J");
         assert!(*imbalance < 0.01 && half.0.imbalance < 0.5 * imbalance + 2e-4, "{kind:?} {time} s: {imbalance}");
         assert!(*start > 0.97 * at_once, "{kind:?} {time} s: {start}");

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Element, Place, Tips};
+use super::{Element, Place, TearingFilm, Tips};
 use crate::engine::element::{MeanState, corners};
-use crate::material::Tear;
 
 /// Rings of elements around one at a tip whose nodes move with the tip: the material force is that of the ring beyond.
 const RINGS: usize = 2;
@@ -21,18 +20,13 @@ type Node = (u32, u8);
 impl Tips {
     /// Material force (N, along MD and TD) on the tip at an element: on all nodes of [`RINGS`] around it and of the film
     /// that still tears behind it, by the elements beyond; and what it would be if these returned all work.
-    pub(super) fn material_force(
-        &self,
-        element: Element,
-        state: &impl Fn(Element) -> MeanState,
-        tear: &impl Fn(Element) -> (Tear, f64),
-    ) -> [[f64; 2]; 2] {
+    pub(super) fn material_force(&self, element: Element, film: &TearingFilm<'_>) -> [[f64; 2]; 2] {
         let mut moved = vec![(element, 0)];
         for _ in 0..RINGS {
             moved = self.around(&moved);
         }
         // What film takes up behind the tip is part of what its tear takes.
-        moved.extend(self.connected(element, |image| tear(image.0).0.is_tearing(), |_| true));
+        moved.extend(self.connected(element, |image| film.tear(image.0).0.is_tearing(), |_| true));
         moved.sort_unstable();
         moved.dedup();
         let mut nodes = self.nodes_of_all(&moved);
@@ -40,16 +34,16 @@ impl Tips {
         let is_within = |image: &Image| moved.binary_search(image).is_ok();
         let body = self.connected(element, |image| self.place(image.0) == Place::Open, is_within);
         if body.iter().all(is_within) {
-            nodes = self.ahead_of_middle(element, &body, &moved, nodes, state);
+            nodes = self.ahead_of_middle(element, &body, &moved, nodes, film);
         }
-        let mean = state(element).f;
+        let mean = film.state(element).f;
         let (mut force, mut of_work) = ([0.0; 2], [0.0; 2]);
         for image in self.around(&moved) {
             let within: Vec<bool> = self.nodes_of(image).map(|node| nodes.binary_search(&node).is_ok()).collect();
             if within.iter().all(|is_moved| *is_moved) || !within.contains(&true) {
                 continue;
             }
-            let state = self.image(image, state);
+            let state = self.image(image, film);
             let mut gradient = [0.0; 2];
             for (of_node, _) in state.gradients.iter().zip(&within).filter(|(_, is_moved)| **is_moved) {
                 (0..2).for_each(|i| gradient[i] += of_node[i]);
@@ -70,9 +64,9 @@ impl Tips {
         body: &[Image],
         moved: &[Image],
         nodes: Vec<Node>,
-        state: &impl Fn(Element) -> MeanState,
+        film: &TearingFilm<'_>,
     ) -> Vec<Node> {
-        let places = self.places_from(element, moved, state);
+        let places = self.places_from(element, moved, film);
         let middle = |image: &Image| -> [f64; 2] {
             let (mut sum, mut count) = ([0.0; 2], 0.0);
             for [a, b] in self.nodes_of(*image).filter_map(|node| places.get(&node)) {
@@ -89,18 +83,13 @@ impl Tips {
     }
 
     /// Places (m, along MD and TD of stress-free film) of the nodes of elements, from the middle of one of them.
-    fn places_from(
-        &self,
-        element: Element,
-        among: &[Image],
-        state: &impl Fn(Element) -> MeanState,
-    ) -> BTreeMap<Node, [f64; 2]> {
+    fn places_from(&self, element: Element, among: &[Image], film: &TearingFilm<'_>) -> BTreeMap<Node, [f64; 2]> {
         let mut places = BTreeMap::new();
         let mut left: Vec<Image> = among.to_vec();
         let mut from = vec![(element, 0)];
         while !from.is_empty() {
             for image in &from {
-                let own = corners(&self.image(*image, state).gradients);
+                let own = corners(&self.image(*image, film).gradients);
                 let known: Vec<[f64; 2]> = self
                     .nodes_of(*image)
                     .zip(own)
@@ -120,8 +109,8 @@ impl Tips {
     }
 
     /// Mean state of an element or an image of one.
-    fn image(&self, (element, beyond): Image, state: &impl Fn(Element) -> MeanState) -> MeanState {
-        let mut state = state(element);
+    fn image(&self, (element, beyond): Image, film: &TearingFilm<'_>) -> MeanState {
+        let mut state = film.state(element);
         for axis in (0..2).filter(|axis| beyond & (1 << axis) != 0) {
             state = state.mirrored(self.normals[axis], axis);
         }

