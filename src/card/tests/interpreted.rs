@@ -8,7 +8,7 @@ use droptower_card as card;
 use card::{Film, Loss, Refusal, Request, System, Target};
 use membrane::material::{
     CowperSymonds, Curve, Elastic, Fabric, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic, HyperelasticLaw,
-    Law, Material, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, RateCurves, Viscosity, Voce,
+    Law, Material, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, RateCurves, Thermal, Viscosity, Voce,
 };
 
 fn film_of(law: Law) -> Material {
@@ -366,4 +366,25 @@ fn a_target_without_the_law_refuses_it() {
     }
     let table = FlowCurve::new(&[[0.0, 1e7], [0.5, 2e7]]).unwrap();
     assert_eq!(table.initial(), 1e7);
+}
+
+/// No solver's card has the heat of what film absorbs, whatever the law: each says so.
+#[test]
+fn cards_say_that_heat_is_lost() {
+    let viscous = Viscosity::new(vec![PronyTerm { share: 0.3, time: 0.01 }]).unwrap();
+    let rubber = Material { viscosity: Some(viscous), ..polynomial(Polynomial::neo_hookean(4e5)) };
+    for cold in [fabric(0.4), plastic(Hill::from_strain_ratios([1.0; 3]), FlowRate::Independent), rubber] {
+        let film = Material { thermal: Some(Thermal { capacity: 2e6, softening: 8e-3 }), ..cold };
+        let mut cards = 0;
+        for target in Target::ALL {
+            let origin = [];
+            let film = Film { name: "LLDPE", material: &film, origin: &origin };
+            // Not every target has every law.
+            if let Ok(card) = card::write(&film, &Request::new(target, System::TMmS)) {
+                assert!(card.losses.contains(&Loss::Heating), "{target:?}: {:?}", card.losses);
+                cards += 1;
+            }
+        }
+        assert!(cards >= 2, "{cards} cards");
+    }
 }
