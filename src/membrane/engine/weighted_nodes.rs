@@ -9,25 +9,58 @@ use super::nodes::{Nodes, Vectors};
 pub(super) struct WeightedNodes {
     pub(super) nodes: [u32; 4],
     pub(super) weights: [f64; 4],
-    /// Velocity of each node per impulse on the sum, 1/kg: weight over mass, zero along held directions.
-    response: [Vector3<f64>; 4],
+    /// Velocity of each node per impulse on the sum along a free direction, 1/kg: weight over mass, zero where all are held.
+    response: [f64; 4],
+    /// Axes along which a node is held, three bits a node.
+    held: u16,
     /// How many of them count: those behind have the weight zero.
-    count: usize,
+    count: u8,
 }
 
 impl WeightedNodes {
     /// `of` some nodes, with `weights`.
     #[inline]
     pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
-        let mut response = [Vector3::zeros(); 4];
-        let mut count = 0;
+        let mut response = [0.0; 4];
+        let (mut held, mut count) = (0, 0);
         for k in 0..4 {
-            response[k] = Vector3::from(nodes.effective_inverse_mass().value_at(of[k] as usize)) * weights[k];
+            let [x, y, z] = nodes.effective_inverse_mass().value_at(of[k] as usize);
+            response[k] = x.max(y).max(z) * weights[k];
+            held |= held_axes([x, y, z]) << (3 * k);
             if weights[k] != 0.0 {
-                count = k + 1;
+                count = k as u8 + 1;
             }
         }
-        WeightedNodes { nodes: of, weights, response, count }
+        WeightedNodes { nodes: of, weights, response, held, count }
+    }
+
+    /// One node.
+    #[inline]
+    pub(super) fn of_node(node: u32, nodes: &Nodes) -> WeightedNodes {
+        let [x, y, z] = nodes.effective_inverse_mass().value_at(node as usize);
+        WeightedNodes {
+            nodes: [node; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            response: [x.max(y).max(z), 0.0, 0.0, 0.0],
+            held: held_axes([x, y, z]),
+            count: 1,
+        }
+    }
+
+    /// Velocity of a node per impulse on the sum along each axis, 1/kg.
+    #[inline(always)]
+    fn response(&self, k: usize) -> [f64; 3] {
+        let held = self.held >> (3 * k);
+        let mut along = [self.response[k]; 3];
+        // Seldom any: film is held at the frame and on mirror planes.
+        if held & 0b111 != 0 {
+            for axis in 0..3 {
+                if held >> axis & 1 != 0 {
+                    along[axis] = 0.0;
+                }
+            }
+        }
+        along
     }
 
     /// The sum of what the nodes have: of their velocities, that of the point, m/s.
@@ -36,7 +69,7 @@ impl WeightedNodes {
         // Loops, not iterators: sums of vectors and maps of arrays are generic functions of other crates, each a call
         // in a build without optimisation across units.
         let mut sum = [0.0; 3];
-        for k in 0..self.count {
+        for k in 0..usize::from(self.count) {
             let value = of.value_at(self.nodes[k] as usize);
             for axis in 0..3 {
                 sum[axis] += value[axis] * self.weights[k];
@@ -49,9 +82,9 @@ impl WeightedNodes {
     /// positions.
     #[inline(always)]
     pub(super) fn apply(&self, impulse: &Vector3<f64>, to: &mut Vectors) {
-        for k in 0..self.count {
-            let response = &self.response[k];
-            to.add(self.nodes[k] as usize, [response.x * impulse.x, response.y * impulse.y, response.z * impulse.z]);
+        for k in 0..usize::from(self.count) {
+            let [x, y, z] = self.response(k);
+            to.add(self.nodes[k] as usize, [x * impulse.x, y * impulse.y, z * impulse.z]);
         }
     }
 
@@ -60,7 +93,7 @@ impl WeightedNodes {
     pub(super) fn inverse_mass(&self) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for k in 0..4 {
-            sum += self.response[k] * self.weights[k];
+            sum += Vector3::from(self.response(k)) * self.weights[k];
         }
         sum
     }
@@ -69,14 +102,18 @@ impl WeightedNodes {
     /// all of them has no part in it.
     #[inline]
     pub(super) fn inverse_free_mass(&self) -> f64 {
-        let free = |k: usize| {
-            // The response of its free direction, as if all were free; zero only where none is.
-            let response = &self.response[k];
-            let largest = response.x.abs().max(response.y.abs()).max(response.z.abs());
-            self.weights[k] * largest.copysign(self.weights[k])
-        };
-        (0..4).map(free).sum()
+        let mut sum = 0.0;
+        for k in 0..4 {
+            sum += self.response[k] * self.weights[k];
+        }
+        sum
     }
+}
+
+/// The axes along which a node with this velocity per impulse is held, a bit each.
+#[inline(always)]
+fn held_axes([x, y, z]: [f64; 3]) -> u16 {
+    u16::from(x == 0.0) | u16::from(y == 0.0) << 1 | u16::from(z == 0.0) << 2
 }
 
 /// The tangential impulse within Coulomb's cone: `sticking` (N s), which would stop the slip, or what of it is within

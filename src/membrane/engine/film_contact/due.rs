@@ -9,7 +9,7 @@
 use super::FilmContact;
 use super::constraint::Source;
 use crate::engine::nodes::Vectors;
-use crate::lane::{LANES, Lane, at_width, larger, smaller, splat};
+use crate::lane::{LANES, Lane, Width, at_width, larger, smaller, splat};
 
 /// Pairs of which the soonest that is due is found at once.
 const BLOCK: usize = 64;
@@ -44,19 +44,21 @@ fn list_lanewise(due: &[f64], path: f64, first: usize, to: &mut Vec<u32>) {
         if soonest.iter().all(|soonest| *soonest > path) {
             continue;
         }
+        // Without a branch on each: which of a block are due follows no pattern.
+        let (mut places, mut count) = ([0; BLOCK], 0);
         for (place, due) in due.iter().enumerate() {
-            if *due <= path {
-                to.push((first + block * BLOCK + place) as u32);
-            }
+            places[count] = (first + block * BLOCK + place) as u32;
+            count += usize::from(*due <= path);
         }
+        to.extend_from_slice(&places[..count]);
     }
 }
 
 impl FilmContact {
     /// Largest motion of a node since the last detection, m.
-    pub(super) fn motion(&self, position: &Vectors) -> f64 {
+    pub(super) fn motion(&self, position: &Vectors, width: Width) -> f64 {
         // Before the first one everything is due.
-        if self.detected.is_empty() { 0.0 } else { largest_motion(&self.detected, position) }
+        if self.detected.is_empty() { 0.0 } else { largest_motion(width, &self.detected, position) }
     }
 
     /// Notes the positions of a detection, since the last of which nodes have moved by at most `motion` (m).
@@ -89,8 +91,13 @@ impl FilmContact {
     }
 }
 
-/// Largest distance between the positions of a node, m.
-fn largest_motion(before: &Vectors, after: &Vectors) -> f64 {
+at_width! {
+    /// Largest distance between the positions of a node, m.
+    fn largest_motion[](before: &Vectors, after: &Vectors) -> f64 = largest_motion_lanewise, up to AVX2
+}
+
+#[inline(always)]
+fn largest_motion_lanewise(before: &Vectors, after: &Vectors) -> f64 {
     let ([x, y, z], [u, v, w]) = (before.axes(), after.axes());
     let mut largest: Lane = splat(0.0);
     let squared = |n: usize| {
@@ -109,7 +116,6 @@ fn largest_motion(before: &Vectors, after: &Vectors) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::Width;
 
     #[test]
     fn what_is_due_is_listed_in_order_whatever_the_length_and_the_instructions() {

@@ -317,7 +317,8 @@ impl FilmContact {
     /// than allowed.
     #[cfg(test)]
     pub(super) fn count_spared(&self, position: &Vectors) -> [usize; 2] {
-        let path = self.path + 2.0 * self.motion(position);
+        use crate::lane::Width;
+        let path = self.path + 2.0 * self.motion(position, Width::best());
         let is_spared = |due: f64| due.is_finite() && due > path;
         let [mut all, mut close] = [0; 2];
         for tracking in &self.tracking {
@@ -330,8 +331,7 @@ impl FilmContact {
         let spared = self.crossings.places().filter(|place| is_spared(self.crossings.due[*place]));
         let places: Vec<u32> = spared.map(|place| place as u32).collect();
         let mut found = FoundCrossings::default();
-        let width = crate::lane::Width::best();
-        close_crossings(width, &self.crossings, position, &places, [0.0; 2], &mut vec![], &mut found);
+        close_crossings(Width::best(), &self.crossings, position, &places, [0.0; 2], &mut vec![], &mut found);
         [all + places.len(), close + found.close.len()]
     }
 }

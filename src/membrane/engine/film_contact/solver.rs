@@ -61,7 +61,7 @@ impl FilmContact {
         }
         self.has_begun = true;
         self.sweeps.restart();
-        self.add_path(&nodes.position, self.motion(&nodes.position));
+        self.add_path(&nodes.position, self.motion(&nodes.position, pool.width()));
         self.detected_within = (MARGIN * self.pushed).min(self.largest_margin());
         self.pushed = 0.0;
         // Whatever had an impulse must be found, however far `predict` has moved it apart by that impulse.
@@ -140,7 +140,7 @@ impl FilmContact {
     /// detection allows for, adds what has come too close, and returns true.
     pub(in crate::engine) fn extend(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
         self.constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
-        let motion = self.motion(&nodes.position);
+        let motion = self.motion(&nodes.position, pool.width());
         self.pushed = self.pushed.max(motion);
         // Both films may have moved by that.
         if motion <= self.detected_within {
