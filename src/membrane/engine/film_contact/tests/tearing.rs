@@ -69,11 +69,11 @@ fn two_faces_that_tear_take_their_energy() {
     check([true, true], 0.8, 0);
 }
 
-/// A known limit: with the whole step, torn edges of two faces that meet edge to edge pass each other, of which the run
-/// knows only that contact was lost.
+/// A known limit: with some steps, torn edges of two faces that meet edge to edge pass each other, of which the run knows
+/// only that contact was lost. With which ones depends on round-off.
 #[test]
 fn torn_edges_that_pass_each_other_are_reported_as_lost() {
-    let (most, lost) = crossed(1.0);
+    let (most, lost) = crossed(0.6);
     assert!((1..=12).contains(&most) && lost > 0, "{most} {lost}");
 }
 
