@@ -44,8 +44,8 @@ pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use rupture::{Criterion, Limit, Rupture};
 pub(crate) use rupture::{Densities, Tear};
 pub use tension_field::TensionField;
-pub(crate) use thermal::Heat;
 pub use thermal::Thermal;
+pub(crate) use thermal::{HEAT_VARIABLES, Heat};
 pub use viscous::{
     Arrhenius, GAS_CONSTANT, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousLaw, ViscousStep, Wlf, Written,
 };
