@@ -9,7 +9,7 @@ use super::tower::{channel, measured, run, written};
 
 /// Half the span from crest to crest, width, thickness, m.
 const HALF_SPAN: f64 = 0.05;
-const WIDTH: f64 = 2.5e-3;
+const WIDTH: f64 = 1.25e-3;
 const SHEET: f64 = 50e-6;
 /// Radii of bars and body, m.
 const BAR: f64 = 0.01;
