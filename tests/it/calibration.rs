@@ -83,8 +83,11 @@ fn a_calibration_stops_with_its_study() {
 
 fn numbers(text: &str) -> Vec<f64> {
     let (found, _) = run(text).unwrap_or_else(|error| panic!("{text}: {error}"));
-    let list = found.into_array().expect("a list");
-    list.into_iter().map(|item| item.as_float().expect("a number")).collect()
+    floats(found)
+}
+
+fn floats(list: Dynamic) -> Vec<f64> {
+    list.into_array().expect("a list").into_iter().map(|item| item.as_float().expect("a number")).collect()
 }
 
 /// The force is proportional to the thickness, so that with noise of a share s of the signal and n bins the relative standard
@@ -133,11 +136,11 @@ fn tests_share_parameters_and_have_their_own() {
             },
         });
         [found.x["thickness of md"], found.x["thickness of td"], found.x.ky, found.tests.len() * 1.0, found.test("td").model.thickness[0] * 1e6]"#;
-    let found = numbers(text);
+    let (found, output) = run(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let found = floats(found);
     for (value, expected) in found.iter().zip([13.0, 11.0, 1.2, 3.0, 11.0]) {
         assert!((value / expected - 1.0).abs() < 0.02, "{found:?}");
     }
-    let (_, output) = run(text).unwrap();
     let tables: Vec<&str> = output.tables.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(tables, ["both_parameters", "both_tests"]);
 }

@@ -167,7 +167,7 @@ fn a_killed_search_resumes_with_the_same_bits_and_repeats_no_trial() {
 
 #[test]
 fn known_multipliers_are_found_from_the_signals_of_a_run() {
-    let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
+    let (bench, scenario) = (Bench::new("50 mm"), shipped("scenarios/drop/1008.toml"));
     let script = shipped("scripts/identify.rhai");
     let arguments = bench.over_the_recording(&script, &scenario, &["--json"]);
     let output = bench.droptower(&arguments);
@@ -271,7 +271,7 @@ fn a_run_within_an_objective_ends_with_the_window_and_has_the_same_errors() {
 /// The fit history of a search has the simulated samples from the start to the best, on any number of threads.
 #[test]
 fn the_fit_history_of_a_search_approaches_the_reference() {
-    let bench = Bench::new("40 mm");
+    let bench = Bench::new("50 mm");
     let text = script(
         r#"
         let scaled = |x| test.with(#{ "specimen.material.fabric.scale.ke": x[0] }).simulate();

@@ -16,15 +16,7 @@ use proptest::prelude::*;
 const DIGITS: f64 = 2e-6;
 
 fn material(law: Law) -> Material {
-    Material {
-        density: 915.0,
-        thickness: 12e-6,
-        law,
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        measured_rates: None,
-    }
+    Material::new(law, 915.0, 12e-6)
 }
 
 fn fabric() -> Material {

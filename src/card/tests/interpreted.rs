@@ -12,15 +12,7 @@ use membrane::material::{
 };
 
 fn film_of(law: Law) -> Material {
-    Material {
-        density: 915.0,
-        thickness: 12e-6,
-        law,
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        measured_rates: None,
-    }
+    Material::new(law, 915.0, 12e-6)
 }
 
 fn lldpe() -> (Curve, Curve, Curve) {

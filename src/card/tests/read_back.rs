@@ -13,15 +13,7 @@ use membrane::material::{
 const DIGITS: f64 = 2e-6;
 
 fn film_of(law: Law) -> Material {
-    Material {
-        density: 917.3456789,
-        thickness: 12e-6,
-        law,
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        measured_rates: None,
-    }
+    Material::new(law, 917.3456789, 12e-6)
 }
 
 fn curve(points: &[[f64; 2]]) -> Curve {

@@ -14,17 +14,7 @@ use crate::material::{Elastic, Law};
 const GRAVITY: f64 = 9.81;
 
 fn section(young: f64, poisson: f64, thickness: f64, density: f64) -> Section {
-    Section {
-        law: Law::Elastic(Elastic { young, poisson }),
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        density,
-        thickness,
-        md_angle: 0.0,
-        prestrain: [0.0; 2],
-        full_integration: false,
-    }
+    Section::new(Law::Elastic(Elastic { young, poisson }), density, thickness)
 }
 
 /// Film of `mesh`, built in at the edges whose nodes are `held`, at rest under `gravity` (m/s²) from where `start` puts its

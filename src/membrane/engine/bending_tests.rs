@@ -54,17 +54,7 @@ pub(super) fn rectangle(kind: Kind, [x, y]: [f64; 2], [nx, ny]: [u32; 2], irregu
 }
 
 fn section() -> Section {
-    Section {
-        law: Law::Elastic(Elastic { young: YOUNG, poisson: POISSON }),
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        density: 900.0,
-        thickness: THICKNESS,
-        md_angle: 0.0,
-        prestrain: [0.0; 2],
-        full_integration: false,
-    }
+    Section::new(Law::Elastic(Elastic { young: YOUNG, poisson: POISSON }), 900.0, THICKNESS)
 }
 
 /// Edges between successive nodes of the mesh for which `wanted`.

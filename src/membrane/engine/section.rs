@@ -24,3 +24,20 @@ pub struct Section {
     /// Whether quadrilaterals have 2×2 integration points instead of one with hourglass control.
     pub full_integration: bool,
 }
+
+impl Section {
+    /// Film without pre-strain, MD along x, of a law that does nothing besides it; one integration point an element.
+    pub fn new(law: Law, density: f64, thickness: f64) -> Section {
+        Section {
+            law,
+            viscosity: None,
+            rupture: None,
+            thermal: None,
+            density,
+            thickness,
+            md_angle: 0.0,
+            prestrain: [0.0; 2],
+            full_integration: false,
+        }
+    }
+}

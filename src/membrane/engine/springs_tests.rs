@@ -30,17 +30,7 @@ fn engine(preload: f64, damping: f64, velocity: impl Fn(f64) -> Vector3<f64>) ->
     let places = (0..=ELEMENTS).flat_map(|n| [at(n, -0.5 * WIDTH), at(n, 0.5 * WIDTH)]).collect();
     let quads = (0..ELEMENTS).map(|n| [2 * n, 2 * n + 2, 2 * n + 3, 2 * n + 1]).collect();
     let mesh = Mesh { nodes: places, quads, ..Mesh::default() };
-    let section = Section {
-        law: Law::Elastic(Elastic { young: 1e9, poisson: 0.3 }),
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        density: DENSITY,
-        thickness: THICKNESS,
-        md_angle: 0.0,
-        prestrain: [0.0; 2],
-        full_integration: false,
-    };
+    let section = Section::new(Law::Elastic(Elastic { young: 1e9, poisson: 0.3 }), DENSITY, THICKNESS);
     let mut nodes = Nodes::default();
     let film = Film::mount(&mesh, &section, 0.0, &mut nodes).expect("a film");
     (0..nodes.mass.len()).for_each(|n| nodes.velocity.set(n, velocity(nodes.position_of(n).x).into()));

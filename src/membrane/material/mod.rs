@@ -44,8 +44,8 @@ pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use rupture::{Criterion, Limit, Rupture};
 pub(crate) use rupture::{Densities, Tear};
 pub use tension_field::TensionField;
-pub(crate) use thermal::Heat;
 pub use thermal::Thermal;
+pub(crate) use thermal::{HEAT_VARIABLES, Heat};
 pub use viscous::{
     Arrhenius, GAS_CONSTANT, PronyTerm, ShiftFactor, Viscosity, ViscosityError, ViscousLaw, ViscousStep, Wlf, Written,
 };
@@ -379,6 +379,12 @@ pub struct Material {
 }
 
 impl Material {
+    /// Film of a law that does nothing besides it: neither viscous nor warming up, without a rupture criterion of its own.
+    pub fn new(law: Law, density: f64, thickness: f64) -> Material {
+        let measured_rates = law.rates();
+        Material { density, thickness, law, viscosity: None, rupture: None, thermal: None, measured_rates }
+    }
+
     /// Strains along MD and TD at which film that is strained slowly breaks or starts to tear; infinite where these do
     /// not follow from strains.
     pub fn break_strains(&self) -> [f64; 2] {

@@ -44,10 +44,10 @@ impl Thermal {
     }
 }
 
-impl<const L: usize> Heat<L> {
-    /// Number of its variables.
-    pub(crate) const VARIABLES: usize = 6;
+/// Number of variables of [`Heat`].
+pub(crate) const HEAT_VARIABLES: usize = 6;
 
+impl<const L: usize> Heat<L> {
     /// Virgin film.
     pub(crate) const NONE: Heat<L> = Heat {
         share: splat(1.0),
@@ -59,13 +59,13 @@ impl<const L: usize> Heat<L> {
     };
 
     /// Its variables, always in the same order.
-    pub(crate) fn variables(&self) -> [&Lane<L>; 6] {
+    pub(crate) fn variables(&self) -> [&Lane<L>; HEAT_VARIABLES] {
         let Heat { share, next, absorbed, mounted, law_stored, law_absorbed } = self;
         [share, next, absorbed, mounted, law_stored, law_absorbed]
     }
 
     /// Its variables, in the order of [`Heat::variables`], to be restored.
-    pub(crate) fn variables_mut(&mut self) -> [&mut Lane<L>; 6] {
+    pub(crate) fn variables_mut(&mut self) -> [&mut Lane<L>; HEAT_VARIABLES] {
         let Heat { share, next, absorbed, mounted, law_stored, law_absorbed } = self;
         [share, next, absorbed, mounted, law_stored, law_absorbed]
     }

@@ -17,7 +17,9 @@ pub(super) fn check(written: &scenario::Material, path: &str, mistakes: &mut Mod
         mistakes.report_with(&place, message, hint);
         return None;
     }
-    if written.fabric.as_ref().is_some_and(|fabric| fabric.md.rates.is_some() || fabric.td.rates.is_some()) {
+    let fabric_by_rate = written.fabric.as_ref().is_some_and(|f| f.md.rates.is_some() || f.td.rates.is_some());
+    let plastic_by_rate = written.plastic.as_ref().is_some_and(|plastic| plastic.hardening.rates.is_some());
+    if fabric_by_rate || plastic_by_rate {
         let message =
             "film with curves by strain rate cannot also warm up: those of high rates have their heat in them";
         mistakes.report_with(&place, message, "leave `thermal` out, or give the slowest curve alone");

@@ -20,15 +20,7 @@ const PULSE: f64 = 0.09;
 const SPEED: f64 = 6.0;
 
 pub(super) fn model() -> Model {
-    let material = Material {
-        density: 915.0,
-        thickness: 12e-6,
-        law: Law::Elastic(Elastic { young: 50e6, poisson: 0.44 }),
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        measured_rates: None,
-    };
+    let material = Material::new(Law::Elastic(Elastic { young: 50e6, poisson: 0.44 }), 915.0, 12e-6);
     let face = Face {
         height: 0.0,
         layers: 8,

@@ -22,15 +22,7 @@ fn film(absorption: f64) -> Material {
     let td = curve([[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]);
     let shear = curve([[0.27, 4.7e6], [0.8, 8.7e6], [1.4, 9.5e6]]);
     let law = Law::Fabric(Fabric::new(md, td, shear, absorption));
-    Material {
-        density: DENSITY,
-        thickness: THICKNESS,
-        law,
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        measured_rates: None,
-    }
+    Material::new(law, DENSITY, THICKNESS)
 }
 
 /// One element with an edge across `fibre`, and opposite to it another, or the tip of a triangle.

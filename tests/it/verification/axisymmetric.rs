@@ -46,7 +46,7 @@ const STEPS: usize = 400;
 impl Sheet {
     /// Second Piola–Kirchhoff stress along a direction of stretch `own` beside the other, and its slope by `own`, Pa.
     fn second(&self, own: f64, other: f64) -> [f64; 2] {
-        let [e, across] = [own, other].map(|stretch| 0.5 * (stretch * stretch - 1.0));
+        let (e, across) = (0.5 * (own * own - 1.0), 0.5 * (other * other - 1.0));
         let plane = self.young / (1.0 - self.poisson * self.poisson);
         let [least, most] = [e.min(across), e.max(across)];
         if self.wrinkling && least + self.poisson * most < 0.0 {
@@ -276,19 +276,29 @@ impl Shape {
     }
 }
 
-/// One step of the classical method of fourth order.
+/// One step of the classical method of fourth order. Loops are inlined, `map` and `from_fn` are not (docs/performance.md).
 fn runge_kutta<const N: usize>(
     slope: &impl Fn(f64, [f64; N]) -> [f64; N],
     at: f64,
     y: [f64; N],
     step: f64,
 ) -> [f64; N] {
-    let moved = |by: f64, k: &[f64; N]| -> [f64; N] { std::array::from_fn(|i| y[i] + by * step * k[i]) };
+    let moved = |by: f64, k: &[f64; N]| {
+        let mut moved = y;
+        for i in 0..N {
+            moved[i] += by * step * k[i];
+        }
+        moved
+    };
     let a = slope(at, y);
     let b = slope(at + 0.5 * step, moved(0.5, &a));
     let c = slope(at + 0.5 * step, moved(0.5, &b));
     let d = slope(at + step, moved(1.0, &c));
-    std::array::from_fn(|i| y[i] + step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
+    let mut next = y;
+    for i in 0..N {
+        next[i] += step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+    }
+    next
 }
 
 /// Where `f` is below `small` in all components, by Newton's method with differences, from `x`.

@@ -9,7 +9,7 @@ use super::tower::{channel, measured, run, written};
 
 /// Half the span from crest to crest, width, thickness, m.
 const HALF_SPAN: f64 = 0.05;
-const WIDTH: f64 = 2.5e-3;
+const WIDTH: f64 = 1.25e-3;
 const SHEET: f64 = 50e-6;
 /// Radii of bars and body, m.
 const BAR: f64 = 0.01;
@@ -145,7 +145,7 @@ fn friction_on_a_bar_is_that_of_a_capstan() {
 #[test]
 fn a_clamp_slips_at_its_force_of_friction() {
     let mut claims = Claims::of("frame, clamp");
-    let (force, friction) = (3.0, 0.25);
+    let (force, friction) = (1.5, 0.25);
     let bound = friction * force;
     let clamp = format!("frame.clamp = {{ force = {force}, friction = {friction} }}");
     for bars in ["", "frame.bars = { radius = 0.01, friction = 0.0 }"] {

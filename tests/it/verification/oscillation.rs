@@ -63,15 +63,7 @@ impl Film {
     /// the height of the mode.
     fn deflected(self, element: Element, edge: f64, mode: [u32; 2], damping: f64) -> (Engine, Vec<f64>) {
         let law = Law::Elastic(Elastic { young: YOUNG, poisson: self.poisson() });
-        let material = Material {
-            density: DENSITY,
-            thickness: 12e-6,
-            law,
-            viscosity: None,
-            rupture: None,
-            thermal: None,
-            measured_rates: None,
-        };
+        let material = Material::new(law, DENSITY, 12e-6);
         let meshing = Meshing { element, size: edge, grading: None };
         let across = match self {
             Film::Strip => 0.0,

@@ -260,20 +260,9 @@ fn aluminium_goes_from_its_recordings_to_a_simulated_coupon() {
                 format!("{form}, {} along {}, largest difference over its strength", coupon.name, coupon.direction);
             claims.at_most(&what, coupon.largest / coupon.strength, scatter);
         }
-        let material = Material {
-            density: 2700.0,
-            thickness: 1e-3,
-            law: Law::Plastic(Plastic::new(
-                Elastic { young: fit.young, poisson: 0.33 },
-                fit.hill(),
-                fit.hardening.clone(),
-                FlowRate::Independent,
-            )),
-            measured_rates: None,
-            viscosity: None,
-            rupture: None,
-            thermal: None,
-        };
+        let elastic = Elastic { young: fit.young, poisson: 0.33 };
+        let law = Law::Plastic(Plastic::new(elastic, fit.hill(), fit.hardening.clone(), FlowRate::Independent));
+        let material = Material::new(law, 2700.0, 1e-3);
         for direction in [PlasticDirection::Md, PlasticDirection::Td] {
             let mut model = single(&format!("\"{direction}\""), KEYS);
             model.faces[0].material = material.clone();

@@ -1,7 +1,7 @@
 //! Hyperelastic film: single elements by their closed forms, and discs and balloons that gas inflates beyond the
 //! largest pressure that they carry.
 
-use droptower::engine::{Engine, Filling, Film, Loads, Nodes};
+use droptower::engine::{Engine, Filling, Film, Loads, Nodes, Section};
 use droptower::material::{Hyperelastic, HyperelasticLaw, Material, Ogden, Polynomial};
 use droptower::mesh::{Element, Mesh};
 use droptower::simulate::{self, Outcome};
@@ -293,16 +293,10 @@ fn a_balloon_has_the_pressure_of_the_sphere() {
     let material = Material { thickness: THICK, density: 1e3, ..sheet::hyperelastic(law) };
     for kind in [Element::Quad4, Element::Quad4Full] {
         let mut nodes = Nodes::default();
-        let section = droptower::engine::Section {
-            law: material.law.clone(),
-            viscosity: None,
-            rupture: None,
-            thermal: None,
-            density: material.density,
-            thickness: THICK,
+        let section = Section {
             md_angle: 0.2,
-            prestrain: [0.0; 2],
             full_integration: kind == Element::Quad4Full,
+            ..Section::new(material.law.clone(), material.density, THICK)
         };
         let film = Film::mount(&mesh, &section, 0.0, &mut nodes).expect("a film");
         for axis in 0..3 {

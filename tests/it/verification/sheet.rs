@@ -104,15 +104,7 @@ pub fn face(material: Material, element: Element, prestrain: [f64; 2]) -> Face {
 /// St. Venant–Kirchhoff film of LLDPE's density and thickness.
 pub fn elastic(young: f64, poisson: f64) -> Material {
     let law = Law::Elastic(Elastic { young, poisson });
-    Material {
-        density: DENSITY,
-        thickness: THICKNESS,
-        law,
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        measured_rates: None,
-    }
+    Material::new(law, DENSITY, THICKNESS)
 }
 
 /// The same without compression.

@@ -128,8 +128,7 @@ fn film_that_catches_a_mass_absorbs_by_its_loss_modulus() {
     ] {
         let law = Law::Elastic(Elastic { young: YOUNG, poisson: 0.0 });
         let viscosity = Some(series(&terms));
-        let material =
-            Material { density: 1.0, thickness, law, viscosity, rupture: None, thermal: None, measured_rates: None };
+        let material = Material { viscosity, ..Material::new(law, 1.0, thickness) };
         let face = sheet::face(material, Element::Quad4, [0.0; 2]);
         let mesh = sheet::sheet([1, 1], Element::Quad4, 0.0, |[u, v]| [length * u, width * v]);
         let (film, light) = mounted(&mesh, &face);

@@ -147,15 +147,8 @@ impl Drop {
 
     fn engine(&self) -> Engine {
         let section = Section {
-            law: Law::Elastic(Elastic { young: 2e8, poisson: 0.3 }),
-            viscosity: None,
-            rupture: None,
-            thermal: None,
-            density: 1000.0,
-            thickness: THICKNESS,
-            md_angle: 0.0,
             prestrain: [0.01; 2],
-            full_integration: false,
+            ..Section::new(Law::Elastic(Elastic { young: 2e8, poisson: 0.3 }), 1000.0, THICKNESS)
         };
         let mut nodes = Nodes::default();
         let mesh = square(self.cells, self.triangles);

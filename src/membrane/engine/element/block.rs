@@ -7,7 +7,7 @@ use super::tearing::Tearing;
 use super::viscous::{MovedBlock, ViscousBlock, ViscousPoints};
 use crate::lane::{LANES, Lane, Lane3, splat};
 use crate::material::{
-    Deformation, Densities, Energy, Heat, History, MembraneLaw, Rupture, Stiffness, Stresses, Tear, Thermal,
+    Deformation, Densities, Energy, HEAT_VARIABLES, History, MembraneLaw, Rupture, Stiffness, Stresses, Tear, Thermal,
     ViscousLaw, stresses,
 };
 
@@ -370,7 +370,7 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
             .blocks
             .first()
             .map_or(0, |block| block.history().map(|(history, _)| history.variables().count()).sum::<usize>());
-        let of_heat = self.heating.as_ref().map_or(0, |_| Heat::<L>::VARIABLES);
+        let of_heat = self.heating.as_ref().map_or(0, |_| HEAT_VARIABLES);
         let of_tear = self.tearing.as_ref().map_or(0, |_| Tear::VARIABLES);
         of_law + self.viscous.as_ref().map_or(0, ViscousPoints::per_block) + of_heat + of_tear
     }

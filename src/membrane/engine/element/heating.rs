@@ -1,7 +1,7 @@
 //! Heat of film that warms up by what it absorbs: its variables, beside the blocks (theory.md, section 31).
 
 use crate::lane::{Lane, lanes};
-use crate::material::{Heat, Thermal};
+use crate::material::{HEAT_VARIABLES, Heat, Thermal};
 
 /// Adiabatic heating of elements and its variables, block by block.
 #[derive(Clone, Debug)]
@@ -22,12 +22,12 @@ impl<const L: usize> Heating<L> {
     }
 
     /// Variables of one block.
-    pub(crate) fn of_block(&self, block: usize) -> [&Lane<L>; 6] {
+    pub(crate) fn of_block(&self, block: usize) -> [&Lane<L>; HEAT_VARIABLES] {
         self.blocks[block].variables()
     }
 
     /// Variables of one block, mutable.
-    pub(crate) fn of_block_mut(&mut self, block: usize) -> [&mut Lane<L>; 6] {
+    pub(crate) fn of_block_mut(&mut self, block: usize) -> [&mut Lane<L>; HEAT_VARIABLES] {
         self.blocks[block].variables_mut()
     }
 

@@ -316,17 +316,7 @@ mod tests {
         let quads = vec![[0, 1, 4, 3], [1, 2, 5, 4]];
         let mesh = Mesh { nodes: nodes.map(Point3::from).into(), quads, ..Mesh::default() };
         let law = Law::Elastic(Elastic { young: 1.0, poisson: 0.3 });
-        let section = Section {
-            law,
-            viscosity: None,
-            rupture: None,
-            thermal: None,
-            density: 1.0,
-            thickness: 1e-3,
-            md_angle: 0.0,
-            prestrain: [0.0; 2],
-            full_integration: false,
-        };
+        let section = Section::new(law, 1.0, 1e-3);
         let mut all = Nodes::default();
         let film = Film::mount(&mesh, &section, 0.0, &mut all).unwrap();
         (Surface::new(&[film]), all)

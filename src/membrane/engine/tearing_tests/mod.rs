@@ -23,21 +23,9 @@ const POISSON: f64 = 0.3;
 const THICKNESS: f64 = 1e-4;
 
 fn section() -> Section {
-    Section {
-        law: Law::Elastic(Elastic { young: YOUNG, poisson: POISSON }),
-        viscosity: None,
-        rupture: Some(Rupture {
-            criterion: Criterion::Strain,
-            limit: Limit::One(0.5),
-            fracture_energy: FRACTURE_ENERGY,
-        }),
-        thermal: None,
-        density: 1000.0,
-        thickness: THICKNESS,
-        md_angle: 0.0,
-        prestrain: [0.0; 2],
-        full_integration: false,
-    }
+    let law = Law::Elastic(Elastic { young: YOUNG, poisson: POISSON });
+    let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.5), fracture_energy: FRACTURE_ENERGY };
+    Section { rupture: Some(rupture), ..Section::new(law, 1000.0, THICKNESS) }
 }
 
 /// Cells × cells of `size` (m), whose nodes lie where `place` puts those of their rows and columns.

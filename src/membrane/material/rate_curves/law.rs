@@ -168,11 +168,11 @@ impl FibreLaw for RateCurves {
         let (mut from, mut to, mut most) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));
         for l in 0..L {
             let below = history.peak[l] - strain[l];
-            let bounds =
-                [absorption.steepening(), steepening[l]].map(|steepening| history.peak[l] - below * steepening);
+            let least = history.peak[l] - below * absorption.steepening();
+            let most_steep = history.peak[l] - below * steepening[l];
             // Either steepening may turn out to act: the range of the curve is that of both.
-            from[l] = smaller(bounds[0], bounds[1]) - reach * steepening[l];
-            to[l] = larger(bounds[0], bounds[1]) + reach * steepening[l];
+            from[l] = smaller(least, most_steep) - reach * steepening[l];
+            to[l] = larger(least, most_steep) + reach * steepening[l];
             most[l] = strain[l] + reach;
         }
         let mut slope = self.slowest.largest_slope(&from, &to);

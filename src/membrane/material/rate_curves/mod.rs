@@ -40,7 +40,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Curve;
-use crate::lane::{Lane, larger, ln, smaller};
+use crate::lane::{Lane, lanes, larger, ln, smaller};
 use interval::RateInterval;
 
 /// Curves of one fibre set by strain rate.
@@ -169,7 +169,7 @@ impl RateCurves {
     #[inline(always)]
     fn log_rate<const L: usize>(&self, slowness: &Lane<L>) -> Lane<L> {
         let [shortest, longest] = self.slowness;
-        slowness.map(|p| -ln(smaller(larger(p, shortest), longest)))
+        lanes(|l| -ln(smaller(larger(slowness[l], shortest), longest)))
     }
 
     /// The value `of` the curves, interpolated at `log_rate`; exactly that of one curve where all have the same.

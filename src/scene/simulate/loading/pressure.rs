@@ -95,15 +95,7 @@ mod tests {
     fn a_cap_estimates_the_stretch_of_an_inflated_disc() {
         let (young, thickness, radius, pressure) = (1e9, 50e-6, 0.1, 500.0);
         let law = Law::Elastic(Elastic { young, poisson: 0.3 });
-        let material = Material {
-            density: 1e3,
-            thickness,
-            law,
-            viscosity: None,
-            rupture: None,
-            thermal: None,
-            measured_rates: None,
-        };
+        let material = Material::new(law, 1e3, thickness);
         let meshing = Meshing { element: Element::Quad4, size: 0.01, grading: None };
         let face = Face {
             height: 0.0,

@@ -22,17 +22,7 @@ pub(super) fn grid(cells: [u32; 2], is_closed: bool, place: impl Fn(f64, f64) ->
 }
 
 pub(super) fn section(young: f64) -> Section {
-    Section {
-        law: Law::Elastic(Elastic { young, poisson: 0.3 }),
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        density: 1000.0,
-        thickness: THICKNESS,
-        md_angle: 0.0,
-        prestrain: [0.0; 2],
-        full_integration: false,
-    }
+    Section::new(Law::Elastic(Elastic { young, poisson: 0.3 }), 1000.0, THICKNESS)
 }
 
 /// Film that meets itself, mounted from `mesh` with a velocity (m/s) at every point.

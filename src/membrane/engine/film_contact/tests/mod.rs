@@ -52,15 +52,9 @@ impl Scene {
     /// Squares at heights (m) with velocities (m/s).
     fn with(self, films: &[(Mesh, f64, [f64; 3])]) -> Run {
         let section = |face: usize| Section {
-            law: Law::Elastic(Elastic { young: self.young, poisson: 0.3 }),
-            viscosity: None,
             rupture: self.rupture[face.min(self.rupture.len() - 1)].clone(),
-            thermal: None,
-            density: 1000.0,
-            thickness: THICKNESS,
-            md_angle: 0.0,
             prestrain: [self.prestrain; 2],
-            full_integration: false,
+            ..Section::new(Law::Elastic(Elastic { young: self.young, poisson: 0.3 }), 1000.0, THICKNESS)
         };
         let mut nodes = Nodes::default();
         let (mut mounted, mut offset) = (vec![], vec![]);
@@ -274,15 +268,8 @@ fn cloths_come_to_rest_on_a_ball_without_crossing() {
 #[test]
 fn contact_at_mirror_planes_stays_bounded() {
     let section = Section {
-        law: Law::Elastic(Elastic { young: 3e7, poisson: 0.3 }),
-        viscosity: None,
-        rupture: None,
-        thermal: None,
-        density: 915.0,
-        thickness: 288e-6,
-        md_angle: 0.0,
         prestrain: [0.1, 0.0],
-        full_integration: false,
+        ..Section::new(Law::Elastic(Elastic { young: 3e7, poisson: 0.3 }), 915.0, 288e-6)
     };
     let mut nodes = Nodes::default();
     let (mut films, mut offset) = (vec![], vec![]);
