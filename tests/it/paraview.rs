@@ -210,6 +210,7 @@ fn springs_are_lines_that_follow_the_film() {
     assert_eq!((film.len(), springs.len()), (5, 5));
     let first = points(&springs[0].1);
     let edges: Vec<_> = first.iter().skip(1).step_by(2).map(|end| edge_at(end, &points(&film[0].1))).collect();
+    let mut compared = 0;
     for ((time, film), (_, lines)) in film.iter().zip(&springs) {
         let cells = |name: &str| array(&lines.data.cell, name);
         assert_eq!(lines.cells.types, [CellType::Line; 80], "a quarter has 20, and three mirror images");
@@ -241,14 +242,14 @@ fn springs_are_lines_that_follow_the_film() {
             ("spring_force_N", force.iter().copied().fold(0.0, f64::max)),
             ("frame_force_N", downwards),
         ] {
-            let expected = value(name).expect("a value");
-            println!("{time} {name} {found} {expected}");
-            assert!(
-                (found - expected).abs() < 1e-3 * expected.abs() + 1e-3,
-                "{name}: {found} for {expected} at {time} s"
-            );
+            // The last state may be after the last sample.
+            let Some(expected) = value(name) else { continue };
+            compared += 1;
+            let apart = (found - expected).abs();
+            assert!(apart < 1e-4 * expected.abs() + 1e-5, "{name}: {found} for {expected} at {time} s");
         }
     }
+    assert!(compared >= 3 * 4, "{compared} figures");
     let moved = |state: usize| array(&springs[state].1.data.point, "displacement_m");
     assert!(moved(0).iter().all(|d| *d == 0.0));
     let (last, displacement) = (points(&springs[4].1), moved(4));
