@@ -116,7 +116,11 @@ impl Left {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use scene::model;
+    use scene::scenario::{Assignment, Document};
 
     /// A run of 0.1 s in steps of 1 us over 100 000 elements after so many steps.
     fn after(steps: u64) -> Progress {
@@ -146,6 +150,29 @@ mod tests {
         let left = update(2000, shrunk(20_001)).expect("10 000 000 000 steps are long");
         assert!(left.wall > 1e5, "{left:?}");
         assert!(update(3000, shrunk(30_001)).is_none(), "there is one forecast for it");
+    }
+
+    #[test]
+    fn springs_that_shorten_the_step_are_named_in_place_of_a_larger_mesh() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/trampoline/bed.toml");
+        let bed = Document::read(&path).expect("a scenario");
+        let message = |change: &str| {
+            let changes = ["specimen.mesh.size=200mm", change];
+            let changes = changes.map(|change| Assignment::from_argument(change).expect("a change"));
+            let model = model::check(&bed.with(&changes)).expect("a model");
+            Left { wall: 2.0 * COSTLY, per_element_step: 1.0, steps: 1.0, progress: after(1) }.message(&model, true)
+        };
+        let (springs, larger) = ("makes the step so short: without springs it is", "twice the specimen.mesh.size");
+        for (change, key) in [
+            ("frame.springs.damping=1 kN s/m", Some("damping")),
+            ("frame.springs.stiffness=30 MN/m", Some("stiffness")),
+            ("frame.springs.damping=5 N s/m", None),
+        ] {
+            let message = message(change);
+            assert_eq!(message.contains(larger), key.is_none(), "{message}");
+            let named = key.map(|key| format!("frame.springs.{key} {springs}"));
+            assert!(named.map_or(!message.contains(springs), |named| message.contains(&named)), "{message}");
+        }
     }
 
     #[test]

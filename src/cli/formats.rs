@@ -5,10 +5,10 @@ use clap::Args;
 /// What a run writes beside its usual files.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(super) struct Formats {
-    /// Also write the snapshots for ParaView: film.pvd, impactor.pvd and frame.pvd (the bars), with strain, stress and thickness
+    /// Also write the snapshots for ParaView: film.pvd, impactor.pvd, frame.pvd (the bars) and springs.pvd, with strain, stress and thickness
     #[arg(long)]
     pub vtu: bool,
-    /// Also write the snapshots for ParaView, all of them in one file: film.vtkhdf, impactor.vtkhdf and frame.vtkhdf
+    /// Also write the snapshots for ParaView, all of them in one file: film.vtkhdf, impactor.vtkhdf, frame.vtkhdf and springs.vtkhdf
     #[arg(long)]
     pub vtkhdf: bool,
     /// Also write every table as Apache Parquet, for pandas, Polars and R

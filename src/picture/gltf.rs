@@ -1,4 +1,4 @@
-//! Surfaces as binary glTF 2.0 (Khronos, ISO/IEC 12113), which slides, browsers and Blender show in 3-D.
+//! Surfaces and lines as binary glTF 2.0 (Khronos, ISO/IEC 12113), which slides, browsers and Blender show in 3-D.
 //!
 //! Our z points up, that of glTF y: (x, y, z) becomes (x, z, −y). Lengths are in m in both.
 
@@ -22,6 +22,17 @@ pub struct Surface {
     pub crease: f32,
 }
 
+/// Lines, each of two points; programs draw them one pixel wide and without light.
+#[derive(Clone, Debug)]
+pub struct Lines {
+    /// Their name in the file.
+    pub name: String,
+    /// Both ends of each, m, z up.
+    pub ends: Vec<[[f32; 3]; 2]>,
+    /// Colour, sRGB, from 0 to 255.
+    pub colour: [f32; 3],
+}
+
 /// How a surface looks; colours are sRGB, from 0 to 255.
 #[derive(Clone, Debug)]
 pub enum Look {
@@ -32,15 +43,17 @@ pub enum Look {
 }
 
 /// Constants of the format.
+const LINES: u32 = 1;
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// The surfaces with anything to show as a `.glb`; `notes` are kept in its `asset.extras`.
-pub fn binary(surfaces: &[Surface], notes: Map<String, Value>) -> Vec<u8> {
+/// The surfaces and lines with anything to show as a `.glb`; `notes` are kept in its `asset.extras`.
+pub fn binary(surfaces: &[Surface], lines: &[Lines], notes: Map<String, Value>) -> Vec<u8> {
     let mut file = File::default();
     surfaces.iter().for_each(|surface| file.add(surface));
+    lines.iter().for_each(|lines| file.add_lines(lines));
     file.finish(notes)
 }
 
@@ -91,9 +104,29 @@ impl File {
             |count| json!({ "componentType": UNSIGNED_INT, "type": "SCALAR", "count": count }),
         );
         let part = json!({ "attributes": attributes, "indices": indices, "material": self.materials.len() });
+        self.push(&surface.name, part, material);
+    }
+
+    fn add_lines(&mut self, lines: &Lines) {
+        let points: Vec<[f32; 3]> = lines.ends.iter().flatten().map(upright).collect();
+        if points.is_empty() {
+            return;
+        }
+        let [r, g, b] = lines.colour.map(linear);
+        let material = json!({
+            "name": lines.name,
+            "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0 },
+        });
+        let attributes = json!({ "POSITION": self.vectors(&points, true) });
+        let part = json!({ "attributes": attributes, "mode": LINES, "material": self.materials.len() });
+        self.push(&lines.name, part, material);
+    }
+
+    /// Adds a mesh of one part with a node and a material of its own.
+    fn push(&mut self, name: &str, part: Value, material: Value) {
         self.materials.push(material);
-        self.nodes.push(json!({ "name": surface.name, "mesh": self.meshes.len() }));
-        self.meshes.push(json!({ "name": surface.name, "primitives": [part] }));
+        self.nodes.push(json!({ "name": name, "mesh": self.meshes.len() }));
+        self.meshes.push(json!({ "name": name, "primitives": [part] }));
     }
 
     /// Vectors of three numbers; the number of their accessor.
@@ -177,7 +210,7 @@ struct Vertices {
 
 impl Vertices {
     fn from_surface(surface: &Surface) -> Vertices {
-        let points: Vec<[f32; 3]> = surface.points.iter().map(|[x, y, z]| [*x, *z, -*y]).collect();
+        let points: Vec<[f32; 3]> = surface.points.iter().map(upright).collect();
         let at = |point: u32| Vector3::from(points[point as usize]);
         // Their lengths are twice the areas. A triangle without one shows nothing.
         let with_normal = |corners: &[u32; 3]| {
@@ -210,6 +243,11 @@ impl Vertices {
         }
         vertices
     }
+}
+
+/// A point whose z points up with y upwards.
+fn upright([x, y, z]: &[f32; 3]) -> [f32; 3] {
+    [*x, *z, -*y]
 }
 
 /// A part of a colour in sRGB (0 to 255) as linear light (0 to 1), IEC 61966-2-1.
@@ -258,7 +296,7 @@ mod tests {
     #[test]
     fn a_surface_stands_upright_and_is_split_at_sharp_edges() {
         for (crease, vertices) in [(0.5, 7), (-1.0, 5)] {
-            let file = binary(&[folded(crease)], Map::new());
+            let file = binary(&[folded(crease)], &[], Map::new());
             let (json, bytes) = parts(&file);
             let attributes = &json["meshes"][0]["primitives"][0]["attributes"];
             let positions = floats(&json, bytes, &attributes["POSITION"]);
@@ -275,10 +313,27 @@ mod tests {
     }
 
     #[test]
+    fn lines_are_a_mesh_of_their_own_behind_the_surfaces() {
+        let lines =
+            Lines { name: "springs 1".into(), ends: vec![[[0.0, 2.0, 1.0], [0.0, 1.0, 1.5]]], colour: [255.0; 3] };
+        let alone = binary(&[folded(0.5)], &[], Map::new());
+        let file = binary(&[folded(0.5)], &[lines], Map::new());
+        let ((json, bytes), (without, of_surface)) = (parts(&file), parts(&alone));
+        assert!(bytes.starts_with(of_surface) && json["meshes"][0] == without["meshes"][0]);
+        assert_eq!(json["nodes"][1], json!({ "name": "springs 1", "mesh": 1 }));
+        let part = &json["meshes"][1]["primitives"][0];
+        assert_eq!((&part["mode"], &part["material"]), (&json!(LINES), &json!(1)));
+        let positions = floats(&json, bytes, &part["attributes"]["POSITION"]);
+        assert_eq!(positions, [0.0, 1.0, -2.0, 0.0, 1.5, -1.0]);
+        assert_eq!(json["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"], json!([1.0, 1.0, 1.0, 1.0]));
+    }
+
+    #[test]
     fn a_scene_without_anything_to_show_is_a_file_still() {
         let nothing = Surface { triangles: vec![[0, 0, 1]], ..folded(0.5) };
         let notes = Map::from_iter([("time_s".to_owned(), json!(0.057))]);
-        let file = binary(&[nothing], notes);
+        let none = Lines { name: "springs".into(), ends: vec![], colour: [0.0; 3] };
+        let file = binary(&[nothing], &[none], notes);
         let (json, bytes) = parts(&file);
         assert!(bytes.is_empty() && json.get("meshes").is_none());
         assert_eq!(json["asset"]["extras"]["time_s"], 0.057);

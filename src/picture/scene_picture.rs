@@ -45,7 +45,7 @@ pub(super) const CREASES: [f64; 2] = [0.5, 0.8];
 const LIGHT: Vector3<f64> = Vector3::new(0.35, 0.5, 0.79);
 
 /// Colour of the held edges of film and of its springs.
-const FRAME: [f32; 3] = [48.0, 54.0, 60.0];
+pub(super) const FRAME: [f32; 3] = [48.0, 54.0, 60.0];
 
 /// Drawn part of a film with planes of symmetry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

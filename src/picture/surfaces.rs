@@ -1,14 +1,14 @@
-//! The scene in one state as surfaces, for programs that show it in 3-D.
+//! The scene in one state as surfaces and lines, for programs that show it in 3-D.
 
 use std::collections::HashMap;
 
 use nalgebra::Isometry3;
 
-use super::scene_picture::{CREASES, ScenePicture, drawn, posed, poses};
-use crate::gltf::{Look, Surface};
+use super::scene_picture::{CREASES, FRAME, ScenePicture, drawn, posed, poses};
+use crate::gltf::{Lines, Look, Surface};
 use plot::viridis::viridis;
 use report::{SceneBody, SceneFace};
-use scene::simulate::FilmState;
+use scene::simulate::{FilmState, Image};
 
 /// Colour of impactors and bars, sRGB.
 const BODY: [f32; 3] = [150.0, 154.0, 162.0];
@@ -20,6 +20,21 @@ impl ScenePicture<'_> {
         let film = (1..).zip(faces).map(|(number, (face, film))| self.film(number, face, film));
         let bodies = self.scene.bodies.iter().zip(poses(self.state));
         film.chain((1..).zip(bodies).map(|(number, (part, pose))| body(number, part, &pose))).collect()
+    }
+
+    /// The springs of the frame, a set of lines a face.
+    pub fn lines(&self) -> Vec<Lines> {
+        let faces = self.scene.faces.iter().zip(&self.state.films);
+        (1..).zip(faces).map(|(number, (face, film))| self.springs(number, face, film)).collect()
+    }
+
+    fn springs(&self, number: usize, face: &SceneFace, film: &FilmState) -> Lines {
+        let is_finite = |ends: &[[f32; 3]; 2]| ends.iter().flatten().all(|c| c.is_finite());
+        let own: Vec<[[f32; 3]; 2]> = face.spring_lines(film).filter(is_finite).collect();
+        // Minus zero is zero.
+        let place = |image: Image, place: [f32; 3]| image.reflect(place).map(|c| c + 0.0);
+        let ends = self.images(face).flat_map(|image| own.iter().map(move |ends| ends.map(|end| place(image, end))));
+        Lines { name: format!("springs {number}"), ends: ends.collect(), colour: FRAME }
     }
 
     /// A face and its mirror images, which share the nodes on the planes between them.

@@ -1,5 +1,5 @@
 //! The snapshots of a run for ParaView 5.12 and later, all of them in one file a part: `film.vtkhdf`, `impactor.vtkhdf` and, of
-//! a frame with bars, `frame.vtkhdf`, in VTKHDF 2.2 (Kitware, *VTK File Formats*) as unstructured grids over time.
+//! a frame with bars, `frame.vtkhdf`, of one with springs, `springs.vtkhdf`, in VTKHDF 2.2 (Kitware, *VTK File Formats*) as unstructured grids over time.
 //!
 //! The arrays are those of the [series](super::vtu). What does not change from one state to the next, such as the mesh
 //! until an element fails, is written once.
@@ -22,6 +22,7 @@ const CHUNK: usize = 1 << 16;
 const VERSION: [i64; 2] = [2, 2];
 
 /// Kinds of cells in VTK.
+const LINE: u8 = 3;
 const TRIANGLE: u8 = 5;
 const QUAD: u8 = 9;
 
@@ -218,7 +219,11 @@ impl Meshes {
         for corners in cells {
             self.connectivity.extend(corners.iter().map(|corner| *corner as i64));
             self.ends.push((self.connectivity.len() - first) as i64);
-            self.types.push(if corners.len() == 3 { TRIANGLE } else { QUAD });
+            self.types.push(match corners.len() {
+                2 => LINE,
+                3 => TRIANGLE,
+                _ => QUAD,
+            });
         }
         self.points.push(points as i64);
         self.cells.push(cells.len() as i64);

@@ -12,6 +12,7 @@ import pandas
 import polars
 import pyarrow.parquet
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import VTK_LINE
 from vtkmodules.vtkIOHDF import vtkHDFReader
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
@@ -99,16 +100,22 @@ def main():
     for run, parts in {
         "drop": ["film", "impactor"],
         "bars": ["film", "impactor", "frame"],
+        "springs": ["film", "springs", "impactor"],
         "tear": ["film"],
         "rupture": ["film"],
     }.items():
         found = {name: check_states(results / run, name) for name in parts}
-        assert found.get("impactor", 1) == 1, "a rigid body has one mesh"
+        assert found.get("impactor", 1) == found.get("springs", 1) == 1, "rigid bodies and springs have one mesh"
         tables = sorted((results / run).glob("**/*.parquet"))
         for path in tables:
             units, _ = check_parquet(path, path.with_suffix(".csv"))
             assert units["time_s"] == "s" if path.stem == "signals" else True, path
         assert len(tables) >= 2, run
+    for time, lines in of_series(results / "springs", "springs"):
+        assert len(lines["types"]) == 80 and (lines["types"] == VTK_LINE).all(), time
+        ends = lines["points"][lines["connectivity"]].reshape(-1, 2, 3)
+        lengths = numpy.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        assert numpy.allclose(lengths - lines["cell elongation_m"], 0.18, rtol=0.0, atol=1e-6), time
     assert (results / "drop/tables/energy_shares.parquet").is_file()
     study = list((results / "study/tables").glob("*.csv"))
     assert study and all(path.with_suffix(".parquet").is_file() for path in study)

@@ -8,7 +8,7 @@ async function main() {
     if (issues.numErrors + issues.numWarnings > 0) {
       throw new Error(`${path}: ${JSON.stringify(issues.messages.slice(0, 5), null, 1)}`);
     }
-    console.log(`  ${path.split("/").pop()}: ${info.drawCallCount} surfaces, ${info.totalTriangleCount} triangles`);
+    console.log(`  ${path.split("/").pop()}: ${info.drawCallCount} parts, ${info.totalTriangleCount} triangles`);
   }
   console.log("glTF: valid by the validator of Khronos");
 }

@@ -3,10 +3,13 @@
 use std::fs;
 use std::path::Path;
 
+use nalgebra::Vector3;
 use rayon::iter::ParallelIterator;
 use roxmltree::Document as Xml;
 use vtkio::Vtk;
-use vtkio::model::{Attribute, Attributes, Cells, DataSet, IOBuffer, Piece, UnstructuredGridPiece, VertexNumbers};
+use vtkio::model::{
+    Attribute, Attributes, CellType, Cells, DataSet, IOBuffer, Piece, UnstructuredGridPiece, VertexNumbers,
+};
 
 use droptower::model;
 use droptower::report::vtu;
@@ -172,6 +175,109 @@ fn the_bars_of_a_frame_have_a_series() {
     assert!(ball[0].1.data.cell.is_empty(), "one body has no number");
 }
 
+/// A coarse trampoline for a short time.
+const BED: [&str; 6] =
+    ["--set", "specimen.mesh.size=200mm", "--set", "loading.impact.duration=40ms", "--set", "output.frames=5"];
+
+fn points(grid: &UnstructuredGridPiece) -> Vec<Vector3<f64>> {
+    let numbers: Vec<f64> = grid.points.cast_into().expect("points");
+    numbers.chunks(3).map(Vector3::from_column_slice).collect()
+}
+
+/// The edge of film next to a point, as two of its `corners`, and the share of the edge up to there.
+fn edge_at(place: &Vector3<f64>, corners: &[Vector3<f64>]) -> (usize, usize, f64) {
+    let on_edge: Vec<usize> = (0..corners.len()).filter(|corner| corners[*corner].xy().norm() > 1.6).collect();
+    let pairs = on_edge.iter().flat_map(|a| on_edge.iter().map(move |b| (*a, *b)));
+    let edges = pairs.filter(|(a, b)| (1e-3..0.4).contains(&(corners[*b] - corners[*a]).norm()));
+    let with_share = edges.map(|(a, b)| {
+        let along = corners[b] - corners[a];
+        let share = ((place - corners[a]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (a, b, share, (corners[a] + share * along - place).norm())
+    });
+    let (a, b, share, apart) = with_share.min_by(|one, other| one.3.total_cmp(&other.3)).expect("an edge");
+    assert!(apart < 1e-6, "{place:?} is {apart} m beside the edge of the film");
+    (a, b, share)
+}
+
+#[test]
+fn springs_are_lines_that_follow_the_film() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = root().join("scenarios/trampoline/bed.toml").display().to_string();
+    printed(&droptower(folder.path(), &[&["run", &scenario, "--vtu", "--out", "results"][..], &BED].concat()));
+    let results = folder.path().join("results");
+    let (film, springs) = (states(&results, "film.pvd"), states(&results, "springs.pvd"));
+    let signals = csv::read(&results.join("signals.csv")).expect("signals");
+    assert_eq!((film.len(), springs.len()), (5, 5));
+    let first = points(&springs[0].1);
+    let edges: Vec<_> = first.iter().skip(1).step_by(2).map(|end| edge_at(end, &points(&film[0].1))).collect();
+    let mut compared = 0;
+    for ((time, film), (_, lines)) in film.iter().zip(&springs) {
+        let cells = |name: &str| array(&lines.data.cell, name);
+        assert_eq!(lines.cells.types, [CellType::Line; 80], "a quarter has 20, and three mirror images");
+        assert_eq!(cells("image").iter().filter(|image| **image == 3.0).count(), 20);
+        assert_eq!([cells("face"), cells("springs")], [vec![1.0; 80], vec![1.0; 80]]);
+        let (corners, ends) = (points(film), points(lines));
+        let (elongation, force) = (cells("elongation_m"), cells("force_N"));
+        let mut downwards = 0.0;
+        for (line, (a, b, share)) in edges.iter().enumerate() {
+            let (frame, end) = (ends[2 * line], ends[2 * line + 1]);
+            assert_eq!(frame, first[2 * line], "the frame stands still");
+            let on_film = corners[*a] + *share * (corners[*b] - corners[*a]);
+            assert!((end - on_film).norm() < 1e-5, "{end:?} is not at {on_film:?} on the film");
+            // 210 mm at 78 N, so 180 mm without force.
+            close((frame - end).norm() - elongation[line], 0.18, 1e-6);
+            downwards -= force[line] * (end - frame).z / (end - frame).norm();
+        }
+        // Springs of 2.6 kN/m with dashpots of 5 N s/m, whose ends have no velocity at first.
+        let velocity = array(&lines.data.point, "velocity_m_s");
+        for line in 0..80 {
+            let along = (ends[2 * line + 1] - ends[2 * line]).normalize();
+            let rate = Vector3::from_column_slice(&velocity[6 * line + 3..][..3]).dot(&along);
+            let expected = (2600.0 * elongation[line] + 5.0 * rate).max(0.0);
+            assert!((force[line] - expected).abs() < 0.05, "{} N for {expected} N at {time} s", force[line]);
+        }
+        let value = |name: &str| signals.series(name).expect("a channel").value_at(*time);
+        for (name, found) in [
+            ("spring_elongation_m", elongation.iter().copied().fold(0.0, f64::max)),
+            ("spring_force_N", force.iter().copied().fold(0.0, f64::max)),
+            ("frame_force_N", downwards),
+        ] {
+            // The last state may be after the last sample.
+            let Some(expected) = value(name) else { continue };
+            compared += 1;
+            let apart = (found - expected).abs();
+            assert!(apart < 1e-4 * expected.abs() + 1e-5, "{name}: {found} for {expected} at {time} s");
+        }
+    }
+    assert!(compared >= 3 * 4, "{compared} figures");
+    let moved = |state: usize| array(&springs[state].1.data.point, "displacement_m");
+    assert!(moved(0).iter().all(|d| *d == 0.0));
+    let (last, displacement) = (points(&springs[4].1), moved(4));
+    for (place, end) in last.iter().enumerate() {
+        let moved = Vector3::from_column_slice(&displacement[3 * place..][..3]);
+        assert!((first[place] + moved - end).norm() < 1e-6);
+        assert_eq!(moved == Vector3::zeros(), place % 2 == 0, "the frame alone stands still");
+    }
+}
+
+#[test]
+fn film_without_springs_has_no_series_of_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |name: &str, more: &[&str]| {
+        let scenario = root().join(name).display().to_string();
+        printed(&droptower(
+            folder.path(),
+            &[&["run", &scenario, "--vtu", "--vtkhdf", "--out", "results"], more].concat(),
+        ));
+    };
+    let there = |name: &str| folder.path().join("results").join(name).exists();
+    run("scenarios/trampoline/bed.toml", &BED);
+    assert!(there("springs.pvd") && there("springs.vtkhdf") && there("vtu/springs_0000.vtu"));
+    // What was written is ours: it is replaced by the next run.
+    run("scenarios/drop/1008.toml", &[&["--force"], &QUICK[..]].concat());
+    assert!(!there("springs.pvd") && !there("springs.vtkhdf") && !there("vtu/springs_0000.vtu"));
+}
+
 #[test]
 fn a_file_of_the_user_beside_the_snapshots_stays() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -232,9 +338,12 @@ fn one_file_holds_the_states_of_the_series_and_an_unchanged_mesh_once() {
     let [md, td] = ["md", "td"].map(|set| format!("specimen.material.fabric.{set}={{ curve = [[0.3, 8e6]] }}"));
     let changes = ["loading.stretch.direction=45 deg", "loading.stretch.until=0.6", "output.frames=8", &md, &td];
     let rupture: Vec<&str> = changes.iter().flat_map(|change| ["--set", change]).collect();
-    for (scenario, changes, out, parts, meshes) in
-        [(&drop, &QUICK[..], "drop", &["film", "impactor"][..], 1), (&stretch, &rupture, "rupture", &["film"], 2)]
-    {
+    let bed = path("scenarios/trampoline/bed.toml");
+    for (scenario, changes, out, parts, meshes) in [
+        (&drop, &QUICK[..], "drop", &["film", "impactor"][..], 1),
+        (&bed, &BED, "bed", &["film", "springs", "impactor"], 1),
+        (&stretch, &rupture, "rupture", &["film"], 2),
+    ] {
         let formats = ["run", scenario.as_str(), "--vtu", "--vtkhdf", "--out", out];
         printed(&droptower(folder.path(), &[&formats[..], changes].concat()));
         for name in parts {

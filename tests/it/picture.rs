@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use droptower::picture::{Part, ScenePicture, View};
 use droptower::plot::Style;
 use droptower::report::{FIELDS, RunScene, SceneBody, SceneFace, StoredPage};
-use droptower::simulate::{FilmState, Snapshot};
+use droptower::simulate::{FilmSpring, FilmState, Snapshot};
 use image::RgbImage;
 use tempfile::TempDir;
 
@@ -105,6 +105,18 @@ fn film_has_the_colour_of_its_field_where_it_is_and_failed_elements_are_left_out
     let [first, failed] = colours_at(&scene(true), [[0.05, 0.05], [0.195, 0.02]]);
     near(first, [59.0, 82.0, 139.0]);
     assert_eq!(failed, WHITE);
+}
+
+/// A spring across the place of an element that has failed, from the frame to the side of the other one.
+#[test]
+fn springs_are_lines_from_the_frame_to_the_film() {
+    let mut hung = scene(true);
+    let across = [[0.15, 0.0199], [0.15, 0.02], [0.15, 0.0201]];
+    assert_eq!(colours_at(&hung, across), [WHITE; 3]);
+    hung.faces[0].springs = vec![FilmSpring { anchor: [0.2, 0.02, 0.0], nodes: [1, 4], shares: [0.8, 0.2] }];
+    let line = colours_at(&hung, across);
+    assert!(line[1] == [48, 54, 60] && !line.contains(&WHITE), "{line:?}");
+    assert_eq!(colours_at(&hung, [[0.15, 0.03]]), [WHITE], "and nothing beside it");
 }
 
 #[test]

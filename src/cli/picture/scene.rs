@@ -66,7 +66,11 @@ pub(super) fn draw(
     ]);
     let words = told(&title, &caption, field, range, args, &scene);
     let Some((style, dpi)) = flat else {
-        return Ok(Made { content: gltf::binary(&picture.surfaces(), figures.clone()), words, figures });
+        return Ok(Made {
+            content: gltf::binary(&picture.surfaces(), &picture.lines(), figures.clone()),
+            words,
+            figures,
+        });
     };
     let made = picture.draw(&style, dpi).and_then(|drawing| Made::drawn(&drawing, format, words, figures));
     Ok(made.map_err(|error| refused(&error))?)

@@ -1,9 +1,11 @@
 //! Observers of a run, and the state that they are shown.
 
+use std::ops::Range;
+
 use super::clamp::Clamp;
 use super::cushion::CushionState;
 use super::film_contact::{FilmContact, FilmContactState};
-use super::springs::{Springs, SpringsState};
+use super::springs::{SpringLoad, Springs, SpringsState};
 use super::thread_pool::ThreadPool;
 use super::{
     ContactState, ElementStrain, Energies, EnergyLedger, Engine, Fault, Film, Impact, Loads, Nodes, PreviousStep,
@@ -214,6 +216,11 @@ impl View<'_> {
     /// State of the frame's springs, where film hangs on them.
     pub fn springs_state(&self) -> Option<SpringsState> {
         self.springs.map(|springs| springs.state(self.nodes))
+    }
+
+    /// Loads of the frame's springs at some nodes, in the order of their numbers; none where film does not hang on springs.
+    pub fn spring_loads(&self, at: &Range<usize>) -> Vec<SpringLoad> {
+        self.springs.map_or_else(Vec::new, |springs| springs.loads(self.nodes, at))
     }
 
     /// Vertical force on the frame of the springs on which film hangs, N, positive downwards; none where there are none.

@@ -53,6 +53,17 @@ struct Passed {
     velocity: Vector3<f64>,
 }
 
+/// Load of one spring at a full step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringLoad {
+    /// m.
+    pub elongation: f64,
+    /// Of one spring, with that of its dashpot, N; positive in tension.
+    pub force: f64,
+    /// Number of springs that it stands for ([`Spring::count`]).
+    pub count: f64,
+}
+
 /// State of the springs at a full step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringsState {
@@ -174,6 +185,17 @@ impl Springs {
             across.max(0.0) + direction.z * direction.z
         };
         self.springs.iter().map(of_spring).fold(0.0, f64::max)
+    }
+
+    /// The loads of those at some nodes, in the order of their numbers; their forces are those of the last pass.
+    pub(super) fn loads(&self, nodes: &Nodes, at: &Range<usize>) -> Vec<SpringLoad> {
+        let load = |(number, spring): (usize, &Spring)| {
+            let Stretched { direction, elongation } = spring.stretched(nodes);
+            let force = self.passed.get(number).map_or(0.0, |passed| passed.force.dot(&direction) / spring.count);
+            SpringLoad { elongation, force, count: spring.count }
+        };
+        let all = self.springs.iter().enumerate();
+        all.filter(|(_, spring)| at.contains(&spring.nodes[0])).map(load).collect()
     }
 
     /// Their state.

@@ -1,5 +1,5 @@
 //! The snapshots of a run for ParaView: the series `film.pvd`, `impactor.pvd` and, of a frame with bars, `frame.pvd`,
-//! one file a snapshot.
+//! of one with springs, `springs.pvd`, one file a snapshot.
 //!
 //! The film is complete with the mirror images of a part that was computed; failed elements are left out. Arrays on
 //! cells
@@ -17,8 +17,20 @@
 //! | `face`, `element`, `layers`, `image` | from 1; from 0 within the face; number; 0 computed, others mirror images |
 //!
 //! and on points `displacement_m` (from the first snapshot), `velocity_m_s` and `touching` (1 at nodes in contact).
+//!
+//! Springs are lines from the frame to the film, with its mirror images, in files of their own: no array of elements is
+//! that of a spring, and in ParaView a part of its own has its own colours and its own width of lines. Arrays on cells
+//!
+//! | array | what it is |
+//! |---|---|
+//! | `elongation_m`, `force_N` | of one spring, its force with that of its dashpot; positive in tension |
+//! | `springs` | number of springs that a line stands for; a share of one in a continuous support |
+//! | `face`, `spring`, `image` | from 1; from 0 within the face; 0 computed, others mirror images |
+//!
+//! and on points `displacement_m` and `velocity_m_s`, which are zero on the frame.
 
 mod film;
+mod springs;
 
 use quick_xml::Writer;
 use rayon::prelude::*;
@@ -74,7 +86,7 @@ type Triangulation = (Vec<nalgebra::Point3<f64>>, Vec<[u32; 3]>);
 /// Points and cells with their arrays.
 pub(super) struct Grid {
     pub points: Vec<[f32; 3]>,
-    /// Corners of triangles and quadrilaterals.
+    /// Ends of lines, and corners of triangles and quadrilaterals.
     pub cells: Vec<Vec<u64>>,
     pub on_points: Vec<Attribute>,
     pub on_cells: Vec<Attribute>,
@@ -83,9 +95,10 @@ pub(super) struct Grid {
 /// Points and cells in a snapshot.
 type OfSnapshot<'a> = dyn Fn(&Snapshot) -> Result<Grid, VtuError> + Send + Sync + 'a;
 
-/// A part of the scene with files of its own: the film, the impactors or the bars of a frame.
+/// A part of the scene with files of its own: the film, the springs on which it hangs, the impactors or the bars of a
+/// frame.
 pub(super) struct Part<'a> {
-    /// `film`, `impactor`, `frame`.
+    /// `film`, `springs`, `impactor`, `frame`.
     pub name: &'static str,
     grid: Box<OfSnapshot<'a>>,
 }
@@ -100,6 +113,9 @@ impl Part<'_> {
 /// The parts of a run that are written.
 pub(super) fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>> {
     let film = Part { name: "film", grid: Box::new(move |snapshot| film::grid(model, outcome, snapshot)) };
+    let has_springs = outcome.films.iter().any(|film| !film.springs.is_empty());
+    let springs =
+        has_springs.then(|| Part { name: "springs", grid: Box::new(|snapshot| springs::grid(outcome, snapshot)) });
     let surfaces: Vec<Triangulation> = outcome.impactors.iter().map(|surface| surface.triangles(SIDES)).collect();
     // The bars come after the impactors.
     let mut impactors = surfaces;
@@ -111,7 +127,7 @@ pub(super) fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>>
         (!is_empty).then(|| Part { name, grid: Box::new(grid) })
     };
     let bodies = [bodies("impactor", impactors, 0), bodies("frame", frame, first_of_frame)];
-    std::iter::once(film).chain(bodies.into_iter().flatten()).collect()
+    std::iter::once(film).chain(springs).chain(bodies.into_iter().flatten()).collect()
 }
 
 /// All files of a run, in their order, made by as many threads as there are.
@@ -149,7 +165,11 @@ fn unstructured(grid: Grid) -> Result<Vec<u8>, VtuError> {
     if grid.cells.is_empty() {
         return Ok(NOTHING_LEFT.into());
     }
-    let kind = |corners: &Vec<u64>| if corners.len() == 3 { CellType::Triangle } else { CellType::Quad };
+    let kind = |corners: &Vec<u64>| match corners.len() {
+        2 => CellType::Line,
+        3 => CellType::Triangle,
+        _ => CellType::Quad,
+    };
     let ends = grid.cells.iter().scan(0, |end, corners| {
         *end += corners.len() as u64;
         Some(*end)

@@ -51,7 +51,7 @@ pub use outcome::Outcome;
 use probe::Probe;
 pub use pull::{Across, PullError, pull, pull_along, section_between_jaws};
 pub use rates::RateHistogram;
-pub use snapshot::{Detail, FilmState, Snapshot};
+pub use snapshot::{Detail, FilmState, Snapshot, SpringDetail};
 pub use spring_step::SpringStep;
 pub use warning::{BodySize, CODES, ImpactorName, Warning};
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use crate::model::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
-use membrane::engine::{self, ElementDetail, ElementStrain, View};
+use membrane::engine::{self, ElementDetail, ElementStrain, SpringLoad, View};
 
 /// State of the whole scene at one time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -59,6 +59,19 @@ pub struct Detail {
     /// Images of unit vectors along MD and TD of the stress-free film: their directions are those of the fibres, their
     /// lengths the stretches.
     pub fibres: Vec<[[f32; 3]; 2]>,
+    /// The springs of the frame on which the face hangs, in the order of [`Film::springs`].
+    pub springs: Vec<SpringDetail>,
+}
+
+/// State of a spring between the frame and a face.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpringDetail {
+    /// m.
+    pub elongation: f32,
+    /// Of one spring, with that of its dashpot, N; positive in tension.
+    pub force: f32,
+    /// Number of springs that it stands for; a share of one in a continuous support.
+    pub count: f32,
 }
 
 /// Number of snapshots of `films` where `wanted` are requested: as many as fit into [`SNAPSHOT_MEMORY`], at least the
@@ -103,6 +116,7 @@ fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain], detai
         velocities: film.nodes.clone().map(|n| view.velocity(n).map(|v| v as f32)).collect(),
         peaks: strains.iter().map(|s| s.peak.map(|e| e as f32)).collect(),
         left: strains.iter().map(|s| s.left.map(|e| e as f32)).collect(),
+        springs: view.spring_loads(&film.nodes).into_iter().map(spring).collect(),
         ..Detail::default()
     };
     for ElementDetail { stress, fibres, .. } in details {
@@ -110,6 +124,10 @@ fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain], detai
         out.fibres.push(fibres.map(|f| f.map(|x| x as f32)));
     }
     out
+}
+
+fn spring(SpringLoad { elongation, force, count }: SpringLoad) -> SpringDetail {
+    SpringDetail { elongation: elongation as f32, force: force as f32, count: count as f32 }
 }
 
 /// The nodes in contact that belong to one face, counted from its first, ascending.

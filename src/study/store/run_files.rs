@@ -31,12 +31,16 @@ pub const FILM_SERIES: &str = "film.pvd";
 pub const IMPACTOR_SERIES: &str = "impactor.pvd";
 /// Collection of the snapshots of the frame's bars for ParaView.
 pub const FRAME_SERIES: &str = "frame.pvd";
+/// Collection of the snapshots of the frame's springs for ParaView.
+pub const SPRINGS_SERIES: &str = "springs.pvd";
 /// The film in all snapshots, for ParaView.
 pub const FILM_STATES: &str = "film.vtkhdf";
 /// The impactors in all snapshots, for ParaView.
 pub const IMPACTOR_STATES: &str = "impactor.vtkhdf";
 /// The frame's bars in all snapshots, for ParaView.
 pub const FRAME_STATES: &str = "frame.vtkhdf";
+/// The frame's springs in all snapshots, for ParaView.
+pub const SPRINGS_STATES: &str = "springs.vtkhdf";
 /// Inputs and outputs of the runs of a sweep.
 pub const TABLE: &str = "table.csv";
 /// Inputs and outputs of the runs of a sweep for Polars, pandas, R and others.
@@ -47,7 +51,7 @@ pub const REPORT: &str = "report.html";
 pub const FAILURE: &str = "failure.txt";
 /// Folder of the tables that a script wrote.
 pub const TABLES: &str = "tables";
-/// Folder of the snapshots that [`FILM_SERIES`], [`IMPACTOR_SERIES`] and [`FRAME_SERIES`] collect.
+/// Folder of the snapshots that [`FILM_SERIES`], [`IMPACTOR_SERIES`], [`FRAME_SERIES`] and [`SPRINGS_SERIES`] collect.
 pub const SNAPSHOTS: &str = "vtu";
 
 /// Field of the call in the summary of a study: the working folder, as a path from the folder of the results.
@@ -55,7 +59,7 @@ pub const STUDY_FOLDER: &str = "folder";
 
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
-pub const RUN_FILES: [(&str, &str); 21] = [
+pub const RUN_FILES: [(&str, &str); 23] = [
     (SIGNALS, "all channels over time, SI"),
     (ENERGIES, "the energy audit over time"),
     (SIGNALS_PARQUET, "the channels for Polars, pandas and R"),
@@ -70,9 +74,11 @@ pub const RUN_FILES: [(&str, &str); 21] = [
     (FILM_SERIES, "the film for ParaView"),
     (IMPACTOR_SERIES, "the impactors for ParaView"),
     (FRAME_SERIES, "the frame's bars for ParaView"),
+    (SPRINGS_SERIES, "the frame's springs for ParaView"),
     (FILM_STATES, "the film in all snapshots for ParaView"),
     (IMPACTOR_STATES, "the impactors in all snapshots for ParaView"),
     (FRAME_STATES, "the frame's bars in all snapshots for ParaView"),
+    (SPRINGS_STATES, "the frame's springs in all snapshots for ParaView"),
     (TABLE, "inputs and figures of the runs of a sweep"),
     (PARQUET, "the same for Polars, pandas and R"),
     (REPORT, "this page"),
@@ -101,8 +107,8 @@ pub(super) fn is_written_by_run(name: &str) -> bool {
 /// Whether `name` is a snapshot for ParaView, such as `vtu/film_0012.vtu`.
 fn is_snapshot(name: &str) -> bool {
     let snapshot = name.strip_prefix(SNAPSHOTS).and_then(|name| name.strip_prefix('/')?.strip_suffix(".vtu"));
-    let number =
-        snapshot.and_then(|name| ["film_", "impactor_", "frame_"].iter().find_map(|kind| name.strip_prefix(kind)));
+    let kinds = ["film_", "impactor_", "frame_", "springs_"];
+    let number = snapshot.and_then(|name| kinds.iter().find_map(|kind| name.strip_prefix(kind)));
     number.is_some_and(|number| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
@@ -116,6 +122,7 @@ mod tests {
             ("vtu/film_0012.vtu", true),
             ("vtu/impactor_0.vtu", true),
             ("vtu/frame_0001.vtu", true),
+            ("vtu/springs_0001.vtu", true),
             ("vtu/film_.vtu", false),
             ("vtu/mine.vtu", false),
             ("film_0012.vtu", false),
