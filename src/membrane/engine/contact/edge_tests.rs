@@ -334,14 +334,18 @@ fn held_elements_push_the_body_alone() {
         let mut engine = drop.engine();
         let all = 0..engine.nodes.mass.len();
         engine.nodes.hold(all, [true; 3]);
-        let mut depth = 0.0_f64;
-        for _ in 0..400 {
+        let (mut depth, mut velocity) = (0.0_f64, f64::INFINITY);
+        for step in 0..400 {
+            // A body at rest is looked at now and then.
+            let is_sampled = velocity.abs() > 1e-9 || step % 50 == 49;
             let read = |view: &View<'_>| {
-                let [sampled, _] = penetration(view, &drop.body);
+                let sampled = is_sampled.then(|| penetration(view, &drop.body)[0]);
                 (sampled, view.bodies().next().unwrap().velocity.z, view.energies().contact)
             };
-            let (sampled, velocity, loss) = engine.read_step(read).unwrap();
-            depth = depth.max(sampled);
+            let loss;
+            let sampled;
+            (sampled, velocity, loss) = engine.read_step(read).unwrap();
+            depth = depth.max(sampled.unwrap_or(0.0));
             if velocity.abs() < 1e-9 {
                 assert!((loss - 4.0).abs() < 1e-6, "{}: {loss} J of 4", drop.body.name);
             }

@@ -93,10 +93,11 @@ impl Pulled {
 const RUBBER: [f64; 2] = [25e3, 395e3];
 
 /// Length of the wide strip and of its cut, m.
-const LENGTHS: [f64; 2] = [0.4, 0.1];
+const LENGTHS: [f64; 2] = [0.32, 0.1];
 
-/// Strain from which the strip is pulled: its cut opens at once there and swings beyond rest, with up to twice the energy.
-const FROM: f64 = 0.35;
+/// Strain from which the strip is pulled: its cut opens at once there and swings beyond rest, with up to twice the energy,
+/// which is 0.37 of Γ there.
+const FROM: f64 = 0.4;
 
 /// A wide strip of rubber with a cut.
 struct Strip {
@@ -228,10 +229,12 @@ fn a_tip_at_rest_starts_above_its_energy_alone() {
             }
             // Damped so much that film around the cut does not swing beyond its state of rest.
             let (mut engine, ..) = strip.pulled(LENGTHS[0], LENGTHS[1], [high, 0.0], 2000.0).mounted();
-            while engine.time() < 0.3 {
-                engine.step(&mut Unobserved).unwrap();
+            let mut torn = 0.0;
+            // Film that has torn by an element and more is not followed to its end.
+            while engine.time() < 0.3 && torn <= 10e-3 {
+                (0..20).for_each(|_| assert!(engine.step(&mut Unobserved).is_ok()));
+                torn = engine.read_step(|view| view.torn().unwrap().length).unwrap();
             }
-            let torn = engine.read_step(|view| view.torn().unwrap().length).unwrap();
             println!("turned by {turned}°, {share} Γ: torn by {:.1} mm", 1e3 * torn);
             assert!(if tears { torn > 10e-3 } else { torn == 0.0 }, "turned by {turned}°, {share} Γ: {torn} m");
         }
@@ -245,11 +248,14 @@ fn centre_crack(shape: Shape, half: f64, by: f64) -> f64 {
     let law = Law::Elastic(Elastic { young: YOUNG, poisson: POISSON });
     let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.5), fracture_energy: energy };
     let section = Section { law, rupture: Some(rupture), thickness: THICKNESS, ..section() };
+    let pi = std::f64::consts::PI;
+    let stress = |half: f64| (YOUNG * energy / (pi * half / (pi * half / length).cos())).sqrt();
+    // From half of the stress, with a quarter of the energy, on.
+    let from = (0.5 * stress(half) / YOUNG).max(0.005);
     let cut = [0.5 * length - half + 1e-4, 0.5 * length + half - 1e-4];
-    let pulled = Pulled { section, shape, lengths: [length, 0.305], cut, strain: [0.005, 0.1], damping: 1000.0 };
+    let pulled = Pulled { section, shape, lengths: [length, 0.305], cut, strain: [from, 0.1], damping: 1000.0 };
     let ([_, grown], cut) = pulled.torn(by, 0.12);
-    let (pi, half) = (std::f64::consts::PI, 0.5 * cut);
-    grown.expect("a tear").stress * (pi * half / (pi * half / length).cos() / (YOUNG * energy)).sqrt()
+    grown.expect("a tear").stress / stress(0.5 * cut)
 }
 
 #[test]

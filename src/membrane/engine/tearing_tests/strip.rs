@@ -106,8 +106,11 @@ impl Strip {
         let mut engine = self.mounted();
         let (mut start, mut imbalance, mut first, mut history) = (f64::NAN, 0.0_f64, None, vec![]);
         loop {
-            let read =
-                |view: &View<'_>| (view.time, view.energies(), view.torn().unwrap(), PlasticElements::from_view(view));
+            let read = |view: &View<'_>| {
+                let (time, torn) = (view.time, view.torn().unwrap());
+                let ends = torn.area / self.whole() > 0.98 || time * self.rate > self.most;
+                (time, view.energies(), torn, ends.then(|| PlasticElements::from_view(view)))
+            };
             let (time, energies, torn, plastic) = engine.read_step(read).unwrap();
             let first = *first.get_or_insert(energies);
             let exchanged = energies.exchanged(&first);
@@ -115,11 +118,10 @@ impl Strip {
                 imbalance = imbalance.max((energies.total() - first.total()).abs() / exchanged);
             }
             history.push([self.rate * time, torn.length]);
-            let share = torn.area / self.whole();
-            if start.is_nan() && share > 0.02 {
+            if start.is_nan() && torn.area / self.whole() > 0.02 {
                 start = self.rate * time;
             }
-            if share > 0.98 || time * self.rate > self.most {
+            if let Some(plastic) = plastic {
                 return Outcome { start, torn, energies, plastic, imbalance, history };
             }
             for _ in 0..20 {

@@ -557,7 +557,7 @@ fn the_rate_raises_the_flow_stress() {
     };
     for law in [cowper(5.0), cowper(5.5), cowper(40.0), by_rate()] {
         for rate in [1e-4, 0.3, 20.0, 5e3] {
-            let (mut history, steps, mut along) = (Point::virgin(), 3000, 0.0);
+            let (mut history, steps, mut along) = (Point::virgin(), 600, 0.0);
             let mut before = 0.0;
             for _ in 0..steps {
                 along += 0.3 / f64::from(steps);
