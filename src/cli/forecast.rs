@@ -164,8 +164,8 @@ mod tests {
         };
         let (springs, larger) = ("makes the step so short: without springs it is", "twice the specimen.mesh.size");
         for (change, key) in [
-            ("frame.springs.damping=1 kN s/m", Some("damping")),
-            ("frame.springs.stiffness=30 MN/m", Some("stiffness")),
+            ("frame.springs.damping=20 kN s/m", Some("damping")),
+            ("frame.springs.stiffness=1000 MN/m", Some("stiffness")),
             ("frame.springs.damping=5 N s/m", None),
         ] {
             let message = message(change);
