@@ -198,6 +198,11 @@ impl Film {
     /// Adds the film's forces to those of its nodes, which moved to their positions in `dt` (s), and updates the
     /// history variables.
     pub fn add_forces(&mut self, nodes: &mut Nodes, dt: f64) {
+        self.add_forces_at(Width::best(), nodes, dt);
+    }
+
+    /// The same with the instructions of `width`.
+    pub(super) fn add_forces_at(&mut self, width: Width, nodes: &mut Nodes, dt: f64) {
         let mut order: Vec<usize> = (0..self.chunks.len()).collect();
         // The order of the pool, so that forces have the same bits with it and without.
         order.sort_by_key(|chunk| self.chunks[*chunk].colour);
@@ -206,14 +211,14 @@ impl Film {
         let film = self.share(force.axes_mut().map(|axis| &mut axis[own.clone()]));
         for chunk in order {
             // SAFETY: there is one thread.
-            unsafe { film.add_forces(Width::best(), chunk, position.axes(), dt) };
+            unsafe { film.add_forces(width, chunk, position.axes(), dt) };
         }
         if let Some(bending) = &self.bending {
             let (position, force) = (position.range(own.clone()), force.axes_mut());
             let force = force.map(|axis| Disjoint::new(&mut axis[own.clone()]));
             for task in 0..bending.tasks() {
                 // SAFETY: there is one thread.
-                unsafe { bending.add_forces(Width::best(), task, &position, &force) };
+                unsafe { bending.add_forces(width, task, &position, &force) };
             }
         }
     }

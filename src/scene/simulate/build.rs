@@ -12,7 +12,7 @@ use super::springs;
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::loading::{Inertia, MassScaling};
 use crate::model::{Hold, Model};
-use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, NotFlat, ThreadPool};
+use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, NotFlat, ThreadPool, quickest_width};
 
 /// An engine and how its scene was mounted.
 pub(super) struct Scene {
@@ -151,11 +151,11 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
 }
 
 /// The thread pool of a run of so many elements: at most the threads of the processor, one where runs are simulated in
-/// parallel.
+/// parallel; with the instructions that are quickest here.
 pub(super) fn pool(elements: usize) -> ThreadPool {
     let shared = rayon::current_thread_index().is_some();
     let useful = elements.div_ceil(ELEMENTS_A_THREAD);
-    ThreadPool::new(if shared { 1 } else { useful.min(rayon::current_num_threads()) })
+    ThreadPool::new(if shared { 1 } else { useful.min(rayon::current_num_threads()) }).at_width(quickest_width())
 }
 
 fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {
