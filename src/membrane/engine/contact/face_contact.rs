@@ -40,8 +40,6 @@ pub(super) struct Constraint {
     arm: Vector3<f64>,
     /// Relative velocity per impulse, 1/kg.
     inverse_effective_mass: f64,
-    /// Impulse per relative velocity, kg.
-    effective_mass: f64,
     /// Least normal velocity over the surface, m/s.
     target: f64,
     /// Sum over the sweeps, N s.
@@ -58,8 +56,6 @@ pub(super) struct Constraint {
 struct Sweep {
     multiplicity: f64,
     friction: Friction,
-    /// Velocity of a body that moves along z alone per impulse on the computed part of the film, 1/kg.
-    along_z: Option<f64>,
 }
 
 impl Constraint {
@@ -73,10 +69,7 @@ impl Constraint {
     #[inline(always)]
     fn apply(&self, impulse: &Vector3<f64>, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) {
         self.film.apply(impulse, velocity);
-        match sweep.along_z {
-            Some(response) => body.velocity.z -= response * impulse.z,
-            None => body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm),
-        }
+        body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
     }
 
     /// Sum over the sweeps, N s.
@@ -95,41 +88,29 @@ impl Constraint {
 
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
     /// stays within Coulomb's cone. Returns the size of the change, N s.
-    #[inline]
     fn solve(&mut self, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) -> f64 {
         // The sum over the sweeps is clamped, not its change: a later constraint may take back what this one pushed too
         // much, but never pull (theory.md, section 6).
-        let relative = self.relative_velocity(velocity, body);
-        let violation = self.target - relative.dot(&self.normal);
-        let normal_impulse = (self.normal_impulse + violation * self.effective_mass).max(0.0);
+        let violation = self.target - self.relative_velocity(velocity, body).dot(&self.normal);
+        let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
         let normal_change = normal_impulse - self.normal_impulse;
-        if normal_change == 0.0 && normal_impulse == 0.0 {
+        if normal_change != 0.0 {
+            self.apply(&(self.normal * normal_change), velocity, body, sweep);
+            self.normal_impulse = normal_impulse;
+        } else if normal_impulse == 0.0 {
             return 0.0;
         }
-        self.normal_impulse = normal_impulse;
-        let mut impulse = self.normal * normal_change;
-        let relative = match sweep.along_z {
-            // From the responses: all constraints wait for the velocity of the body, which is therefore changed once.
-            Some(response) => {
-                let film = self.film.inverse_mass();
-                relative + Vector3::new(film.x * impulse.x, film.y * impulse.y, (film.z + response) * impulse.z)
-            }
-            // Read again, for the normal impulse may spin the body.
-            None => {
-                self.apply(&impulse, velocity, body, sweep);
-                impulse = Vector3::zeros();
-                self.relative_velocity(velocity, body)
-            }
-        };
+        // Read again: where the normal impulse spins the body, it changes the slip.
+        let relative = self.relative_velocity(velocity, body);
         let slip = relative - self.normal * relative.dot(&self.normal);
         // The response along the normal stands for that along the slip: it decides how fast the sweeps converge, not
         // where to.
-        let sticking = self.tangential_impulse - slip * self.effective_mass;
+        let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
         let pair = sweep.friction.pair(self.film.nodes[0] as usize);
         let bound = sweep.friction.coefficient_of(pair) * normal_impulse;
         let tangential_impulse = within_cone(sticking, bound);
         let tangential_change = tangential_impulse - self.tangential_impulse;
-        self.apply(&(impulse + tangential_change), velocity, body, sweep);
+        self.apply(&tangential_change, velocity, body, sweep);
         self.tangential_impulse = tangential_impulse;
         normal_change.abs().max(tangential_change.norm())
     }
@@ -230,8 +211,7 @@ impl Contact {
         followed: &mut [Followed],
         constraints: &mut Vec<Constraint>,
     ) -> bool {
-        let along_z = body.is_guided().then(|| self.multiplicity / body.mass);
-        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, along_z };
+        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction };
         let has_faces = constraints.last().is_some_and(|last| last.source.is_some());
         // After the node constraints: their targets are the velocities with which the corrector put nodes onto the
         // surface, before `begin` changes any.
@@ -430,14 +410,12 @@ impl Contact {
         let normal_impulse = impulse.normal.norm();
         let normal = impulse.normal / normal_impulse;
         let film = WeightedNodes::of_node(impulse.node as u32, nodes);
-        let inverse_effective_mass =
-            1.0 / nodes.mass[impulse.node] + self.multiplicity * body.inverse_effective_mass(&normal, &impulse.arm);
         let mut constraint = Constraint {
             film,
             normal,
             arm: impulse.arm,
-            inverse_effective_mass,
-            effective_mass: 1.0 / inverse_effective_mass,
+            inverse_effective_mass: 1.0 / nodes.mass[impulse.node]
+                + self.multiplicity * body.inverse_effective_mass(&normal, &impulse.arm),
             target: 0.0,
             normal_impulse,
             tangential_impulse: impulse.tangential,
@@ -500,7 +478,6 @@ impl Contact {
                 normal,
                 arm,
                 inverse_effective_mass,
-                effective_mass: 1.0 / inverse_effective_mass,
                 target: 0.0,
                 normal_impulse: 0.0,
                 tangential_impulse: Vector3::zeros(),
