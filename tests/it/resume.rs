@@ -19,7 +19,7 @@ use crate::workbench::{command, droptower, error};
 
 /// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
 const SLOW: [&str; 6] =
-    ["--set", "specimen.mesh.size=8mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=12ms"];
+    ["--set", "specimen.mesh.size=8mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=20ms"];
 
 /// A folder with the template of a drop test in it.
 fn bench() -> TempDir {
