@@ -1,5 +1,6 @@
 //! Films that meet, against conservation laws and a search for crossings that shares nothing with the contact.
 
+mod handled;
 mod itself;
 pub(super) mod numbers;
 mod searched;

@@ -1,0 +1,140 @@
+//! Film that meets itself where it is handled: pushed through a ring, dragged along in a fold, and as a bag that is emptied.
+
+use std::f64::consts::PI;
+
+use nalgebra::Matrix3;
+
+use super::itself::{grid, mount, section};
+use super::*;
+use crate::engine::Inflation;
+
+/// A body that moves as prescribed and starts beside the film.
+fn held(surface: Surface, height: f64, friction: f64, offset: &[f64]) -> Impact {
+    let body = RigidBody::prescribed(Isometry3::translation(0.0, 0.0, height), 0.0);
+    Impact::new(body, Contact::new(surface, friction, 1.0, offset.to_vec()))
+}
+
+/// A free square lies on a ring, and a ball takes it through: it gathers in pleats between both.
+#[test]
+fn film_that_a_ball_takes_through_a_ring_gathers_without_crossing() {
+    let [thickness, opening, bar, radius] = [3e-4, 0.06, 0.008, 0.03];
+    let section = Section { thickness, ..section(5e6) };
+    let (film, nodes) = mount(&square(0.26, 26, 0.2), &section, |_| [0.0; 3]);
+    let offset = vec![0.5 * thickness; nodes.mass.len()];
+    let ring = held(Surface::round_bar(opening, bar, 0.0).unwrap(), -bar - 0.5 * thickness, 0.2, &offset);
+    let pose = Isometry3::translation(0.0, 0.0, radius + 0.5 * thickness);
+    let contact = Contact::new(Surface::sphere(radius).unwrap(), 0.4, 1.0, offset);
+    let ball = Impact::new(RigidBody::guided(pose, -4.0, 0.3), contact).starting_in_contact(true);
+    let loads = Loads { damping: 5.0, step_factor: 0.5, ..Loads::default() };
+    let mut run = Run { engine: Engine::new(vec![film], nodes, [ball, ring], loads).with_self_contact(0.3) };
+    let course = run.course(0.06, 20);
+    course.check(50);
+    assert!(course.distance > 0.6 * thickness, "{course:?}");
+    let height = |view: &View<'_>, n: usize| view.nodes.position.value_at(n)[2];
+    let highest = run.observe(|view| (0..view.nodes.mass.len()).map(|n| height(view, n)).fold(f64::MIN, f64::max));
+    assert!(highest < -2.0 * bar, "all of the film is through the ring: {highest}");
+}
+
+/// A sheet in three layers, folded about two lines, lies on a flat block; a ball that slides over it drags the upper layer
+/// by friction, and one fold after it.
+#[test]
+fn a_fold_that_a_ball_drags_does_not_cross_itself() {
+    let (bend, flat, thickness) = (4e-4, 0.08, 2e-4);
+    let arc = PI * bend;
+    let length = 3.0 * flat + 2.0 * arc;
+    // Along the sheet: right at the bottom, back in the middle, right at the top.
+    let profile = |s: f64| -> [f64; 2] {
+        let around = |s: f64, side: f64| [side * bend * (s / bend).sin(), bend * (1.0 - (s / bend).cos())];
+        if s < flat {
+            [s, 0.0]
+        } else if s < flat + arc {
+            let [x, z] = around(s - flat, 1.0);
+            [flat + x, z]
+        } else if s < 2.0 * flat + arc {
+            [2.0 * flat + arc - s, 2.0 * bend]
+        } else if s < 2.0 * (flat + arc) {
+            let [x, z] = around(s - 2.0 * flat - arc, -1.0);
+            [x, 2.0 * bend + z]
+        } else {
+            [s - 2.0 * (flat + arc), 4.0 * bend]
+        }
+    };
+    let mesh = grid([54, 10], false, |u, v| {
+        let [x, z] = profile(u * length);
+        Point3::new(x - 0.5 * flat, 0.05 * (v - 0.5), z)
+    });
+    let section = Section { thickness, ..section(5e6) };
+    let (film, nodes) = mount(&mesh, &section, |_| [0.0; 3]);
+    let offset = vec![0.5 * thickness; nodes.mass.len()];
+    let depth = 0.02;
+    let block = Surface::cuboid([0.6, 0.6, depth], 2e-3).unwrap();
+    let floor = held(block, -0.5 * depth - 0.5 * thickness, 0.6, &offset);
+    let radius = 0.02;
+    let pose = Isometry3::translation(-0.02, 0.0, 4.0 * bend + radius + 0.5 * thickness);
+    // Too inert to roll.
+    let ball = RigidBody::free(pose, Vector3::new(1.0, 0.0, 0.0), 1.0, Matrix3::identity());
+    let contact = Contact::new(Surface::sphere(radius).unwrap(), 0.6, 1.0, offset);
+    let ball = Impact::new(ball, contact).starting_in_contact(true);
+    let loads = Loads { gravity: 9.81, damping: 5.0, step_factor: 0.5, ..Loads::default() };
+    let mut run = Run { engine: Engine::new(vec![film], nodes, [ball, floor], loads).with_self_contact(0.1) };
+    let fold = |run: &mut Run| {
+        run.observe(|view| (0..view.nodes.mass.len()).map(|n| view.nodes.position.value_at(n)[0]).fold(1.0, f64::min))
+    };
+    let start = fold(&mut run);
+    let course = run.course(0.03, 20);
+    course.check(50);
+    assert!(course.distance > 0.6 * thickness, "{course:?}");
+    assert!(fold(&mut run) - start > bend, "the fold is drawn after the ball");
+}
+
+/// A pillow of two squares that are joined at their edges, which the pressure around it empties.
+fn pillow(size: f64, cells: u32, height: f64) -> Mesh {
+    let at = |k: u32| f64::from(k) / f64::from(cells) - 0.5;
+    let row = cells + 1;
+    let is_rim = |i: u32, j: u32| [i, j].iter().any(|k| [0, cells].contains(k));
+    let dome = |k: u32| (PI * at(k)).cos();
+    let mut mesh = Mesh::default();
+    // Numbers of the nodes of the upper and of the lower half; those of the rim are shared.
+    let mut number = [vec![], vec![]];
+    for (half, side) in [1.0, -1.0].into_iter().enumerate() {
+        for j in 0..row {
+            for i in 0..row {
+                let shared = (half == 1 && is_rim(i, j)).then(|| number[0][(j * row + i) as usize]);
+                let node = shared.unwrap_or(mesh.nodes.len() as u32);
+                number[half].push(node);
+                if shared.is_none() {
+                    // Skewed, so that no plane of the pillow is one of symmetry.
+                    let (x, y) = (at(i), at(j));
+                    let z = side * height * dome(i) * dome(j) * (1.0 + 0.2 * x - 0.1 * y);
+                    mesh.nodes.push(Point3::new(size * x, size * y, z));
+                }
+            }
+        }
+    }
+    for (half, number) in number.iter().enumerate() {
+        for j in 0..cells {
+            for i in 0..cells {
+                let [a, b, c, d] =
+                    [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| number[(j * row + i) as usize]);
+                // Normals point outward.
+                mesh.quads.push(if half == 0 { [a, b, c, d] } else { [a, d, c, b] });
+            }
+        }
+    }
+    mesh
+}
+
+#[test]
+fn a_bag_that_is_emptied_comes_to_lie_on_itself() {
+    let (film, nodes) = mount(&pillow(0.2, 16, 0.03), &section(2e7), |_| [0.0; 3]);
+    let inflation = Some(Inflation { pressure: -300.0, ramp: 0.02 });
+    let loads = Loads { inflation, damping: 20.0, step_factor: 0.25, ..Loads::default() };
+    let mut run = Run { engine: Engine::new(vec![film], nodes, [], loads).with_self_contact(0.3) };
+    let volume = |run: &mut Run| run.observe(|view| crate::engine::pressure::volume(view.films, view.nodes));
+    let start = volume(&mut run);
+    let course = run.course(0.04, 40);
+    course.check(200);
+    println!("{} of the volume is left", volume(&mut run) / start);
+    assert!(volume(&mut run) < 0.01 * start, "the bag is empty");
+    assert!(course.momentum[0] < 1e-12, "{course:?}");
+}
