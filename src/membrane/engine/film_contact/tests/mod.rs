@@ -1,6 +1,6 @@
 //! Films that meet, against conservation laws and a search for crossings that shares nothing with the contact.
 
-mod handled;
+mod gathered;
 mod itself;
 pub(super) mod numbers;
 mod searched;
