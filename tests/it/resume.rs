@@ -11,6 +11,7 @@ use tempfile::TempDir;
 
 use droptower::diagnostic;
 use droptower::model::{self, Model, Motion};
+use droptower::post::OF_THE_MACHINE;
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
 use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunError, RunOptions, Warning};
@@ -56,13 +57,12 @@ fn killed_after_a_checkpoint(bench: &Path, arguments: &[&str]) {
     child.wait().expect("gone");
 }
 
-/// The summary without the figures that depend on the machine and what else it does: `instructions` follows from a
-/// measurement.
+/// The summary without the figures of the machine.
 fn summary(folder: &Path) -> Json {
     let text = fs::read(folder.join("summary.json")).expect("a summary");
     let mut summary: Json = serde_json::from_slice(&text).expect("JSON");
     let figures = summary.as_object_mut().expect("figures");
-    for of_this_run in ["wall_s", "ns_per_element_step", "threads", "instructions"] {
+    for of_this_run in OF_THE_MACHINE {
         assert!(figures.remove(of_this_run).is_some());
     }
     summary

@@ -18,15 +18,12 @@ use thiserror::Error;
 
 use super::build_name::build_name;
 use super::description::{Bases, Description};
-use crate::post::{COST, HEADER, Plan, Results, failure_message};
+use crate::post::{COST, HEADER, OF_THE_MACHINE, Plan, Results, failure_message};
 use crate::store::EvaluationStore;
 use crate::store::evaluations::{Key, Share};
 use base::file::{Digest, FileError};
 use scene::model::{FieldReference, Identity, Model, Reference};
 use scene::simulate::{self, Cancellation, Outcome, RunError, RunOptions};
-
-/// Figures of a summary that follow from the machine.
-const OF_THE_MACHINE: [&str; 4] = ["wall_s", "ns_per_element_step", "threads", "instructions"];
 
 /// Time between two looks for what another process computes.
 const WAIT: Duration = Duration::from_millis(100);

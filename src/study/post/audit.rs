@@ -22,6 +22,9 @@ pub const COST: [&str; 8] = [
     "instructions",
 ];
 
+/// Those of them that differ between runs of one scenario: they follow from the machine, and from what else it does.
+pub const OF_THE_MACHINE: [&str; 4] = ["wall_s", "ns_per_element_step", "threads", "instructions"];
+
 /// Size, cost and errors of a run; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Audit {

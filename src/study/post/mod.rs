@@ -19,7 +19,7 @@ mod warning;
 
 use crate::script::Chapter;
 
-pub use audit::{Audit, COST, Histogram, MeshFigures};
+pub use audit::{Audit, COST, Histogram, MeshFigures, OF_THE_MACHINE};
 pub use comparison::{RunComparison, is_key_figure, is_result};
 pub use field::{FieldFigures, FieldTime};
 pub use figures::{FigureName, figures, is_of_script};
