@@ -292,14 +292,11 @@ impl RigidBody {
     /// Applies `impulse` (N s) at `arm` (m) from the centre of mass, of which a guide admits a part.
     #[inline]
     pub(super) fn apply_impulse_at(&mut self, impulse: &Vector3<f64>, arm: &Vector3<f64>) {
-        match self.freedom {
-            // Of all bodies the most frequent, in the sweeps of contact: no moment, and no call.
-            Freedom::Z => self.velocity.z += impulse.z / self.mass,
-            _ => self.apply_impulse(impulse, &arm.cross(impulse)),
-        }
+        self.apply_impulse(impulse, &arm.cross(impulse));
     }
 
     /// Applies `impulse` (N s) and its `moment` about the centre of mass (N m s), of which a guide admits a part.
+    #[inline]
     pub(super) fn apply_impulse(&mut self, impulse: &Vector3<f64>, moment: &Vector3<f64>) {
         match self.freedom {
             Freedom::Z => self.velocity.z += impulse.z / self.mass,

@@ -4,15 +4,9 @@ use std::f64::consts::PI;
 
 use nalgebra::Matrix3;
 
-use super::itself::{grid, mount, section};
+use super::itself::{fixed, grid, mount, section};
 use super::*;
 use crate::engine::Inflation;
-
-/// A body that stands still beside the film.
-fn fixed(surface: Surface, height: f64, friction: f64, offset: &[f64]) -> Impact {
-    let body = RigidBody::prescribed(Isometry3::translation(0.0, 0.0, height), 0.0);
-    Impact::new(body, Contact::new(surface, friction, 1.0, offset.to_vec()))
-}
 
 fn positions<'a>(view: &'a View<'_>) -> impl Iterator<Item = Vector3<f64>> + 'a {
     (0..view.nodes.mass.len()).map(|n| Vector3::from(view.nodes.position.value_at(n)))

@@ -76,20 +76,20 @@ const LEAST: f64 = 0.8 * THICKNESS;
 /// What a run came to.
 #[derive(Debug, Default)]
 pub(super) struct Course {
-    pub(super) crossings: usize,
+    crossings: usize,
     /// Least distance of parts of film over each other, m.
-    pub(super) distance: f64,
+    distance: f64,
     /// Largest change of momentum, kg m/s, and of angular momentum, kg m²/s.
     pub(super) momentum: [f64; 2],
     /// Largest error of the energy balance, J, that lasts from one look to the next: where much film meets in one step,
     /// velocities at the full step show half of the loss only.
-    pub(super) error: f64,
+    error: f64,
     /// Energy at the start, and that exchanged until the end, J.
-    pub(super) start: f64,
+    start: f64,
     pub(super) exchanged: f64,
-    pub(super) pressed: usize,
-    pub(super) lost: u64,
-    pub(super) unresolved: [u64; 2],
+    pressed: usize,
+    lost: u64,
+    unresolved: [u64; 2],
 }
 
 impl Run {
@@ -218,6 +218,12 @@ fn the_lips_of_a_cut_meet() {
     }
 }
 
+/// A body that stands still beside the film.
+pub(super) fn fixed(surface: Surface, height: f64, friction: f64, offset: &[f64]) -> Impact {
+    let body = RigidBody::prescribed(Isometry3::translation(0.0, 0.0, height), 0.0);
+    Impact::new(body, Contact::new(surface, friction, 1.0, offset.to_vec()))
+}
+
 /// A sheet that falls upright on a ball. Of the energy balance, steps of the central differences leave 9e-3 on its sharp
 /// folds, half of them 2.3e-3, a quarter 8e-4.
 fn falling() -> Run {
@@ -225,9 +231,7 @@ fn falling() -> Run {
     let mesh = grid([20, 20], false, |u, v| Point3::new(0.1 * (u - 0.5), 1e-3 * (9.0 * v + 2.0 * u).sin(), 0.1 * v));
     let (film, nodes) = mount(&mesh, &section(2e7), |_| [0.0, 0.0, -3.0]);
     let offset = vec![0.5 * THICKNESS; nodes.mass.len()];
-    let pose = Isometry3::translation(0.0, 0.0, -radius - 1e-3);
-    let contact = Contact::new(Surface::sphere(radius).unwrap(), 0.3, 1.0, offset);
-    let floor = Impact::new(RigidBody::prescribed(pose, 0.0), contact);
+    let floor = fixed(Surface::sphere(radius).unwrap(), -radius - 1e-3, 0.3, &offset);
     let loads = Loads { gravity: 9.81, step_factor: 0.25, ..Loads::default() };
     Run { engine: Engine::new(vec![film], nodes, [floor], loads).with_self_contact(0.3) }
 }
