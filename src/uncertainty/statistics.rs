@@ -72,17 +72,33 @@ pub fn deviation(samples: &[f64]) -> Option<f64> {
 /// # Panics
 /// A probability is not within 0 and 1.
 pub fn quantiles(samples: &[f64], at: &[f64]) -> Option<Vec<f64>> {
-    let mut sorted = samples.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    (!sorted.is_empty()).then(|| at.iter().map(|&p| quantile_of_sorted(&sorted, p)).collect())
+    order_statistics(samples, at, |p, count| p * (count - 1.0))
 }
 
-fn quantile_of_sorted(sorted: &[f64], p: f64) -> f64 {
-    assert!((0.0..=1.0).contains(&p), "a probability lies within 0 and 1, not {p}");
-    let place = p * (sorted.len() - 1) as f64;
-    let below = place as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+/// Values below which one more sample of the same distribution lies with the probabilities `at`, linear between order
+/// statistics of which the k-th of n is that of k/(n + 1), as it is for every distribution (type 6 of Hyndman, Fan 1996);
+/// the least and the largest sample beyond 1/(n + 1) and n/(n + 1). None of no samples.
+///
+/// [`quantiles`] lie closer together: those of 2.5 and 97.5 % of 48 samples hold 91.1 % of further ones.
+///
+/// # Panics
+/// A probability is not within 0 and 1.
+pub fn predictive_quantiles(samples: &[f64], at: &[f64]) -> Option<Vec<f64>> {
+    order_statistics(samples, at, |p, count| (p * (count + 1.0) - 1.0).clamp(0.0, count - 1.0))
+}
+
+/// Values between sorted samples; `place` of a probability and their number counts from zero.
+fn order_statistics(samples: &[f64], at: &[f64], place: impl Fn(f64, f64) -> f64) -> Option<Vec<f64>> {
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let value = |&p: &f64| {
+        assert!((0.0..=1.0).contains(&p), "a probability lies within 0 and 1, not {p}");
+        let place = place(p, sorted.len() as f64);
+        let below = place as usize;
+        let above = (below + 1).min(sorted.len() - 1);
+        sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+    };
+    (!sorted.is_empty()).then(|| at.iter().map(value).collect())
 }
 
 /// Interval of a probability of which `count` of `trials` were counted, by the score test (Wilson 1927); the whole unit
@@ -196,6 +212,13 @@ mod tests {
         }
         assert_eq!(quantiles(&[], &[0.5]), None);
         assert_eq!(quantiles(&[2.0], &[0.3]), Some(vec![2.0]));
+        // The k-th of four samples is that of k/5, and no sample lies beyond the outer ones.
+        let found = predictive_quantiles(&[4.0, 1.0, 3.0, 2.0], &[0.0, 0.2, 0.5, 0.7, 0.8, 1.0]).unwrap();
+        assert!(
+            found.iter().zip([1.0, 1.0, 2.5, 3.5, 4.0, 4.0]).all(|(own, expected)| (own - expected).abs() < 1e-12),
+            "{found:?}"
+        );
+        assert_eq!(predictive_quantiles(&[], &[0.5]), None);
     }
 
     #[test]

@@ -16,7 +16,8 @@ use crate::scenario_functions::Study;
 use crate::script::{HostResult, Row, Session, cause, check_stop, refuse};
 use lab::signal::Series;
 use plot::{Curve, Look, Plot};
-use uncertainty::statistics::{mean, quantiles, variance, wilson};
+use uncertainty::normal::{cumulative, quantile};
+use uncertainty::statistics::{mean, predictive_quantiles, variance, wilson};
 
 /// Places of a band.
 const PLACES: usize = 200;
@@ -92,6 +93,9 @@ impl Prediction {
         if runs.len() < 2 {
             let cause = warnings.last().map(ToString::to_string).unwrap_or_default();
             return Err(refuse(format!("{name} has no prediction: {cause}")));
+        }
+        if let Some(held) = held_by_extremes(runs.len()) {
+            warnings.push(Warning::PredictionOfFewRuns { scenario: name.into(), runs: runs.len(), held });
         }
         asked.check(&runs)?;
         let (mut bands, mut covered) = (Vec::new(), Vec::new());
@@ -178,6 +182,12 @@ impl Asked {
     }
 }
 
+/// How much the least and the largest value of so few runs hold that no ends of 95 % lie between them.
+fn held_by_extremes(runs: usize) -> Option<f64> {
+    let held = (runs as f64 - 1.0) / (runs as f64 + 1.0);
+    (held < BAND[2] - BAND[0] - 1e-9).then_some(held)
+}
+
 /// The number of a figure in a run; whether something is so counts as one or zero.
 fn number(run: &Run, figure: &str) -> Option<f64> {
     let value = run.summary().get(figure)?;
@@ -200,7 +210,7 @@ fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], ru
     let row = |name: &String| {
         let values = asked.values(name, runs);
         let own: Vec<f64> = values.iter().map(|(value, _)| *value).collect();
-        let ends = quantiles(&own, &BAND)?;
+        let ends = predictive_quantiles(&own, &BAND)?;
         let [low, high] = if asked.errors.contains_key(name) { mixture(&values) } else { [ends[0], ends[2]] };
         let mut row = object(json!({
             "scenario": scenario, "figure": name, "median": ends[1], "lower_95": low, "upper_95": high,
@@ -246,7 +256,7 @@ fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row>
     let row = |(figure, limit): &(String, f64)| {
         let found = asked.values(figure, runs);
         let exceeds = |(value, deviation): &(f64, f64)| match *deviation > 0.0 {
-            true => uncertainty::normal::cumulative((value - limit) / deviation),
+            true => cumulative((value - limit) / deviation),
             false => f64::from(u8::from(value > limit)),
         };
         let count = found.iter().map(exceeds).sum::<f64>();
@@ -282,7 +292,9 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
             .filter_map(|((own, share), level)| Some((own.value_at(*place)?, share * level)))
             .collect();
         let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();
-        inner.push(quantiles(&values, &BAND).ok_or_else(|| refuse(format!("{name} has no value at {place}")))?);
+        inner.push(
+            predictive_quantiles(&values, &BAND).ok_or_else(|| refuse(format!("{name} has no value at {place}")))?,
+        );
         outer.push(mixture(&own));
     }
     let curve = |title: &str, look, of: &dyn Fn(usize) -> f64| Curve {
@@ -322,23 +334,36 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
     Ok((Plot::new(title, ["time (ms)", axis], curves), covered))
 }
 
-/// Ends of 95 % of a mixture of normal distributions of equal weight, by bisection.
+/// Ends of 95 % of what one more run would have, of runs' values, each with the deviation of its model's error: those of a
+/// mixture of normal distributions of equal weight, by bisection.
+///
+/// Few runs leave open where the ends of their distribution lie, which takes ends at the ranks p (n + 1) as in
+/// [`predictive_quantiles`]; the normal distributions are known (theory.md, equation 337c).
 fn mixture(own: &[(f64, f64)]) -> [f64; 2] {
+    let count = own.len() as f64;
     let below = |y: f64| {
         let part = |(value, deviation): &(f64, f64)| match *deviation > 0.0 {
-            true => uncertainty::normal::cumulative((y - value) / deviation),
+            true => cumulative((y - value) / deviation),
             false => f64::from(u8::from(y >= *value)),
         };
-        own.iter().map(part).sum::<f64>() / own.len() as f64
+        own.iter().map(part).sum::<f64>() / count
     };
+    let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();
+    let of_runs = variance(&values).unwrap_or(0.0);
+    let whole = of_runs + own.iter().map(|(_, deviation)| deviation * deviation).sum::<f64>() / count;
+    let of_errors = if whole > 0.0 { 1.0 - of_runs / whole } else { 1.0 };
     let reach = own.iter().map(|(_, deviation)| 8.0 * deviation).fold(0.0, f64::max);
-    let low = own.iter().map(|(value, _)| *value).fold(f64::INFINITY, f64::min) - reach;
-    let high = own.iter().map(|(value, _)| *value).fold(f64::NEG_INFINITY, f64::max) + reach;
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min) - reach;
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max) + reach;
     [BAND[0], BAND[2]].map(|probability| {
+        // What one more run counts itself; no end lies beyond the step of the outermost run.
+        let of_next = cumulative(quantile(probability) * (of_errors / (2.0 - of_errors)).sqrt());
+        let least = of_next.min(1.0 - of_next);
+        let sought = (probability * (count + 1.0) - of_next).clamp(least, count - least) / count;
         let (mut from, mut to) = (low, high);
         for _ in 0..60 {
             let middle = 0.5 * (from + to);
-            if below(middle) < probability { from = middle } else { to = middle }
+            if below(middle) < sought { from = middle } else { to = middle }
         }
         0.5 * (from + to)
     })
@@ -346,14 +371,44 @@ fn mixture(own: &[(f64, f64)]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use uncertainty::random::Stream;
+
     use super::*;
 
     #[test]
     fn a_mixture_has_the_ends_of_its_normal_distributions() {
         let found = mixture(&[(1.0, 2.0), (1.0, 2.0)]);
         assert!((found[0] - (1.0 - 1.959_964 * 2.0)).abs() < 1e-5 && (found[1] - (1.0 + 1.959_964 * 2.0)).abs() < 1e-5);
-        // Two values far apart: 5 % of the left one lie below, of the right one above.
-        let found = mixture(&[(0.0, 1.0), (100.0, 1.0)]);
-        assert!((found[0] + 1.644_854).abs() < 1e-5 && (found[1] - 101.644_854).abs() < 1e-5, "{found:?}");
+        // Two groups far apart: all but 5 % of each lie on the inner side of the ends; half of one run is beyond for the few runs.
+        let runs: Vec<(f64, f64)> = (0..1000).map(|at| (f64::from(at % 2) * 100.0, 1.0)).collect();
+        let found = mixture(&runs);
+        let end = quantile(2.0 * (0.025 * 1001.0 - cumulative(-1.959_964 * (1.0_f64 / 5003.5).sqrt())) / 1000.0);
+        assert!((found[0] - end).abs() < 1e-3 && (found[1] - 100.0 + end).abs() < 1e-3, "{found:?}");
+    }
+
+    /// Ends of some dozens of runs hold 95 % of what is drawn with them, whether the runs scatter more or the model's error.
+    #[test]
+    fn ends_hold_what_they_say() {
+        let mut random = Stream::new(7);
+        let trials = 800;
+        for deviation in [0.0, 0.3, 1.0, 3.0] {
+            for count in [40, 64] {
+                let mut held = 0.0;
+                for _ in 0..trials {
+                    let runs: Vec<(f64, f64)> = (0..count).map(|_| (random.normal(), deviation)).collect();
+                    let [low, high] = match deviation > 0.0 {
+                        true => mixture(&runs),
+                        false => {
+                            let values: Vec<f64> = runs.iter().map(|run| run.0).collect();
+                            let ends = predictive_quantiles(&values, &BAND).unwrap();
+                            [ends[0], ends[2]]
+                        }
+                    };
+                    let whole = 1.0_f64.hypot(deviation);
+                    held += (cumulative(high / whole) - cumulative(low / whole)) / f64::from(trials);
+                }
+                assert!((held - 0.95).abs() < 0.006, "{count} runs, error of {deviation}: {held}");
+            }
+        }
     }
 }

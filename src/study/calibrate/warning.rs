@@ -142,6 +142,15 @@ findings! {
             remedy "count that test in the calibration, refine the mesh, or give the tests more freedom (`hierarchy`, a larger \
                 `discrepancy`)";
             message "{scenario}: only {} of its recorded {signal} lie in the band of 95 % that was predicted", percent(*share);
+        PredictionOfFewRuns {
+            scenario: String, "the scenario" => "scenario";
+            runs: usize, "its runs" => "runs";
+            held: f64, "what their least and largest value hold" => "held";
+        } = "prediction-of-few-runs", Warning;
+            meaning "the least and the largest of n values hold (n - 1)/(n + 1) of further ones: below 39 runs no interval of the runs alone \
+                holds 95 %, so that what is shown as 95 % reaches from the least to the largest value and holds less";
+            remedy "raise `samples` to 39 at least";
+            message "intervals of 95 % of {scenario} hold {}: they rest on {runs} runs", percent(*held);
         PredictionFailed {
             scenario: String, "the scenario" => "scenario";
             failed: usize, "runs without a value" => "failed";
