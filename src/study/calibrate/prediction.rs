@@ -210,10 +210,10 @@ fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], ru
     let row = |name: &String| {
         let values = asked.values(name, runs);
         let own: Vec<f64> = values.iter().map(|(value, _)| *value).collect();
-        let ends = predictive_quantiles(&own, &BAND)?;
-        let [low, high] = if asked.errors.contains_key(name) { mixture(&values) } else { [ends[0], ends[2]] };
+        let median = predictive_quantiles(&own, &[0.5])?[0];
+        let [low, high] = ends(&values);
         let mut row = object(json!({
-            "scenario": scenario, "figure": name, "median": ends[1], "lower_95": low, "upper_95": high,
+            "scenario": scenario, "figure": name, "median": median, "lower_95": low, "upper_95": high,
             "mean": mean(&own), "runs": own.len(), "model_error": asked.errors.get(name),
         }));
         if own.len() == draws.len() {
@@ -295,7 +295,7 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
         inner.push(
             predictive_quantiles(&values, &BAND).ok_or_else(|| refuse(format!("{name} has no value at {place}")))?,
         );
-        outer.push(mixture(&own));
+        outer.push(ends(&own));
     }
     let curve = |title: &str, look, of: &dyn Fn(usize) -> f64| Curve {
         name: title.into(),
@@ -334,12 +334,16 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
     Ok((Plot::new(title, ["time (ms)", axis], curves), covered))
 }
 
-/// Ends of 95 % of what one more run would have, of runs' values, each with the deviation of its model's error: those of a
-/// mixture of normal distributions of equal weight, by bisection.
-///
-/// Few runs leave open where the ends of their distribution lie, which takes ends at the ranks p (n + 1) as in
-/// [`predictive_quantiles`]; the normal distributions are known (theory.md, equation 337c).
-fn mixture(own: &[(f64, f64)]) -> [f64; 2] {
+/// Ends of 95 % of what one more run would have, of some runs' values, each with the deviation of its model's error: ends at the
+/// ranks p (n + 1), or those of a mixture of normal distributions of equal weight where there are errors, by bisection
+/// (theory.md, equations 337b and 337c).
+fn ends(own: &[(f64, f64)]) -> [f64; 2] {
+    let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();
+    if own.iter().all(|(_, deviation)| *deviation == 0.0)
+        && let Some(found) = predictive_quantiles(&values, &[BAND[0], BAND[2]])
+    {
+        return [found[0], found[1]];
+    }
     let count = own.len() as f64;
     let below = |y: f64| {
         let part = |(value, deviation): &(f64, f64)| match *deviation > 0.0 {
@@ -348,16 +352,14 @@ fn mixture(own: &[(f64, f64)]) -> [f64; 2] {
         };
         own.iter().map(part).sum::<f64>() / count
     };
-    let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();
-    let of_runs = variance(&values).unwrap_or(0.0);
-    let whole = of_runs + own.iter().map(|(_, deviation)| deviation * deviation).sum::<f64>() / count;
-    let of_errors = if whole > 0.0 { 1.0 - of_runs / whole } else { 1.0 };
+    let of_errors = own.iter().map(|(_, deviation)| deviation * deviation).sum::<f64>() / count;
+    let share = of_errors / (of_errors + variance(&values).unwrap_or(0.0));
     let reach = own.iter().map(|(_, deviation)| 8.0 * deviation).fold(0.0, f64::max);
     let low = values.iter().copied().fold(f64::INFINITY, f64::min) - reach;
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max) + reach;
     [BAND[0], BAND[2]].map(|probability| {
         // What one more run counts itself; no end lies beyond the step of the outermost run.
-        let of_next = cumulative(quantile(probability) * (of_errors / (2.0 - of_errors)).sqrt());
+        let of_next = cumulative(quantile(probability) * (share / (2.0 - share)).sqrt());
         let least = of_next.min(1.0 - of_next);
         let sought = (probability * (count + 1.0) - of_next).clamp(least, count - least) / count;
         let (mut from, mut to) = (low, high);
@@ -377,11 +379,11 @@ mod tests {
 
     #[test]
     fn a_mixture_has_the_ends_of_its_normal_distributions() {
-        let found = mixture(&[(1.0, 2.0), (1.0, 2.0)]);
+        let found = ends(&[(1.0, 2.0), (1.0, 2.0)]);
         assert!((found[0] - (1.0 - 1.959_964 * 2.0)).abs() < 1e-5 && (found[1] - (1.0 + 1.959_964 * 2.0)).abs() < 1e-5);
-        // Two groups far apart: all but 5 % of each lie on the inner side of the ends; half of one run is beyond for the few runs.
+        // Two groups far apart: 5 % of each lie beyond its end, a little less for the part of one more run.
         let runs: Vec<(f64, f64)> = (0..1000).map(|at| (f64::from(at % 2) * 100.0, 1.0)).collect();
-        let found = mixture(&runs);
+        let found = ends(&runs);
         let end = quantile(2.0 * (0.025 * 1001.0 - cumulative(-1.959_964 * (1.0_f64 / 5003.5).sqrt())) / 1000.0);
         assert!((found[0] - end).abs() < 1e-3 && (found[1] - 100.0 + end).abs() < 1e-3, "{found:?}");
     }
@@ -396,14 +398,7 @@ mod tests {
                 let mut held = 0.0;
                 for _ in 0..trials {
                     let runs: Vec<(f64, f64)> = (0..count).map(|_| (random.normal(), deviation)).collect();
-                    let [low, high] = match deviation > 0.0 {
-                        true => mixture(&runs),
-                        false => {
-                            let values: Vec<f64> = runs.iter().map(|run| run.0).collect();
-                            let ends = predictive_quantiles(&values, &BAND).unwrap();
-                            [ends[0], ends[2]]
-                        }
-                    };
+                    let [low, high] = ends(&runs);
                     let whole = 1.0_f64.hypot(deviation);
                     held += (cumulative(high / whole) - cumulative(low / whole)) / f64::from(trials);
                 }
