@@ -1,6 +1,8 @@
 //! Coupons at several angles to MD: what the calibrated law makes of each, of those that it has not seen, and whether the
 //! angles between follow a law that is fitted to 0, 45 and 90 degrees (docs/theory.md, section 28).
 
+use std::collections::BTreeMap;
+
 use rhai::{Array, Dynamic, Map};
 use serde_json::{Value, json};
 
@@ -65,7 +67,7 @@ impl Asked {
         let list = |name: &str| -> HostResult<Option<Vec<f64>>> {
             let Some(given) = options.map.get(name) else { return Ok(None) };
             let list = given.read_lock::<Array>().map(|list| list.clone());
-            let list = list.ok_or_else(|| refuse(format!("`{name}` is a list of strains")))?;
+            let list = list.ok_or_else(|| refuse(format!("`{name}` must be an array of strains")))?;
             list.iter().map(|item| number(item, "a strain")).collect::<HostResult<Vec<f64>>>().map(Some)
         };
         let ends = plan.tests.iter().filter(|test| test.pull.is_some()).flat_map(|test| &test.signals).map(end_of);
@@ -123,8 +125,13 @@ impl Angles {
             .zip(&found)
             .map(|(coupon, left)| row(asked, coupon, &fit.simulated[coupon.index], left, of_axes.as_ref()))
             .collect();
-        let mut warnings: Vec<Warning> = found.iter().chain(&of_axes).filter_map(|left| left.doubt(plan)).collect();
-        warnings.extend(of_axes.and_then(|left| doubt(asked, &coupons, &left)));
+        let mut warnings: Vec<Warning> = found.iter().chain(&of_axes).flat_map(|left| left.doubts(plan)).collect();
+        if let Some(left) = &of_axes {
+            let of_axis = |index: usize| left_out::simulated(plan, fit, index, &left.values, session);
+            let axes = coupons.iter().map(|own| own.index).filter(|index| !left.tests.contains(index));
+            let axes = axes.map(|index| Ok((index, of_axis(index)?))).collect::<HostResult<BTreeMap<_, _>>>()?;
+            warnings.extend(doubt(asked, &coupons, left, &axes));
+        }
         let mut plots = vec![modulus_plot(asked, &coupons, &laws)];
         plots.extend((0..asked.strains.len()).map(|place| force_plot(asked, &coupons, &laws, place)));
         Ok(Angles { rows, plots, warnings })
@@ -192,11 +199,11 @@ fn row(asked: &Asked, coupon: &Coupon<'_>, fitted: &[Series], left: &LeftOut, of
     };
     let of_law = |value: &dyn Fn(&Series) -> Option<f64>| fitted.first().and_then(value);
     let moduli = |series: &Series| modulus(series, asked.modulus).map(|slope| 1e-6 * slope);
-    let from_axes = of_axes.filter(|left| left.tests.contains(&coupon.index)).map(|left| &left.simulated[coupon.index]);
+    let from_axes = of_axes.and_then(|left| left.signals(coupon.index));
     let mut row = object(json!({
         "test": test.name, "angle_deg": coupon.direction.degrees(),
         "modulus_MPa": measured(&moduli), "modulus_law_MPa": of_law(&moduli),
-        "relative_error": error(test, fitted), "relative_error_left_out": error(test, &left.simulated[coupon.index]),
+        "relative_error": error(test, fitted), "relative_error_left_out": left.signals(coupon.index).and_then(|own| error(test, own)),
         "relative_error_from_0_45_90": from_axes.and_then(|own| error(test, own)),
         "bias_from_0_45_90": from_axes.map(|own| bias(test, own)),
     }));
@@ -210,14 +217,22 @@ fn row(asked: &Asked, coupon: &Coupon<'_>, fitted: &[Series], left: &LeftOut, of
     row
 }
 
-/// Whether the angles between follow the law of 0, 45 and 90 degrees, and if not, what would.
-fn doubt(asked: &Asked, coupons: &[Coupon<'_>], left: &LeftOut) -> Option<Warning> {
+/// Whether the angles between follow the law of 0, 45 and 90 degrees, and if not, what would; `axes` are the signals of the
+/// coupons at these, by their tests.
+fn doubt(
+    asked: &Asked,
+    coupons: &[Coupon<'_>],
+    left: &LeftOut,
+    axes: &BTreeMap<usize, Vec<Series>>,
+) -> Option<Warning> {
+    let signals =
+        |coupon: &Coupon<'_>| left.signals(coupon.index).or_else(|| axes.get(&coupon.index).map(Vec::as_slice));
     let is_between = |coupon: &&Coupon<'_>| left.tests.contains(&coupon.index);
     let off: Vec<(&Coupon<'_>, f64, f64)> = coupons
         .iter()
         .filter(is_between)
         .filter_map(|coupon| {
-            let simulated = &left.simulated[coupon.index];
+            let simulated = signals(coupon)?;
             let error = error(coupon.test, simulated)?;
             (error > asked.tolerance).then(|| (coupon, bias(coupon.test, simulated), error))
         })
@@ -229,7 +244,7 @@ fn doubt(asked: &Asked, coupons: &[Coupon<'_>], left: &LeftOut) -> Option<Warnin
     let slope = |coupon: &Coupon<'_>| {
         let measured = coupon.test.signals.iter().filter_map(|signal| modulus(&signal.measured, asked.modulus));
         let measured: Vec<f64> = measured.collect();
-        let own = modulus(left.simulated[coupon.index].first()?, asked.modulus)?;
+        let own = modulus(signals(coupon)?.first()?, asked.modulus)?;
         Some(own * measured.len() as f64 / measured.iter().sum::<f64>() - 1.0)
     };
     let of_axes: Vec<f64> = coupons.iter().filter(|own| !is_between(own)).filter_map(slope).collect();

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::angles::{self, Angles};
 use super::candidates;
 use super::curve_parameter;
-use super::fit::Fit;
+use super::fit::{self, Fit, LINEAR};
 use super::left_out;
 use super::parameter::{self, Role, Unknown, texts};
 use super::plan::{self, Plan};
@@ -21,6 +21,7 @@ use crate::identify::SearchHost;
 use crate::scenario_functions::{Scenarios, Study};
 use crate::script::{
     CallOptions, Chapter, Entry, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse,
+    refuse_key,
 };
 use base::finding::Finding;
 
@@ -52,14 +53,16 @@ struct Parts {
     scenarios: Scenarios,
     host: SearchHost,
     collector: OutputCollector,
-    asked: Mutex<Answers>,
+    derived: Mutex<Derived>,
 }
 
-/// What was asked of a calibration so far.
+/// What was derived from a calibration so far; tables have all of it.
 #[derive(Default)]
-struct Answers {
+struct Derived {
     posterior: Option<Posterior>,
     predictions: Vec<Prediction>,
+    candidates: Vec<Row>,
+    left_out: Vec<Row>,
 }
 
 /// Offers `calibrate` to scripts: its scenarios are read as `scenario` reads them, `host` runs its searches, and its tables
@@ -86,7 +89,7 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_get("parameters", |own: &mut Calibration| listed(&own.parameters()))
         .register_get("tests", |own: &mut Calibration| listed(&rows::tests(&own.0.plan, &own.0.fit)))
         .register_get("posterior_runs", |own: &mut Calibration| {
-            own.asked().posterior.as_ref().map_or(0, |found| found.runs) as rhai::INT
+            own.derived().posterior.as_ref().map_or(0, |found| found.runs) as rhai::INT
         })
         .register_get("outcomes", |own: &mut Calibration| listed(&rows::outcomes(&own.0.plan, &own.0.fit)))
         .register_get("findings", |own: &mut Calibration| from_json(&json!(own.0.fit.findings)))
@@ -135,9 +138,13 @@ impl Calibration {
             return Err(refuse("an objective cannot search: `calibrate` is called within one"));
         }
         let mut plan = Plan::read(options, scenarios, session)?;
+        if collector.has_table(&plan.table("parameters")) {
+            let text = "a calibration before this one has its tables: give one of them a `name`";
+            return Err(refuse_key("name", text, None));
+        }
         let fit = Fit::search(&mut plan, host, session)?;
         let (scenarios, host, collector) = (scenarios.clone(), host.clone(), collector.clone());
-        let own = Calibration(Arc::new(Parts { plan, fit, scenarios, host, collector, asked: Mutex::default() }));
+        let own = Calibration(Arc::new(Parts { plan, fit, scenarios, host, collector, derived: Mutex::default() }));
         own.report()?;
         Ok(own)
     }
@@ -156,7 +163,7 @@ impl Calibration {
 
     fn parameters(&self) -> Vec<Row> {
         let Parts { plan, fit, .. } = &*self.0;
-        rows::parameters(plan, &fit.values, &fit.known, "linear model at the best point")
+        rows::parameters(plan, &fit.values, &fit.known, LINEAR)
     }
 
     /// Values by the names of the unknowns.
@@ -175,8 +182,8 @@ impl Calibration {
         plan.tests[place].study.with(plan.changes_with_breaks(place, &fit.values), session)
     }
 
-    fn asked(&self) -> MutexGuard<'_, Answers> {
-        self.0.asked.lock().unwrap_or_else(PoisonError::into_inner)
+    fn derived(&self) -> MutexGuard<'_, Derived> {
+        self.0.derived.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Samples the posterior; its rows.
@@ -184,7 +191,7 @@ impl Calibration {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let options = Options { of: "posterior", map: options };
         let scattered = scattered(plan, &options)?;
-        let from = Beginning::of(plan, fit, &scattered)?;
+        let from = Beginning::new(plan, fit, &scattered)?;
         let options = posterior_options(&from.plan, &options, &scattered)?;
         let found = Posterior::sample(&from, &options, host, session)?;
         for warning in &found.warnings {
@@ -193,48 +200,55 @@ impl Calibration {
         let median = found.median();
         let known =
             verdict::of_covariance(&from.plan, &median, &found.covariance(), &from.jacobian, &found.at_bounds());
+        for warning in fit::doubts(&from.plan, &known, "posterior") {
+            collector.report(Finding::new(&warning)).map_err(refuse)?;
+        }
         let rows = rows::posterior(&found, &known);
         collector.table(&plan.table("posterior"), rows.clone()).map_err(refuse)?;
         collector.table(&plan.table("posterior_tests"), rows::surrogates(&found)).map_err(refuse)?;
-        self.asked().posterior = Some(found);
+        self.derived().posterior = Some(found);
         Ok(listed(&rows))
     }
 
     /// Predicts scenarios with draws of the posterior, which is sampled first where it was not.
     fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
-        let Parts { plan, host, collector, .. } = &*self.0;
+        let Parts { plan, host, .. } = &*self.0;
         let asked = asked(&Options { of: "predict", map: options })?;
         // A scenario that cannot be read is known before the posterior is sampled.
         let predicted = scenarios.iter().map(|given| self.predicted(given, session));
         let predicted = predicted.collect::<HostResult<Vec<_>>>()?;
-        let is_sampled = self.asked().posterior.is_some();
+        predicted.iter().try_for_each(|(_, study)| asked.check_names(study))?;
+        let is_sampled = self.derived().posterior.is_some();
         if !is_sampled {
             drop(self.posterior(&Map::new(), session)?);
         }
-        let Some(posterior) = self.asked().posterior.clone() else { return Err(refuse("there is no posterior")) };
-        let mut all: Vec<Prediction> = Vec::new();
+        let Some(posterior) = self.derived().posterior.clone() else { return Err(refuse("there is no posterior")) };
+        let before = self.derived().predictions.len();
         for (name, study) in predicted {
             host.tell(&format!("{}, prediction of {name}: {} runs", plan.title(), asked.samples));
-            all.push(Prediction::of(&name, &study, &posterior, &asked, session)?);
+            let found = Prediction::new(&name, &study, &posterior, &asked, session)?;
+            self.derived().predictions.push(found);
+            // One by one: an error of the next leaves what the others took their runs for.
+            self.report_predictions()?;
         }
-        let of =
-            |rows: fn(&Prediction) -> &Vec<Row>| all.iter().flat_map(|own| rows(own).clone()).collect::<Vec<Row>>();
-        let mut map = Map::new();
-        for (name, rows) in [
-            ("figures", of(|own| &own.figures)),
-            ("probabilities", of(|own| &own.probabilities)),
-            ("within_band", of(|own| &own.covered)),
-        ] {
-            map.insert(name.into(), listed(&rows));
+        let derived = self.derived();
+        let found = &derived.predictions[before..];
+        Ok(PREDICTED.iter().map(|(name, rows)| ((*name).into(), listed(&joined(found, *rows)))).collect())
+    }
+
+    /// Tables of all predictions so far, and the findings of the last.
+    fn report_predictions(&self) -> HostResult<()> {
+        let Parts { plan, collector, .. } = &*self.0;
+        let derived = self.derived();
+        for (name, rows) in PREDICTED {
+            let rows = joined(&derived.predictions, rows);
             if !rows.is_empty() {
                 collector.table(&plan.table(&format!("predicted_{name}")), rows).map_err(refuse)?;
             }
         }
-        for warning in all.iter().flat_map(|own| &own.warnings) {
-            collector.report(Finding::new(warning)).map_err(refuse)?;
-        }
-        self.asked().predictions.extend(all);
-        Ok(map)
+        let last = derived.predictions.last();
+        let mut warnings = last.into_iter().flat_map(|own| &own.warnings);
+        warnings.try_for_each(|warning| collector.report(Finding::new(warning))).map_err(refuse)
     }
 
     /// A scenario to predict, or `#{ scenario, name, set }`.
@@ -257,7 +271,9 @@ impl Calibration {
     fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, scenarios, collector, .. } = &*self.0;
         let rows = candidates::compared(given, plan, fit, scenarios, session)?;
-        collector.table(&plan.table("candidates"), rows.clone()).map_err(refuse)?;
+        let mut derived = self.derived();
+        derived.candidates.extend(rows.clone());
+        collector.table(&plan.table("candidates"), derived.candidates.clone()).map_err(refuse)?;
         Ok(listed(&rows))
     }
 
@@ -266,11 +282,13 @@ impl Calibration {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let groups = left_out::groups(tests, plan)?;
         let found = left_out::searched(&groups, plan, fit, host, session)?;
-        for warning in found.iter().filter_map(|left| left.doubt(plan)) {
+        for warning in found.iter().flat_map(|left| left.doubts(plan)) {
             collector.report(Finding::new(&warning)).map_err(refuse)?;
         }
         let rows = left_out::rows(&found, plan, fit);
-        collector.table(&plan.table("left_out"), rows.clone()).map_err(refuse)?;
+        let mut derived = self.derived();
+        derived.left_out.extend(rows.clone());
+        collector.table(&plan.table("left_out"), derived.left_out.clone()).map_err(refuse)?;
         Ok(listed(&rows))
     }
 
@@ -292,9 +310,9 @@ impl Calibration {
     /// Plots of every test, measured and calibrated, of the posterior and of predictions.
     fn page(&self) -> HostResult<()> {
         let Parts { plan, fit, collector, .. } = &*self.0;
-        let asked = self.asked();
-        let pairs = asked.posterior.iter().flat_map(rows::pairs);
-        let bands = asked.predictions.iter().flat_map(|own| own.bands.clone());
+        let derived = self.derived();
+        let pairs = derived.posterior.iter().flat_map(rows::pairs);
+        let bands = derived.predictions.iter().flat_map(|own| own.bands.clone());
         let breaking = rows::breaking(plan, fit);
         let mut all = rows::plots(plan, fit).into_iter().chain(breaking).chain(bands).chain(pairs);
         all.try_for_each(|plot| collector.plot(plot)).map_err(refuse)
@@ -317,7 +335,11 @@ fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
                     owners == 0 || owners == plan.with_parameter(*index).count()
                 };
                 let of_keys = |index: &usize| plan.parameters[*index].role == Role::Key && acts_on_two(*index);
-                return Ok((0..plan.parameters.len()).filter(of_keys).filter(is_one).collect());
+                let found: Vec<usize> = (0..plan.parameters.len()).filter(of_keys).filter(is_one).collect();
+                return match found.is_empty() {
+                    true => Err(refuse_key("hierarchy", "`hierarchy: true`: no parameter acts on two tests", None)),
+                    false => Ok(found),
+                };
             }
             Err(_) => texts(given, "hierarchy").map_err(refuse)?,
         },
@@ -340,18 +362,21 @@ fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) ->
     if scatter.is_some_and(|scatter| !(scatter > 0.0 && scatter.is_finite())) {
         return Err(refuse("`scatter` is the standard deviation over specimens that is expected at most, above zero"));
     }
+    if scatter.is_some() && scattered.is_empty() {
+        return Err(refuse_key("scatter", "`scatter` has no effect without `hierarchy`", None));
+    }
     let of_unknown = |(index, unknown): (usize, &Unknown)| {
-        let parameter = plan.of(unknown);
+        let parameter = plan.parameter_of(unknown);
         let [low, high] = parameter.ends();
         // Assumed: 30 % of a value, or a tenth of the bounds.
         let usual = if parameter.is_logarithmic { 0.3 } else { 0.1 * (high - low) };
         scattered.contains(&unknown.parameter).then(|| (index, scatter.unwrap_or(usual)))
     };
     Ok(PosteriorOptions {
-        runs: whole(options, "runs", 0, 100_000)?,
-        rounds: whole(options, "rounds", 4, 20)?.max(1),
-        steps: whole(options, "steps", 8000, 100_000)?.max(100),
-        seed: whole(options, "seed", 1, usize::MAX)? as u64,
+        runs: options.whole("runs", 0, 0..=100_000)?,
+        rounds: options.whole("rounds", 4, 1..=20)?,
+        steps: options.whole("steps", 8000, 100..=100_000)?,
+        seed: options.whole("seed", 1, plan::SEEDS)? as u64,
         scattered: plan.unknowns.iter().enumerate().filter_map(of_unknown).collect(),
     })
 }
@@ -373,21 +398,37 @@ fn asked(options: &Options<'_>) -> HostResult<Asked> {
     if let Some((figure, error)) = errors.iter().find(|(_, error)| !(*error > 0.0 && error.is_finite())) {
         return Err(refuse(format!("`errors`: {figure} has {error}, a relative standard deviation is above zero")));
     }
+    let figures = list("figures")?;
+    let is_asked = |figure: &String| {
+        figures.is_empty() || figures.contains(figure) || above.iter().any(|(above, _)| above == figure)
+    };
+    if let Some((figure, _)) = errors.iter().find(|(figure, _)| !is_asked(figure)) {
+        let text = format!("`errors` has `{figure}`, which is in neither `figures` nor `above`");
+        return Err(refuse_key(figure, &text, None));
+    }
+    // The names of signals are known before the posterior is sampled, and what they stand for.
+    let signals = list("signals")?;
+    let signals = signals.iter().map(|name| Ok(test::found_column(name).map_err(refuse)?.short.to_owned()));
     Ok(Asked {
-        samples: whole(options, "samples", 64, 100_000)?.max(2),
-        figures: list("figures")?,
-        signals: list("signals")?,
+        samples: options.whole("samples", 64, 2..=100_000)?,
+        figures,
+        signals: signals.collect::<HostResult<_>>()?,
         above,
         errors: errors.into_iter().collect(),
-        seed: whole(options, "seed", 1, usize::MAX)? as u64,
+        seed: options.whole("seed", 1, plan::SEEDS)? as u64,
     })
 }
 
-/// A whole number up to a limit.
-fn whole(options: &Options<'_>, name: &str, usual: usize, most: usize) -> HostResult<usize> {
-    let Some(value) = options.map.get(name) else { return Ok(usual) };
-    let found = value.as_int().ok().and_then(|found| usize::try_from(found).ok()).filter(|found| *found <= most);
-    found.ok_or_else(|| refuse(format!("`{name}` is a whole number from 0 to {most}, not {value}")))
+/// What predictions have, by the names of their tables.
+const PREDICTED: [(&str, RowsOf); 3] =
+    [("figures", |own| &own.figures), ("probabilities", |own| &own.probabilities), ("within_band", |own| &own.covered)];
+
+/// The rows of one of the tables of a prediction.
+type RowsOf = fn(&Prediction) -> &Vec<Row>;
+
+/// The rows of several predictions.
+fn joined(predictions: &[Prediction], rows: RowsOf) -> Vec<Row> {
+    predictions.iter().flat_map(|own| rows(own).clone()).collect()
 }
 
 /// Rows as a list of maps.
@@ -425,8 +466,8 @@ const ENTRIES: &[Entry] = &[
                 or depth; `recordings` beside the [reference] of an impact are files or maps of signals; `own` names parameters that \
                 have a value of their own there; with `pull: \"strip\"` (or \"free\", \"held\") a coupon is pulled as by \
                 `scenario.pull` and not run, its recordings are curves, compared over strain; `distance` is \"residuals\", \
-                \"error-norm\", \"rating\", \"warping\" or \"features\"; of a drop `outcome` is \"held\", \"broke\" or a list of \
-                them, a specimen each, `failure_mass` and `rupture_time` a text such as \"104 g\" or a map with its `error`. A parameter \
+                \"error-norm\", \"rating\", \"warping\" or \"features\"; of a drop `outcome` is \"held\", \"broke\" or an array of \
+                them, a specimen each, `failure_mass` and `rupture_time` a string such as \"104 g\" or a map with its `error`. A parameter \
                 is #{ key, start, within, log, prior, tests, scatter }: one key or several that are tied, or a map of keys and what is \
                 written there, in which `{}` stands for the value, such as #{ \"layers.faces\": [\"0 mm\", \"-{}\"] }; bounds, a search along the \
                 logarithm, a distribution as of [variation]; `scatter` is that of break strains between specimens, a number or the ends \
@@ -450,7 +491,7 @@ const ENTRIES: &[Entry] = &[
         call: "calibration.x, .parameters, .tests, .outcomes, .findings, .error, .converged, .reason, .model_error, .iterations, .evaluations, .posterior_runs",
         gives: "the best values by name; rows of parameters (interval of 95 %, verdict, the numbers behind it), of signals and of \
                 outcomes (their probability, or the failure mass that follows); the findings; the norm of the residuals; whether and why the search stopped; the model's error as a share of \
-                each signal; iterations of the best starts of all stages; runs of the search and of the posterior",
+                each signal; iterations of the best starts of all stages; evaluations of all tests by the searches; runs of the posterior",
         example: calibrated!(
             r#"found.x.thickness > 5 && found.parameters[0].unit == "um" && found.tests[0].test == "md" && found.evaluations > 3"#
         ),
@@ -491,7 +532,8 @@ const ENTRIES: &[Entry] = &[
     Entry {
         call: "calibration.left_out(), calibration.left_out([name, [name, …], …])",
         gives: "searches again without tests, each alone or those of a list together, and how well what was left out is predicted: \
-                rows of signals with the relative error in the whole fit and when left out",
+                rows of signals with the relative error in the whole fit and when left out, and of outcomes with their \
+                probability. A test with an unknown that no other test has cannot be left out; without a list, those that can be are",
         example: r#"let element = scenario("scenarios/stretch/single-element.toml");
                     let strains = []; for i in 0..=60 { strains.push(0.01 * i); }
                     let test = |name, k| #{ scenario: element, name: name, pull: "held", recordings: element.with(#{

@@ -86,21 +86,23 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
 fn derivatives(test: &Test, plan: &Plan, fit: &Fit, session: &Session) -> HostResult<DMatrix<f64>> {
     let shared: Vec<usize> = (0..plan.unknowns.len()).filter(|index| plan.unknowns[*index].test.is_none()).collect();
     let step = |index: usize| {
-        let [low, high] = plan.of(&plan.unknowns[index]).within;
+        let [low, high] = plan.parameter_of(&plan.unknowns[index]).within;
         let size = if fit.values[index] == 0.0 { 1.0 } else { fit.values[index].abs() };
         (plan.search.difference * size).min(0.25 * (high - low))
     };
     let points: Vec<(usize, f64)> = shared.iter().flat_map(|index| [(*index, 1.0), (*index, -1.0)]).collect();
     let taken = plan.taken_by(&test.study, session);
+    // Tests without differences along a signal tell nothing of the model's error there: what is expected of it before.
+    let share = if plan.has_residuals() { fit.share } else { plan.share_before() };
     let at = |(index, sign): &(usize, f64)| -> HostResult<Vec<f64>> {
         let mut values = fit.values.clone();
-        let [low, high] = plan.of(&plan.unknowns[*index]).within;
+        let [low, high] = plan.parameter_of(&plan.unknowns[*index]).within;
         values[*index] = (values[*index] + sign * step(*index)).clamp(low, high);
         let study = test.study.with(plan.shared_changes(&values, &taken), session)?;
         let simulated = test.simulated(&study, session)?;
         let mut residuals = vec![values[*index]];
         for (signal, simulated) in test.signals.iter().zip(&simulated) {
-            let variances = signal.variances(fit.share);
+            let variances = signal.variances(share);
             residuals.extend(signal.residuals(simulated, &variances).map_err(refuse)?);
         }
         Ok(residuals)
@@ -110,7 +112,7 @@ fn derivatives(test: &Test, plan: &Plan, fit: &Fit, session: &Session) -> HostRe
     let mut jacobian = DMatrix::zeros(length, plan.unknowns.len());
     for (place, index) in shared.iter().enumerate() {
         let (up, down) = (&found[2 * place], &found[2 * place + 1]);
-        let slope = plan.of(&plan.unknowns[*index]).slope(fit.values[*index]);
+        let slope = plan.parameter_of(&plan.unknowns[*index]).slope(fit.values[*index]);
         for row in 0..length {
             jacobian[(row, *index)] = slope * (up[row + 1] - down[row + 1]) / (up[0] - down[0]);
         }

@@ -40,7 +40,7 @@ pub(super) fn read(name: &str, given: &Dynamic) -> HostResult<Vec<Parameter>> {
         None => USUAL_SHARES.map(|share| share * start.range()[1]).into(),
         Some(given) => {
             let list = given.read_lock::<Array>().map(|list| list.clone());
-            let list = list.ok_or_else(|| of_parameter("`strains` is a list of strains".into()))?;
+            let list = list.ok_or_else(|| of_parameter("`strains` must be an array of strains".into()))?;
             list.iter().map(|item| number(item, "a strain")).collect::<HostResult<_>>()?
         }
     };

@@ -107,7 +107,8 @@ impl Distance {
                 Ok(vec![warped(&own, &measured, shift) / level / error])
             }
             Distance::Features(error) => {
-                let pairs = features(measured).zip(features(simulated));
+                let simulated = over_the_same(measured, simulated)?;
+                let pairs = features(measured).zip(features(&simulated));
                 let (measured, simulated) = pairs.ok_or("a signal without samples has no features")?;
                 let relative = |index: usize| (simulated[index] / measured[index] - 1.0) / error;
                 let length = errors.length();
@@ -120,6 +121,29 @@ impl Distance {
             }
         }
     }
+}
+
+/// A simulated signal from the first to the last sample of the measured one: a run may go on behind the window that is compared.
+fn over_the_same(measured: &Series, simulated: &Series) -> Result<Series, String> {
+    let (Some(from), Some(to)) = (measured.time().first().copied(), measured.time().last().copied()) else {
+        return Err("the recording has no samples".into());
+    };
+    // Rounding may put an end of the recording a hair outside of the run.
+    let near = 1e-9 * (to - from);
+    let first = simulated.time().first().copied().unwrap_or(f64::INFINITY);
+    let last = simulated.time().last().copied().unwrap_or(f64::NEG_INFINITY);
+    if first > from + near || last < to - near {
+        return Err(format!("the simulated signal goes from {first} to {last} and the recording from {from} to {to}"));
+    }
+    let [from, to] = [from.max(first), to.min(last)];
+    let inside = simulated.samples().filter(|[time, _]| from < *time && *time < to);
+    let ends = [from, to].map(|end| simulated.value_at(end).map(|value| [end, value]));
+    let [Some(first), Some(last)] = ends else {
+        return Err("the simulated signal has a gap at an end of the window".into());
+    };
+    let samples: Vec<[f64; 2]> = std::iter::once(first).chain(inside).chain([last]).collect();
+    let (time, values): (Vec<f64>, Vec<f64>) = samples.iter().map(|[time, value]| (*time, *value)).unzip();
+    Ok(Series::new(time, values))
 }
 
 /// The value of largest size, its place, and the integral.
@@ -176,6 +200,23 @@ mod tests {
             assert!(of(distance, &wave(0.0, 100.0)).iter().all(|number| number.abs() < 1e-6), "{distance:?}");
             assert!(of(distance, &wave(0.004, 120.0)).iter().any(|number| number.abs() > 0.5), "{distance:?}");
         }
+    }
+
+    /// A run that goes on behind the recording, with a second wave that is twice as high.
+    #[test]
+    fn what_a_run_does_behind_the_recording_does_not_count() {
+        let first = wave(0.0, 100.0);
+        let later = first.samples().skip(1).map(|[time, value]| [time + 0.1, 2.0 * value]);
+        let (time, values): (Vec<f64>, Vec<f64>) = first.samples().chain(later).map(|[t, v]| (t, v)).unzip();
+        let longer = Series::new(time, values);
+        for distance in [Distance::ErrorNorm(0.05), Distance::Rating(0.05), Distance::Features(0.05)] {
+            assert!(of(distance, &longer).iter().all(|number| number.abs() < 1e-6), "{distance:?}");
+        }
+        let shorter = first.window([0.0, 0.09]);
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        let errors = ErrorModel::new(&first, all, Noise::FromRecording, Correlation::Share(0.03), None).unwrap();
+        let error = Distance::Features(0.05).numbers(&errors, &first, &shorter).unwrap_err();
+        assert!(error.contains("goes from 0 to 0.09"), "{error}");
     }
 
     #[test]

@@ -26,6 +26,9 @@ const ROUNDS: usize = 3;
 /// Change of their logarithms below which the search is not repeated.
 const SAME: f64 = 0.15;
 
+/// What the verdicts at the end of a search rest on.
+pub(super) const LINEAR: &str = "linear model at the best point";
+
 /// The result of a search and what it tells.
 #[derive(Clone)]
 pub(super) struct Fit {
@@ -33,7 +36,8 @@ pub(super) struct Fit {
     pub(super) result: SearchResult,
     /// Iterations of the best start of each search, together.
     pub(super) iterations: usize,
-    /// Evaluations of all searches.
+    /// Evaluations of the objective by all searches, a run or more of every test each; the runs before the first search, between
+    /// two and for the slopes at the end are not among them.
     pub(super) evaluations: usize,
     /// The best values.
     pub(super) values: Vec<f64>,
@@ -93,7 +97,7 @@ impl Fit {
             Some(_) => Ok(objective.simulated(test, &values, &trial)?.1),
             None => Ok(Vec::new()),
         })?;
-        findings.extend(doubts(plan, &known).map(|warning| Finding::new(&warning)));
+        findings.extend(doubts(plan, &known, LINEAR).map(|warning| Finding::new(&warning)));
         findings.extend(of_runs(plan, &values, session)?.iter().map(Finding::new));
         Ok(Fit { result, iterations, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
     }
@@ -162,7 +166,7 @@ fn linear(
     let found = found.map_err(|(_, error): (_, LinearizationError)| ended(session, &error))?.remove(0);
     let mut jacobian = found.jacobian;
     for (index, unknown) in plan.unknowns.iter().enumerate() {
-        jacobian.column_mut(index).scale_mut(plan.of(unknown).slope(values[index]));
+        jacobian.column_mut(index).scale_mut(plan.parameter_of(unknown).slope(values[index]));
     }
     Ok(Linear { jacobian, at_bounds: search.bounds.active(values) })
 }
@@ -201,7 +205,7 @@ fn searched(
     labels: &Labels,
 ) -> HostResult<SearchResult> {
     let search = plan.search_from(start, is_first, is_last)?;
-    let priors = plan.unknowns.iter().filter(|unknown| plan.of(unknown).prior.is_some()).count();
+    let priors = plan.unknowns.iter().filter(|unknown| plan.parameter_of(unknown).prior.is_some()).count();
     if search.method == Method::LevenbergMarquardt
         && objective.ends().last().is_some_and(|end| end + priors < search.start.len())
     {
@@ -333,16 +337,16 @@ fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<War
     Ok(found)
 }
 
-/// Findings of what is not determined.
-fn doubts<'a>(plan: &'a Plan, known: &'a [Knowledge]) -> impl Iterator<Item = Warning> + 'a {
-    plan.unknowns.iter().zip(known).filter_map(|(unknown, known)| {
-        let parameter = unknown.name.clone();
+/// Findings of what is not determined, by a basis such as the posterior.
+pub(super) fn doubts<'a>(plan: &'a Plan, known: &'a [Knowledge], basis: &'a str) -> impl Iterator<Item = Warning> + 'a {
+    plan.unknowns.iter().zip(known).filter_map(move |(unknown, known)| {
+        let (parameter, basis) = (unknown.name.clone(), basis.to_owned());
         let Knowledge { half_width, half_width_alone, prior_share, .. } = *known;
         match &known.verdict {
-            Verdict::NotDetermined => Some(Warning::NotDetermined { parameter, half_width, prior_share }),
+            Verdict::NotDetermined => Some(Warning::NotDetermined { parameter, half_width, prior_share, basis }),
             Verdict::OnlyTogether(others) => {
                 let others = others.clone();
-                Some(Warning::DeterminedTogether { parameter, others, half_width, half_width_alone })
+                Some(Warning::DeterminedTogether { parameter, others, half_width, half_width_alone, basis })
             }
             Verdict::Determined | Verdict::AtBound(_) => None,
         }

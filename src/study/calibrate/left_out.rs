@@ -1,5 +1,6 @@
 //! Cross-validation: how well a test is predicted by a fit that has not seen it.
 
+use rayon::prelude::*;
 use rhai::{Array, Dynamic};
 use serde_json::json;
 
@@ -10,19 +11,22 @@ use super::plan::Plan;
 use super::rows::object;
 use super::warning::Warning;
 use crate::identify::{HostSearch, SearchHost};
-use crate::script::{HostResult, Row, Session, refuse};
+use crate::script::{HostResult, Row, Session, cause, check_stop, refuse};
 use lab::signal::Series;
 
 /// The fit without some tests.
 pub(super) struct LeftOut {
     /// Indices of the tests that are left out.
     pub(super) tests: Vec<usize>,
-    /// Simulated signals of all tests of the calibration, by the parameters of the others.
-    pub(super) simulated: Vec<Vec<Series>>,
+    /// Of each of these, its signals and what it demands of its film by the parameters of the others, or why there are none.
+    predicted: Vec<Result<Simulated, String>>,
     /// Those parameters.
     pub(super) values: Vec<f64>,
-    pub(super) converged: bool,
+    converged: bool,
 }
+
+/// Simulated signals of a test, and what it demands of its film.
+type Simulated = (Vec<Series>, Vec<f64>);
 
 impl LeftOut {
     /// Names of the tests that are left out.
@@ -30,25 +34,72 @@ impl LeftOut {
         self.tests.iter().map(|test| plan.tests[*test].name.as_str()).collect::<Vec<_>>().join(", ")
     }
 
-    /// The finding where its search has not converged.
-    pub(super) fn doubt(&self, plan: &Plan) -> Option<Warning> {
-        (!self.converged).then(|| Warning::LeftOutNotConverged { test: self.names(plan) })
+    /// Findings where its search has not converged, and where what was left out could not be run.
+    pub(super) fn doubts(&self, plan: &Plan) -> Vec<Warning> {
+        let test = self.names(plan);
+        let mut found = Vec::new();
+        if !self.converged {
+            found.push(Warning::LeftOutNotConverged { test: test.clone() });
+        }
+        for (index, predicted) in self.tests.iter().zip(&self.predicted) {
+            if let Err(cause) = predicted {
+                let (test, cause) = (plan.tests[*index].name.clone(), cause.clone());
+                found.push(Warning::LeftOutFailed { test, cause });
+            }
+        }
+        found
+    }
+
+    /// Simulated signals of a test that is left out.
+    pub(super) fn signals(&self, test: usize) -> Option<&[Series]> {
+        let place = self.tests.iter().position(|own| *own == test)?;
+        self.predicted[place].as_ref().ok().map(|(signals, _)| signals.as_slice())
     }
 }
 
-/// The tests that a script wants left out: each alone, or several together in a list of their own.
+/// The tests that a script wants left out: each alone, or several together in an array of their own. Where none are named, all
+/// that can be.
 pub(super) fn groups(given: Option<&Array>, plan: &Plan) -> HostResult<Vec<Vec<usize>>> {
-    let Some(given) = given else { return Ok((0..plan.tests.len()).map(|test| vec![test]).collect()) };
+    let Some(given) = given else {
+        let all: Vec<Vec<usize>> =
+            (0..plan.tests.len()).map(|test| vec![test]).filter(|group| without(plan, group).is_ok()).collect();
+        return match all.is_empty() {
+            true => Err(refuse(
+                "no test can be left out: each has an unknown that no other test has, or it is the only one",
+            )),
+            false => Ok(all),
+        };
+    };
     let index = |name: &Dynamic| {
         let found = plan.tests.iter().position(|test| name.clone().into_string().is_ok_and(|name| name == test.name));
         let known = || plan.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
         found.ok_or_else(|| refuse(format!("there is no test `{name}`; there are {}", known())))
     };
-    let group = |item: &Dynamic| match item.read_lock::<Array>() {
-        Some(list) => list.iter().map(index).collect(),
-        None => Ok(vec![index(item)?]),
+    let group = |item: &Dynamic| {
+        let mut found = match item.read_lock::<Array>() {
+            Some(list) => list.iter().map(index).collect::<HostResult<Vec<_>>>()?,
+            None => vec![index(item)?],
+        };
+        found.sort_unstable();
+        found.dedup();
+        Ok(found)
     };
     given.iter().map(group).collect()
+}
+
+/// The plan in which these tests have no weight.
+fn without(plan: &Plan, group: &[usize]) -> HostResult<Plan> {
+    if group.len() >= plan.tests.len() {
+        return Err(refuse("one test at least stays in a fit"));
+    }
+    let mut own = plan.clone();
+    group.iter().for_each(|test| own.tests[*test].weight = 0.0);
+    // What is an unknown of these tests alone would be searched without a test.
+    let has_none = |unknown: &&Unknown| plan.tests_of(unknown).iter().all(|test| group.contains(test));
+    match own.unknowns.iter().find(has_none) {
+        Some(unknown) => Err(refuse(format!("without its tests, `{}` is not determined at all", unknown.name))),
+        None => Ok(own),
+    }
 }
 
 /// Searches without each group of tests, all from the best point of the calibration, with the model's error of its result.
@@ -59,20 +110,7 @@ pub(super) fn searched(
     host: &SearchHost,
     session: &Session,
 ) -> HostResult<Vec<LeftOut>> {
-    let plans = groups.iter().map(|group| {
-        if group.len() >= plan.tests.len() {
-            return Err(refuse("one test at least stays in a fit"));
-        }
-        let mut own = plan.clone();
-        group.iter().for_each(|test| own.tests[*test].weight = 0.0);
-        // What is an unknown of these tests alone would be searched without a test.
-        let has_none = |unknown: &&Unknown| plan.tests_of(unknown).iter().all(|test| group.contains(test));
-        match own.unknowns.iter().find(has_none) {
-            Some(unknown) => Err(refuse(format!("without its tests, `{}` is not determined at all", unknown.name))),
-            None => Ok(own),
-        }
-    });
-    let plans = plans.collect::<HostResult<Vec<_>>>()?;
+    let plans = groups.iter().map(|group| without(plan, group)).collect::<HostResult<Vec<_>>>()?;
     let prepared = plans.iter().zip(groups).map(|(own, group)| {
         let names: Vec<&str> = group.iter().map(|test| plan.tests[*test].name.as_str()).collect();
         let mut labels = labels(own);
@@ -89,27 +127,56 @@ pub(super) fn searched(
     let found = found.map_err(|(_, error)| ended(session, &error))?;
     let whole = CalibrationObjective::new(plan, fit.share, session);
     let trial = session.with_trial(session.cancellation());
-    let predicted = groups.iter().zip(found).map(|(group, found)| {
-        let simulated = (0..plan.tests.len()).map(|test| Ok(whole.simulated(test, &found.best.x, &trial)?.0));
-        let simulated = simulated.collect::<HostResult<_>>()?;
-        Ok(LeftOut { tests: group.clone(), simulated, converged: found.best.converged, values: found.best.x })
+    let predicted = groups.par_iter().zip(found).map(|(group, found)| {
+        // A test that fails by the parameters of the others is a result.
+        let run = |test: &usize| whole.simulated(*test, &found.best.x, &trial).map_err(|error| cause(&error));
+        let predicted = group.par_iter().map(run).collect();
+        LeftOut { tests: group.clone(), predicted, converged: found.best.converged, values: found.best.x }
     });
-    predicted.collect()
+    let predicted = predicted.collect();
+    check_stop(session)?;
+    Ok(predicted)
 }
 
-/// One row a signal of each test that was left out: its error in the whole fit, and when it is predicted.
+/// Signals of a test with these values of all unknowns.
+pub(super) fn simulated(
+    plan: &Plan,
+    fit: &Fit,
+    test: usize,
+    values: &[f64],
+    session: &Session,
+) -> HostResult<Vec<Series>> {
+    let trial = session.with_trial(session.cancellation());
+    Ok(CalibrationObjective::new(plan, fit.share, session).simulated(test, values, &trial)?.0)
+}
+
+/// One row a signal and one an outcome of each test that was left out: how it is met in the whole fit, and when it is predicted.
 pub(super) fn rows(found: &[LeftOut], plan: &Plan, fit: &Fit) -> Vec<Row> {
     let mut rows = Vec::new();
     for left in found {
         let together = left.names(plan);
-        for index in &left.tests {
-            let simulated = &left.simulated[*index];
+        for (index, predicted) in left.tests.iter().zip(&left.predicted) {
             let test = &plan.tests[*index];
-            for ((signal, predicted), fitted) in test.signals.iter().zip(simulated).zip(&fit.simulated[*index]) {
+            let predicted = predicted.as_ref().ok();
+            for (place, (signal, fitted)) in test.signals.iter().zip(&fit.simulated[*index]).enumerate() {
+                let left_out = predicted.and_then(|(signals, _)| signal.errors.relative_error(&signals[place]).ok());
                 rows.push(object(json!({
                     "test": test.name, "signal": signal.name, "left_out": together, "converged": left.converged,
-                    "relative_error": signal.errors.relative_error(fitted).ok(),
-                    "relative_error_left_out": signal.errors.relative_error(predicted).ok(),
+                    "relative_error": signal.errors.relative_error(fitted).ok(), "relative_error_left_out": left_out,
+                })));
+            }
+            let Some(outcomes) = &test.outcomes else { continue };
+            let breaks = plan.break_unknowns(*index);
+            let described = |demands: &[f64], values: &[f64]| outcomes.described(demands, &breaks.with_values(values));
+            let then = predicted.map(|(_, demands)| described(demands, &left.values));
+            for (place, fitted) in described(&fit.demands[*index], &fit.values).into_iter().enumerate() {
+                let then = then.as_ref().map(|all| &all[place]);
+                rows.push(object(json!({
+                    "test": test.name, "outcome": fitted.outcome, "left_out": together, "converged": left.converged,
+                    "probability": fitted.probability, "probability_left_out": then.and_then(|own| own.probability),
+                    "failure_mass_kg": fitted.mass.map(|[given, _]| given),
+                    "calibrated_failure_mass_kg": fitted.mass.map(|[_, found]| found),
+                    "left_out_failure_mass_kg": then.and_then(|own| own.mass).map(|[_, found]| found),
                 })));
             }
         }

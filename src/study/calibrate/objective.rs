@@ -77,7 +77,7 @@ impl<'a> CalibrationObjective<'a> {
                 Err(cause) => return Evaluation::failed(format!("{}: {cause}", own.name)),
             }
             if let Some(outcomes) = &own.outcomes {
-                let found = outcomes.residuals(&demands, &self.plan.break_unknowns(test).at(x)).into_iter();
+                let found = outcomes.residuals(&demands, &self.plan.break_unknowns(test).with_values(x)).into_iter();
                 residuals.extend(found.map(|residual| own.weight.sqrt() * residual));
             }
         }
@@ -97,7 +97,7 @@ impl<'a> CalibrationObjective<'a> {
 
     /// One residual of each unknown with a distribution.
     fn of_priors(&self, x: &[f64]) -> impl Iterator<Item = f64> {
-        let residual = |(unknown, value): (_, &f64)| self.plan.of(unknown).prior_residual(*value);
+        let residual = |(unknown, value): (_, &f64)| self.plan.parameter_of(unknown).prior_residual(*value);
         self.plan.unknowns.iter().zip(x).filter_map(residual)
     }
 

@@ -78,6 +78,9 @@ pub(super) struct Described {
     pub(super) probability: Option<f64>,
     /// A failure mass as it was measured and as it follows (kg).
     pub(super) mass: Option<[f64; 2]>,
+    /// Logarithms of what the drop demands of the film along MD and TD, over the break strains of the curves: at its peak, at the
+    /// time of rupture or under the failure mass.
+    pub(super) demand: [f64; 2],
 }
 
 /// A demand at a place and its growth about it: logarithms along MD and TD.
@@ -90,17 +93,21 @@ struct Local {
 /// What is known of a test by its options `outcome`, `failure_mass` and `rupture_time`; none where it has none of them.
 pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Option<Outcomes>> {
     let mut all: Vec<Outcome> = Vec::new();
+    for name in ["outcome", "rupture_time", "failure_mass"] {
+        if map.contains_key(name) && several(map.get(name)).is_empty() {
+            return Err(refuse(format!("`{name}` is an empty array: what is known of each specimen")));
+        }
+    }
     if map.contains_key("outcome") {
         let list = several(map.get("outcome"));
-        if list.is_empty() {
-            return Err(refuse("`outcome` is an empty list: one of \"held\" and \"broke\" for each specimen"));
-        }
         for one in &list {
             all.push(match one.to_string().as_str() {
                 "held" => Outcome::Held,
                 "broke" => Outcome::Broke,
                 other => {
-                    return Err(refuse(format!("`outcome` is \"held\", \"broke\" or a list of them, not \"{other}\"")));
+                    return Err(refuse(format!(
+                        "`outcome` must be \"held\", \"broke\" or an array of them, not \"{other}\""
+                    )));
                 }
             });
         }
@@ -279,7 +286,7 @@ impl Outcomes {
         let study = self.study.with(changes, session)?;
         let needs_run = has_signals || self.all.iter().any(|(own, _)| !matches!(own, Outcome::FailureMass { .. }));
         let whole = if needs_run { Some(study.simulate(session)?) } else { None };
-        let run = whole.as_ref().map(|run| History::of(run, &study)).transpose()?;
+        let run = whole.as_ref().map(|run| History::new(run, &study)).transpose()?;
         let mut found = Vec::new();
         if let Some(run) = run.as_ref().filter(|_| self.has_peak()) {
             found.extend(run.demands(f64::INFINITY));
@@ -296,7 +303,7 @@ impl Outcomes {
                     for factor in MASSES {
                         let changes = [("impactor.mass".into(), Dynamic::from(factor * mass))].into_iter().collect();
                         let study = study.with(changes, session)?;
-                        found.extend(History::of(&study.simulate(session)?, &study)?.demands(f64::INFINITY));
+                        found.extend(History::new(&study.simulate(session)?, &study)?.demands(f64::INFINITY));
                     }
                 }
             }
@@ -317,20 +324,9 @@ impl Outcomes {
     /// is left of the logarithm.
     pub(super) fn residuals(&self, demands: &[f64], breaks: &Breaks) -> Vec<f64> {
         let none = vec![0.0; demands.len()];
-        let of_one = |(own, specimens, demand, variance): (&Outcome, usize, Local, Local)| {
-            let square = || 2.0 * (own.largest() - own.log_likelihood(demand, variance, breaks));
-            let found = match own {
-                Outcome::FailureMass { error, .. } => {
-                    let found = FailureMass::of(demand, variance, *error, breaks);
-                    vec![found.logarithm / found.deviation]
-                }
-                Outcome::RuptureTime { time, error } => {
-                    let distance = median_demand(demand.middle(), breaks) / demand.deviation(error / time, breaks);
-                    vec![distance, (square() - distance * distance).max(0.0).sqrt()]
-                }
-                Outcome::Held | Outcome::Broke => vec![square().max(0.0).sqrt()],
-            };
-            found.into_iter().map(move |residual| (specimens as f64).sqrt() * residual)
+        let of_one = |(own, specimens, demand, _): (&Outcome, usize, Local, Local)| {
+            let found = own.residuals(demand, breaks).into_iter();
+            found.map(move |residual| (specimens as f64).sqrt() * residual)
         };
         self.each(demands, &none).flat_map(of_one).collect()
     }
@@ -368,11 +364,11 @@ impl Outcomes {
                 Outcome::Broke => ("broke", probability(), None),
                 Outcome::RuptureTime { .. } => ("rupture time", None, None),
                 Outcome::FailureMass { mass, error } => {
-                    let found = FailureMass::of(demand, variance, *error, breaks);
+                    let found = FailureMass::new(demand, variance, *error, breaks);
                     ("failure mass", None, Some([*mass, mass * found.logarithm.exp()]))
                 }
             };
-            Described { outcome, specimens, probability, mass }
+            Described { outcome, specimens, probability, mass, demand: demand.middle() }
         };
         self.each(demands, &none).map(of_one).collect()
     }
@@ -426,11 +422,29 @@ impl Outcome {
             }
             Outcome::FailureMass { error, .. } => {
                 let variance = Local { below: variance, above: variance };
-                let found = FailureMass::of(demand, variance, error, breaks);
+                let found = FailureMass::new(demand, variance, error, breaks);
                 -0.5 * (found.logarithm / found.deviation).powi(2) - found.deviation.ln()
             }
         };
         found.max(LEAST)
+    }
+
+    /// Residuals of one specimen with exact demands.
+    fn residuals(&self, demand: Local, breaks: &Breaks) -> Vec<f64> {
+        let exact = Local { below: [0.0; 2], above: [0.0; 2] };
+        let square = || 2.0 * (self.largest() - self.log_likelihood(demand, exact, breaks));
+        match self {
+            Outcome::FailureMass { error, .. } => {
+                let found = FailureMass::new(demand, exact, *error, breaks);
+                vec![found.logarithm / found.deviation]
+            }
+            Outcome::RuptureTime { time, error } => {
+                let distance = median_demand(demand.middle(), breaks) / demand.deviation(error / time, breaks);
+                let left = square() - distance * distance;
+                vec![distance, left.max(0.0).sqrt()]
+            }
+            Outcome::Held | Outcome::Broke => vec![square().max(0.0).sqrt()],
+        }
     }
 
     /// A logarithm of the likelihood that is not exceeded: of a time, that of specimens which are nearly alike.
@@ -455,7 +469,7 @@ struct FailureMass {
 
 impl FailureMass {
     /// By the demands below and above the measured mass, with the variances of their errors.
-    fn of(demand: Local, variance: Local, error: f64, breaks: &Breaks) -> FailureMass {
+    fn new(demand: Local, variance: Local, error: f64, breaks: &Breaks) -> FailureMass {
         let [below, above] = [demand.below, demand.above].map(|demand| median_demand(demand, breaks));
         // A demand that hardly grows with the mass has no such mass: the limit keeps it finite.
         let growth = ((above - below) / (MASSES[1] / MASSES[0]).ln()).max(0.05);
@@ -503,7 +517,7 @@ struct History {
 
 impl History {
     /// Of a run of a scenario whose film does not break.
-    fn of(run: &Run, study: &Study) -> HostResult<History> {
+    fn new(run: &Run, study: &Study) -> HostResult<History> {
         Ok(History {
             strains: [run.channel(MAX_STRAIN_MD.short)?, run.channel(MAX_STRAIN_TD.short)?],
             breaks: break_strains(study).map(|strain| strain / UNBROKEN),
@@ -574,7 +588,7 @@ mod tests {
         let breaks = Breaks { log_factors: [0.0, 5.0], scatter: [0.1, 0.1] };
         let demand = |factor: f64| [(2.0_f64).ln() + 0.5 * factor.ln(), -3.0];
         let local = Local { below: demand(MASSES[0]), above: demand(MASSES[1]) };
-        let found = FailureMass::of(local, NONE, 0.1, &breaks);
+        let found = FailureMass::new(local, NONE, 0.1, &breaks);
         assert!((found.logarithm - 0.25_f64.ln()).abs() < 1e-6 && (found.deviation - 0.1).abs() < 1e-12);
         // Errors of 0.03 of the demands, which grow by 0.5: 0.06 of the mass beside 0.1 of the staircase.
         let uncertain = Local { below: [9e-4; 2], above: [9e-4; 2] };
@@ -589,15 +603,13 @@ mod tests {
     #[test]
     fn the_residuals_of_a_time_of_rupture_have_its_likelihood_and_a_slope() {
         let outcome = Outcome::RuptureTime { time: 0.04, error: 0.0 };
-        let outcomes = |breaks: &Breaks| {
-            let demand = [-TIMES, TIMES].map(|shift| [1.5 * shift, -9.0]);
-            let own = Local { below: demand[0], above: demand[1] };
-            let distance = median_demand(own.middle(), breaks) / own.deviation(0.0, breaks);
-            let square = 2.0 * (outcome.largest() - outcome.log_likelihood(own, NONE, breaks));
-            (distance, square)
-        };
+        let demand = [-TIMES, TIMES].map(|shift| [1.5 * shift, -9.0]);
+        let own = Local { below: demand[0], above: demand[1] };
         let at = |log_factor: f64, scatter: f64| {
-            outcomes(&Breaks { log_factors: [log_factor, 0.0], scatter: [scatter, 0.1] })
+            let breaks = Breaks { log_factors: [log_factor, 0.0], scatter: [scatter, 0.1] };
+            let found = outcome.residuals(own, &breaks);
+            assert_eq!(found.len(), 2);
+            (found[0], found[0] * found[0] + found[1] * found[1])
         };
         assert!(at(0.0, 0.1).0.abs() < 1e-6);
         let slope = (at(0.001, 0.1).0 - at(-0.001, 0.1).0) / 0.002;
@@ -609,6 +621,8 @@ mod tests {
             let expected = z * z + 2.0 * (outcome.largest() - (normal::density(0.0) * 1.5 / scatter).ln());
             assert!((square - expected).abs() < 1e-6 * expected && (distance - z).abs() < 1e-6, "{square} {expected}");
             assert!(square > distance * distance);
+            let breaks = Breaks { log_factors: [log_factor, 0.0], scatter: [scatter, 0.1] };
+            assert!((square / 2.0 + outcome.log_likelihood(own, NONE, &breaks) - outcome.largest()).abs() < 1e-9);
         }
     }
 

@@ -101,7 +101,8 @@ impl Parameter {
         let (start, unit) = quantity(options.value("start")?).map_err(of_parameter)?;
         let ends = options.value("within")?.read_lock::<Array>().map(|list| list.clone());
         let ends = ends.filter(|list| list.len() == 2);
-        let ends = ends.ok_or_else(|| of_parameter("`within` is a list of two values, such as [0.2, 10]".into()))?;
+        let ends =
+            ends.ok_or_else(|| of_parameter("`within` must be an array of two values, such as [0.2, 10]".into()))?;
         let mut within = [0.0; 2];
         for (end, value) in within.iter_mut().zip(&ends) {
             let (found, own) = quantity(value).map_err(of_parameter)?;
@@ -169,6 +170,19 @@ impl Parameter {
     /// Whether its value is written to this key.
     pub(super) fn has(&self, key: &str) -> bool {
         self.keys.iter().any(|own| own.name == key)
+    }
+
+    /// Whether both write one key, as curves or as values, and not the points of one curve.
+    pub(super) fn shares_a_key(&self, other: &Parameter) -> bool {
+        if let (Some(one), Some(two)) = (&self.point, &other.point) {
+            return one.key == two.key && !Arc::ptr_eq(&one.strains, &two.strains);
+        }
+        let of = |parameter: &Parameter| -> Vec<String> {
+            let curve = parameter.point.iter().map(|point| point.key.clone());
+            parameter.keys.iter().map(|key| key.name.clone()).chain(curve).collect()
+        };
+        let theirs = of(other);
+        of(self).iter().any(|key| theirs.contains(key))
     }
 
     /// The changes of a scenario with this value.
@@ -296,15 +310,18 @@ fn quantity(given: &Dynamic) -> Result<(f64, Option<String>), String> {
     if let Ok(text) = given.clone().into_string() {
         let (number, unit) = text.trim().split_once(' ').ok_or(format!("`{text}` has no unit after a space"))?;
         let number: f64 = number.parse().map_err(|_| format!("`{text}` begins with no number"))?;
-        return Ok((number, Some(unit.trim().to_owned())));
+        return finite(number).map(|number| (number, Some(unit.trim().to_owned())));
     }
-    let found = number(given, "a value").map_err(|error| error.to_string())?;
-    if found.is_finite() { Ok((found, None)) } else { Err(format!("{found} is not finite")) }
+    finite(number(given, "a value").map_err(|error| error.to_string())?).map(|number| (number, None))
+}
+
+fn finite(number: f64) -> Result<f64, String> {
+    if number.is_finite() { Ok(number) } else { Err(format!("{number} is not finite")) }
 }
 
 /// A text, or a list of texts.
 pub(super) fn texts(given: &Dynamic, what: &str) -> Result<Vec<String>, String> {
-    let wrong = |found: &Dynamic| format!("`{what}` is a string or a list of strings, not {found}");
+    let wrong = |found: &Dynamic| format!("`{what}` must be a string or an array of strings, not {found}");
     if let Some(list) = given.read_lock::<Array>() {
         return list.iter().map(|item| item.clone().into_string().map_err(|_| wrong(item))).collect();
     }
@@ -384,8 +401,9 @@ mod tests {
             (r#"#{ key: "a", start: 1, within: [0, 2], log: true }"#, "`log` needs `within` above zero"),
             (r#"#{ key: "a", start: "1 mm", within: [0, 2] }"#, "`within` has the unit none and `start` mm"),
             (r##"#{ key: #{ "a": "1 mm" }, start: 1, within: [0, 2] }"##, "`a` of `key` has no `{}`"),
-            (r#"#{ key: 3, start: 1, within: [0, 2] }"#, "`key` is a string or a list of strings, not 3"),
-            (r#"#{ key: "a", start: 1, within: 2 }"#, "`within` is a list of two values"),
+            (r#"#{ key: 3, start: 1, within: [0, 2] }"#, "`key` must be a string or an array of strings, not 3"),
+            (r#"#{ key: "a", start: 1, within: 2 }"#, "`within` must be an array of two values"),
+            (r#"#{ key: "a", start: "1 mm", within: ["0 mm", "inf mm"] }"#, "inf is not finite"),
             (r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ gauss: 1 } }"#, "`prior` is a distribution such as"),
             (r#"#{ key: "a", begin: 1 }"#, "has no option `begin`"),
             ("7", "expected a map with `key`"),

@@ -1,5 +1,7 @@
 //! A calibration as a script writes it: tests, parameters, what signals may differ by, and the stages of the search.
 
+use std::ops::RangeInclusive;
+
 use rhai::{Array, Dynamic, Map};
 
 use super::curve_parameter;
@@ -18,6 +20,12 @@ const FIRST_SHARE: f64 = 0.03;
 
 /// Points of which the best are starts, for each unknown.
 const SCREENED: usize = 6;
+
+/// Median and deviation of the logarithm of the model's error before the tests, as a share of a signal (assumed): 0.3 to
+/// 15 % with 95 %.
+pub(super) const SHARE_BEFORE: [f64; 2] = [0.02, 1.0];
+/// Seeds that scripts may give.
+pub(super) const SEEDS: RangeInclusive<usize> = 0..=1_000_000_000;
 
 /// A checked calibration.
 #[derive(Clone)]
@@ -48,7 +56,7 @@ pub(super) struct BreakUnknowns {
 
 impl BreakUnknowns {
     /// With these values of all unknowns.
-    pub(super) fn at(&self, values: &[f64]) -> Breaks {
+    pub(super) fn with_values(&self, values: &[f64]) -> Breaks {
         let mut breaks = self.known;
         for (role, index) in &self.unknown {
             let (of, value, along) = match role {
@@ -123,6 +131,10 @@ impl Plan {
         let unknowns = unknowns(&tests, &parameters)?;
         let search = SearchOptions::read(&options)?;
         let precision = options.number("precision", 0.2)?;
+        if !(precision > 0.0 && precision.is_finite()) {
+            let text = format!("`precision` must be a relative half width above zero, such as 0.2, not {precision}");
+            return Err(refuse_key("precision", &text, None));
+        }
         let keeps_ruptured = match given.get("on_rupture").map(Dynamic::to_string).as_deref() {
             None | Some("fail") => false,
             Some("keep") => true,
@@ -173,7 +185,7 @@ impl Plan {
 
     /// The values at which the search starts.
     pub(super) fn start(&self) -> Vec<f64> {
-        self.unknowns.iter().map(|unknown| self.of(unknown).start).collect()
+        self.unknowns.iter().map(|unknown| self.parameter_of(unknown).start).collect()
     }
 
     /// The tests as they are.
@@ -183,23 +195,23 @@ impl Plan {
     }
 
     /// The parameter that an unknown is.
-    pub(super) fn of(&self, unknown: &Unknown) -> &Parameter {
+    pub(super) fn parameter_of(&self, unknown: &Unknown) -> &Parameter {
         &self.parameters[unknown.parameter]
     }
 
     /// Coordinates of the unknowns with these values.
     pub(super) fn coordinates(&self, values: &[f64]) -> Vec<f64> {
-        self.unknowns.iter().zip(values).map(|(unknown, value)| self.of(unknown).coordinate(*value)).collect()
+        self.unknowns.iter().zip(values).map(|(unknown, value)| self.parameter_of(unknown).coordinate(*value)).collect()
     }
 
     /// Values of the unknowns at these coordinates.
     pub(super) fn values(&self, x: &[f64]) -> Vec<f64> {
-        self.unknowns.iter().zip(x).map(|(unknown, coordinate)| self.of(unknown).value(*coordinate)).collect()
+        self.unknowns.iter().zip(x).map(|(unknown, coordinate)| self.parameter_of(unknown).value(*coordinate)).collect()
     }
 
     /// Indices of the unknowns that act on the runs of a test.
     pub(super) fn acting_on(&self, test: usize) -> Vec<usize> {
-        self.of_test(test).filter(|index| self.of(&self.unknowns[*index]).role == Role::Key).collect()
+        self.of_test(test).filter(|index| self.parameter_of(&self.unknowns[*index]).role == Role::Key).collect()
     }
 
     /// Indices of the unknowns of a test, those of its outcomes included.
@@ -230,32 +242,46 @@ impl Plan {
         }
     }
 
+    /// The model's error of a signal of which no test tells: what is given, or its median before the tests.
+    pub(super) fn share_before(&self) -> f64 {
+        match self.discrepancy {
+            Discrepancy::Given(share) => share,
+            Discrepancy::Estimated => SHARE_BEFORE[0],
+        }
+    }
+
     /// The unknowns on which the outcomes of a test depend beside its runs.
     pub(super) fn break_unknowns(&self, test: usize) -> BreakUnknowns {
         let factors = self.tests[test].outcomes.as_ref().map_or([1.0; 2], |own| own.factors);
         self.breaks_by(self.of_test(test), factors)
     }
 
-    /// The same of film that is in no test, whose break strains are so many times those of its curves where the tests say
-    /// nothing else; none where no test has an outcome.
-    pub(super) fn shared_breaks(&self, factors: [f64; 2]) -> Option<BreakUnknowns> {
+    /// Whether any test tells of break strains.
+    pub(super) fn has_outcomes(&self) -> bool {
+        self.tests.iter().any(|test| test.outcomes.is_some())
+    }
+
+    /// The break strains of film that is in no test, so many times those of its curves where the tests say nothing else.
+    pub(super) fn shared_breaks(&self, factors: [f64; 2]) -> BreakUnknowns {
         let is_shared = |index: &usize| self.unknowns[*index].test.is_none();
-        let has_outcomes = self.tests.iter().any(|test| test.outcomes.is_some());
-        has_outcomes.then(|| self.breaks_by((0..self.unknowns.len()).filter(is_shared), factors))
+        self.breaks_by((0..self.unknowns.len()).filter(is_shared), factors)
     }
 
     fn breaks_by(&self, unknowns: impl Iterator<Item = usize>, factors: [f64; 2]) -> BreakUnknowns {
         let mut known = Breaks { log_factors: factors.map(f64::ln), scatter: [USUAL_SCATTER; 2] };
         let mut unknown = Vec::new();
         for index in unknowns {
-            let parameter = self.of(&self.unknowns[index]);
+            let parameter = self.parameter_of(&self.unknowns[index]);
+            if parameter.role != Role::Key {
+                unknown.push((parameter.role, index));
+            }
+        }
+        // Also of break strains that each test has of its own: how much specimens scatter is given for all.
+        for parameter in &self.parameters {
             if let (Role::Break(along), Some([low, high])) = (parameter.role, parameter.scatter)
                 && low == high
             {
                 (0..2).filter(|place| along[*place]).for_each(|place| known.scatter[place] = low);
-            }
-            if parameter.role != Role::Key {
-                unknown.push((parameter.role, index));
             }
         }
         BreakUnknowns { known, unknown }
@@ -275,27 +301,33 @@ impl Plan {
     /// The changes of the scenario of a test with these values.
     pub(super) fn changes(&self, test: usize, values: &[f64]) -> Map {
         let acting = self.acting_on(test).into_iter();
-        curve_parameter::changes(acting.map(|index| (self.of(&self.unknowns[index]), values[index])))
+        curve_parameter::changes(acting.map(|index| (self.parameter_of(&self.unknowns[index]), values[index])))
     }
 
-    /// The parameters that a scenario which is no test takes: those that all tests have, and of the others those whose keys it
-    /// has.
+    /// The parameters of keys that a scenario which is no test takes: those that all tests have, and of the others those whose
+    /// keys it has, and no other parameter too.
     pub(super) fn taken_by(&self, study: &Study, session: &Session) -> Vec<usize> {
         let start = self.start();
         let takes = |index: &usize| {
             let parameter = &self.parameters[*index];
             let at = self.unknowns.iter().position(|own| own.parameter == *index && own.test.is_none());
-            let Some(at) = at else { return false };
+            let Some(at) = at.filter(|_| parameter.role == Role::Key) else { return false };
             let changes = curve_parameter::changes(std::iter::once((parameter, start[at])));
-            parameter.tests.is_empty() || study.with(changes, session).is_ok()
+            parameter.tests.is_empty() || self.rivals(*index).next().is_none() && study.with(changes, session).is_ok()
         };
         (0..self.parameters.len()).filter(takes).collect()
+    }
+
+    /// The other parameters that write one of the keys of a parameter, to other tests.
+    pub(super) fn rivals(&self, parameter: usize) -> impl Iterator<Item = &Parameter> {
+        let own = &self.parameters[parameter];
+        self.parameters.iter().filter(move |other| *other != own && own.shares_a_key(other))
     }
 
     /// The changes of the scenario of a test with these values, break strains included, which its runs do not depend on in a
     /// search.
     pub(super) fn changes_with_breaks(&self, test: usize, values: &[f64]) -> Map {
-        let own = self.of_test(test).map(|index| (self.of(&self.unknowns[index]), values[index]));
+        let own = self.of_test(test).map(|index| (self.parameter_of(&self.unknowns[index]), values[index]));
         curve_parameter::changes(own)
     }
 
@@ -308,7 +340,7 @@ impl Plan {
     pub(super) fn shared_changes(&self, values: &[f64], taken: &[usize]) -> Map {
         let is_shared = |unknown: &Unknown| unknown.test.is_none() && taken.contains(&unknown.parameter);
         let shared = self.unknowns.iter().zip(values).filter(|(unknown, _)| is_shared(unknown));
-        curve_parameter::changes(shared.map(|(unknown, value)| (self.of(unknown), *value)))
+        curve_parameter::changes(shared.map(|(unknown, value)| (self.parameter_of(unknown), *value)))
     }
 
     /// The same, in which all tests share these parameters.
@@ -329,7 +361,7 @@ impl Plan {
     pub(super) fn search_from(&self, start: Vec<f64>, is_first: bool, is_last: bool) -> HostResult<Search> {
         let own = &self.search;
         let names: Vec<String> = self.unknowns.iter().map(|unknown| unknown.name.clone()).collect();
-        let ends: Vec<[f64; 2]> = self.unknowns.iter().map(|unknown| self.of(unknown).within).collect();
+        let ends: Vec<[f64; 2]> = self.unknowns.iter().map(|unknown| self.parameter_of(unknown).within).collect();
         let side = |side: usize| Some(ends.iter().map(|ends| ends[side]).collect());
         let bounds = Bounds::new(&names, side(0), side(1)).map_err(refuse)?;
         let [tol_x, tol_f] = if is_last { [own.tol_x, own.tol_f] } else { [own.tol_x.max(1e-2), own.tol_f.max(1e-3)] };
@@ -358,9 +390,9 @@ impl Plan {
         let points =
             design::points(design::Method::LatinHypercube, &factors, count, self.search.seed).map_err(refuse)?;
         let value = |(unknown, share): (&Unknown, &f64)| {
-            let [low, high] = self.of(unknown).ends();
-            let [least, most] = self.of(unknown).within;
-            self.of(unknown).value(low + (high - low) * share).clamp(least, most)
+            let [low, high] = self.parameter_of(unknown).ends();
+            let [least, most] = self.parameter_of(unknown).within;
+            self.parameter_of(unknown).value(low + (high - low) * share).clamp(least, most)
         };
         Ok(points.iter().map(|point| self.unknowns.iter().zip(point).map(value).collect()).collect())
     }
@@ -385,7 +417,7 @@ fn tests(
 ) -> HostResult<Vec<Test>> {
     let listed = options.value("tests")?.read_lock::<Array>().map(|list| list.clone());
     let listed = listed.filter(|list| !list.is_empty());
-    let listed = listed.ok_or_else(|| refuse("`tests` of calibrate is a list of one test or more"))?;
+    let listed = listed.ok_or_else(|| refuse("`tests` of calibrate must be an array of one test or more"))?;
     let tests = listed.iter().map(|given| Test::read(given, scenarios, tolerances, session));
     let tests = tests.collect::<HostResult<Vec<_>>>()?;
     for (place, test) in tests.iter().enumerate() {
@@ -412,6 +444,13 @@ fn parameters(options: &Options<'_>, tests: &[Test]) -> HostResult<Vec<Parameter
     }
     let scatters: Vec<Parameter> = parameters.iter().filter_map(Parameter::of_scatter).collect();
     parameters.extend(scatters);
+    for (place, one) in parameters.iter().enumerate() {
+        let is_both = |other: &&Parameter| tests.iter().any(|test| is_of(one, test) && is_of(other, test));
+        if let Some(other) = parameters[..place].iter().filter(|other| other.shares_a_key(one)).find(is_both) {
+            let text = format!("parameters `{}` and `{}` write the same key of one test", other.name, one.name);
+            return Err(refuse_key(&one.name, &text, None));
+        }
+    }
     Ok(parameters)
 }
 
@@ -469,7 +508,8 @@ fn unknowns(tests: &[Test], parameters: &[Parameter]) -> HostResult<Vec<Unknown>
 /// The scenarios of the stages before the last; the last one is the tests themselves.
 fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostResult<Vec<Vec<Stage>>> {
     let Some(given) = given else { return Ok(Vec::new()) };
-    let wrong = || refuse("`stages` is a list of changes, such as [#{ \"specimen.mesh.size\": \"40 mm\" }, #{}]");
+    let wrong =
+        || refuse("`stages` must be an array of changes, such as [#{ \"specimen.mesh.size\": \"40 mm\" }, #{}]");
     let list = given.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
     let maps = list.iter().map(|item| item.read_lock::<Map>().map(|map| map.clone()).ok_or_else(wrong));
     let maps = maps.collect::<HostResult<Vec<_>>>()?;
@@ -488,14 +528,7 @@ fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostRes
 
 impl SearchOptions {
     fn read(options: &Options<'_>) -> HostResult<SearchOptions> {
-        let whole = |name: &str, usual: usize| -> HostResult<usize> {
-            let Some(value) = options.map.get(name) else { return Ok(usual) };
-            let found = value.as_int().ok().and_then(|found| usize::try_from(found).ok());
-            let found = found.filter(|found| (1..=100_000).contains(found));
-            found.ok_or_else(|| {
-                refuse_key(name, &format!("`{name}` is a whole number from 1 to 100000, not {value}"), None)
-            })
-        };
+        let whole = |name: &str, usual: usize| options.whole(name, usual, 1..=100_000);
         let method = options.map.get("method").map_or_else(|| "levenberg-marquardt".to_owned(), Dynamic::to_string);
         let known = Method::NAMES.iter().find(|(name, _)| *name == method).map(|(_, own)| *own);
         let method = known.ok_or_else(|| {
@@ -510,7 +543,7 @@ impl SearchOptions {
             tol_x: options.number("tol_x", 1e-4)?,
             tol_f: options.number("tol_f", 1e-4)?,
             difference: options.number("difference", 0.01)?,
-            seed: whole("seed", 1)? as u64,
+            seed: options.whole("seed", 1, SEEDS)? as u64,
         })
     }
 }

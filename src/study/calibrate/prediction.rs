@@ -5,13 +5,15 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::error_model::{ErrorModel, Noise, USUAL_CORRELATION};
 use super::outcome::{self, BREAK_FACTORS};
 use super::parameter::{Role, Unknown};
 use super::plan::{BreakUnknowns, Plan};
 use super::posterior::{Draw, Posterior};
 use super::rows::object;
+use super::test::found_column;
 use super::warning::Warning;
-use crate::post::{Run, is_result};
+use crate::post::{self, Run, is_of_script, is_result};
 use crate::scenario_functions::Study;
 use crate::script::{HostResult, Row, Session, cause, check_stop, refuse};
 use lab::signal::Series;
@@ -57,7 +59,7 @@ pub(super) struct Prediction {
 
 impl Prediction {
     /// Runs a scenario, which tables call `name`, with draws of the posterior.
-    pub(super) fn of(
+    pub(super) fn new(
         name: &str,
         study: &Study,
         posterior: &Posterior,
@@ -66,17 +68,14 @@ impl Prediction {
     ) -> HostResult<Prediction> {
         let plan = &*posterior.plan;
         let draws = posterior.draws(asked.samples, asked.seed);
-        // Break strains are drawn for each run where the tests tell of them and the scenario's film has some.
-        let factors = outcome::factors(study, session).ok();
-        let breaks = factors.and_then(|factors| plan.shared_breaks(factors));
-        let drawn = Drawn { study, plan, taken: plan.taken_by(study, session), breaks };
+        let drawn = Drawn::new(study, plan, session);
         let all: Vec<(Result<Run, String>, f64)> =
             draws.par_iter().map(|draw| (drawn.run(draw, session), draw.share)).collect();
         check_stop(session)?;
         let mut warnings = Vec::new();
         for unknown in plan.unknowns.iter().filter(|unknown| !drawn.takes(unknown)) {
-            let (scenario, parameter) = (name.into(), unknown.name.clone());
-            warnings.push(Warning::PredictionWithout { scenario, parameter });
+            let (scenario, parameter, why) = (name.into(), unknown.name.clone(), drawn.why_without(unknown));
+            warnings.push(Warning::PredictionWithout { scenario, parameter, why });
         }
         let failed = all.iter().filter(|(run, _)| run.is_err()).count();
         if let Some(cause) = all.iter().find_map(|(run, _)| run.as_ref().err().cloned()) {
@@ -126,18 +125,41 @@ struct Drawn<'a> {
     plan: &'a Plan,
     /// Indices of the parameters that it takes.
     taken: Vec<usize>,
-    /// Its break strains, where the tests tell of them.
-    breaks: Option<BreakUnknowns>,
+    /// Its break strains, where the tests tell of them, or why they cannot be set.
+    breaks: Result<Option<BreakUnknowns>, String>,
 }
 
-impl Drawn<'_> {
+impl<'a> Drawn<'a> {
+    fn new(study: &'a Study, plan: &'a Plan, session: &Session) -> Drawn<'a> {
+        // Break strains are drawn for each run where the tests tell of them and the scenario's film has some.
+        let breaks = match plan.has_outcomes() {
+            false => Ok(None),
+            true => outcome::factors(study, session)
+                .map(|factors| Some(plan.shared_breaks(factors)))
+                .map_err(|error| cause(&error)),
+        };
+        Drawn { study, plan, taken: plan.taken_by(study, session), breaks }
+    }
     /// Whether it depends on an unknown.
     fn takes(&self, unknown: &Unknown) -> bool {
         unknown.test.is_none()
-            && match self.plan.of(unknown).role {
+            && match self.plan.parameter_of(unknown).role {
                 Role::Key => self.taken.contains(&unknown.parameter),
-                Role::Break(_) | Role::Scatter(_) => self.breaks.is_some(),
+                Role::Break(_) | Role::Scatter(_) => matches!(self.breaks, Ok(Some(_))),
             }
+    }
+
+    /// Why it does not depend on an unknown.
+    fn why_without(&self, unknown: &Unknown) -> String {
+        if unknown.test.is_some() {
+            return "it is of one test".into();
+        }
+        let is_key = self.plan.parameter_of(unknown).role == Role::Key;
+        match (&self.breaks, self.plan.rivals(unknown.parameter).next()) {
+            (Err(why), _) if !is_key => why.clone(),
+            (_, Some(other)) => format!("`{}` writes the same key in other tests: set it in the scenario", other.name),
+            _ => "its scenario has no such key, or none that can be set".into(),
+        }
     }
 
     /// A run with the shared unknowns of a draw, of a specimen with break strains of its own (equation 335).
@@ -146,8 +168,8 @@ impl Drawn<'_> {
         check_stop(session).map_err(|error| cause(&error))?;
         let values = self.plan.values(&draw.x);
         let mut changes = self.plan.shared_changes(&values, &self.taken);
-        if let Some(breaks) = &self.breaks {
-            let breaks = breaks.at(&values);
+        if let Ok(Some(breaks)) = &self.breaks {
+            let breaks = breaks.with_values(&values);
             for (along, key) in BREAK_FACTORS.into_iter().enumerate() {
                 let logarithm = breaks.log_factors[along] + breaks.scatter[along] * draw.breaks[along];
                 changes.insert(key.into(), logarithm.exp().into());
@@ -159,18 +181,32 @@ impl Drawn<'_> {
 }
 
 impl Asked {
+    /// Names of figures.
+    fn names(&self) -> impl Iterator<Item = &String> {
+        self.figures.iter().chain(self.above.iter().map(|(name, _)| name)).chain(self.errors.keys())
+    }
+
+    /// Refuses a figure that no run of a scenario can have, before any runs; those of its post script are known only then.
+    pub(super) fn check_names(&self, study: &Study) -> HostResult<()> {
+        if study.model().post.is_some() {
+            return Ok(());
+        }
+        match self.names().find(|name| is_of_script(name)) {
+            None => Ok(()),
+            Some(name) => {
+                let known = post::figures();
+                Err(no_figure(name, known.iter().map(|own| own.name.as_str())))
+            }
+        }
+    }
+
     /// Whether the runs have the figures that are asked for.
     fn check(&self, runs: &[(Run, f64)]) -> HostResult<()> {
-        let names = self.figures.iter().chain(self.above.iter().map(|(name, _)| name)).chain(self.errors.keys());
-        for name in names {
+        for name in self.names() {
             if runs.iter().any(|(run, _)| number(run, name).is_some()) {
                 continue;
             }
-            let known = runs[0].0.summary().keys().map(String::as_str);
-            return Err(refuse(match base::diagnostic::closest(name, known) {
-                Some(close) => format!("no run has a figure `{name}` (did you mean `{close}`?)"),
-                None => format!("no run has a figure `{name}`: summary.json of a run lists its figures"),
-            }));
+            return Err(no_figure(name, runs[0].0.summary().keys().map(String::as_str)));
         }
         Ok(())
     }
@@ -180,6 +216,13 @@ impl Asked {
         let error = self.errors.get(figure).copied().unwrap_or(0.0);
         runs.iter().filter_map(|(run, _)| number(run, figure)).map(|value| (value, error * value.abs())).collect()
     }
+}
+
+fn no_figure<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Box<rhai::EvalAltResult> {
+    refuse(match base::diagnostic::closest(name, known) {
+        Some(close) => format!("no run has a figure `{name}` (did you mean `{close}`?)"),
+        None => format!("no run has a figure `{name}`: summary.json of a run lists its figures"),
+    })
 }
 
 /// How much the least and the largest value of so few runs hold that no ends of 95 % lie between them.
@@ -228,7 +271,7 @@ fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], ru
                 insert(&unknown.name, draws.iter().map(|draw| draw.x[index]).collect());
             }
             for (along, name) in ["specimen_md_break", "specimen_td_break"].into_iter().enumerate() {
-                if drawn.breaks.is_some() {
+                if matches!(drawn.breaks, Ok(Some(_))) {
                     insert(name, draws.iter().map(|draw| draw.breaks[along]).collect());
                 }
             }
@@ -275,13 +318,14 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
     let signals = runs.iter().map(|(run, share)| Ok((run.channel(name)?, *share))).collect::<HostResult<Vec<_>>>()?;
     let end = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(f64::INFINITY, f64::min);
     let start = signals.iter().filter_map(|(own, _)| own.time().first().copied()).fold(f64::NEG_INFINITY, f64::max);
-    let column = lab::signal::column::COLUMNS.iter().find(|column| column.short == name);
-    let (factor, axis) = column.map_or((1.0, name), |column| (column.factor, column.axis));
-    let level = |own: &Series| {
-        let values = own.values();
-        (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
-    };
-    let levels: Vec<f64> = signals.iter().map(|(own, _)| level(own)).collect();
+    let column = found_column(name).map_err(refuse)?;
+    let comparison = study.comparison().ok();
+    // The model's error is a share of the root mean square where a test of this kind is compared.
+    let levels = runs.iter().zip(&signals).map(|((run, _), (own, _))| {
+        let window = comparison.map_or_else(|| loading(run, [start, end]), |comparison| comparison.window);
+        root_mean_square(own.window(window).values())
+    });
+    let levels: Vec<f64> = levels.collect();
     let (mut inner, mut outer) = (Vec::new(), Vec::new());
     let places: Vec<f64> =
         (0..=PLACES).map(|place| (start + (end - start) * place as f64 / PLACES as f64).min(end)).collect();
@@ -299,7 +343,7 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
     }
     let curve = |title: &str, look, of: &dyn Fn(usize) -> f64| Curve {
         name: title.into(),
-        points: places.iter().enumerate().map(|(at, place)| [1e3 * place, factor * of(at)]).collect(),
+        points: places.iter().enumerate().map(|(at, place)| [1e3 * place, column.factor * of(at)]).collect(),
         look,
     };
     let has_errors = runs.iter().any(|(_, share)| *share > 0.0);
@@ -312,7 +356,6 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
         curves.push(curve("2.5 %, with the model's error", Look::Dashed, &|at| outer[at][0]));
         curves.push(curve("97.5 %, with the model's error", Look::Dashed, &|at| outer[at][1]));
     }
-    let comparison = study.comparison().ok();
     let recorded = comparison.and_then(|own| match name {
         "acceleration" => own.acceleration.clone(),
         "displacement" => own.displacement.clone(),
@@ -320,18 +363,50 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
     });
     let covered = recorded.zip(comparison).map(|(recorded, comparison)| {
         let inside = recorded.window(comparison.window);
-        let points = inside.samples().map(|[time, value]| [1e3 * time, factor * value]).collect();
+        let points = inside.samples().map(|[time, value]| [1e3 * time, column.factor * value]).collect();
         curves.push(Curve { name: "recording".into(), points, look: Look::Line }.thinned(3 * PLACES));
-        let found: Vec<bool> = places
-            .iter()
-            .zip(&outer)
-            .filter_map(|(place, [low, high])| inside.value_at(*place).map(|value| (*low..=*high).contains(&value)))
-            .collect();
-        let share = found.iter().filter(|own| **own).count() as f64 / found.len().max(1) as f64;
+        let class = study.model().output.filter.filter(|_| name == "acceleration");
+        let found = within_band(&recorded, comparison.window, class, &signals);
+        let share = (!found.is_empty()).then(|| found.iter().filter(|own| **own).count() as f64 / found.len() as f64);
         object(json!({ "scenario": scenario, "signal": name, "share_within_band": share, "places": found.len() }))
     });
     let title = format!("{scenario}: {name}, predicted");
-    Ok((Plot::new(title, ["time (ms)", axis], curves), covered))
+    Ok((Plot::new(title, ["time (ms)", column.axis], curves), covered))
+}
+
+/// Whether the mean of a recording over each bin, as tests are compared by, lies within the ends of 95 % of the runs' means with
+/// the model's error and the noise of the recording; of bins that all runs reach.
+fn within_band(recorded: &Series, window: [f64; 2], class: Option<f64>, signals: &[(Series, f64)]) -> Vec<bool> {
+    let reached = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(window[1], f64::min);
+    let errors = ErrorModel::new(recorded, [window[0], reached], Noise::FromRecording, USUAL_CORRELATION, class);
+    let Ok(errors) = errors else { return Vec::new() };
+    let of_run = |(own, share): &(Series, f64)| {
+        let means = errors.means(own).ok()?;
+        let deviation = (share * root_mean_square(&means)).hypot(errors.noise());
+        Some(means.into_iter().map(|mean| (mean, deviation)).collect::<Vec<_>>())
+    };
+    let Some(runs) = signals.iter().map(of_run).collect::<Option<Vec<_>>>() else { return Vec::new() };
+    let is_within = |(bin, [_, measured]): (usize, [f64; 2])| {
+        let own: Vec<(f64, f64)> = runs.iter().map(|means| means[bin]).collect();
+        let [low, high] = ends(&own);
+        (low..=high).contains(&measured)
+    };
+    errors.middles().enumerate().map(is_within).collect()
+}
+
+/// Where a run without a recording would be compared: an impact from its begin to the lowest point, any other all along.
+fn loading(run: &Run, all: [f64; 2]) -> [f64; 2] {
+    match number(run, "time_of_peak_displacement_s") {
+        Some(lowest) if lowest > all[0] => [all[0].max(0.0), lowest],
+        _ => all,
+    }
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
 /// Ends of 95 % of what one more run would have, of some runs' values, each with the deviation of its model's error: ends at the
@@ -386,6 +461,34 @@ mod tests {
         let found = ends(&runs);
         let end = quantile(2.0 * (0.025 * 1001.0 - cumulative(-1.959_964 * (1.0_f64 / 5003.5).sqrt())) / 1000.0);
         assert!((found[0] - end).abs() < 1e-3 && (found[1] - 100.0 + end).abs() < 1e-3, "{found:?}");
+    }
+
+    /// A recording whose amplitude is another draw of that of the runs, with noise: 95 % of its means lie within the ends.
+    #[test]
+    fn as_much_of_a_recording_lies_within_the_band_as_it_says() {
+        let mut random = Stream::new(11);
+        let time: Vec<f64> = (0..=60).map(|sample| 1e-3 / 0.6 * f64::from(sample)).collect();
+        // A run goes on behind the window.
+        let later: Vec<f64> = (0..=72).map(|sample| 1e-3 / 0.6 * f64::from(sample)).collect();
+        let shape = |t: &f64| (std::f64::consts::PI * t / 0.1).sin() + 2.0;
+        let trials = 600;
+        let (mut within, mut all) = (0, 0);
+        for _ in 0..trials {
+            let mut signal = |time: &[f64], noise: f64| {
+                let size = 100.0 * (1.0 + 0.05 * random.normal());
+                let values: Vec<f64> = time.iter().map(|t| size * shape(t) + noise * random.normal()).collect();
+                Series::new(time.to_vec(), values)
+            };
+            let runs: Vec<(Series, f64)> = (0..60).map(|_| (signal(&later, 0.0), 0.0)).collect();
+            let found = within_band(&signal(&time, 10.0), [0.0, 0.1], None, &runs);
+            assert!(found.len() > 50);
+            within += found.iter().filter(|own| **own).count();
+            all += found.len();
+        }
+        let share = f64::from(within as u32) / f64::from(all as u32);
+        assert!((share - 0.95).abs() < 0.02, "{share}");
+        let zero = Series::new(time.clone(), vec![0.0; time.len()]);
+        assert!(within_band(&zero, [0.0, 0.1], None, &[(zero.clone(), 0.0)]).is_empty());
     }
 
     /// Ends of some dozens of runs hold 95 % of what is drawn with them, whether the runs scatter more or the model's error.

@@ -2,7 +2,7 @@
 
 use rhai::{Array, Dynamic, Map};
 
-use crate::scenario_functions::Study;
+use crate::scenario_functions::{Study, across_named};
 use crate::script::{HostResult, number, refuse};
 use lab::experiment::coupon::Curve;
 use lab::signal::Series;
@@ -14,12 +14,9 @@ const STEPS: usize = 120;
 
 /// The option `pull`: what holds the film across.
 pub(super) fn across(given: &Dynamic, study: &Study) -> Result<Across, String> {
-    let across = match given.to_string().as_str() {
-        "strip" => Across::Strip,
-        "free" => Across::Free,
-        "held" => Across::Held,
-        other => return Err(format!("`pull` is \"strip\", \"free\" or \"held\", not \"{other}\"")),
-    };
+    // Coupons are pulled along one direction.
+    let across = across_named(&given.to_string()).filter(|across| *across != Across::Equal);
+    let across = across.ok_or_else(|| format!("`pull` is \"strip\", \"free\" or \"held\", not \"{given}\""))?;
     match study.model().loading {
         Loading::Stretch(_) => Ok(across),
         _ => Err("only a scenario with [loading.stretch] can be pulled".into()),
@@ -54,7 +51,7 @@ pub(super) fn window(given: Option<&Dynamic>) -> Result<[f64; 2], String> {
 /// Stress over strain of the film of a scenario, up to a strain.
 pub(super) fn simulated(study: &Study, across: Across, end: f64) -> HostResult<Series> {
     if !(end > 0.0 && end.is_finite()) {
-        return Err(refuse(format!("a pull to the strain {end} is none")));
+        return Err(refuse(format!("a pull ends at a strain above zero, not at {end}")));
     }
     let strains: Vec<f64> = (0..=STEPS).map(|step| end * step as f64 / STEPS as f64).collect();
     let stresses = study.pulled(&strains, across)?;

@@ -17,7 +17,7 @@ const MOST_POINTS: usize = 600;
 /// One row a parameter: its value, its interval of 95 %, the verdict and the numbers that it rests on.
 pub(super) fn parameters(plan: &Plan, values: &[f64], known: &[Knowledge], basis: &str) -> Vec<Row> {
     let row = |((unknown, value), known): ((&super::parameter::Unknown, &f64), &Knowledge)| {
-        let parameter = plan.of(unknown);
+        let parameter = plan.parameter_of(unknown);
         let tests: Vec<&str> = match unknown.test {
             Some(test) => vec![plan.tests[test].name.as_str()],
             None => plan.sharing(unknown.parameter).map(|test| plan.tests[test].name.as_str()).collect(),
@@ -55,14 +55,14 @@ pub(super) fn outcomes(plan: &Plan, fit: &Fit) -> Vec<Row> {
     let mut rows = Vec::new();
     for (place, (test, demands)) in plan.tests.iter().zip(&fit.demands).enumerate() {
         let Some(outcomes) = &test.outcomes else { continue };
-        let breaks = plan.break_unknowns(place).at(&fit.values);
-        for Described { outcome, specimens, probability, mass } in outcomes.described(demands, &breaks) {
+        let breaks = plan.break_unknowns(place).with_values(&fit.values);
+        for Described { outcome, specimens, probability, mass, demand } in outcomes.described(demands, &breaks) {
             let given = mass.map(|[given, _]| given);
             rows.push(object(json!({
                 "test": test.name, "outcome": outcome, "specimens": specimens, "probability": probability, "failure_mass_kg": given,
                 "calibrated_failure_mass_kg": mass.map(|[_, found]| found),
-                "demand_md": demands.first().map(|own| (own - breaks.log_factors[0]).exp()),
-                "demand_td": demands.get(1).map(|own| (own - breaks.log_factors[1]).exp()), "weight": test.weight,
+                "demand_md": (demand[0] - breaks.log_factors[0]).exp(), "demand_td": (demand[1] - breaks.log_factors[1]).exp(),
+                "weight": test.weight,
             })));
         }
     }
@@ -83,33 +83,20 @@ pub(super) fn posterior(found: &Posterior, known: &[Knowledge]) -> Vec<Row> {
         row.extend(object(more));
         row
     };
-    // What scatters and the model's error have no verdict.
-    let own = |name: String, values: &[f64]| {
-        let [r_hat, effective] = found.convergence(&name).unwrap_or([f64::NAN; 2]);
-        let more = json!({ "verdict": null, "share_of_prior": null, "r_hat": r_hat, "effective": effective });
-        with(row(name, values), more)
-    };
     let mut rows = Vec::new();
     for (index, unknown) in plan.unknowns.iter().enumerate() {
-        let values: Vec<f64> = found.unknowns().map(|x| plan.of(unknown).value(x[index])).collect();
+        let values: Vec<f64> = found.unknowns().map(|x| plan.parameter_of(unknown).value(x[index])).collect();
         let more = json!({
             "verdict": known[index].verdict.to_string(), "share_of_prior": known[index].prior_share,
             "r_hat": found.r_hat[index], "effective": found.effective[index],
         });
         rows.push(with(row(unknown.name.clone(), &values), more));
     }
-    for (index, deviations) in found.deviations() {
-        let unknown = &plan.unknowns[index];
-        let along = if plan.of(unknown).is_logarithmic { "relative deviation" } else { "deviation" };
-        rows.push(own(format!("{along} of {} over specimens", unknown.name), &deviations));
-        for test in plan.sharing(unknown.parameter) {
-            let values: Vec<f64> = found.in_test(test).map(|x| plan.of(unknown).value(x[index])).collect();
-            rows.push(own(format!("{} of {}", unknown.name, plan.tests[test].name), &values));
-        }
-    }
-    if plan.estimates_share() {
-        rows.push(own("model error".into(), &found.shares()));
-    }
+    // What scatters and the model's error have no verdict.
+    rows.extend(found.beside_unknowns().map(|(name, values, [r_hat, effective])| {
+        let more = json!({ "verdict": null, "share_of_prior": null, "r_hat": r_hat, "effective": effective });
+        with(row(name, &values), more)
+    }));
     rows
 }
 
@@ -159,7 +146,7 @@ pub(super) fn breaking(plan: &Plan, fit: &Fit) -> Option<Plot> {
         if held + broke == 0 {
             continue;
         }
-        let breaks = plan.break_unknowns(place).at(&fit.values);
+        let breaks = plan.break_unknowns(place).with_values(&fit.values);
         let standard = |along: usize| (demands[along] - breaks.log_factors[along]) / breaks.scatter[along];
         let along = usize::from(standard(1) > standard(0));
         points.push([(demands[along] - breaks.log_factors[along]).exp(), broke as f64 / (held + broke) as f64]);

@@ -248,7 +248,7 @@ impl Reading<'_> {
         session: &Session,
     ) -> HostResult<(Study, f64, Vec<Signal>)> {
         let path = recording.clone().into_string();
-        let path = path.map_err(|_| (self.in_test)("name its `recordings`: one file or a list of files".into()))?;
+        let path = path.map_err(|_| (self.in_test)("name its `recordings`: one file or an array of files".into()))?;
         let path = std::path::Path::new(&path);
         session.add_recording_files(path);
         let measurement =
@@ -392,6 +392,9 @@ fn check_together(map: &Map, outcomes: Option<&Outcomes>) -> Result<(), String> 
                     with `on_rupture: \"keep\"` or a `window` that ends before"
             .into());
     }
+    if map.contains_key("noise") && map.get("distance").is_some_and(|given| given.to_string() != "residuals") {
+        return Err("`noise` has no effect here: it is of the distance \"residuals\", others have an `error`".into());
+    }
     let inert: &[&str] = match (outcomes, map.contains_key("pull")) {
         (Some(_), _) if !is_compared => &["recordings", "window", "over", "noise", "distance", "error", "pull"],
         (_, true) => &["compare", "over"],
@@ -477,7 +480,7 @@ fn usual_abscissa(study: &Study) -> Option<&'static Column> {
 }
 
 /// The column that a script calls `name`.
-fn found_column(name: &str) -> Result<&'static Column, String> {
+pub(super) fn found_column(name: &str) -> Result<&'static Column, String> {
     let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, own)| *own);
     let found = COLUMNS.iter().find(|column| column.short == name);
     let shorts = || COLUMNS.iter().map(|column| column.short);

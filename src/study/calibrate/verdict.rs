@@ -84,7 +84,7 @@ pub(super) fn of_covariance(
 pub(super) fn information(plan: &Plan, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
     let mut information = jacobian.transpose() * jacobian;
     for (index, unknown) in plan.unknowns.iter().enumerate() {
-        let parameter = plan.of(unknown);
+        let parameter = plan.parameter_of(unknown);
         if parameter.prior.is_none() {
             information[(index, index)] += parameter.prior_deviation().powi(-2);
         }
@@ -115,12 +115,12 @@ pub(super) fn judged(
     at_bounds: &[(usize, Side)],
 ) -> Knowledge {
     let unknown = &plan.unknowns[index];
-    let parameter = plan.of(unknown);
+    let parameter = plan.parameter_of(unknown);
     let [low, high] = parameter.ends();
     let deviation = covariance[(index, index)].sqrt();
     let half_width = |deviation: f64| match parameter.is_logarithmic {
         true => (NORMAL_95 * deviation).exp_m1(),
-        // Of a value near zero, relative to half of its bounds.
+        // Of a value near zero, relative to a twentieth of the distance of its bounds.
         false => NORMAL_95 * deviation / x[index].abs().max(0.05 * (high - low)),
     };
     let ends = [x[index] - NORMAL_95 * deviation, x[index] + NORMAL_95 * deviation];

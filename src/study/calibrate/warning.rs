@@ -11,23 +11,25 @@ findings! {
             parameter: String, "the parameter" => "parameter";
             half_width: f64, "half width of its interval of 95 %, relative to its value" => "half_width";
             prior_share: f64, "its standard deviation over that before the tests" => "prior_share";
+            basis: String, "what that rests on" => "basis";
         } = "not-determined", Warning;
             meaning "the tests of a calibration do not determine a parameter, whatever the others are: its interval is \
                 wider than `precision`, or nearly as wide as its bounds or its prior";
             remedy "add a test or a signal that depends on it (`settles` of the result compares candidates), or give it a \
                 prior or a fixed value from elsewhere";
             message "{parameter} is not determined by these tests: 95 % half width {} of its value, {} of the width that was \
-                known before", percent(*half_width), percent(*prior_share);
+                known before ({basis})", percent(*half_width), percent(*prior_share);
         DeterminedTogether {
             parameter: String, "the parameter" => "parameter";
             others: Vec<String>, "those that it depends on" => "others";
             half_width: f64, "half width of its interval of 95 %, relative to its value" => "half_width";
             half_width_alone: f64, "the same if the others were known" => "half_width_alone";
+            basis: String, "what that rests on" => "basis";
         } = "determined-together", Warning;
             meaning "the tests determine a combination of parameters, not this one: a change of one is made up for by the \
                 others";
             remedy "add a test that separates them (`settles` of the result compares candidates), or fix one of them";
-            message "{parameter} is determined only together with {}: 95 % half width {} of its value, {} if they were known",
+            message "{parameter} is determined only together with {}: 95 % half width {} of its value, {} if they were known ({basis})",
                 others.join(" and "), percent(*half_width), percent(*half_width_alone);
         AnglesDoNotFollow {
             angles: Vec<String>, "angles of these coupons from MD, degrees" => "angles";
@@ -122,16 +124,24 @@ findings! {
         PredictionWithout {
             scenario: String, "the scenario" => "scenario";
             parameter: String, "the parameter" => "parameter";
+            why: String, "why" => "why";
         } = "prediction-without-parameter", Note;
-            meaning "a parameter that only some tests have has no part in a prediction, whose scenario lacks its key, or where each \
-                test has a value of its own";
+            meaning "a parameter has no part in a prediction: the scenario lacks its key, each test has a value of its own, two \
+                parameters write that key in different tests, or the break strains of its film cannot be set";
             remedy "none is needed where the scenario does not depend on it; otherwise set its key in the scenario";
-            message "{parameter} has no part in the prediction of {scenario}, which has a value of its own or none";
+            message "{parameter} has no part in the prediction of {scenario}: {why}";
         LeftOutNotConverged { test: String, "what was left out" => "test" } = "left-out-not-converged", Warning;
             meaning "a search without tests stopped at its limit of evaluations or at a bound, so that the error of what was left out \
                 may be that of the search";
             remedy "raise `max_evaluations`, widen `within`, or fix what the other tests do not determine";
             message "the search without {test} has not converged";
+        LeftOutFailed {
+            test: String, "the test" => "test";
+            cause: String, "why" => "cause";
+        } = "left-out-failed", Warning;
+            meaning "a test cannot be run with the parameters that the others give, so that its error when left out is not known";
+            remedy "that is a result: the others do not tell enough of it; narrow `within`, or give a prior";
+            message "{test} has no run with the parameters of the others: {cause}";
         PredictionOutside {
             scenario: String, "the scenario" => "scenario";
             signal: String, "the signal" => "signal";

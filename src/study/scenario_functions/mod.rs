@@ -6,6 +6,7 @@ mod study;
 
 use crate::script::Chapter;
 
+pub(crate) use study::across_named;
 pub use study::{Scenarios, Study, register};
 
 /// The reference of scenarios in scripts.

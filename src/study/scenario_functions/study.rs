@@ -314,12 +314,19 @@ impl Study {
 
 /// The option `across` of a single element.
 fn across(options: &Options<'_>) -> HostResult<Across> {
-    match options.map.get("across").map(Dynamic::to_string).as_deref() {
-        None | Some("held") => Ok(Across::Held),
-        Some("free") => Ok(Across::Free),
-        Some("strip") => Ok(Across::Strip),
-        Some("equal") => Ok(Across::Equal),
-        Some(other) => Err(refuse(format!("across is \"held\", \"free\", \"strip\" or \"equal\", not \"{other}\""))),
+    let given = options.map.get("across").map_or_else(|| "held".into(), Dynamic::to_string);
+    across_named(&given)
+        .ok_or_else(|| refuse(format!("across is \"held\", \"free\", \"strip\" or \"equal\", not \"{given}\"")))
+}
+
+/// What scripts call what holds a single element across.
+pub(crate) fn across_named(name: &str) -> Option<Across> {
+    match name {
+        "held" => Some(Across::Held),
+        "free" => Some(Across::Free),
+        "strip" => Some(Across::Strip),
+        "equal" => Some(Across::Equal),
+        _ => None,
     }
 }
 

@@ -1,3 +1,5 @@
+use std::ops::RangeInclusive;
+
 use rhai::{Dynamic, ImmutableString, Map};
 
 use super::{HostResult, number, refuse, refuse_key};
@@ -40,6 +42,19 @@ impl Options<'_> {
     /// The number `name`, or else `otherwise`.
     pub fn number(&self, name: &str, otherwise: f64) -> HostResult<f64> {
         self.map.get(name).map_or(Ok(otherwise), |value| number(value, name))
+    }
+
+    /// The whole number `name` within a range, or else `otherwise`.
+    ///
+    /// # Errors
+    /// It is no whole number or lies outside of the range.
+    pub fn whole(&self, name: &str, otherwise: usize, range: RangeInclusive<usize>) -> HostResult<usize> {
+        let Some(value) = self.map.get(name) else { return Ok(otherwise) };
+        let found = value.as_int().ok().and_then(|found| usize::try_from(found).ok());
+        found.filter(|found| range.contains(found)).ok_or_else(|| {
+            let [low, high] = [range.start(), range.end()];
+            refuse_key(name, &format!("`{name}` must be a whole number from {low} to {high}, not {value}"), None)
+        })
     }
 
     /// The quantity `name`: a number in the SI unit, or a text with its unit.

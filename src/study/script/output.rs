@@ -182,6 +182,11 @@ impl OutputCollector {
         Ok(())
     }
 
+    /// Whether there is a table of this name.
+    pub fn has_table(&self, name: &str) -> bool {
+        self.lock().tables.iter().any(|(other, _)| other.eq_ignore_ascii_case(name))
+    }
+
     /// Adds a line to the log.
     ///
     /// # Errors

@@ -24,7 +24,7 @@ pub(in crate::calibrate) struct Beginning {
 
 impl Beginning {
     /// At the end of a search, where no test has these parameters of its own.
-    pub(in crate::calibrate) fn of(plan: &Plan, fit: &Fit, pooled: &[usize]) -> HostResult<Beginning> {
+    pub(in crate::calibrate) fn new(plan: &Plan, fit: &Fit, pooled: &[usize]) -> HostResult<Beginning> {
         let joint = plan.without_own(pooled)?;
         // What an unknown was in the search: itself, or the same parameter of one test and of another.
         let of_search = |index: usize| -> Vec<usize> {
@@ -54,14 +54,14 @@ impl Beginning {
 /// once.
 fn jacobian([searched, joint]: [&Plan; 2], fit: &Fit, places: &[Vec<usize>]) -> DMatrix<f64> {
     let with_prior = |plan: &Plan| -> Vec<usize> {
-        (0..plan.unknowns.len()).filter(|index| plan.of(&plan.unknowns[*index]).prior.is_some()).collect()
+        (0..plan.unknowns.len()).filter(|index| plan.parameter_of(&plan.unknowns[*index]).prior.is_some()).collect()
     };
     let of_tests = fit.jacobian.nrows() - with_prior(searched).len();
     let priors = with_prior(joint);
     DMatrix::from_fn(of_tests + priors.len(), places.len(), |row, column| {
         match priors.get(row.wrapping_sub(of_tests)) {
             None => places[column].iter().map(|place| fit.jacobian[(row, *place)]).sum(),
-            Some(index) if *index == column => joint.of(&joint.unknowns[column]).prior_deviation().recip(),
+            Some(index) if *index == column => joint.parameter_of(&joint.unknowns[column]).prior_deviation().recip(),
             Some(_) => 0.0,
         }
     })

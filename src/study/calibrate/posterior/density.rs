@@ -2,12 +2,9 @@
 //! scatter about a mean.
 
 use super::surrogate::{Shares, TestSurrogate};
-use crate::calibrate::plan::{BreakUnknowns, Plan};
+use crate::calibrate::plan::{BreakUnknowns, Plan, SHARE_BEFORE};
 use uncertainty::normal;
 
-/// Median and deviation of the logarithm of the model's error before the tests, as a share of a signal (assumed): 0.3 to
-/// 15 % with 95 %.
-const SHARE_BEFORE: [f64; 2] = [0.02, 1.0];
 /// Model errors that are considered.
 const SHARES: [f64; 2] = [1e-5, 1.0];
 
@@ -81,6 +78,12 @@ impl Layout {
         if self.share.is_some() { Shares::Between(SHARES) } else { Shares::Given(plan.first_share()) }
     }
 
+    /// The unknown whose value in a specimen a coordinate is, where it is one.
+    pub(super) fn specimen(&self, place: usize) -> Option<usize> {
+        let is_of = |own: &&Scattered| own.values.iter().any(|(_, own)| *own == place);
+        self.scattered.iter().find(is_of).map(|own| own.unknown)
+    }
+
     /// What a coordinate is called in results.
     pub(super) fn name(&self, place: usize, plan: &Plan) -> String {
         if let Some(unknown) = plan.unknowns.get(place) {
@@ -89,7 +92,7 @@ impl Layout {
         let of = |own: &Scattered| {
             let unknown = &plan.unknowns[own.unknown];
             if own.deviation == place {
-                let along = if plan.of(unknown).is_logarithmic { "relative deviation" } else { "deviation" };
+                let along = if plan.parameter_of(unknown).is_logarithmic { "relative deviation" } else { "deviation" };
                 return Some(format!("{along} of {} over specimens", unknown.name));
             }
             let (test, _) = own.values.iter().find(|(_, own)| *own == place)?;
@@ -128,11 +131,11 @@ impl Density<'_> {
         for (test, surrogate) in self.surrogates.iter().enumerate() {
             let x = self.layout.in_test(state, test);
             let own: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
-            let Some(found) = surrogate.at(&own) else { return f64::NEG_INFINITY };
+            let Some(found) = surrogate.predicted(&own) else { return f64::NEG_INFINITY };
             let own = &self.plan.tests[test];
             sum += own.weight * surrogate.log_likelihood(&found, share);
             if let Some(outcomes) = &own.outcomes {
-                let breaks = self.breaks[test].at(&self.plan.values(&x));
+                let breaks = self.breaks[test].with_values(&self.plan.values(&x));
                 sum += own.weight * outcomes.log_likelihood(&found.demands, surrogate.demand_errors(), &breaks);
             }
         }
@@ -142,13 +145,13 @@ impl Density<'_> {
     /// What is known before the tests.
     fn before(&self, state: &[f64]) -> f64 {
         let unknowns = self.plan.unknowns.iter().zip(state);
-        let mut sum: f64 = unknowns.map(|(unknown, x)| self.plan.of(unknown).log_prior(*x)).sum();
+        let mut sum: f64 = unknowns.map(|(unknown, x)| self.plan.parameter_of(unknown).log_prior(*x)).sum();
         for own in &self.layout.scattered {
             let logarithm = state[own.deviation];
             let deviation = logarithm.exp();
             // A half-normal distribution of the deviation; the logarithm has its density times the deviation.
             sum += logarithm - 0.5 * (deviation / own.expected).powi(2);
-            let ends = self.plan.of(&self.plan.unknowns[own.unknown]).ends();
+            let ends = self.plan.parameter_of(&self.plan.unknowns[own.unknown]).ends();
             let standard = |x: f64| (x - state[own.unknown]) / deviation;
             // Specimens lie within the bounds, too: what lies beyond them of the normal distribution is shared out.
             let inside = mass_between(standard(ends[0]), standard(ends[1])).ln();

@@ -51,9 +51,9 @@ const LEAST_EFFECTIVE: f64 = 400.0;
 /// How a posterior is sampled.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PosteriorOptions {
-    /// Runs of each test before the first samples.
+    /// Runs of each test in its region, in every round; twelve a parameter and twelve more at least.
     pub(super) runs: usize,
-    /// Rounds of refinement at most.
+    /// Rounds after which a surrogate that is rough counts; regions may move for [`MOVES`] times as many.
     pub(super) rounds: usize,
     /// Most steps of each walker.
     pub(super) steps: usize,
@@ -137,24 +137,6 @@ impl Posterior {
         self.states.iter().map(|state| &state[..self.layout.unknowns])
     }
 
-    /// Samples of the unknowns in one test.
-    pub(super) fn in_test(&self, test: usize) -> impl Iterator<Item = Vec<f64>> + '_ {
-        self.states.iter().map(move |state| self.layout.in_test(state, test))
-    }
-
-    /// Samples of the standard deviation of the coordinate of every unknown that scatters, with its index.
-    pub(super) fn deviations(&self) -> impl Iterator<Item = (usize, Vec<f64>)> + '_ {
-        self.layout
-            .scattered
-            .iter()
-            .map(|own| (own.unknown, self.states.iter().map(|state| state[own.deviation].exp()).collect()))
-    }
-
-    /// Samples of the model's error.
-    pub(super) fn shares(&self) -> Vec<f64> {
-        self.states.iter().map(|state| self.layout.share(state, &self.plan)).collect()
-    }
-
     /// So many draws.
     pub(super) fn draws(&self, count: usize, seed: u64) -> Vec<Draw> {
         let plan = &*self.plan;
@@ -164,7 +146,7 @@ impl Posterior {
             let state = &self.states[(place * self.states.len()) / count];
             let mut x = state[..self.layout.unknowns].to_vec();
             for own in &self.layout.scattered {
-                let ends = plan.of(&plan.unknowns[own.unknown]).ends();
+                let ends = plan.parameter_of(&plan.unknowns[own.unknown]).ends();
                 x[own.unknown] = within(ends, x[own.unknown], state[own.deviation].exp(), &mut stream);
             }
             Draw { x, share: self.layout.share(state, plan), breaks: [stream.normal(), stream.normal()] }
@@ -177,7 +159,7 @@ impl Posterior {
         let plan = &*self.plan;
         let side = |index: usize| {
             let own: Vec<f64> = self.states.iter().map(|state| state[index]).collect();
-            let [low, high] = plan.of(&plan.unknowns[index]).ends();
+            let [low, high] = plan.parameter_of(&plan.unknowns[index]).ends();
             let near = AT_BOUND * (high - low);
             let interval = quantiles(&own, &[0.025, 0.975])?;
             match (interval[0] - low < near, high - interval[1] < near) {
@@ -189,19 +171,22 @@ impl Posterior {
         (0..self.layout.unknowns).filter_map(side).collect()
     }
 
-    /// R̂ and effective size of a coordinate, which is an unknown, or of what scatters, or the model's error.
-    pub(super) fn convergence(&self, name: &str) -> Option<[f64; 2]> {
-        let place = (0..self.layout.len()).find(|place| self.layout.name(*place, &self.plan) == name)?;
-        Some([self.r_hat[place], self.effective[place]])
+    /// What is sampled beside the unknowns, the deviations and specimens of what scatters and the model's error: the name in
+    /// results, the samples, R̂ and effective size of each.
+    pub(super) fn beside_unknowns(&self) -> impl Iterator<Item = (String, Vec<f64>, [f64; 2])> + '_ {
+        (self.layout.unknowns..self.layout.len()).map(|place| {
+            let parameter = self.layout.specimen(place).map(|index| self.plan.parameter_of(&self.plan.unknowns[index]));
+            let value = |coordinate: f64| parameter.map_or_else(|| coordinate.exp(), |own| own.value(coordinate));
+            let samples = self.states.iter().map(|state| value(state[place])).collect();
+            (self.layout.name(place, &self.plan), samples, [self.r_hat[place], self.effective[place]])
+        })
     }
 
     /// Medians of the unknowns.
     pub(super) fn median(&self) -> Vec<f64> {
-        let of = |index: usize| {
-            let own: Vec<f64> = self.states.iter().map(|state| state[index]).collect();
-            quantiles(&own, &[0.5]).map_or(f64::NAN, |at| at[0])
-        };
-        (0..self.layout.unknowns).map(of).collect()
+        let mut all = medians(&self.states);
+        all.truncate(self.layout.unknowns);
+        all
     }
 
     /// Covariance of the unknowns.
@@ -234,17 +219,25 @@ impl Sampling<'_> {
                 let name = &self.plan.tests[test].name;
                 let compared = self.objective.compared(test);
                 let variances = |share| self.variances(test, share);
-                TestSurrogate::fit(region.clone(), runs, compared, self.layout.shares(self.plan), variances)
-                    .map_err(|error| refuse(format!("the surrogate of {name}: {error}")))
+                TestSurrogate::fit(region.clone(), runs, compared, self.layout.shares(self.plan), variances).map_err(
+                    |error| {
+                        let (count, cause) = &failed[test];
+                        let of_runs = match count {
+                            0 => String::new(),
+                            _ => format!("; {count} of its runs failed, the first: {cause}"),
+                        };
+                        refuse(format!("the surrogate of {name}: {error}{of_runs}"))
+                    },
+                )
             });
             let surrogates = surrogates.collect::<HostResult<Vec<_>>>()?;
             let samples = self.samples(&surrogates, &centre, round, false, &mut stream)?;
             let drawn = self.new_points(&samples, &mut stream);
             let before: Vec<usize> = runs.iter().map(Vec::len).collect();
             computed += self.compute(&drawn, &mut runs, &mut failed)?;
-            let state = &samples.points[samples.points.len() / 2];
+            let state = medians(&samples.points);
             let errors: Vec<f64> = (0..tests)
-                .map(|test| self.error(test, &surrogates[test], &runs[test][before[test]..], state))
+                .map(|test| self.error(test, &surrogates[test], &runs[test][before[test]..], &state))
                 .collect();
             // Contact makes signals rough, which no surrogate meets: after some rounds its error is in the likelihood.
             let is_good = errors.iter().all(|error| *error < SMALL_ERROR) || round + 1 >= self.options.rounds;
@@ -280,7 +273,7 @@ impl Sampling<'_> {
         let rows = from.jacobian.rows(first, count);
         let mut information = rows.tr_mul(&rows) / TEMPER;
         for (index, unknown) in self.plan.unknowns.iter().enumerate() {
-            information[(index, index)] += self.plan.of(unknown).prior_deviation().powi(-2);
+            information[(index, index)] += self.plan.parameter_of(unknown).prior_deviation().powi(-2);
         }
         verdict::inverse(&information)
     }
@@ -292,7 +285,7 @@ impl Sampling<'_> {
             let covariance = self.tempered(from, Some(test).filter(|_| !self.layout.scattered.is_empty()));
             let side = |sign: f64| {
                 let end = |index: &usize| {
-                    let [low, high] = self.plan.of(&self.plan.unknowns[*index]).ends();
+                    let [low, high] = self.plan.parameter_of(&self.plan.unknowns[*index]).ends();
                     (from.in_tests[test][*index] + sign * FIRST_REGION * covariance[(*index, *index)].sqrt())
                         .clamp(low, high)
                 };
@@ -316,7 +309,7 @@ impl Sampling<'_> {
         }
         let seed = self.options.seed.wrapping_add(round as u64);
         let points = design::points(Method::LatinHypercube, &factors, missing, seed);
-        Ok(points.map_err(refuse)?.iter().map(|unit| region.at(unit)).collect())
+        Ok(points.map_err(refuse)?.iter().map(|unit| region.point(unit)).collect())
     }
 
     /// Computes the differences of all tests at points of theirs; the number of runs.
@@ -355,7 +348,7 @@ impl Sampling<'_> {
         check_stop(self.session).map_err(|error| cause(&error))?;
         let mut values = self.plan.start();
         for (index, coordinate) in self.acting[test].iter().zip(point) {
-            values[*index] = self.plan.of(&self.plan.unknowns[*index]).value(*coordinate);
+            values[*index] = self.plan.parameter_of(&self.plan.unknowns[*index]).value(*coordinate);
         }
         let session = self.session.with_trial(self.session.cancellation());
         let (simulated, demands) = self.objective.simulated(test, &values, &session).map_err(|error| cause(&error))?;
@@ -383,7 +376,7 @@ impl Sampling<'_> {
         };
         // Within the bounds, and within the region of every test on which an unknown acts.
         let inside = |index: usize, tests: &[usize]| {
-            let [mut low, mut high] = self.plan.of(&self.plan.unknowns[index]).ends();
+            let [mut low, mut high] = self.plan.parameter_of(&self.plan.unknowns[index]).ends();
             for test in tests {
                 if let Some(place) = self.acting[*test].iter().position(|own| *own == index) {
                     (low, high) = (low.max(regions[*test].low[place]), high.min(regions[*test].high[place]));
@@ -432,7 +425,8 @@ impl Sampling<'_> {
         // Samples that only tell where surrogates are needed may be few.
         let (most_steps, effective) =
             if is_last { (self.options.steps, 1000.0) } else { (LOOK.min(self.options.steps), 200.0) };
-        let options = ensemble::Options { seed, most_steps, effective, ..ensemble::Options::default() };
+        let usual = ensemble::Options::default();
+        let options = ensemble::Options { seed, steps: usual.steps.min(most_steps), most_steps, effective, ..usual };
         let mut place = 0;
         let start = || {
             place += 1;
@@ -474,7 +468,7 @@ impl Sampling<'_> {
             return 0.0;
         }
         let share = self.layout.share(state, self.plan);
-        let scatter = self.breaks[test].at(&self.plan.values(&self.layout.in_test(state, test))).scatter;
+        let scatter = self.breaks[test].with_values(&self.plan.values(&self.layout.in_test(state, test))).scatter;
         let own = &self.plan.tests[test];
         let demands = own.outcomes.as_ref().map_or(0, |outcomes| outcomes.numbers());
         // Demands alternate between MD and TD.
@@ -486,7 +480,7 @@ impl Sampling<'_> {
         let squares: Vec<f64> = runs
             .iter()
             .filter_map(|(point, found)| {
-                let expected = surrogate.at(point)?;
+                let expected = surrogate.predicted(point)?;
                 let differences = surrogate.differences(&expected);
                 let own = differences.iter().chain(&expected.demands).zip(found).zip(&variances);
                 Some(own.map(|((a, b), variance)| (a - b).powi(2) / variance).sum::<f64>())
@@ -518,7 +512,7 @@ impl Sampling<'_> {
 
     /// Whether a region, and no bound, ends the range of an unknown that acts on a test below and above.
     fn cut(&self, test: usize, place: usize, [from, to]: [f64; 2], region: &Region) -> [bool; 2] {
-        let [low, high] = self.plan.of(&self.plan.unknowns[self.acting[test][place]]).ends();
+        let [low, high] = self.plan.parameter_of(&self.plan.unknowns[self.acting[test][place]]).ends();
         let near = NEAR * (region.high[place] - region.low[place]);
         let (below, above) = (region.low[place], region.high[place]);
         [from - below < near && below > low, above - to < near && above < high]
@@ -528,7 +522,7 @@ impl Sampling<'_> {
     fn regions(&self, samples: &Samples, last: &[Region]) -> Vec<Region> {
         let region = |test: usize| {
             let ends = self.ranges(samples, test).into_iter().enumerate().map(|(place, [from, to])| {
-                let [low, high] = self.plan.of(&self.plan.unknowns[self.acting[test][place]]).ends();
+                let [low, high] = self.plan.parameter_of(&self.plan.unknowns[self.acting[test][place]]).ends();
                 let range = (to - from).max(1e-6 * (high - low));
                 let beyond =
                     self.cut(test, place, [from, to], &last[test]).map(|is_cut| if is_cut { CUT } else { BEYOND });
@@ -584,6 +578,15 @@ impl Sampling<'_> {
             warnings,
         }
     }
+}
+
+/// Medians of all coordinates.
+fn medians(states: &[Vec<f64>]) -> Vec<f64> {
+    let of = |place: usize| {
+        let own: Vec<f64> = states.iter().map(|state| state[place]).collect();
+        quantiles(&own, &[0.5]).map_or(f64::NAN, |at| at[0])
+    };
+    (0..states.first().map_or(0, Vec::len)).map(of).collect()
 }
 
 /// At most [`KEPT`] of the samples, drawn one from each of as many parts: every so many would be the same few walkers throughout

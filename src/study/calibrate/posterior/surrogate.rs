@@ -31,7 +31,7 @@ impl Region {
     }
 
     /// The point at unit coordinates.
-    pub(super) fn at(&self, unit: &[f64]) -> Vec<f64> {
+    pub(super) fn point(&self, unit: &[f64]) -> Vec<f64> {
         unit.iter().zip(&self.low).zip(&self.high).map(|((u, low), high)| low + u * (high - low)).collect()
     }
 }
@@ -93,7 +93,7 @@ impl TestSurrogate {
     }
 
     /// What it says at a point; none outside of the region.
-    pub(super) fn at(&self, point: &[f64]) -> Option<Found> {
+    pub(super) fn predicted(&self, point: &[f64]) -> Option<Found> {
         let unit = self.region.unit(point)?;
         let demands = self.demands.iter().map(|own| own.at(&unit)).collect();
         Some(Found { amplitudes: self.differences.amplitudes(&unit), demands })
@@ -178,13 +178,13 @@ mod tests {
         let interpolated = of(Shares::Between([1e-5, 1.0]));
         for share in [1e-5, 1.3e-4, 2e-3, 0.0123, 0.1, 0.7, 1.0] {
             for x in [-0.9, 0.1, 0.8] {
-                let found = interpolated.at(&[x]).unwrap();
+                let found = interpolated.predicted(&[x]).unwrap();
                 let exact = of(Shares::Given(share)).log_likelihood(&found, share);
                 let off = interpolated.log_likelihood(&found, share) - exact;
                 assert!(off.abs() < 1e-6 * exact.abs().max(10.0), "{share} {x}: {off} of {exact}");
             }
         }
-        assert!(interpolated.at(&[1.1]).is_none());
+        assert!(interpolated.predicted(&[1.1]).is_none());
         let none = TestSurrogate::fit(region.clone(), &[], 0, Shares::Given(0.0), |_| Vec::new());
         assert!(matches!(none.err(), Some(SurrogateError::TooFewSamples { samples: 0, .. })));
     }
