@@ -17,6 +17,7 @@ use super::prediction::{Asked, Prediction};
 use super::rows;
 use super::test;
 use super::verdict;
+use super::warning::Warning;
 use crate::identify::SearchHost;
 use crate::scenario_functions::{Scenarios, Study};
 use crate::script::{
@@ -139,8 +140,7 @@ impl Calibration {
         }
         let mut plan = Plan::read(options, scenarios, session)?;
         if collector.has_table(&plan.table("parameters")) {
-            let text = "a calibration before this one has its tables: give one of them a `name`";
-            return Err(refuse_key("name", text, None));
+            collector.report(Finding::new(&Warning::TablesReplaced)).map_err(refuse)?;
         }
         let fit = Fit::search(&mut plan, host, session)?;
         let (scenarios, host, collector) = (scenarios.clone(), host.clone(), collector.clone());

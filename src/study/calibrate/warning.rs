@@ -46,6 +46,10 @@ findings! {
                 ratios yields in all directions together";
             message "fitted to 0, 45 and 90 degrees, the law is {} to {} off at {} degrees (modulus {}): {needs}",
                 signed(*least), signed(*most), angles.join(", "), signed(*of_modulus);
+        TablesReplaced = "tables-replaced", Warning;
+            meaning "a script calibrates twice under one name, or without one, so that the tables of the first result are replaced";
+            remedy "give each calibration a `name`: its tables begin with it";
+            message "the tables of a calibration before this one are replaced: give each a `name`";
         ModelError {
             share: f64, "the error, as a share of the root mean square of each signal" => "share";
             correlation: String, "the assumed correlation of it" => "correlation";
