@@ -68,7 +68,7 @@ pub(super) struct ErrorModel {
     level: f64,
     /// Standard deviation of the noise of a measured mean.
     recorded: f64,
-    /// The same of a simulated one.
+    /// Standard deviation of the roughness of a simulated mean.
     simulated: f64,
     /// Eigenvectors of the model's correlation as rows.
     basis: DMatrix<f64>,

@@ -20,7 +20,7 @@ pub(super) struct LeftOut {
     pub(super) tests: Vec<usize>,
     /// Of each of these, its signals and what it demands of its film by the parameters of the others, or why there are none.
     predicted: Vec<Result<Simulated, String>>,
-    /// Those parameters.
+    /// The parameters by the other tests.
     pub(super) values: Vec<f64>,
     converged: bool,
 }

@@ -343,7 +343,7 @@ impl Plan {
         curve_parameter::changes(shared.map(|(unknown, value)| (self.parameter_of(unknown), *value)))
     }
 
-    /// The same, in which all tests share these parameters.
+    /// The plan in which all tests share these parameters.
     pub(super) fn without_own(&self, parameters: &[usize]) -> HostResult<Plan> {
         let is_one = |name: &String| parameters.iter().any(|index| self.parameters[*index].name == *name);
         let mut plan = self.clone();

@@ -354,7 +354,7 @@ impl Signal {
         }
     }
 
-    /// The same for an error of this share of the signal that is independent from bin to bin.
+    /// Variances for an error of this share of the signal that is independent from bin to bin.
     pub(super) fn plain_variances(&self, share: f64) -> Vec<f64> {
         match self.distance.is_residuals() {
             true => vec![self.errors.plain_variance(share); self.errors.bins()],

@@ -47,7 +47,7 @@ pub(super) struct Knowledge {
     pub(super) interval: [f64; 2],
     /// Half width of an interval of 95 %, relative to the value.
     pub(super) half_width: f64,
-    /// The same if all other unknowns were known.
+    /// Half width if all other unknowns were known.
     pub(super) half_width_alone: f64,
     /// Standard deviation over that before the tests.
     pub(super) prior_share: f64,

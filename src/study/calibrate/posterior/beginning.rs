@@ -14,7 +14,7 @@ pub(in crate::calibrate) struct Beginning {
     pub(in crate::calibrate) plan: Arc<Plan>,
     /// Coordinates of the unknowns; the mean over the tests of what they had of their own.
     pub(super) x: Vec<f64>,
-    /// The same in each test.
+    /// Coordinates of the unknowns in each test.
     pub(super) in_tests: Vec<Vec<f64>>,
     /// Derivatives of the residuals of tests and distributions by the coordinates.
     pub(in crate::calibrate) jacobian: DMatrix<f64>,

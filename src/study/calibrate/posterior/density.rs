@@ -114,7 +114,7 @@ pub(super) struct Density<'a> {
     pub(super) layout: &'a Layout,
     /// The unknowns that act on each test.
     pub(super) acting: &'a [Vec<usize>],
-    /// Those of the break strains of each test.
+    /// Unknowns of the break strains of each test.
     pub(super) breaks: &'a [BreakUnknowns],
     pub(super) surrogates: &'a [TestSurrogate],
 }

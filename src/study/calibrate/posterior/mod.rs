@@ -30,7 +30,7 @@ const FIRST_REGION: f64 = 3.0;
 const TEMPER: f64 = 25.0;
 /// What a region reaches beyond the samples on either side, as a share of their range.
 const BEYOND: f64 = 0.25;
-/// The same where the region ended the samples.
+/// What a region reaches beyond samples that it has cut off, as a share of their range.
 const CUT: f64 = 1.5;
 /// Distance from the face of a region, as a share of it, at which it counts as what ends the samples.
 const NEAR: f64 = 0.02;
