@@ -17,6 +17,7 @@ pub(super) fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot
     let x = match fit.target.over {
         Over::Time => TIME,
         Over::Strain => "strain",
+        Over::Travel => "travel (mm)",
     };
     let name = if convergence.is_virtual { "reference (virtual)" } else { "reference" };
     let reference = Curve::line(name, points(fit, &fit.target.values)).dashed();
@@ -27,7 +28,7 @@ pub(super) fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot
 /// computes them in, stresses over strain in Pa.
 fn factors(FitHistory { unit, target, .. }: &FitHistory) -> [f64; 2] {
     match target.over {
-        Over::Time => [1e3, 1.0],
+        Over::Time | Over::Travel => [1e3, 1.0],
         Over::Strain => [1.0, unit.as_ref().map_or(1.0, |unit| 1.0 / unit.to_si(1.0))],
     }
 }

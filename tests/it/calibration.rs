@@ -164,7 +164,6 @@ fn mistakes_about_results_are_named() {
             "predict([md], #{ figures: [\"peak_force_N\"], errors: #{ hic15: 0.1 } })",
             "`errors` has `hic15`, which is in neither `figures` nor `above`",
         ),
-        ("left_out()", "no test can be left out"),
         ("left_out([\"td\"])", "there is no test `td`; there are md"),
         ("angles()", "angles are compared of two coupons or more"),
         ("angles(#{ tolerance: 2 })", "`tolerance` is a relative error"),
@@ -172,6 +171,8 @@ fn mistakes_about_results_are_named() {
         let error = run(&format!("{text} found.{call}")).unwrap_err();
         assert!(error.contains(expected), "{call}: {error}");
     }
+    let (_, output) = run(&format!("{text} found.left_out();")).unwrap_or_else(|error| panic!("{error}"));
+    assert!(output.findings.iter().any(|found| found.code == "nothing-to-leave-out"), "{:?}", output.findings);
     let again = "calibrate(#{ tests: [#{ scenario: md, recordings: recorded(md, 5e-3, 1) }],
         parameters: #{ k: #{ key: \"specimen.material.fabric.scale.k1\", start: 1, within: [0.5, 2] } } })";
     let (_, output) = run(&format!("{text} {again}")).unwrap_or_else(|error| panic!("{error}"));
@@ -275,6 +276,11 @@ fn mistakes_are_named_before_any_search() {
         ("#{ tests: [own], parameters: #{ k: k }, stages: [#{ a: 1 }] }", "the last of `stages` is #{}"),
         ("#{ tests: [own], parameters: #{ k: k }, noise: \"little\" }", "`noise` is \"from the recordings\""),
         ("#{ tests: [#{ scenario: md }], parameters: #{ k: k } }", "name its `recordings`"),
+        ("#{ tests: [own + #{ recordings: [] }], parameters: #{ k: k } }", "test `md`: `recordings` is an empty array"),
+        (
+            "#{ tests: [#{ scenario: \"scenarios/drop/1508.toml\", name: \"d\" }], parameters: #{ k: k } }",
+            "test `d`: there is nothing to compare with",
+        ),
         (
             "#{ tests: [own + #{ own: [\"k\"] }, own + #{ name: \"b\" }], parameters: #{ k: k + #{ tests: [\"b\"] } } }",
             "has its own `k`, which does not act on it",

@@ -142,12 +142,22 @@ pub(super) fn parameters(estimates: &[Estimate]) -> String {
         return blocks;
     }
     let marks = estimates.iter().find_map(|one| one.mark.as_ref()).map(|(_, what)| format!("; diamonds: {what}"));
-    let note = format!("Dots with their intervals of 95 %{}.", marks.unwrap_or_default());
+    let basis = estimates.iter().find_map(|one| one.basis.as_ref());
+    let basis = basis.map(|basis| format!(", by the {basis}")).unwrap_or_default();
+    let note = format!("Dots with their intervals of 95 %{basis}{}.", marks.unwrap_or_default());
     format!("<div class=\"blocks\">\n{blocks}</div>\n<p class=\"note\">{note}</p>\n")
 }
 
 fn line(one: &Estimate, is_alone: bool) -> Line {
-    let [low, high] = one.interval.map(|end| end.map_or_else(|| "open".into(), digits));
+    // As many digits as tell the ends of the interval apart.
+    let shown = |value: f64| match one.half_width() {
+        Some(half) if half > 0.0 && half < 0.05 * one.value.abs() => {
+            base::number::figure(value, ((one.value.abs() / half).log10().ceil() as usize + 1).min(9))
+                .replace('-', "\u{2212}")
+        }
+        _ => digits(value),
+    };
+    let [low, high] = one.interval.map(|end| end.map_or_else(|| "open".into(), shown));
     let mark = one.mark.map(|(value, what)| (value, format!("{what} {}", digits(value))));
     let compared = mark.as_ref().map_or_else(String::new, |(_, words)| format!("; {words}"));
     let words = if is_alone { one.title() } else { one.test.clone().unwrap_or_default() };
@@ -157,7 +167,7 @@ fn line(one: &Estimate, is_alone: bool) -> Line {
         value: Some(one.value),
         interval: Some([one.interval[0].unwrap_or(one.value), one.interval[1].unwrap_or(one.value)]),
         mark,
-        text: format!("{} ({low} to {high}){compared}", digits(one.value)),
+        text: format!("{} ({low} to {high}){compared}", shown(one.value)),
     }
 }
 

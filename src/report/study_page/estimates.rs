@@ -11,6 +11,12 @@ const PARAMETER: &str = "parameter";
 const VALUE: &str = "value";
 const ENDS: [&str; 2] = ["lower_95", "upper_95"];
 const TEST: &str = "test";
+const BASIS: &str = "basis";
+const MEDIAN: &str = "median";
+
+/// Ends of the names of tables of a calibration.
+const PARAMETERS: &str = "parameters";
+const POSTERIOR: &str = "posterior";
 
 /// What an estimate is compared with, by the name of its column or the beginning of that of the parameter's.
 const MARKS: [&str; 3] = ["truth", "paper", "prior"];
@@ -28,6 +34,8 @@ pub(super) struct Estimate {
     pub interval: [Option<f64>; 2],
     /// A value that it is compared with, and what that is.
     pub mark: Option<(f64, &'static str)>,
+    /// What its interval rests on, where the table says so.
+    pub basis: Option<String>,
 }
 
 impl Estimate {
@@ -54,6 +62,11 @@ impl Estimate {
 /// The estimates in the tables of a study.
 pub(super) fn estimates(output: &ScriptOutput) -> Vec<Estimate> {
     let rows = || output.tables.iter().flat_map(|(_, rows)| rows);
+    // Of a calibration, by the name that its tables begin with: what the posterior says takes the place of the linear model.
+    let has_posterior = |table: &str| {
+        let begin = table.strip_suffix(PARAMETERS);
+        begin.is_some_and(|begin| output.tables.iter().any(|(name, _)| name.strip_suffix(POSTERIOR) == Some(begin)))
+    };
     let number = |row: &Row, name: &str| row.get(name).and_then(Value::as_f64);
     // The name of a test may be a number.
     let text = |row: &Row, name: &str| row.get(name).map(cell).filter(|text| !text.is_empty());
@@ -68,16 +81,24 @@ pub(super) fn estimates(output: &ScriptOutput) -> Vec<Estimate> {
         };
         own().or_else(elsewhere)
     };
-    let estimate = |row: &Row| {
-        let (parameter, value) = (text(row, PARAMETER)?, number(row, VALUE)?);
-        if !ENDS.iter().any(|end| row.contains_key(*end)) {
+    let estimate = |(table, row): (&String, &Row)| {
+        let is_posterior = table.ends_with(POSTERIOR) && row.get("verdict").is_some_and(|verdict| !verdict.is_null());
+        let value = if is_posterior { number(row, MEDIAN)? } else { number(row, VALUE)? };
+        let parameter = text(row, PARAMETER)?;
+        if has_posterior(table) || !ENDS.iter().any(|end| row.contains_key(*end)) {
             return None;
         }
         let test = text(row, TEST);
         let mark = mark(row, &parameter, &test);
-        Some(Estimate { interval: ENDS.map(|end| number(row, end)), test, parameter, value, mark })
+        let basis = if is_posterior { Some("posterior".into()) } else { text(row, BASIS) };
+        Some(Estimate { interval: ENDS.map(|end| number(row, end)), test, parameter, value, mark, basis })
     };
-    rows().filter_map(estimate).collect()
+    output
+        .tables
+        .iter()
+        .flat_map(|(table, rows)| rows.iter().map(move |row| (table, row)))
+        .filter_map(estimate)
+        .collect()
 }
 
 #[cfg(test)]
@@ -107,6 +128,22 @@ mod tests {
         let [a, b] = &found[..] else { panic!("{found:?}") };
         assert_eq!((a.mark, a.half_width(), a.name().as_str()), (Some((2.1, "paper")), Some(0.5), "k1 of a"));
         assert_eq!((b.mark, b.half_width(), b.name().as_str()), (Some((3.1, "paper")), None, "k1 of 8"));
+    }
+
+    /// The posterior of a calibration takes the place of the linear model of the same name, and of no other.
+    #[test]
+    fn a_posterior_takes_the_place_of_the_linear_model() {
+        let linear = |value: f64| json!([{ "parameter": "k1", "value": value, "lower_95": value - 0.1, "upper_95": value + 0.1, "basis": "linear model" }]);
+        let found = estimates(&output(json!({
+            "a_parameters": linear(2.0), "b_parameters": linear(3.0),
+            "a_posterior": [
+                { "parameter": "k1", "median": 1.4, "lower_95": 1.3, "upper_95": 1.6, "verdict": "determined" },
+                { "parameter": "model error", "median": 0.01, "lower_95": 0.0, "upper_95": 0.02, "verdict": null },
+            ],
+        })));
+        let shown: Vec<_> = found.iter().map(|own| (own.value, own.basis.as_deref())).collect();
+        assert!(shown.contains(&(1.4, Some("posterior"))) && shown.contains(&(3.0, Some("linear model"))), "{shown:?}");
+        assert_eq!(shown.len(), 2);
     }
 
     #[test]

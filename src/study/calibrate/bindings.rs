@@ -25,6 +25,7 @@ use crate::script::{
     refuse_key,
 };
 use base::finding::Finding;
+use uncertainty::statistics::quantiles;
 
 const OF_POSTERIOR: [&str; 6] = ["hierarchy", "scatter", "runs", "rounds", "steps", "seed"];
 const OF_PREDICT: [&str; 6] = ["samples", "figures", "signals", "above", "errors", "seed"];
@@ -203,6 +204,9 @@ impl Calibration {
         for warning in fit::doubts(&from.plan, &known, "posterior") {
             collector.report(Finding::new(&warning)).map_err(refuse)?;
         }
+        for warning in elsewhere(plan, fit, &found) {
+            collector.report(Finding::new(&warning)).map_err(refuse)?;
+        }
         let rows = rows::posterior(&found, &known);
         collector.table(&plan.table("posterior"), rows.clone()).map_err(refuse)?;
         collector.table(&plan.table("posterior_tests"), rows::surrogates(&found)).map_err(refuse)?;
@@ -281,6 +285,9 @@ impl Calibration {
     fn left_out(&self, tests: Option<&Array>, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let groups = left_out::groups(tests, plan)?;
+        if groups.is_empty() {
+            collector.report(Finding::new(&Warning::NothingToLeaveOut)).map_err(refuse)?;
+        }
         let found = left_out::searched(&groups, plan, fit, host, session)?;
         for warning in found.iter().flat_map(|left| left.doubts(plan)) {
             collector.report(Finding::new(&warning)).map_err(refuse)?;
@@ -417,6 +424,20 @@ fn asked(options: &Options<'_>) -> HostResult<Asked> {
         errors: errors.into_iter().collect(),
         seed: options.whole("seed", 1, plan::SEEDS)? as u64,
     })
+}
+
+/// The findings of parameters whose best values lie outside of the posterior.
+fn elsewhere(plan: &Plan, fit: &Fit, posterior: &Posterior) -> Vec<Warning> {
+    let found = |(index, unknown): (usize, &Unknown)| {
+        // Of what each test has of its own but scatters in the posterior, there is no one best value.
+        let place = posterior.plan.unknowns.iter().position(|own| own == unknown)?;
+        let samples: Vec<f64> = posterior.unknowns().map(|x| plan.parameter_of(unknown).value(x[place])).collect();
+        let [low, high] = quantiles(&samples, &[0.025, 0.975]).map(|ends| [ends[0], ends[1]])?;
+        let value = fit.values[index];
+        let (parameter, unit) = (unknown.name.clone(), plan.parameter_of(unknown).unit.clone().unwrap_or_default());
+        (!(low..=high).contains(&value)).then_some(Warning::PosteriorElsewhere { parameter, value, low, high, unit })
+    };
+    plan.unknowns.iter().enumerate().filter_map(found).collect()
 }
 
 /// What predictions have, by the names of their tables.

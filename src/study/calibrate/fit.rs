@@ -11,8 +11,8 @@ use super::test::Test;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
 use crate::identify::{
-    HostSearch, Labels, LinearizationError, Method, Phase, SearchFailure, SearchHost, SearchResult, Side, SignalLabel,
-    failure, weigh_at_start,
+    self, HostSearch, Labels, LinearizationError, Method, Phase, SearchFailure, SearchHost, SearchResult, Side,
+    SignalLabel, failure, weigh_at_start,
 };
 use crate::post::VIRTUAL_REFERENCE;
 use crate::script::{HostResult, Session, cause, check_stop, refuse};
@@ -72,18 +72,28 @@ impl Fit {
             let smooth = CalibrationObjective::new(plan, plan.first_share().max(LEAST_SMOOTH), session);
             let objective = CalibrationObjective { stage: stage.clone(), is_plain: true, ..smooth };
             let is_last = number == stages.len();
-            let name =
-                if is_last { "plain differences".into() } else { format!("stage {} of {}", number + 1, stages.len()) };
+            let name = if is_last {
+                "differences without correlation".into()
+            } else {
+                format!("stage {} of {}", number + 1, stages.len())
+            };
             let labels = so_far.labels(plan, name);
             let found = searched(plan, host, &objective, values, [number == 0, is_last], &labels)?;
             so_far.add(&found);
-            so_far.findings.extend(found.warnings.iter().map(Finding::new));
+            // Where the last search ends and begins counts; the coarse ones only lead there.
+            let of_bounds = |own: &&identify::Warning| {
+                matches!(own, identify::Warning::OnBound { .. } | identify::Warning::StartOnBound { .. })
+            };
+            let others = found.warnings.iter().filter(|own| !of_bounds(own));
+            so_far.findings.extend(others.map(Finding::new));
             values = found.best.x;
         }
         let (result, simulated, share) = with_what_is_left(plan, values, host, session, &mut so_far)?;
         let values = result.best.x.clone();
         let SoFar { mut findings, phases, iterations, evaluations } = so_far;
-        findings.extend(result.warnings.iter().map(Finding::new));
+        // It begins where another search ended: at a bound, if that did.
+        let own = result.warnings.iter().filter(|own| !matches!(own, identify::Warning::StartOnBound { .. }));
+        findings.extend(own.map(Finding::new));
         if plan.estimates_share() {
             findings.push(Finding::new(&Warning::ModelError { share, correlation: correlation(plan) }));
         }
@@ -116,7 +126,7 @@ fn with_what_is_left(
     let mut rounds = 0;
     loop {
         let objective = CalibrationObjective::new(plan, share, session);
-        let labels = so_far.labels(plan, format!("with what was left, {}", rounds + 1));
+        let labels = so_far.labels(plan, format!("weighted by noise and model error, {}", rounds + 1));
         let found = searched(plan, host, &objective, values, [false, true], &labels)?;
         so_far.add(&found);
         values = found.best.x.clone();

@@ -13,7 +13,7 @@ use super::posterior::{Draw, Posterior};
 use super::rows::object;
 use super::test::found_column;
 use super::warning::Warning;
-use crate::post::{self, Run, is_of_script, is_result};
+use crate::post::{self, Run, is_known, is_result};
 use crate::scenario_functions::Study;
 use crate::script::{HostResult, Row, Session, cause, check_stop, refuse};
 use lab::signal::Series;
@@ -191,7 +191,8 @@ impl Asked {
         if study.model().post.is_some() {
             return Ok(());
         }
-        match self.names().find(|name| is_of_script(name)) {
+        let has_several = study.model().impactors.len() > 1;
+        match self.names().find(|name| !is_known(name, has_several)) {
             None => Ok(()),
             Some(name) => {
                 let known = post::figures();
@@ -221,7 +222,7 @@ impl Asked {
 fn no_figure<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Box<rhai::EvalAltResult> {
     refuse(match base::diagnostic::closest(name, known) {
         Some(close) => format!("no run has a figure `{name}` (did you mean `{close}`?)"),
-        None => format!("no run has a figure `{name}`: summary.json of a run lists its figures"),
+        None => format!("no run has a figure `{name}`: `droptower explain figures` lists those of all runs"),
     })
 }
 

@@ -9,7 +9,7 @@ use super::parameter::texts;
 use super::pulled;
 use crate::post::Run;
 use crate::scenario_functions::{Scenarios, Study};
-use crate::script::{Compared, HostResult, Options, Session, number, refuse};
+use crate::script::{Compared, HostResult, Options, Session, cause, number, refuse, refused_key};
 use base::units::{Dimension, Length, Time};
 use lab::signal::Series;
 use lab::signal::column::{self, COLUMNS, Column};
@@ -139,6 +139,9 @@ impl Test {
             None => vec![Dynamic::UNIT],
             Some(given) => given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone()),
         };
+        if recordings.is_empty() {
+            return Err(in_test("`recordings` is an empty array, as of a pattern that no file matches".into()));
+        }
         if self.pull.is_some() {
             let reading = Reading { over: Some(&column::STRAIN), ..reading };
             let signals = recordings.iter().map(|recording| reading.pulled(recording));
@@ -148,7 +151,12 @@ impl Test {
         let mut signals = Vec::new();
         let mut longest: Option<(f64, Study)> = None;
         for recording in &recordings {
-            let (own, end, found) = reading.recording(&self.study, recording, &columns, session)?;
+            let read = reading.recording(&self.study, recording, &columns, session);
+            // What a scenario says of its own recording does not know the test.
+            let (own, end, found) = read.map_err(|error| match refused_key(&error) {
+                None if !cause(&error).starts_with("test `") => in_test(cause(&error)),
+                _ => error,
+            })?;
             signals.extend(found);
             if longest.as_ref().is_none_or(|(latest, _)| end > *latest) {
                 longest = Some((end, own));
@@ -370,7 +378,10 @@ impl Signal {
         {
             return Compared::curves(&own, &measured);
         }
-        Compared::signals(simulated, &self.measured, all)
+        match self.over {
+            Some(_) => Compared::over_travel(simulated, &self.measured),
+            None => Compared::signals(simulated, &self.measured, all),
+        }
     }
 
     /// Whether it is compared over a travel, a depth or a strain and not over time.
@@ -492,7 +503,8 @@ pub(super) fn found_column(name: &str) -> Result<&'static Column, String> {
 
 /// The noise that an option gives.
 pub(super) fn noise(given: &Dynamic) -> Result<Noise, String> {
-    let wrong = || format!("`noise` is \"from the recordings\" or a share of the signal such as 0.01, not {given}");
+    let shown = given.clone().into_string().map_or_else(|_| given.to_string(), |text| format!("\"{text}\""));
+    let wrong = || format!("`noise` is \"from the recordings\" or a share of the signal such as 0.01, not {shown}");
     if let Ok(text) = given.clone().into_string() {
         return if text == "from the recordings" { Ok(Noise::FromRecording) } else { Err(wrong()) };
     }

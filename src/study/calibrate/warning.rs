@@ -125,6 +125,18 @@ findings! {
                 posterior does not know that region";
             remedy "tighten `within` where many failed";
             message "{failed} of {runs} runs of {test} have no value, the first: {cause}";
+        PosteriorElsewhere {
+            parameter: String, "the parameter" => "parameter";
+            value: f64, "its value at the end of the search" => "value";
+            low: f64, "lower end of the posterior's interval of 95 %" => "low";
+            high: f64, "upper end of it" => "high";
+            unit: String, "the unit of these" => "unit";
+        } = "posterior-elsewhere", Warning;
+            meaning "the best point of a search lies outside of the posterior: the search ended in a local minimum, as contact of coarse \
+                elements makes them, and its linear intervals are those of that minimum";
+            remedy "take the posterior's values; a finer mesh or more `starts` bring the search nearer";
+            message "the search ended at {parameter} = {}, outside of the posterior's 95 %, {} to {} {unit}: its intervals do not count",
+                significant(*value, 4), significant(*low, 4), significant(*high, 4);
         PredictionWithout {
             scenario: String, "the scenario" => "scenario";
             parameter: String, "the parameter" => "parameter";
@@ -139,6 +151,10 @@ findings! {
                 may be that of the search";
             remedy "raise `max_evaluations`, widen `within`, or fix what the other tests do not determine";
             message "the search without {test} has not converged";
+        NothingToLeaveOut = "nothing-to-leave-out", Warning;
+            meaning "no test of a calibration can be left out: each has an unknown that no other test has, or it is the only one";
+            remedy "share parameters that tests have of their `own`, or name several tests to leave out together";
+            message "no test can be left out: each has an unknown that no other test has, or it is the only one";
         LeftOutFailed {
             test: String, "the test" => "test";
             cause: String, "why" => "cause";

@@ -87,7 +87,7 @@ impl SignalLabel {
     fn for_signal(labels: &Labels, index: usize, over: Over) -> SignalLabel {
         let is_stress = |unit: &Unit| unit.measures(Pressure::DIMENSION);
         match (labels.signals.get(index), over) {
-            (None, Over::Time) => SignalLabel { quantity: format!("signal {}", index + 1), unit: None },
+            (None, Over::Time | Over::Travel) => SignalLabel { quantity: format!("signal {}", index + 1), unit: None },
             (None, Over::Strain) => SignalLabel::stress("stress"),
             (Some(label), Over::Strain) if !label.unit.as_ref().is_some_and(is_stress) => {
                 SignalLabel::stress(&label.quantity)

@@ -38,6 +38,11 @@ pub fn is_of_script(name: &str) -> bool {
     !SUMMARY.iter().any(is_of)
 }
 
+/// Whether a run without a post script may have this figure; of several impactors each has its own, behind its name.
+pub fn is_known(name: &str, has_several: bool) -> bool {
+    SUMMARY.contains(&name) || has_several && !is_of_script(name)
+}
+
 /// A figure of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FigureName {

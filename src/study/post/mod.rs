@@ -22,7 +22,7 @@ use crate::script::Chapter;
 pub use audit::{Audit, COST, Histogram, MeshFigures, OF_THE_MACHINE};
 pub use comparison::{RunComparison, is_key_figure, is_result};
 pub use field::{FieldFigures, FieldTime};
-pub use figures::{FigureName, figures, is_of_script};
+pub use figures::{FigureName, figures, is_known, is_of_script};
 pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;
 pub use inflation::Inflation;

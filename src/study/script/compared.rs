@@ -19,6 +19,8 @@ pub enum Over {
     Time,
     /// Engineering strain of a coupon; the values are stresses, Pa.
     Strain,
+    /// Travel or depth, m.
+    Travel,
 }
 
 /// The part of a reference that simulations are compared with; compared bit by bit.
@@ -26,7 +28,7 @@ pub enum Over {
 pub struct Target {
     /// The abscissa.
     pub over: Over,
-    /// Times or strains, increasing.
+    /// Times, strains or travels, increasing.
     pub places: Vec<f32>,
     /// The reference at these abscissae; NaN where it was not measured.
     pub values: Vec<f32>,
@@ -53,6 +55,11 @@ impl Compared {
     pub fn signals(signal: &Series, reference: &Series, window: [f64; 2]) -> Compared {
         let samples = reference.window(window);
         Compared::sampled(Over::Time, samples.samples(), |time| signal.value_at(time))
+    }
+
+    /// `signal` over the samples of `reference`, both over a travel or a depth (m).
+    pub fn over_travel(signal: &Series, reference: &Series) -> Compared {
+        Compared::sampled(Over::Travel, reference.samples(), |place| signal.value_at(place))
     }
 
     /// `curve` over the samples of `reference`.

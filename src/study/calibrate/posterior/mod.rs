@@ -76,6 +76,8 @@ pub(super) struct Posterior {
     pub(super) acceptance: f64,
     /// Runs of all tests, and of those that failed.
     pub(super) runs: usize,
+    /// Runs of each test that have a value.
+    pub(super) runs_of_tests: Vec<usize>,
     /// Error of the surrogate of each test at new points.
     pub(super) errors: Vec<f64>,
     pub(super) warnings: Vec<Warning>,
@@ -574,6 +576,7 @@ impl Sampling<'_> {
             effective: samples.effective,
             acceptance: samples.acceptance,
             runs: computed,
+            runs_of_tests: runs.iter().map(Vec::len).collect(),
             errors,
             warnings,
         }
