@@ -279,7 +279,7 @@ fn mistakes_are_named_before_any_search() {
         ("#{ tests: [own + #{ recordings: [] }], parameters: #{ k: k } }", "test `md`: `recordings` is an empty array"),
         (
             "#{ tests: [#{ scenario: \"scenarios/drop/1508.toml\", name: \"d\" }], parameters: #{ k: k } }",
-            "test `d`: there is nothing to compare with",
+            "test `d`: drop/1508 names no [reference]",
         ),
         (
             "#{ tests: [own + #{ own: [\"k\"] }, own + #{ name: \"b\" }], parameters: #{ k: k + #{ tests: [\"b\"] } } }",
