@@ -201,7 +201,10 @@ impl Calibration {
         let median = found.median();
         let known =
             verdict::of_covariance(&from.plan, &median, &found.covariance(), &from.jacobian, &found.at_bounds());
-        for warning in fit::doubts(&from.plan, &known, "posterior") {
+        // What the linear model has said of a parameter already is not said again.
+        let told: Vec<Warning> = fit::doubts(plan, &fit.known, LINEAR).collect();
+        let doubts = fit::doubts(&from.plan, &known, "posterior");
+        for warning in doubts.filter(|own| !told.iter().any(|other| own.is_of_the_same(other))) {
             collector.report(Finding::new(&warning)).map_err(refuse)?;
         }
         for warning in elsewhere(plan, fit, &found) {
@@ -295,7 +298,9 @@ impl Calibration {
         let rows = left_out::rows(&found, plan, fit);
         let mut derived = self.derived();
         derived.left_out.extend(rows.clone());
-        collector.table(&plan.table("left_out"), derived.left_out.clone()).map_err(refuse)?;
+        if !derived.left_out.is_empty() {
+            collector.table(&plan.table("left_out"), derived.left_out.clone()).map_err(refuse)?;
+        }
         Ok(listed(&rows))
     }
 

@@ -193,6 +193,20 @@ findings! {
     }
 }
 
+impl Warning {
+    /// Whether both say the same of one parameter, by whatever basis.
+    pub(super) fn is_of_the_same(&self, other: &Warning) -> bool {
+        match (self, other) {
+            (Warning::NotDetermined { parameter: one, .. }, Warning::NotDetermined { parameter: two, .. })
+            | (
+                Warning::DeterminedTogether { parameter: one, .. },
+                Warning::DeterminedTogether { parameter: two, .. },
+            ) => one == two,
+            _ => false,
+        }
+    }
+}
+
 fn signed(share: f64) -> String {
     format!("{}{} %", if share > 0.0 { "+" } else { "" }, significant(100.0 * share, 2))
 }
