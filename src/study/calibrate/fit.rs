@@ -80,9 +80,11 @@ impl Fit {
             let labels = so_far.labels(plan, name);
             let found = searched(plan, host, &objective, values, [number == 0, is_last], &labels)?;
             so_far.add(&found);
-            // Where the last search ends and begins counts; the coarse ones only lead there.
-            let of_bounds = |own: &&identify::Warning| {
-                matches!(own, identify::Warning::OnBound { .. } | identify::Warning::StartOnBound { .. })
+            // The start that was given counts, and where the last search ends; the coarse ones only lead there.
+            let of_bounds = |own: &&identify::Warning| match own {
+                identify::Warning::OnBound { .. } => true,
+                identify::Warning::StartOnBound { .. } => number > 0,
+                _ => false,
             };
             let others = found.warnings.iter().filter(|own| !of_bounds(own));
             so_far.findings.extend(others.map(Finding::new));

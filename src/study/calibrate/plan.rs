@@ -307,16 +307,18 @@ impl Plan {
         curve_parameter::changes(acting.map(|index| (self.parameter_of(&self.unknowns[index]), values[index])))
     }
 
-    /// The parameters of keys that a scenario which is no test takes: those that all tests have, and of the others those whose
+    /// The parameters that a scenario which is no test takes: those that all tests have, and of the others those whose
     /// keys it has, and no other parameter too.
     pub(super) fn taken_by(&self, study: &Study, session: &Session) -> Vec<usize> {
         let start = self.start();
         let takes = |index: &usize| {
             let parameter = &self.parameters[*index];
             let at = self.unknowns.iter().position(|own| own.parameter == *index && own.test.is_none());
-            let Some(at) = at.filter(|_| parameter.role == Role::Key) else { return false };
+            let Some(at) = at else { return false };
             let changes = curve_parameter::changes(std::iter::once((parameter, start[at])));
-            parameter.tests.is_empty() || self.rivals(*index).next().is_none() && study.with(changes, session).is_ok()
+            // Not every film has the break strains that outcomes tell of.
+            let is_of_all = parameter.tests.is_empty() && parameter.role == Role::Key;
+            is_of_all || self.rivals(*index).next().is_none() && study.with(changes, session).is_ok()
         };
         (0..self.parameters.len()).filter(takes).collect()
     }

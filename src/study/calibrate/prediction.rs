@@ -138,7 +138,10 @@ impl<'a> Drawn<'a> {
                 .map(|factors| Some(plan.shared_breaks(factors)))
                 .map_err(|error| cause(&error)),
         };
-        Drawn { study, plan, taken: plan.taken_by(study, session), breaks }
+        // Each run has break strains of its own.
+        let mut taken = plan.taken_by(study, session);
+        taken.retain(|index| plan.parameters[*index].role == Role::Key);
+        Drawn { study, plan, taken, breaks }
     }
     /// Whether it depends on an unknown.
     fn takes(&self, unknown: &Unknown) -> bool {
