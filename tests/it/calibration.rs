@@ -255,6 +255,11 @@ fn mistakes_are_named_before_any_search() {
         ("#{ tests: [own], parameters: #{ k: k + #{ key: \"impactor.mas\" } } }", "test `md` at the start"),
         ("#{ tests: [own], parameters: #{ k: k + #{ tests: [\"mf\"] } } }", "names the test `mf`; there are md"),
         (
+            "#{ tests: [own, #{ scenario: \"scenarios/drop/1508.toml\", name: \"d\", outcome: \"held\" }],
+                parameters: #{ m: #{ key: \"impactor.mass\", start: \"10 kg\", within: [\"5 kg\", \"20 kg\"] } } }",
+            "(a parameter that only some tests have names them: `tests: [\"…\"]`)",
+        ),
+        (
             "#{ tests: [own + #{ compare: \"forse\" }], parameters: #{ k: k } }",
             "no signal `forse` (did you mean `force`?)",
         ),
@@ -391,6 +396,49 @@ fn a_time_of_rupture_and_a_failure_mass_lead_to_the_break_strain() {
     }
     // A specimen that breaks at a known strain tells the median to the scatter between specimens.
     assert!((found[4] / (1.96 * 0.1_f64).exp_m1() - 1.0).abs() < 0.05, "{found:?}");
+}
+
+/// A drop whose film breaks at the calibrated strain tells of that strain by its signals.
+#[test]
+fn candidates_break_at_the_calibrated_strain() {
+    let text = r#"
+        let truth = #{}; truth[md] = 0.7;
+        let time = `${drop.with(truth).simulate().summary.rupture_time_s} s`;
+        let found = calibrate(#{ tests: [#{ scenario: drop, rupture_time: time }],
+            parameters: #{ md: parameter + #{ start: 0.8 } }, starts: 1, max_evaluations: 60 });
+        found.settles([#{ scenario: drop, name: "breaks" }]).map(|row| row.reduction)"#;
+    let found = numbers(&format!("{DROP}{text}"));
+    assert!(found.len() == 1 && found[0] > 0.1, "{found:?}");
+}
+
+/// Of three drops that broke film at most one would, by its break strain: another drop, whose film held, cannot be run with it.
+#[test]
+fn a_test_that_cannot_run_with_the_parameters_of_the_others_is_a_finding() {
+    let text = r#"
+        let signals = #{ acceleration: whole.acceleration };
+        let found = calibrate(#{
+            tests: [#{ scenario: drop, name: "outcomes", outcome: ["broke", "broke", "held"] },
+                    #{ scenario: drop, name: "signals", compare: "acceleration", recordings: signals, noise: 0.01 }],
+            parameters: #{ md: parameter + #{ start: 1.5 } }, discrepancy: 0, starts: 1, max_evaluations: 60 });
+        found.left_out(["signals"]);"#;
+    let (_, output) = run(&format!("{DROP}{text}")).unwrap_or_else(|error| panic!("{error}"));
+    let codes: Vec<&str> = output.findings.iter().map(|found| found.code.as_ref()).collect();
+    assert!(codes.contains(&"left-out-failed"), "{:?}", output.findings);
+}
+
+/// A search that may not go far enough ends outside of the posterior; a start of the user's on a bound is said, too.
+#[test]
+fn a_search_that_ends_early_is_told_by_the_posterior() {
+    let text = r#"let md = strip("MD");
+        let found = calibrate(#{ tests: [#{ scenario: md, recordings: recorded(md, 0.0, 1), noise: 0.02 }], discrepancy: 0,
+            parameters: #{ thickness: #{ key: "specimen.material.thickness", start: "20 um", within: ["6 um", "20 um"] } },
+            method: "nelder-mead", starts: 1, max_evaluations: 3 });
+        found.posterior();"#;
+    let (_, output) = run(text).unwrap_or_else(|error| panic!("{error}"));
+    let codes: Vec<&str> = output.findings.iter().map(|found| found.code.as_ref()).collect();
+    for code in ["posterior-elsewhere", "start-on-bound"] {
+        assert!(codes.contains(&code), "no {code}: {:?}", output.findings);
+    }
 }
 
 /// Five coupons, each of film of another thickness, with noise that counts: the posterior of mean and deviation of the specimens

@@ -167,14 +167,13 @@ impl Plan {
         for place in 0..self.tests.len() {
             let own = &self.tests[place];
             own.study.with(self.changes(place, &start), session).map_err(|error| {
-                let text = cause(&error);
-                let is_answered = text.contains("did you mean") || text.contains("expected");
-                let hint = match self.tests.len() {
-                    1 => "",
-                    _ if is_answered => "",
-                    _ => " (a parameter that only some tests have names them: `tests: [\"…\"]`)",
+                let takes = |other: &Test, at| other.study.with(self.changes(at, &start), session).is_ok();
+                // What every test refuses is wrong in itself.
+                let hint = match self.tests.iter().enumerate().any(|(at, other)| at != place && takes(other, at)) {
+                    true => " (a parameter that only some tests have names them: `tests: [\"…\"]`)",
+                    false => "",
                 };
-                let wrong = refuse(format!("test `{}` at the start: {}{hint}", own.name, text));
+                let wrong = refuse(format!("test `{}` at the start: {}{hint}", own.name, cause(&error)));
                 let key = refused_key(&error);
                 let has = |parameter: &&Parameter| key.as_ref().is_some_and(|key| parameter.has(key));
                 match self.parameters.iter().find(has) {

@@ -1,6 +1,6 @@
 //! The tests of a calibration: a scenario each, and the recordings that its signals are compared with.
 
-use rhai::{Array, Dynamic, Map};
+use rhai::{Array, Dynamic, EvalAltResult, Map};
 
 use super::distance::Distance;
 use super::error_model::{Correlation, ErrorModel, Noise, USUAL_CORRELATION};
@@ -151,12 +151,7 @@ impl Test {
         let mut signals = Vec::new();
         let mut longest: Option<(f64, Study)> = None;
         for recording in &recordings {
-            let read = reading.recording(&self.study, recording, &columns, session);
-            // What a scenario says of its own recording does not know the test.
-            let (own, end, found) = read.map_err(|error| match refused_key(&error) {
-                None if !cause(&error).starts_with("test `") => in_test(cause(&error)),
-                _ => error,
-            })?;
+            let (own, end, found) = reading.recording(&self.study, recording, &columns, session)?;
             signals.extend(found);
             if longest.as_ref().is_none_or(|(latest, _)| end > *latest) {
                 longest = Some((end, own));
@@ -186,7 +181,7 @@ struct Reading<'a> {
     window: Option<&'a Dynamic>,
     tolerances: Tolerances,
     distance: Distance,
-    in_test: &'a dyn Fn(String) -> Box<rhai::EvalAltResult>,
+    in_test: &'a dyn Fn(String) -> Box<EvalAltResult>,
 }
 
 impl Reading<'_> {
@@ -213,8 +208,9 @@ impl Reading<'_> {
         if let Some(window) = self.window {
             changes.insert("reference.window".into(), window.clone());
         }
-        let study = if changes.is_empty() { study.clone() } else { study.with(changes, session)? };
-        let comparison = study.comparison()?.clone();
+        let with = || if changes.is_empty() { Ok(study.clone()) } else { study.with(changes, session) };
+        let study = with().map_err(|error| self.in_its_test(error))?;
+        let comparison = study.comparison().map_err(|error| self.in_its_test(error))?.clone();
         let class = study.model().output.filter;
         let signals = columns.iter().map(|column| {
             let series = match column.short {
@@ -230,6 +226,11 @@ impl Reading<'_> {
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
         Ok((study, comparison.window[1], signals))
+    }
+
+    /// The error of what does not know the test; a key of a map that is refused has a place of its own.
+    fn in_its_test(&self, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
+        if refused_key(&error).is_some() { error } else { (self.in_test)(cause(&error)) }
     }
 
     /// Signals that the script gives, over time or over what is asked for.
@@ -304,7 +305,7 @@ impl Reading<'_> {
         let dimension: Dimension = if self.over.is_none() { Time::DIMENSION } else { Length::DIMENSION };
         let end = |value: &Dynamic| match value.clone().into_string() {
             Ok(text) => dimension.parse(&text).map_err(|error| (self.in_test)(error.to_string())),
-            Err(_) => number(value, "an end of the window"),
+            Err(_) => number(value, "an end of the window").map_err(|error| self.in_its_test(error)),
         };
         let window = [end(&list[0])?, end(&list[1])?];
         if window[0] < window[1] && !series.is_empty() { Ok(window) } else { Err(wrong()) }

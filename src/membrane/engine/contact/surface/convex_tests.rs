@@ -136,11 +136,20 @@ fn meshes_are_known_to_be_convex() {
 fn a_projection_that_follows_its_triangle_is_that_of_the_whole_mesh() {
     let (vertices, triangles) = Ball::new(0.1).to_trimesh(14, 9);
     let mesh = TriMesh::new(vertices, triangles).unwrap();
-    let vertices = mesh.vertices().iter().map(|v| Point3::new(v.x, v.y, v.z * 0.7)).collect();
-    let surface = Surface::closed_mesh((vertices, mesh.indices().to_vec())).unwrap();
+    let convex: Vec<_> = mesh.vertices().iter().map(|v| Point3::new(v.x, v.y, v.z * 0.7)).collect();
+    let mut dented = convex.clone();
+    dented[20].coords *= 0.9;
+    let of = |vertices| Surface::closed_mesh((vertices, mesh.indices().to_vec())).unwrap();
+    // Without a search: a convex body by the faces that a point outside lies over, any other by distances.
+    assert!(spared_on_a_path_beside(&of(convex))[0] > 2000);
+    assert!(spared_on_a_path_beside(&of(dented))[1] > 4000);
+}
+
+/// Steps of 6000 in which the nearest triangle was found by the face under the point, and by distances.
+fn spared_on_a_path_beside(surface: &Surface) -> [u32; 2] {
     let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
     let mut nearest = Nearest::default();
-    let mut kept = 0;
+    let [mut kept, mut under] = [0; 2];
     for k in 0..6000_u32 {
         let turn = f64::from(k) * 2e-4 + if k % 500 == 0 { 1.0 } else { 0.0 };
         let (sin, cos) = turn.sin_cos();
@@ -150,6 +159,7 @@ fn a_projection_that_follows_its_triangle_is_that_of_the_whole_mesh() {
         let found = surface.project_on_mesh(&pose, &arm, None, &mut nearest);
         let whole = surface.shape.project(&pose, &arm);
         kept += u32::from(before.is_kept(&nearest));
+        under += u32::from(nearest.is_under() && !before.is_kept(&nearest));
         assert_eq!((found.distance, found.normal), (whole.distance, whole.normal), "step {k}");
         let bound = surface.project_on_mesh(&pose, &arm, Some(1e-4), &mut nearest.clone());
         assert!(
@@ -157,7 +167,7 @@ fn a_projection_that_follows_its_triangle_is_that_of_the_whole_mesh() {
             "step {k}"
         );
     }
-    assert!(kept > 4000, "{kept}");
+    [under, kept]
 }
 
 /// No sample of an element is deeper than what its corners tell, also where one tells no more than a bound, and what is

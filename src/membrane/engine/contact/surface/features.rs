@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::Aabb;
-use parry3d_f64::shape::TriMesh;
+use parry3d_f64::math::Vector;
+use parry3d_f64::query::PointQueryWithLocation;
+use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 
 use super::element_points::{DeepestPoint, Search, corner_weights, sides, weights_of};
 use super::projection::Projection;
@@ -16,6 +18,12 @@ const PARALLEL: f64 = 1e-3;
 
 /// Distance up to which more than what is looked for is found, over half the diagonal of an element.
 const BEYOND: f64 = 0.05;
+
+/// Triangles over which a point is followed at most.
+const HOPS: usize = 16;
+
+/// Least weight of a corner of the triangle that a point lies over.
+const INSIDE: f64 = 1e-6;
 
 /// Share of a length by which a point may lie outside what an edge or a corner supports.
 const ROUND_OFF: f64 = 1e-9;
@@ -41,6 +49,7 @@ struct Edge {
     ends: [u32; 2],
     /// The third corners of its triangles.
     opposite: [u32; 2],
+    triangles: [u32; 2],
 }
 
 /// Corners of a mesh with their places, and edges with the places of their ends among these.
@@ -102,7 +111,9 @@ impl Features {
                 edges_of[*t][*k] = edges.len() as u32;
             }
             // An edge with one triangle, which a closed mesh does not have, is its own neighbour instead of a panic.
-            edges.push(Edge { ends: pair[0].0, opposite: [pair[0].1, pair[pair.len() - 1].1] });
+            let [first, last] = [pair[0], pair[pair.len() - 1]];
+            let triangles = [first.2 as u32, last.2 as u32];
+            edges.push(Edge { ends: first.0, opposite: [first.1, last.1], triangles });
         }
         let mut ends: Vec<[u32; 2]> = edges.iter().flat_map(|edge| [edge.ends, [edge.ends[1], edge.ends[0]]]).collect();
         ends.sort_unstable();
@@ -155,6 +166,39 @@ impl Features {
         let normal = (b - a).cross(&(c - a)).normalize();
         let others = edges.iter().flat_map(|edge| self.edges[*edge as usize].opposite).map(|n| self.vertex(n) - a);
         others.into_iter().all(|arm| arm.dot(&normal) <= ROUND_OFF * arm.norm())
+    }
+
+    /// The triangle beyond an edge of another one, counted from its first corner on.
+    fn across(&self, triangle: u32, edge: u32) -> u32 {
+        let [one, other] = self.edges[self.edges_of[triangle as usize][edge as usize] as usize].triangles;
+        if one == triangle { other } else { one }
+    }
+
+    /// The face of a convex `mesh` that a point outside of it lies over, and its foot there, found from `triangle` over its
+    /// neighbours. The body lies below the plane of that face, so none of its points is nearer.
+    pub(super) fn face_under(&self, mesh: &TriMesh, point: Vector, triangle: u32) -> Option<(u32, Vector)> {
+        let (mut at, mut before) = (triangle, triangle);
+        for _ in 0..HOPS {
+            let (foot, location) = mesh.triangle(at).project_local_point_and_get_location(point, false);
+            match location {
+                // Outside, and so far from the edges that no other triangle is as near but for round-off: a search over the
+                // whole mesh would then end at this one, too.
+                TrianglePointLocation::OnFace(0, weights) => {
+                    return weights.iter().all(|weight| *weight >= INSIDE).then_some((at, foot.point));
+                }
+                // Corners lie between the edges of the same number and the one before.
+                TrianglePointLocation::OnEdge(edge, _) | TrianglePointLocation::OnVertex(edge) => {
+                    let next = self.across(at, edge);
+                    // Over the edge itself, of which either triangle tells the same but for round-off.
+                    if next == before {
+                        return None;
+                    }
+                    (before, at) = (at, next);
+                }
+                _ => return None,
+            }
+        }
+        None
     }
 
     /// Whether the body is convex.
@@ -291,7 +335,7 @@ impl Features {
     /// Distance of an edge of film from an edge of the mesh that it crosses, with the share of the length where it
     /// does.
     fn across_edge(&self, edge: u32, [s, t]: &[Vector3<f64>; 2], reach: f64) -> Option<(Projection, f64)> {
-        let Edge { ends, opposite } = self.edges[edge as usize];
+        let Edge { ends, opposite, .. } = self.edges[edge as usize];
         let [a, b] = ends.map(|n| self.vertex(n));
         let (along, film) = (b - a, t - s);
         let cross = along.cross(&film);

@@ -36,6 +36,11 @@ impl Nearest {
     pub(super) fn is_kept(&self, other: &Nearest) -> bool {
         self.from == other.from && self.others == other.others
     }
+
+    /// Whether it was found without a search over the whole mesh, since the point lies over a face.
+    pub(super) fn is_under(&self) -> bool {
+        self.others == self.distance
+    }
 }
 
 impl Nearest {
@@ -116,10 +121,10 @@ impl Surface {
         nearest: &mut Nearest,
     ) -> Projection {
         let mesh = match &self.shape {
-            Shape::Solid(solid) => solid.core().as_trimesh(),
+            Shape::Solid(solid) => solid.core().as_trimesh().zip(solid.features()),
             _ => None,
         };
-        let Some(mesh) = mesh else { return self.shape.project(pose, arm) };
+        let Some((mesh, features)) = mesh else { return self.shape.project(pose, arm) };
         let local = pose.rotation.inverse_transform_vector(arm);
         let moved = (local - nearest.from).norm();
         // By the triangle inequality: after a motion of `moved` any distance has changed by at most that.
@@ -127,6 +132,14 @@ impl Surface {
         if nearest.others >= 0.0 {
             if beyond.is_some_and(|beyond| nearest.distance > 0.0 && nearest.distance - moved > beyond) {
                 return Projection { distance: nearest.distance - moved, normal: Vector3::zeros() };
+            }
+            if features.is_convex()
+                && let Some((triangle, foot)) = features.face_under(mesh, vector(&local), nearest.triangle)
+            {
+                let projection = signed(&local, foot, false);
+                let distance = projection.distance;
+                *nearest = Nearest { triangle, from: local, distance, others: distance };
+                return projection.turned(pose);
             }
             let triangle = mesh.triangle(nearest.triangle);
             let found = triangle.project_local_point(vector(&local), false);
