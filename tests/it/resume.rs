@@ -347,6 +347,18 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
                 "loading.impact.duration=15ms",
             ],
         ),
+        // Film that settles before the test, with air between its faces.
+        (
+            "drop-1508",
+            &[
+                "output.frames=20",
+                "loading.impact.duration=25ms",
+                "specimen.mesh.size=25mm",
+                "specimen.symmetry=none",
+                "specimen.md_angle=30deg",
+                "air.cushion=adiabatic",
+            ],
+        ),
         ("drop-tear", &["output.frames=20", "specimen.bending=true"]),
         ("strip-bending", &["output.frames=20"]),
         (

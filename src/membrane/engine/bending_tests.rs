@@ -7,7 +7,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::{Engine, Film, Jaw, Loads, Mesh, Nodes, Section, ThreadPool, Unobserved};
 use crate::lane::Width;
-use crate::material::{Elastic, Law};
+use crate::material::{Curve, Elastic, Fabric, Law};
 
 const YOUNG: f64 = 2e9;
 const POISSON: f64 = 0.3;
@@ -198,7 +198,7 @@ fn neither_force_nor_moment_acts_on_free_film_and_rotations_store_nothing() {
 }
 
 /// Deflection of a strip that is built in at one end, under its weight: q L⁴/(8 E I), narrow, so that its edges are free to
-/// curve; of layers n (h/n)³; along MD and TD.
+/// curve; of two layers of each that slide.
 #[test]
 fn strips_deflect_as_beams() {
     let [length, width] = [0.1, 0.02];
@@ -219,6 +219,33 @@ fn strips_deflect_as_beams() {
         }
         println!("{kind:?} {irregular}: tip off by {errors:.4?}");
         assert!(errors[2].abs() < 0.02, "{kind:?} {irregular}: {errors:?}");
+    }
+}
+
+/// The same of a fabric without lateral contraction, along MD and along TD, mounted without and with a pre-strain: of the
+/// stretches λ₁ along and λ₂ across the strip, curvatures are λ₁² times as large in stress-free coordinates, and areas λ₁ λ₂
+/// times smaller, so that under the weight of its own mass its tip sinks by q L⁴/(8 E I λ₁⁴).
+#[test]
+fn strips_of_fabric_deflect_by_the_stiffness_along_them() {
+    let [length, width] = [0.1, 0.02];
+    let line = |slope: f64| Curve::new(vec![[1.0, slope]]).expect("a curve");
+    let slopes = [YOUNG, 0.3 * YOUNG];
+    let cases = [([0.0, 0.0], 0.0), ([0.0, 0.0], 0.5 * PI), ([0.1, -0.05], 0.0), ([0.1, -0.05], 0.5 * PI)];
+    for (kind, irregular) in ALL {
+        for (prestrain, md_angle) in cases {
+            let law = Law::Fabric(Fabric::new(line(slopes[0]), line(slopes[1]), line(0.2 * YOUNG), 0.0));
+            let section = Section { law, md_angle, prestrain, ..section() };
+            let mesh = rectangle(kind, [length, width], [40, 8], irregular);
+            let (film, nodes) = film(&mesh, &section, 1, &edges(&mesh, |p| p.x == 0.0));
+            let held: Vec<bool> = mesh.nodes.iter().map(|p| p.x == 0.0).collect();
+            let deflection = deflected(&film, &nodes, &held, &weights(&nodes, 1.0));
+            let tip = mesh.nodes.iter().zip(&deflection).filter(|(p, _)| p.x == length).map(|(_, w)| *w);
+            let tip = tip.sum::<f64>() / 9.0;
+            let along = usize::from(md_angle > 0.0);
+            let stiffness = slopes[along] * THICKNESS.powi(3) / 12.0 * (1.0 + prestrain[along]).powi(4);
+            let error = tip * 8.0 * stiffness / length.powi(4) - 1.0;
+            assert!(error.abs() < 0.02, "{kind:?} {irregular} {prestrain:?} {md_angle}: tip off by {error:.4}");
+        }
     }
 }
 
@@ -413,7 +440,7 @@ fn parts_have_the_forces_of_the_whole() {
     }
 }
 
-/// Bits depend neither on the threads nor on the vector instructions, nor on a restart; cut film bends on its own.
+/// Bits depend neither on the threads nor on the vector instructions, nor on a restart.
 #[test]
 fn bits_depend_on_neither_threads_nor_width() {
     let run = |threads: usize, width: Width, restarts: bool| {
@@ -445,8 +472,8 @@ fn bits_depend_on_neither_threads_nor_width() {
     }
 }
 
-/// Film whose elements are deleted one after another: what bending stored there goes into `rupture`, what is left is that of
-/// film that was cut there before, and a restored engine has it, too.
+/// Film whose elements are deleted one after another: what bending stored there goes into `rupture`, and a restored engine
+/// stores what is left, to the bit.
 #[test]
 fn torn_film_bends_no_more_where_it_tore() {
     use crate::material::{Criterion, Limit, Rupture};
@@ -481,7 +508,6 @@ fn torn_film_bends_no_more_where_it_tore() {
     let exchanged = last.exchanged(&first);
     println!("{failed} elements tore; energy off by {:.1e}", gap / exchanged);
     assert!(gap < 1e-2 * exchanged && last.rupture > 0.0, "{gap} of {exchanged}");
-    // From scratch, of the elements that are left.
     let film = &engine.films[0];
     let mut again = build();
     again.restore(engine.state()).expect("a state");

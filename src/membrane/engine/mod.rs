@@ -79,7 +79,7 @@ pub use relaxation::{Relaxation, Settling};
 pub use rigid_body::{Freedom, RigidBody};
 pub use section::Section;
 pub use spring_law::SpringLaw;
-pub use springs::{Spring, SpringLoad, Springs, SpringsState};
+pub use springs::{SHORTEST as SHORTEST_SPRING, Spring, SpringLoad, Springs, SpringsState};
 pub use state::{State, StateMismatch};
 pub use thread_pool::ThreadPool;
 use time_step::TimeStep;
@@ -272,9 +272,10 @@ impl Engine {
         Engine { clamp: Some(clamp), ..self }
     }
 
-    /// This engine with film that hangs on `springs`, by nodes that nothing else holds.
+    /// This engine, which has none so far, with film that hangs on `springs`, by nodes that nothing else holds.
     pub fn with_springs(self, springs: Springs) -> Engine {
-        let mut engine = Engine { springs: None, ..self };
+        debug_assert!(self.springs.is_none(), "their mass would be added twice");
+        let mut engine = self;
         springs.add_mass(&mut engine.nodes);
         engine.springs = Some(springs);
         engine.time_step = engine.first_time_step();

@@ -223,7 +223,7 @@ impl Engine {
             });
         }
         let share = strain + slope_squared + self.bending_share();
-        let share = self.springs.as_ref().map_or(share, |springs| share.max(springs.slope(&self.nodes)));
+        let share = self.springs.as_ref().map_or(share, |springs| share.max(springs.vertical_share(&self.nodes)));
         (VERTICAL_SHARE / share).clamp(1.0, MOST_LIGHTNESS)
     }
 

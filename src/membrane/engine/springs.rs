@@ -14,6 +14,9 @@ const MOVING: f64 = 1.0 / 3.0;
 /// Shortening over the length at rest below which a spring counts as one without force: round-off.
 const ROUND_OFF: f64 = 1e-6;
 
+/// Length over that without force below which a spring that pushes resists across itself by more than its stiffness.
+pub const SHORTEST: f64 = 0.5;
+
 /// Springs between the edge of film and its frame, all of one law.
 pub struct Springs {
     springs: Vec<Spring>,
@@ -75,6 +78,8 @@ pub struct SpringsState {
     pub slack: f64,
     /// Largest elongation over that at which their curve ends, where any is beyond it.
     pub beyond: Option<f64>,
+    /// Least length of a spring that pushes over its length without force, where any is shorter than [`SHORTEST`] of that.
+    pub collapsed: Option<f64>,
 }
 
 /// Bounds on the springs for the stable time step (theory.md, equation 344).
@@ -177,7 +182,7 @@ impl Springs {
 
     /// Stiffness of a spring across its own direction over that along it, and the square of its slope, the largest of
     /// any (theory.md, equation 345).
-    pub(super) fn slope(&self, nodes: &Nodes) -> f64 {
+    pub(super) fn vertical_share(&self, nodes: &Nodes) -> f64 {
         let of_spring = |spring: &Spring| {
             let Stretched { direction, elongation } = spring.stretched(nodes);
             let length = spring.unstretched + elongation;
@@ -200,12 +205,14 @@ impl Springs {
 
     /// Their state.
     pub(super) fn state(&self, nodes: &Nodes) -> SpringsState {
-        let mut state = SpringsState { elongation: f64::NEG_INFINITY, force: 0.0, slack: 0.0, beyond: None };
-        let mut all = 0.0;
+        let mut state =
+            SpringsState { elongation: f64::NEG_INFINITY, force: 0.0, slack: 0.0, beyond: None, collapsed: None };
+        let (mut all, mut shortest) = (0.0, f64::INFINITY);
         for (number, spring) in self.springs.iter().enumerate() {
             let elongation = spring.stretched(nodes).elongation;
             let force = self.passed.get(number).map_or(0.0, |passed| passed.force.norm() / spring.count);
             state.elongation = state.elongation.max(elongation);
+            shortest = f64::min(shortest, 1.0 + elongation / spring.unstretched);
             state.force = state.force.max(force);
             all += spring.count;
             if self.law.goes_slack() && elongation < -ROUND_OFF * spring.unstretched {
@@ -213,6 +220,7 @@ impl Springs {
             }
         }
         state.slack /= all;
+        state.collapsed = (!self.law.goes_slack() && shortest < SHORTEST).then_some(shortest);
         state.beyond = (state.elongation > self.law.end()).then_some(state.elongation / self.law.end());
         state
     }

@@ -45,9 +45,9 @@ pub(super) struct TimeStep {
     damping: f64,
     #[serde(skip)]
     factor: f64,
-    /// Squared angular frequency of the film against enclosed air and on the frame's springs, rad²/s².
-    #[serde(skip)]
-    beside: f64,
+    /// Squared angular frequency of the film against enclosed air and on the frame's springs where it was mounted or has
+    /// settled, rad²/s².
+    on_supports: f64,
     safety: f64,
     first: f64,
     now: f64,
@@ -64,8 +64,8 @@ impl TimeStep {
             let inverse: Vec<f64> = nodes.mass.iter().map(|mass| 1.0 / mass).collect();
             cushion.squared_frequency(cushion.volume, &enclosed.gradient, &inverse)
         });
-        let beside = air + support.squared_frequency;
-        let mut step = TimeStep { damping, factor, beside, safety: SAFETY, ..TimeStep::default() };
+        let on_supports = air + support.squared_frequency;
+        let mut step = TimeStep { damping, factor, on_supports, safety: SAFETY, ..TimeStep::default() };
         (step.first, _) = step.stable(films, nodes, pool);
         // Not by way of `next`: the first step has no last one to grow from.
         (step.now, step.target) = (step.first, step.first);
@@ -74,7 +74,7 @@ impl TimeStep {
 
     /// Restores `saved`, of the same model.
     pub(super) fn restore(&mut self, saved: TimeStep) {
-        *self = TimeStep { damping: self.damping, factor: self.factor, beside: self.beside, ..saved };
+        *self = TimeStep { damping: self.damping, factor: self.factor, ..saved };
     }
 
     /// Whether a run of the same model may have been at `saved` at `time` (s): it goes on from there, and bounds its steps
@@ -85,6 +85,8 @@ impl TimeStep {
         let is_bounded = (COLLAPSE * self.first..=self.first / COLLAPSE).contains(&saved.first)
             && [saved.now, saved.target].iter().all(|step| possible.contains(step))
             && (saved.safety == SAFETY || saved.safety == TORN_SAFETY)
+            && saved.on_supports >= 0.0
+            && saved.on_supports.is_finite()
             && saved.until_update <= INTERVAL.0;
         is_bounded && time >= 0.0 && time + saved.now.min(saved.target) > time
     }
@@ -147,7 +149,7 @@ impl TimeStep {
             // Not `max`, which would drop a NaN.
             .fold((0, 0.0), |most, (face, w)| if w <= most.1 || most.1.is_nan() { most } else { (face, w) });
         // Stiffnesses in parallel: the sum bounds the highest frequency of all together.
-        let squared = squared + self.beside;
+        let squared = squared + self.on_supports;
         // Slack film without any stiffness; `CEILING` keeps its step finite.
         if squared == 0.0 {
             return (f64::INFINITY, face);

@@ -47,6 +47,11 @@ impl WeightedNodes {
         }
     }
 
+    /// The nodes whose weight is not zero.
+    pub(super) fn weighted(&self) -> impl Iterator<Item = u32> {
+        self.nodes.into_iter().zip(self.weights).filter(|(_, weight)| *weight != 0.0).map(|(node, _)| node)
+    }
+
     /// Velocity of a node per impulse on the sum along each axis, 1/kg.
     #[inline(always)]
     fn response(&self, k: usize) -> [f64; 3] {

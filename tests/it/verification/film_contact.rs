@@ -1,4 +1,4 @@
-//! Faces that meet: against thicker film, against membranes of revolution, and against themselves.
+//! Contact between faces: against thicker film and against membranes of revolution.
 
 use super::axisymmetric::Sheet;
 use super::claims::Claims;

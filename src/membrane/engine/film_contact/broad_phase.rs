@@ -6,8 +6,8 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 
 use super::FilmContact;
-use super::surface::{NONE, Surface};
-use super::tracking::{Foot, foot, place};
+use super::surface::{NONE, Surface, place};
+use super::tracking::{Foot, foot};
 use crate::engine::film::Film;
 use crate::engine::nodes::{Nodes, Vectors};
 
@@ -94,6 +94,9 @@ impl FilmContact {
                 };
                 for node in film.nodes.clone() {
                     let followed = tracking.triangle[node];
+                    if !self.surface.is_intact_node(node as u32) {
+                        continue;
+                    }
                     if followed != NONE {
                         let now = foot(&self.surface, &nodes.position, &place(&nodes.position, node), followed);
                         // Nothing comes between films that touch each other.
@@ -140,8 +143,8 @@ impl FilmContact {
                 }
             }
         }
-        // A node farther than `reach` cannot touch before film has moved by that.
-        self.margin = self.reach;
+        // A node farther than `reach` is as near as allowed only once film has moved by the rest.
+        self.margin = self.reach - self.largest_bound;
         self.is_near = self.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
         // Only now, since `search` borrows the surface.
         changed.into_iter().for_each(|(node, triangle)| self.mark(node, triangle));

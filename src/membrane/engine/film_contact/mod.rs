@@ -35,14 +35,15 @@ use crossings::Crossings;
 use narrow_phase::Found;
 use self_contact::SelfContact;
 use solver::Sweeps;
-use surface::{NONE, Surface};
-use tracking::{Tracking, place};
+use surface::{NONE, Surface, place};
+use tracking::Tracking;
 
 /// Share of the thickness of two films by which they may approach each other: aligned meshes on a curved body come a
 /// little closer than that along the normals of their triangles.
 const SLOP: f64 = 0.1;
 
-/// Distance up to which films are searched for, over the longest edge of an element as mounted.
+/// Distance up to which films are searched for beyond twice the largest allowed one, over the longest edge of an element as
+/// mounted.
 const REACH: f64 = 0.75;
 
 /// Contact between all faces of film, and of each with itself.
@@ -56,7 +57,9 @@ pub struct FilmContact {
     surface: Surface,
     /// Half the thickness of each face, m.
     half: Vec<f64>,
-    /// m.
+    /// Largest least allowed distance of two faces, m.
+    largest_bound: f64,
+    /// Distance up to which films are searched for, m.
     reach: f64,
     /// Motion of film that is left until faces are searched again, m.
     margin: f64,
@@ -132,6 +135,7 @@ impl FilmContact {
         let length = |[a, b]: &[u32; 2]| (nodes.position_of(*a as usize) - nodes.position_of(*b as usize)).norm();
         let longest = surface.edges.iter().map(length).fold(0.0, f64::max);
         let crossings = Crossings::new(surface.edges.len());
+        let largest_bound = (1.0 - SLOP) * films.iter().map(|film| film.thickness).fold(0.0, f64::max);
         FilmContact {
             friction,
             is_between_faces: false,
@@ -139,7 +143,9 @@ impl FilmContact {
             multiplicity,
             surface,
             half: films.iter().map(|film| 0.5 * film.thickness).collect(),
-            reach: REACH * longest,
+            largest_bound,
+            // Beyond the allowed distance, so that film has to move until what was not found touches.
+            reach: REACH * longest + 2.0 * largest_bound,
             margin: 0.0,
             tracking: [(); 2].map(|()| Tracking::new(count)),
             crossings,
@@ -197,7 +203,11 @@ impl FilmContact {
         for tracking in &mut self.tracking {
             for node in 0..tracking.triangle.len() {
                 let triangle = tracking.triangle[node];
-                if triangle != NONE && !self.surface.is_intact[triangle as usize] {
+                // A node that has lost all of its elements is a point mass beside the film.
+                let is_kept = |triangle: u32| {
+                    self.surface.is_intact[triangle as usize] && self.surface.is_intact_node(node as u32)
+                };
+                if triangle != NONE && !is_kept(triangle) {
                     tracking.lose(node);
                     self.stale.extend_from_slice(self.surface.edges_at(node as u32));
                 }

@@ -20,8 +20,8 @@ pub(in crate::engine) const TOLERANCE: f64 = 0.02;
 /// Motion by contact that a detection allows for, over that of the last step.
 const MARGIN: f64 = 1.5;
 
-/// Largest motion that a detection allows for, over the least allowed distance: where film moves farther it is looked
-/// at again.
+/// Largest motion that a detection allows for, over the thickness of the thinnest film: where film moves farther it is
+/// looked at again.
 const LARGEST_MARGIN: f64 = 0.02;
 
 /// Where the sweeps of a step are.
@@ -36,9 +36,9 @@ pub(super) struct Sweeps {
 }
 
 impl Sweeps {
-    /// The next sweep is over all constraints.
+    /// The next sweep is over all constraints, of which some are not solved yet.
     fn restart(&mut self) {
-        self.skips = false;
+        (self.skips, self.has_converged) = (false, false);
     }
 }
 
@@ -229,7 +229,7 @@ impl FilmContact {
     /// Nodes that press on another face.
     pub(super) fn pressed_nodes(&self) -> usize {
         let active = self.constraints.iter().filter(|constraint| constraint.is_active());
-        let mut pressed: Vec<u32> = active.flat_map(|constraint| constraint.points.nodes).collect();
+        let mut pressed: Vec<u32> = active.flat_map(|constraint| constraint.points.weighted()).collect();
         pressed.sort_unstable();
         pressed.dedup();
         pressed.len()

@@ -151,18 +151,23 @@ impl Surface {
         &self.edges_at[from..to]
     }
 
+    /// Whether a node belongs to an element that is not deleted.
+    pub(super) fn is_intact_node(&self, node: u32) -> bool {
+        self.edges_at(node).iter().any(|edge| self.is_intact_edge[*edge as usize])
+    }
+
     /// Positions of the corners of a triangle.
     #[inline(always)]
     pub(super) fn corners_at(&self, position: &Vectors, triangle: u32) -> [Vector3<f64>; 3] {
         let [a, b, c] = self.corners[triangle as usize];
-        [place(position, a), place(position, b), place(position, c)]
+        [place(position, a as usize), place(position, b as usize), place(position, c as usize)]
     }
 
     /// Positions of the ends of an edge.
     #[inline(always)]
     pub(super) fn ends_at(&self, position: &Vectors, edge: u32) -> [Vector3<f64>; 2] {
         let [a, b] = self.edges[edge as usize];
-        [place(position, a), place(position, b)]
+        [place(position, a as usize), place(position, b as usize)]
     }
 
     /// The face of a triangle.
@@ -179,7 +184,8 @@ impl Surface {
     }
 }
 
+/// Position of a node.
 #[inline(always)]
-fn place(position: &Vectors, node: u32) -> Vector3<f64> {
-    Vector3::from(position.value_at(node as usize))
+pub(super) fn place(position: &Vectors, node: usize) -> Vector3<f64> {
+    Vector3::from(position.value_at(node))
 }

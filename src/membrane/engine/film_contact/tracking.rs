@@ -262,7 +262,7 @@ pub(super) fn project(
     point: &Vector3<f64>,
     triangle: u32,
 ) -> ([f64; 3], Vector3<f64>, f64) {
-    let [a, b, c] = corners_of(surface, position, triangle);
+    let [a, b, c] = surface.corners_at(position, triangle);
     let (u, v, r) = (b - a, c - a, point - a);
     let area = u.cross(&v);
     let squared = area.norm_squared();
@@ -271,24 +271,11 @@ pub(super) fn project(
     ([1.0 - of_b - of_c, of_b, of_c], normal, r.dot(&normal))
 }
 
-/// Positions of the corners of a triangle.
-#[inline(always)]
-fn corners_of(surface: &Surface, position: &Vectors, triangle: u32) -> [Vector3<f64>; 3] {
-    let [a, b, c] = surface.corners[triangle as usize];
-    [place(position, a as usize), place(position, b as usize), place(position, c as usize)]
-}
-
 /// Unit normal of a triangle.
 pub(super) fn normal_of(surface: &Surface, position: &Vectors, triangle: u32) -> Vector3<f64> {
-    let [a, b, c] = corners_of(surface, position, triangle);
+    let [a, b, c] = surface.corners_at(position, triangle);
     let area = (b - a).cross(&(c - a));
     area / area.norm()
-}
-
-/// Position of a node.
-#[inline(always)]
-pub(super) fn place(position: &Vectors, node: usize) -> Vector3<f64> {
-    Vector3::from(position.value_at(node))
 }
 
 /// The least of three weights and its corner.

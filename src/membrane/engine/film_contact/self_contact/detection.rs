@@ -11,13 +11,11 @@ use super::closest::{Feature, at, distance_of_segments, distance_to_triangle, on
 use super::pairs::{Known, Parts, SelfPair};
 use super::{LEAST, SelfContact};
 use crate::engine::film_contact::constraint::Pair;
+use crate::engine::film_contact::crossing::PARALLEL;
 use crate::engine::film_contact::due;
-use crate::engine::film_contact::surface::{NONE, Surface};
-use crate::engine::film_contact::tracking::{BESIDE, normal_of, place, project};
+use crate::engine::film_contact::surface::{NONE, Surface, place};
+use crate::engine::film_contact::tracking::{BESIDE, normal_of, project};
 use crate::engine::nodes::{Nodes, Vectors};
-
-/// Square of the sine between two edges below which they count as parallel: nodes then carry the contact.
-const PARALLEL: f64 = 1e-4;
 
 /// Cosine of the angle between a direction of contact and film beside its foot above which another part of that film is
 /// nearer, for a node beside an edge or a corner.

@@ -10,8 +10,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::gradient::{Gradient, Gradients, Mounted, Plane};
-use crate::engine::film_contact::surface::{NONE, Surface};
-use crate::engine::film_contact::tracking::place;
+use crate::engine::film_contact::surface::{NONE, Surface, place};
 use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 

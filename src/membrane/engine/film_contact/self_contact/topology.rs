@@ -1,8 +1,7 @@
 //! Which parts of a face belong together along the film.
 
 use crate::engine::film::Film;
-use crate::engine::film_contact::surface::{NONE, Surface};
-use crate::engine::film_contact::tracking::place;
+use crate::engine::film_contact::surface::{NONE, Surface, place};
 use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 
