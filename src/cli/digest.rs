@@ -120,7 +120,12 @@ fn of_body(body: &BodyFigures, last: &str) -> String {
     let BodyFigures { peak_acceleration_m_s2: peak, peak_displacement_m: travel, .. } = body;
     let peak = with_time(peak.map(|a| format!("{:.1} g", a / G)), body.time_of_peak_acceleration_s);
     let travel = with_time(travel.map(|d| format!("{:.1} mm", d * 1e3)), body.time_of_peak_displacement_s);
-    let none = if body.had_film_contact { "not known, no rebound" } else { "none, no contact" };
+    let none = match (body.had_film_contact, body.is_unfinished, body.rebound_velocity_m_s) {
+        (false, ..) => "none, no contact",
+        (_, true, _) => "not known, unfinished",
+        (_, _, None) => "not known, no rebound",
+        _ => "not known",
+    };
     let absorbed = body.energy_absorption.map_or(none.into(), percent);
     format!("  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} {last}\n")
 }

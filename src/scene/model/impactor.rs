@@ -301,7 +301,8 @@ fn one(written: &BodyShape, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> 
 
 /// Refuses a radius of the edges beside which no flat face remains.
 fn rounded(edge: f64, largest: f64, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<()> {
-    if edge < largest {
+    // A size that is refused itself leaves no radius.
+    if edge < largest || largest.is_nan() || largest <= 0.0 {
         return Some(());
     }
     let hint = format!("it must be below {} mm", significant(1e3 * largest, 4));

@@ -310,6 +310,8 @@ pub struct Springs {
     pub law: SpringForce,
     /// How many there are along the held edges of each face.
     pub spread: Spread,
+    /// What their number on the whole film is a multiple of, so that it has its mirror planes.
+    pub multiple: u32,
     /// Whether they are a continuous support.
     pub continuous: bool,
     /// Length as mounted, m.

@@ -58,11 +58,12 @@ pub struct Springs {
     /// between the points. Beyond the last it goes on along the last piece, with a warning.
     #[schemars(length(min = 2))]
     pub curve: Option<Vec<SpringPoint>>,
-    /// Number of springs along the held edges of the whole film, of each face, evenly along each edge.
+    /// Number of springs along the held edges of the whole film, of each face, evenly along each stretch of them and round
+    /// its corners.
     #[schemars(range(min = 1, max = 100_000))]
     pub count: Option<u32>,
-    /// Distance between two springs along the held edges, in place of their number: the nearest whole number is used;
-    /// of a continuous support, the length of edge to which the values of one spring belong.
+    /// Distance between two springs along the held edges, in place of their number: the nearest whole number of the whole
+    /// film is used; of a continuous support, the length of edge to which the values of one spring belong.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 10.0]))]
     pub spacing: Option<Length>,
     /// Whether the springs are spread over the held edges as a continuous support: each piece of edge has its part of

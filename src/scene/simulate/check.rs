@@ -73,7 +73,7 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
                 Some(Spread::Count(_)) | None => "frame.springs.count".to_owned(),
             }
         }
-        RunError::NoSprings { .. } => "frame.springs.spacing".to_owned(),
+        RunError::NoSprings { .. } | RunError::SpringsNotMirrored { .. } => "frame.springs.spacing".to_owned(),
         RunError::NotFlat { .. } => "specimen.bending".to_owned(),
         RunError::CutMisses { cut, .. } => format!("specimen.cuts.{cut}"),
         RunError::CutsPart { .. } | RunError::CutsFree { .. } => "specimen.cuts".to_owned(),

@@ -38,7 +38,7 @@ pub(super) struct EnergyCheck {
     start: Option<Energies>,
     time: Vec<f64>,
     rows: Vec<Energies>,
-    /// Largest losses in contact and friction so far, J.
+    /// Largest losses in contact, in friction and in the guide so far, J.
     lost: [f64; 3],
     largest_gap: f64,
     most_exchanged: f64,

@@ -106,6 +106,16 @@ pub enum RunError {
         /// The number of edges.
         edges: usize,
     },
+    /// The springs of the whole film have no mirror planes.
+    #[error("{count} springs of the whole film, one for each `frame.springs.spacing`, have no mirror planes")]
+    SpringsNotMirrored {
+        /// Their number.
+        count: f64,
+        /// What it has to be a multiple of.
+        multiple: u32,
+        /// The nearest number that fits, and the distance between two then, m.
+        fits: [f64; 2],
+    },
     /// A held side of rectangular film hangs on no spring.
     #[error("no spring stands on the held side `{}`", side.name())]
     SideWithoutSpring {
@@ -204,8 +214,13 @@ impl RunError {
                 "use stiffer or more springs, a larger `length` or less pre-strain, or give a `preload`".to_owned()
             }
             RunError::SpringsUneven { edges, .. } => format!("use a multiple of {edges} springs on the computed part"),
+            RunError::SpringsNotMirrored { multiple, fits: [count, spacing], .. } => format!(
+                "use a multiple of {multiple}: {count} springs are {} mm apart; or set `specimen.symmetry` to \"none\"",
+                number::significant(1e3 * spacing, 4)
+            ),
             RunError::SideWithoutSpring { .. } => {
-                "use more springs, or name the sides that hang on some in `frame.hold`".to_owned()
+                "use more springs or a smaller `spacing`, or name the sides that hang on some in `frame.hold`"
+                    .to_owned()
             }
             RunError::NoSprings { .. } => "use a smaller `spacing`, or give a `count`".to_owned(),
             RunError::FacesCross => {

@@ -1,5 +1,7 @@
 //! The mounting frame as a body: its bars, and the clamp in which film slips.
 
+use nalgebra::Vector2;
+
 use super::fault::RunError;
 use super::prestress;
 use crate::mesh::{Mesh, Outline, Polygon, Side};
@@ -125,16 +127,10 @@ fn length_of(mesh: &Mesh, [a, b]: [u32; 2]) -> f64 {
 /// [`RunError::ClampTooWeak`].
 pub(super) fn check_clamp(model: &Model, faces: usize, mesh: &Mesh, held: &[[u32; 2]]) -> Result<(), RunError> {
     let (Some(clamp), Some(face)) = (model.frame.clamp, model.faces.get(faces - 1)) else { return Ok(()) };
-    let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
-    let stress = prestress::of_face(face, 1.0);
-    let thickness = face.material.thickness * f64::from(face.layers);
-    let (sin, cos) = face.md_angle.sin_cos();
     let pull = |edge: &[u32; 2]| {
         let along = mesh.nodes[edge[1] as usize] - mesh.nodes[edge[0] as usize];
-        let normal = along.xy().try_normalize(0.0).map_or([0.0; 2], |t| [t.y, -t.x]);
-        let [n1, n2] = [normal[0] * cos + normal[1] * sin, normal[1] * cos - normal[0] * sin];
-        let force = |axis: usize| stress[0][axis][0] * n1 / td + stress[1][axis][0] * n2 / md;
-        thickness * (force(0).powi(2) + force(1).powi(2)).sqrt()
+        let normal = along.xy().try_normalize(0.0).map_or(Vector2::zeros(), |t| Vector2::new(t.y, -t.x));
+        prestress::line_force(face, &normal).norm()
     };
     let pull = held.iter().map(pull).fold(0.0, f64::max);
     let length = model.specimen.symmetry.copies() * held.iter().map(|edge| length_of(mesh, *edge)).sum::<f64>();

@@ -54,7 +54,12 @@ impl HeldSides {
         let springs = springs.springs();
         for held in &mut self.sides {
             let nodes: BTreeSet<usize> = held.nodes.iter().map(|node| *node as usize).collect();
-            let hangs = |number: &usize| springs[*number].nodes.iter().all(|node| nodes.contains(node));
+            // A spring at a corner is on both sides.
+            let hangs = |number: &usize| {
+                let spring = &springs[*number];
+                let mut ends = spring.nodes.iter().zip(spring.shares).filter(|(_, share)| *share > ROUND_OFF);
+                ends.all(|(node, _)| nodes.contains(node))
+            };
             held.springs = (0..springs.len()).filter(hangs).collect();
             // Mirror planes replace a side without nodes.
             if held.springs.is_empty() && !held.nodes.is_empty() {
@@ -82,6 +87,9 @@ impl HeldSides {
         self.sides.iter().filter(move |held| held.side as usize / 2 == axis)
     }
 }
+
+/// Share of a spring that is round-off.
+const ROUND_OFF: f64 = 1e-6;
 
 /// Sign of the outward normal of a side.
 fn outward(side: Side) -> f64 {

@@ -42,6 +42,7 @@ pub use fault::{Failure, Fault, RunError};
 pub use film::{Film, FilmSpring};
 pub use image::Image;
 use lab::signal::Recording;
+pub use loading::ends_loaded;
 pub use membrane::engine::EnergyTerm;
 use membrane::engine::{self, Engine, Relaxation, Settling, Surface, ThreadPool};
 pub use motion::{FaceMotion, FaceState};

@@ -60,6 +60,8 @@ pub(super) struct Monitor {
     /// Time (s), share and place of the face whose largest part of too little coupled fabric is under biaxial load.
     biaxial: Option<(f64, f64, usize)>,
     crossed: Option<(f64, f64)>,
+    /// First time (s) at which film was farther behind a mirror plane than it is thick, and how far at most (m).
+    behind: Option<(f64, f64)>,
     lost: Option<(f64, u64)>,
     /// Steps in which the impulses between faces did not converge, and all steps.
     unresolved: [u64; 2],
@@ -71,11 +73,17 @@ pub(super) struct Monitor {
     slack: Option<(f64, f64)>,
     /// First time (s) at which a spring was beyond its curve, and the largest elongation over that of its end.
     beyond: Option<(f64, f64)>,
+    /// First time (s) at which a spring that pushes was too short, and its least length over that without force.
+    collapsed: Option<(f64, f64)>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     too_wide: Option<TooWide>,
     /// Share of its work that film at a tip would have returned, where that decided.
     returned: Option<f64>,
     has_bars: bool,
+    /// Whether there is a mirror plane across x and across y.
+    mirrors: [bool; 2],
+    /// Of the thinnest face, m.
+    thickness: f64,
 }
 
 /// The bounds on the contact of one impactor.
@@ -156,23 +164,29 @@ fn record(recorded: &mut Option<(f64, f64)>, time: f64, value: f64) {
 }
 
 impl Monitor {
-    /// The monitor of a run with so many `impactors`, and bars after them.
-    pub(super) fn new(impactors: usize, has_bars: bool) -> Monitor {
-        let contacts = vec![ContactMonitor::default(); impactors + usize::from(has_bars)];
+    /// The monitor of a run of `model`: its impactors, and bars after them.
+    pub(super) fn new(model: &Model) -> Monitor {
+        let has_bars = model.frame.bars.is_some();
+        let contacts = vec![ContactMonitor::default(); model.impactors.len() + usize::from(has_bars)];
+        let thickness = |face: &Face| face.material.thickness * f64::from(face.layers);
         Monitor {
             contacts,
             localised: None,
             biaxial: None,
             crossed: None,
+            behind: None,
             lost: None,
             unresolved: [0; 2],
             slip: None,
             left: None,
             slack: None,
             beyond: None,
+            collapsed: None,
             too_wide: None,
             returned: None,
             has_bars,
+            mirrors: model.specimen.symmetry.mirrors(),
+            thickness: model.faces.iter().map(thickness).fold(f64::INFINITY, f64::min),
         }
     }
 
@@ -201,9 +215,13 @@ impl Monitor {
         if let Some(clamp) = clamp {
             self.clamp(view.time, *clamp);
         }
-        if let Some(SpringsState { slack, beyond, .. }) = springs {
+        if let Some(SpringsState { slack, beyond, collapsed, .. }) = springs {
             record(&mut self.slack, view.time, *slack);
             record(&mut self.beyond, view.time, beyond.unwrap_or(0.0));
+            if let Some(length) = collapsed {
+                let (time, least) = self.collapsed.unwrap_or((view.time, f64::INFINITY));
+                self.collapsed = Some((time, least.min(*length)));
+            }
         }
         if torn.is_some() {
             self.too_wide = view.too_wide;
@@ -212,6 +230,18 @@ impl Monitor {
         if let Some(FilmContactState { distance, lost, unresolved, .. }) = *films {
             self.films(view.time, distance, lost);
             self.unresolved = unresolved;
+            self.behind_mirrors(view);
+        }
+    }
+
+    /// Records film that lies behind a mirror plane, where its image is, which it does not meet.
+    fn behind_mirrors(&mut self, view: &View<'_>) {
+        let axes = view.nodes.position.axes();
+        for (axis, _) in self.mirrors.iter().enumerate().filter(|(_, mirror)| **mirror) {
+            let least = axes[axis].iter().copied().fold(0.0, f64::min);
+            if -least > self.thickness {
+                record(&mut self.behind, view.time, -least);
+            }
         }
     }
 
@@ -327,6 +357,7 @@ impl Monitor {
         out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
         out.extend(self.slack.map(|(time, share)| Warning::SpringsSlack { time, share }));
         out.extend(self.beyond.map(|(time, ratio)| Warning::SpringsBeyondCurve { time, ratio }));
+        out.extend(self.collapsed.map(|(time, ratio)| Warning::SpringsCollapsed { time, ratio }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
         out.extend(self.biaxial.map(|(time, share, place)| {
             let coupling = model.faces[place].unsourced_coupling.unwrap_or_default();
@@ -334,6 +365,7 @@ impl Monitor {
         }));
         out.extend(self.too_wide.map(|TooWide { width, ratio }| Warning::ElementsTooWide { width, ratio }));
         out.extend(self.returned.map(|share| Warning::TearByLimit { share }));
+        out.extend(self.behind.map(|(time, depth)| Warning::FilmBehindMirror { time, depth }));
         out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
         out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
         let [steps, all] = self.unresolved;

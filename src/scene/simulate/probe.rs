@@ -19,8 +19,8 @@ use super::rise::{self, Rise};
 use super::snapshot::{self, FilmState, Snapshot};
 use super::tracks::{BodyTracks, Sampling, Tracks};
 use super::warning::bounds::KINETIC;
-use crate::model::Model;
 use crate::model::loading::Inertia;
+use crate::model::{Impactor, Model};
 use lab::signal::{Recording, column};
 use membrane::engine::{self, ElementStrain, Engine, Observer, Relaxation, StateMismatch, Torn, Track, View};
 
@@ -87,7 +87,7 @@ impl<'a> Probe<'a> {
             snapshots: vec![],
             energy: EnergyCheck::new(mounting.energy_scale, checked_from),
             rates: RateAudit::new(measured),
-            monitor: Monitor::new(model.impactors.len(), model.frame.bars.is_some()),
+            monitor: Monitor::new(model),
             rupture_time: None,
             warming: None,
             penetration: None,
@@ -303,8 +303,12 @@ impl<'a> Probe<'a> {
         let (missed, met_others_alone) = (missed(false), missed(true));
         let rates = self.record.rates.finish();
         let force = |prefix: String| signals.channel(&format!("{prefix}{}", column::CONTACT_FORCE.name));
-        let ends_loaded = |prefix| force(prefix).is_some_and(loading::ends_loaded);
-        let unfinished = self.model.prefixes().into_iter().map(ends_loaded).collect();
+        // What stands still, or moves as it is told to, ends its test by the clock.
+        let bodies = self.model.impactors.iter().zip(self.model.prefixes());
+        let ends_loaded = |(impactor, prefix): (&Impactor, String)| {
+            impactor.mass.is_finite() && force(prefix).is_some_and(loading::ends_loaded)
+        };
+        let unfinished = bodies.map(ends_loaded).collect();
         let snapshots = [self.model.output.frames, self.snapshots];
         let relaxation = self.record.relaxation;
         // Torn length, area and energy only grow: their last sample is that of the run.

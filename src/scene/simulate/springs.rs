@@ -11,7 +11,7 @@ use crate::mesh::{self, Mesh};
 use crate::model::{Face, Model, Spread, Springs as Written};
 use membrane::engine::{Spring, SpringLaw, Springs};
 
-/// Share of a spring, or of the extent of film, that is round-off.
+/// Share of a spring, of a piece of edge or of the extent of film that is round-off.
 const ROUND_OFF: f64 = 1e-6;
 
 /// The springs of all faces while these are mounted.
@@ -33,6 +33,7 @@ struct Run {
     pieces: Vec<Piece>,
     /// Length from its beginning to where springs begin to be counted, m: not zero only where it is closed.
     start: f64,
+    is_closed: bool,
 }
 
 impl Mounted {
@@ -46,7 +47,8 @@ impl Mounted {
     /// `first` of all; how they look.
     ///
     /// # Errors
-    /// [`RunError::SpringsUneven`], [`RunError::SpringTooShort`].
+    /// [`RunError::SpringsUneven`], [`RunError::SpringsNotMirrored`], [`RunError::NoSprings`],
+    /// [`RunError::SpringTooShort`].
     pub(super) fn mount(
         &mut self,
         model: &Model,
@@ -62,10 +64,20 @@ impl Mounted {
         let (count, spacing) = match written.spread {
             Spread::Count(count) => (f64::from(count) / copies, length * copies / f64::from(count)),
             Spread::Spacing(spacing) if written.continuous => (length / spacing, spacing),
-            Spread::Spacing(spacing) => ((length / spacing).round(), spacing),
+            // Of the whole film, so that a computed part has its share of the springs that the whole would have.
+            Spread::Spacing(spacing) => {
+                let whole = (length * copies / spacing).round();
+                let multiple = f64::from(written.multiple);
+                if whole % multiple != 0.0 {
+                    let fits = multiple * (whole / multiple).round().max(1.0);
+                    let fits = [fits, length * copies / fits];
+                    return Err(RunError::SpringsNotMirrored { count: whole, multiple: written.multiple, fits });
+                }
+                (whole / copies, spacing)
+            }
         };
-        let mut attach = |piece: &Piece, shares: [f64; 2], [count, spacing]: [f64; 2]| {
-            let (outward, pull) = (piece.outward(), pull(face, piece));
+        let mut attach = |piece: &Piece, normals: [Vector3<f64>; 2], shares: [f64; 2], [count, spacing]: [f64; 2]| {
+            let (outward, pull) = outward(face, normals);
             let force = written.preload.unwrap_or_else(|| (pull * spacing).max(0.0));
             let elongation = self.law.elongation_at(force);
             if elongation >= written.length {
@@ -82,17 +94,17 @@ impl Mounted {
             // Each end of a piece has half of it, in its own direction: a corner has one spring across each of its sides.
             for piece in &pieces {
                 let of_half = 0.5 * piece.length() * count / length;
-                attach(piece, [1.0, 0.0], [of_half, spacing])?;
-                attach(piece, [0.0, 1.0], [of_half, spacing])?;
+                attach(piece, [piece.outward(); 2], [1.0, 0.0], [of_half, spacing])?;
+                attach(piece, [piece.outward(); 2], [0.0, 1.0], [of_half, spacing])?;
             }
-            return Ok(self.shown(before, first));
-        }
-        let runs = runs(pieces, mesh);
-        for (run, count) in runs.iter().zip(counts(&runs, count as usize)?) {
-            let spacing = run.length() / count as f64;
-            for number in 0..count {
-                let (piece, share) = run.at(run.start + (number as f64 + 0.5) * spacing);
-                attach(piece, [1.0 - share, share], [1.0, spacing])?;
+        } else {
+            let runs = runs(pieces, mesh);
+            for (run, count) in runs.iter().zip(counts(&runs, count as usize)?) {
+                let spacing = run.length() / count as f64;
+                for number in 0..count {
+                    let (place, share) = run.at(run.start + (number as f64 + 0.5) * spacing);
+                    attach(&run.pieces[place], run.normals(place, share), [1.0 - share, share], [1.0, spacing])?;
+                }
             }
         }
         if self.springs.len() == before {
@@ -118,16 +130,14 @@ impl Mounted {
     }
 }
 
-/// Force of the pre-strain of `face` over the length of a piece of its edge, along its outward normal, N/m.
-fn pull(face: &Face, piece: &Piece) -> f64 {
-    let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
-    let stress = prestress::of_face(face, 1.0);
-    let thickness = face.material.thickness * f64::from(face.layers);
-    let (sin, cos) = face.md_angle.sin_cos();
-    let normal = piece.outward();
-    let [n1, n2] = [normal.x * cos + normal.y * sin, normal.y * cos - normal.x * sin];
-    let force = |axis: usize| stress[0][axis][0] * n1 / td + stress[1][axis][0] * n2 / md;
-    thickness * (force(0) * n1 + force(1) * n2)
+/// Direction of a spring with these normals of the edge on either side of it, and the force of the pre-strain of `face`
+/// along it over the length of edge, half of it on each side, N/m.
+fn outward(face: &Face, normals: [Vector3<f64>; 2]) -> (Vector3<f64>, f64) {
+    let [one, other] = normals;
+    // Between the nodes of straight edge as that has it, to the bit.
+    let bisector = if one == other { one } else { (one + other).try_normalize(0.0).unwrap_or(one) };
+    let pulls = normals.map(|normal| prestress::line_force(face, &normal.xy()).dot(&bisector.xy()));
+    (bisector, 0.5 * (pulls[0] + pulls[1]))
 }
 
 /// The `held` edges with their directions, in the order of `held`.
@@ -159,12 +169,12 @@ fn runs(pieces: Vec<Piece>, mesh: &Mesh) -> Vec<Run> {
         run
     };
     let begins = (0..pieces.len()).filter(|place| !ends.contains_key(&pieces[*place].nodes[0]));
-    let mut runs: Vec<Run> = begins.map(|place| Run { pieces: follow(place), start: 0.0 }).collect();
+    let mut runs: Vec<Run> = begins.map(|place| Run { pieces: follow(place), start: 0.0, is_closed: false }).collect();
     for place in 0..pieces.len() {
         let closed = follow(place);
         if !closed.is_empty() {
             let start = start_of(&closed, ROUND_OFF * mesh::extent(mesh));
-            runs.push(Run { pieces: closed, start });
+            runs.push(Run { pieces: closed, start, is_closed: true });
         }
     }
     runs
@@ -234,17 +244,29 @@ impl Run {
         self.pieces.iter().map(Piece::length).sum()
     }
 
-    /// The piece at a length along it, which begins anew at its end, and the share of the piece up to there.
-    fn at(&self, along: f64) -> (&Piece, f64) {
+    /// The place of the piece at a length along it, which begins anew at its end, and the share of the piece up to there.
+    fn at(&self, along: f64) -> (usize, f64) {
         let mut rest = along.rem_euclid(self.length());
         let last = self.pieces.len() - 1;
-        for piece in &self.pieces[..last] {
+        for (place, piece) in self.pieces[..last].iter().enumerate() {
             if rest < piece.length() {
-                return (piece, rest / piece.length());
+                return (place, rest / piece.length());
             }
             rest -= piece.length();
         }
-        let piece = &self.pieces[last];
-        (piece, (rest / piece.length()).min(1.0))
+        (last, (rest / self.pieces[last].length()).min(1.0))
+    }
+
+    /// Outward normals of the edge on either side of a share of a piece: at a node those of the pieces that it joins.
+    fn normals(&self, place: usize, share: f64) -> [Vector3<f64>; 2] {
+        let count = self.pieces.len();
+        let other = if share < ROUND_OFF && (self.is_closed || place > 0) {
+            (place + count - 1) % count
+        } else if share > 1.0 - ROUND_OFF && (self.is_closed || place + 1 < count) {
+            (place + 1) % count
+        } else {
+            place
+        };
+        [place, other].map(|place| self.pieces[place].outward())
     }
 }

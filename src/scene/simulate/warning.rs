@@ -286,6 +286,16 @@ findings! {
             message "springs beyond their curve: from {} they are elongated by up to {} times the end of \
                 `frame.springs.curve`",
                 number::duration(*time), number::figure(*ratio, 3);
+        SpringsCollapsed {
+            time: f64, "when it was seen first, s" => "time_s";
+            ratio: f64, "least length over that without force" => "length_over_free";
+        } = "springs-collapsed", Warning;
+            meaning "springs that push (`frame.springs.compression`) were shorter than half of their length without force: there they \
+                resist across themselves by more than their stiffness, which the time step does not allow for, and one that \
+                is pushed through its end on the frame pulls the film outward";
+            remedy "use a larger `frame.springs.length`, or stiffer springs";
+            message "collapsed springs: from {} springs of the frame are shorter than half of their length without force, down to {} of it",
+                number::duration(*time), number::figure(*ratio, 2);
         StrainLocalisation {
             time: f64, "when it was found first, s" => "time_s";
             strain: f64, "largest engineering strain of the element" => "strain";
@@ -360,6 +370,15 @@ findings! {
             remedy "use a smaller `specimen.mesh.size` or `solver.step_factor`, and do not use what follows";
             message "film crossing: from {} film passes through film by up to {} mm",
                 number::duration(*time), number::figure(1e3 * depth, 2);
+        FilmBehindMirror {
+            time: f64, "when it first was, s" => "time_s";
+            depth: f64, "largest depth, m" => "depth_m";
+        } = "film-behind-mirror", Warning;
+            meaning "film with `contact.film` or `contact.itself` lies behind a mirror plane, farther than it is thick: it passed \
+                through its own image, which it does not meet";
+            remedy "compute it as a whole: `specimen.symmetry = \"none\"`";
+            message "film behind a mirror plane: from {} film lies up to {} mm behind one, through its own image",
+                number::duration(*time), number::figure(1e3 * depth, 2);
         FilmContactLost {
             time: f64, "when it was first, s" => "time_s";
             times: u64, "how often" => "times";
@@ -380,10 +399,10 @@ findings! {
                 sooner";
             message "film contact unresolved: the impulses of film on film did not converge in {steps} of {of} steps";
         Unfinished(impactor: ImpactorName => ..impactor.figure()) = "unfinished", Warning;
-            meaning "the run ends while the impactor is still in contact, so that rebound and energy absorption are \
-                not final";
+            meaning "the run ends while the impactor is still in contact, so that its rebound is not final and its energy \
+                absorption not known";
             remedy "use a longer `loading.impact.duration`";
-            message "the run ends while {impactor} is still in contact: rebound and energy absorption are not final";
+            message "the run ends while {impactor} is still in contact: its rebound is not final, its energy absorption not known";
         FewerSnapshots {
             wanted: usize, "requested" => "wanted";
             taken: usize, "taken" => "taken";

@@ -13,7 +13,7 @@ use lab::signal::norm::NormError;
 use lab::signal::{Recording, Series};
 use membrane::engine::GuideFriction;
 use scene::model::{Impactor, Model};
-use scene::simulate::Outcome;
+use scene::simulate::{Outcome, ends_loaded};
 
 /// Figures of an impact; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -26,6 +26,15 @@ pub struct Impact {
     pub break_strain_md: Option<f64>,
     /// The same along TD.
     pub break_strain_td: Option<f64>,
+    /// Least distance of the middle surfaces of two faces, or of parts of one, in any sample; none where film meets no film.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_film_distance_m: Option<f64>,
+    /// Largest force of one spring of the frame; none without springs.
+    #[serde(rename = "peak_spring_force_N", skip_serializing_if = "Option::is_none")]
+    pub peak_spring_force: Option<f64>,
+    /// Largest elongation of a spring of the frame; none without springs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_spring_elongation_m: Option<f64>,
     /// E_a of the paper's equation 14; none without a reference.
     pub acceleration_error: Option<f64>,
     /// E_d of the paper's equation 15; none without a reference.
@@ -54,6 +63,9 @@ pub struct BodyFigures {
     /// it.
     #[serde(skip)]
     pub had_film_contact: bool,
+    /// Whether the run ended while film still pressed on it.
+    #[serde(skip)]
+    pub is_unfinished: bool,
     /// Largest filtered acceleration; none where it met nothing.
     pub peak_acceleration_m_s2: Option<f64>,
     /// Time of the largest filtered acceleration.
@@ -65,7 +77,7 @@ pub struct BodyFigures {
     /// Largest upward velocity after the lowest point; none without a rebound.
     pub rebound_velocity_m_s: Option<f64>,
     /// D of the paper's equation 11, without what other impactors and the frame's bars did to it; none without a
-    /// rebound.
+    /// rebound, and where the run ended while film still pressed on it.
     pub energy_absorption: Option<f64>,
     /// The same of the film alone, without what the guide dissipates.
     pub film_energy_absorption: Option<f64>,
@@ -103,6 +115,9 @@ impl Impact {
             bodies,
             break_strain_md,
             break_strain_td,
+            least_film_distance_m: extreme(signals, column::FILM_DISTANCE, f64::min),
+            peak_spring_force: extreme(signals, column::SPRING_FORCE, f64::max),
+            peak_spring_elongation_m: extreme(signals, column::SPRING_ELONGATION, f64::max),
             acceleration_error,
             displacement_error,
             reference_drop: comparison.and_then(|comparison| comparison.drop.clone().map(Box::new)),
@@ -144,6 +159,7 @@ impl BodyFigures {
     const NONE: BodyFigures = BodyFigures {
         prefix: String::new(),
         had_film_contact: false,
+        is_unfinished: false,
         peak_acceleration_m_s2: None,
         time_of_peak_acceleration_s: None,
         peak_displacement_m: None,
@@ -164,10 +180,16 @@ impl BodyFigures {
             let after = channel(signals, prefix, column::VELOCITY).window([time, f64::INFINITY]);
             after.largest()
         });
-        let absorption = |friction: &GuideFriction| absorption(impactor, model, friction, (signals, prefix));
+        let force = signals.channel(&format!("{prefix}{}", column::CONTACT_FORCE.name));
+        let is_unfinished = moves && force.is_some_and(ends_loaded);
+        // What the film has given back so far is not what it gives back.
+        let absorption = |friction: &GuideFriction| {
+            absorption(impactor, model, friction, (signals, prefix)).filter(|_| !is_unfinished)
+        };
         BodyFigures {
             prefix: prefix.to_owned(),
             had_film_contact,
+            is_unfinished,
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
             time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
@@ -192,6 +214,11 @@ impl BodyFigures {
 /// A channel of the impactor whose channels begin with `prefix`; empty where there is none.
 fn channel(signals: &Recording, prefix: &str, column: Column) -> Series {
     signals.series(&format!("{prefix}{}", column.name)).unwrap_or_else(|| Series::new([], []))
+}
+
+/// The largest or smallest value of a channel, by `of`; none where there is none.
+fn extreme(signals: &Recording, column: Column, of: fn(f64, f64) -> f64) -> Option<f64> {
+    signals.channel(column.name)?.iter().copied().reduce(of)
 }
 
 /// Whether a force acted on the impactor whose channels begin with `prefix`.

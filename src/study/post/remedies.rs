@@ -19,6 +19,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::ClampLeft { .. }
         | Warning::ClampSlip { .. }
         | Warning::SpringsBeyondCurve { .. }
+        | Warning::SpringsCollapsed { .. }
         | Warning::Unfinished(_)
         | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
@@ -29,6 +30,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::NoFilmContact(_)
         | Warning::MisshapenElements { .. }
         | Warning::FrameHit { .. }
+        | Warning::FilmBehindMirror { .. }
         | Warning::FilmCrossing { .. }
         | Warning::FilmContactLost { .. }
         | Warning::FilmContactUnresolved { .. }

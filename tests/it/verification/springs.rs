@@ -233,11 +233,12 @@ fn a_body_bounces_as_one_degree_of_freedom() {
 #[test]
 fn parts_have_the_motion_of_the_whole() {
     let mut claims = Claims::of("springs, mirror planes");
-    // Meshes of a disc and of its parts differ.
-    for (shape, hold, travel) in [
-        ("rectangle = [0.2, 0.2]", "\"all\"", 1e-4),
-        ("circle.radius = 0.1", "\"all\"", 5e-3),
-        ("rectangle = [0.2, 0.1]", "[\"x-\", \"x+\"]", 1e-4),
+    // Meshes of a disc and of its parts differ. Four of twelve springs stand on the corners of the square.
+    for (shape, hold, count, travel) in [
+        ("rectangle = [0.2, 0.2]", "\"all\"", 24, 1e-4),
+        ("rectangle = [0.2, 0.2]", "\"all\"", 12, 1e-4),
+        ("circle.radius = 0.1", "\"all\"", 24, 5e-3),
+        ("rectangle = [0.2, 0.1]", "[\"x-\", \"x+\"]", 24, 1e-4),
     ] {
         let drop = |symmetry: &str| {
             run(&written(&format!(
@@ -246,7 +247,7 @@ fn parts_have_the_motion_of_the_whole() {
                  specimen.mesh.size = 0.01
                  specimen.symmetry = \"{symmetry}\"
                  frame.hold = {hold}
-                 frame.springs = {{ stiffness = 1000, count = 24, length = 0.05, preload = 3, mass = 0.001, damping = 1 }}
+                 frame.springs = {{ stiffness = 1000, count = {count}, length = 0.05, preload = 3, mass = 0.001, damping = 1 }}
                  impactor = {{ shape.sphere.radius = 0.04, mass = 0.5, friction = 0.0 }}
                  loading.impact = {{ velocity = 2, duration = 0.06, gravity = 9.81 }}
                  output.frames = 2"
@@ -259,13 +260,36 @@ fn parts_have_the_motion_of_the_whole() {
                 let [a, b] = [&whole, &part].map(|outcome| channel(&outcome.signals, name));
                 let square: f64 = a.iter().map(|value| value * value).sum();
                 let apart: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
-                let what = format!("{shape}, {symmetry} and the whole apart, {name}");
+                let what = format!("{shape}, {count} springs, {symmetry} and the whole apart, {name}");
                 claims.at_most(&what, (apart / square).sqrt(), if name == "displacement_m" { travel } else { 2e-2 });
             }
         }
-        claims.at_most(&format!("{shape}: energy balance"), whole.energy_balance_error, 5e-3);
+        claims.at_most(&format!("{shape}, {count} springs: energy balance"), whole.energy_balance_error, 5e-3);
     }
     claims.judge();
+}
+
+/// A square that hangs by its corners pulls alike in both directions, with the force of its pre-strain along each diagonal:
+/// that of half a side of each of two sides, N s √2 / 2.
+#[test]
+fn film_hangs_by_its_corners() {
+    let model = written(&format!(
+        "specimen.shape.rectangle = [0.2, 0.2]
+         specimen.material = {{ density = 915, thickness = 2e-4, elastic = {{ young = {YOUNG}, poisson = 0.0 }} }}
+         specimen.mesh.size = 0.02
+         layers.prestrain = {{ md = 0.01, td = 0.01 }}
+         frame.springs = {{ stiffness = 1000, count = 4, length = 0.2 }}
+         impactor = {{ shape.sphere.radius = 0.04, mass = 0.1, friction = 0.0 }}
+         loading.impact = {{ velocity = 0.5, duration = 0.005, gravity = 0 }}
+         layers.settle = false
+         output.frames = 2"
+    ));
+    let outcome = run(&model);
+    let [x, y] = ["frame_force_x_N", "frame_force_y_N"].map(|name| channel(&outcome.signals, name));
+    assert!(x.iter().zip(y).all(|(x, y)| (x - y).abs() < 1e-6 * x.abs()), "{x:?} {y:?}");
+    // Two corners on each side, of which each has a part along its diagonal.
+    let line = 0.5 * YOUNG * (1.01_f64.powi(2) - 1.0) * 2e-4;
+    assert!((x[0] / (line * 0.2) - 1.0).abs() < 1e-9, "{} for {}", x[0], line * 0.2);
 }
 
 /// A body that drags film along: springs behind it go slack, those before it are drawn beyond their curve.
@@ -283,4 +307,22 @@ fn slack_springs_and_short_curves_are_found() {
     let codes: Vec<&str> =
         outcome.warnings.iter().map(|warning| droptower::finding::Report::code(warning).name).collect();
     assert!(codes.contains(&"springs-beyond-curve") && codes.contains(&"springs-slack"), "{codes:?}");
+    assert!(!codes.contains(&"springs-collapsed"), "{codes:?}");
+}
+
+/// Springs that push, and are pushed together by film that a body drags towards them.
+#[test]
+fn collapsed_springs_are_found() {
+    let outcome = run(&written(&format!(
+        "specimen.shape.rectangle = [0.2, 0.2]
+         specimen.material = {{ density = 915, thickness = 2e-4, elastic = {{ young = {YOUNG}, poisson = 0.4 }} }}
+         specimen.mesh.size = 0.01
+         frame.springs = {{ stiffness = 100, count = 24, length = 0.001, compression = true }}
+         impactor = {{ shape.sphere.radius = 0.04, mass = 0.1, friction = 1.0, guide = \"free\", velocity = [4, 0, -4] }}
+         loading.impact = {{ duration = 0.03, gravity = 0 }}
+         output.frames = 2"
+    )));
+    let codes: Vec<&str> =
+        outcome.warnings.iter().map(|warning| droptower::finding::Report::code(warning).name).collect();
+    assert!(codes.contains(&"springs-collapsed"), "{codes:?}");
 }

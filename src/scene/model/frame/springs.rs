@@ -1,7 +1,7 @@
 //! `frame.springs`: springs on which film hangs.
 
 use super::super::specimen::symmetry;
-use crate::model::{Hold, Loading, ModelDiagnostics, Spread, SpringForce, Springs};
+use crate::model::{Hold, Loading, ModelDiagnostics, Spread, SpringForce, Springs, Symmetry};
 use crate::scenario::{self, Scenario, SpringPoint};
 use base::number::significant;
 use membrane::engine::SpringLaw;
@@ -37,13 +37,14 @@ pub(super) fn check(
         mistakes.report_with(PATH, message, format!("leave the springs or `{path}` out"));
         mistakes.label(path, "here");
     }
-    let (law, spread) = (law(written, mistakes), spread(written, scenario, mistakes));
+    let (law, spread) = (law(written, mistakes), spread(written, multiple(scenario, hold), mistakes));
     let law = law?;
     let preload = written.preload.map(|force| force.0);
     let is_possible = preload.is_none_or(|force| can_be_preloaded(&law, force, written, mistakes));
     Some(Springs {
         law,
         spread: spread.filter(|_| is_possible)?,
+        multiple: multiple(scenario, hold),
         continuous: written.continuous,
         length: written.length.0,
         preload,
@@ -94,11 +95,21 @@ fn law(written: &scenario::Springs, mistakes: &mut ModelDiagnostics<'_>) -> Opti
     (mistakes.found.0.len() == before && curve.len() > 1).then_some(SpringForce::Curve(points))
 }
 
+/// What the number of springs of the whole film is a multiple of, so that they have its mirror planes.
+fn multiple(scenario: &Scenario, hold: &Hold) -> u32 {
+    match symmetry(&scenario.specimen) {
+        // They are counted from the positive x axis: half of their number up to the mirror plane across x has to be even.
+        Symmetry::HalfX if *hold == Hold::All => 4,
+        symmetry => symmetry.copies() as u32,
+    }
+}
+
 /// How many there are.
-fn spread(written: &scenario::Springs, scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Spread> {
+fn spread(written: &scenario::Springs, multiple: u32, mistakes: &mut ModelDiagnostics<'_>) -> Option<Spread> {
     match (written.count, written.spacing) {
         (Some(_), Some(_)) => {
-            mistakes.out_of_place(&format!("{PATH}.spacing"), "`frame.springs.count` says how many there are");
+            let hint = "`frame.springs.count` says how many there are; `--unset frame.springs.count` leaves one out that is inherited";
+            mistakes.out_of_place(&format!("{PATH}.spacing"), hint);
             None
         }
         (None, None) => {
@@ -107,11 +118,10 @@ fn spread(written: &scenario::Springs, scenario: &Scenario, mistakes: &mut Model
         }
         (None, Some(spacing)) => Some(Spread::Spacing(spacing.0)),
         (Some(count), None) => {
-            let copies = symmetry(&scenario.specimen).copies() as u32;
-            if !written.continuous && !count.is_multiple_of(copies) {
+            if !written.continuous && !count.is_multiple_of(multiple) {
                 let message =
                     format!("{count} springs have no mirror planes: the computed part would have a share of one");
-                let fits = count.next_multiple_of(copies);
+                let fits = count.next_multiple_of(multiple);
                 let hint = format!("use {fits} springs, or set `specimen.symmetry` to \"none\"");
                 mistakes.report_with(&format!("{PATH}.count"), message, hint);
                 return None;
@@ -136,7 +146,8 @@ fn can_be_preloaded(
         mistakes.report_with(&key, "the curve ends below the preload", hint);
         return false;
     }
-    if elongation >= written.length.0 {
+    // A stiffness that is refused itself tells nothing.
+    if elongation >= written.length.0 && elongation.is_finite() {
         let message = format!(
             "a spring under this preload is elongated by {} mm, and is not that long",
             significant(1e3 * elongation, 4)

@@ -135,7 +135,7 @@ impl Impact<'_> {
 }
 
 /// Whether the mean of the last hundredth of the samples of a force exceeds a hundredth of its peak.
-pub(in crate::simulate) fn ends_loaded(force: &[f64]) -> bool {
+pub fn ends_loaded(force: &[f64]) -> bool {
     let peak = force.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
     let last = &force[force.len() - force.len().div_ceil(100)..];
     let mean = last.iter().map(|force| force.abs()).sum::<f64>() / last.len().max(1) as f64;

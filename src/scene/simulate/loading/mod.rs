@@ -7,7 +7,7 @@ mod slow;
 mod stretch;
 mod volume;
 
-pub(super) use impact::ends_loaded;
+pub use impact::ends_loaded;
 pub(super) use stretch::Stretch;
 
 use super::fault::RunError;
