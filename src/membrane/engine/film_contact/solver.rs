@@ -36,9 +36,9 @@ pub(super) struct Sweeps {
 }
 
 impl Sweeps {
-    /// The next sweep is over all constraints, of which some are not solved yet.
+    /// The next sweep is over all constraints.
     fn restart(&mut self) {
-        (self.skips, self.has_converged) = (false, false);
+        self.skips = false;
     }
 }
 
@@ -148,8 +148,11 @@ impl FilmContact {
         }
         self.add_path(&nodes.position, motion);
         self.sweeps.restart();
+        let known = self.constraints.len();
         // Constraints of before keep their place and their impulse: they are not due in this step any more.
         self.detect(nodes, [dt, 2.0 * self.detected_within], pool);
+        // Those that the last round adds are not solved in this step.
+        self.sweeps.has_converged &= self.constraints.len() == known;
         true
     }
 

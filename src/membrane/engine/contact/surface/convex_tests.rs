@@ -141,8 +141,8 @@ fn a_projection_that_follows_its_triangle_is_that_of_the_whole_mesh() {
     dented[20].coords *= 0.9;
     let of = |vertices| Surface::closed_mesh((vertices, mesh.indices().to_vec())).unwrap();
     // Without a search: a convex body by the faces that a point outside lies over, any other by distances.
-    assert!(spared_on_a_path_beside(&of(convex))[0] > 2000);
-    assert!(spared_on_a_path_beside(&of(dented))[1] > 4000);
+    let spared = [convex, dented].map(|vertices| spared_on_a_path_beside(&of(vertices)));
+    assert!(spared[0][0] > 1000 && spared[0].iter().sum::<u32>() > 5500 && spared[1][1] > 4000, "{spared:?}");
 }
 
 /// Steps of 6000 in which the nearest triangle was found by the face under the point, and by distances.

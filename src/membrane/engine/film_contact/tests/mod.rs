@@ -252,7 +252,7 @@ fn cloths_come_to_rest_on_a_ball_without_crossing() {
     let mut run = scene.with(&films);
     let start = run.after(1);
     let (mut last, mut gained) = (run.after(1), 0.0_f64);
-    while run.engine.time() < 0.5 {
+    while run.engine.time() < 0.6 {
         last = run.after(25);
         assert_eq!(last.crossings, 0, "at {} s: {:?}", run.engine.time(), last.contact);
         assert_eq!(last.spared[1], 0, "pairs that are close are looked at, at {} s", run.engine.time());
