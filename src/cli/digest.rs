@@ -102,7 +102,7 @@ fn field(audit: &Audit) -> String {
 
 fn impact(measures: &Impact) -> String {
     let balance = balance(&measures.audit);
-    match measures.bodies.as_slice() {
+    let of_bodies = match measures.bodies.as_slice() {
         [body] => of_body(body, &format!("energy balance error {balance}")),
         several => {
             let of_one = |body: &BodyFigures| {
@@ -112,7 +112,22 @@ fn impact(measures: &Impact) -> String {
             let all: String = several.iter().map(of_one).collect();
             format!("{all}  energy balance error {balance}\n")
         }
+    };
+    [of_bodies, springs_and_faces(measures)].concat()
+}
+
+/// What the springs of the frame carried, and how near film came to film.
+fn springs_and_faces(measures: &Impact) -> String {
+    let mut text = String::new();
+    if let (Some(force), Some(elongation)) = (measures.peak_spring_force, measures.peak_spring_elongation_m) {
+        let [force, elongation] = [force, 1e3 * elongation].map(|value| number::figure(value, DIGITS));
+        let _ = writeln!(text, "  springs             up to {force} N, {elongation} mm longer than without force");
     }
+    if let Some(least) = measures.least_film_distance_m {
+        let least = number::figure(1e3 * least, DIGITS);
+        let _ = writeln!(text, "  film from film      {least} mm at least, from middle to middle");
+    }
+    text
 }
 
 /// The figures of one impactor, with `last` at their end.

@@ -99,6 +99,24 @@ fn a_run_writes_its_folder() {
     assert_eq!(names(&bench.path().join("runs")), ["drop"]);
 }
 
+/// The largest force and elongation of a spring and the least distance of film from film stand on the terminal and in the summary.
+#[test]
+fn springs_and_contact_of_film_have_their_figures() {
+    let bench = bench();
+    let springs = "frame.springs={ stiffness = \"2 kN/m\", count = 80, length = \"50 mm\" }";
+    let output = run(bench.path(), &["drop.toml", "--set", springs, "--set", "contact.film=true"]);
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let summary = json(&bench.path().join("runs/drop/summary.json"));
+    let figure = |name: &str| summary[name].as_f64().unwrap_or_else(|| panic!("no {name}"));
+    assert!(figure("peak_spring_force_N") > 2000.0 * figure("peak_spring_elongation_m") * (1.0 - 1e-9), "{summary}");
+    assert!(figure("least_film_distance_m") > 0.0, "{summary}");
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("  springs             up to ") && said.contains("  film from film      "), "{said}");
+    let plain = run(bench.path(), &["drop.toml", "--out", "plain"]);
+    let said = String::from_utf8_lossy(&plain.stdout);
+    assert!(plain.status.success() && !said.contains("springs") && !said.contains("film from film"), "{said}");
+}
+
 #[test]
 fn the_stored_scenario_gives_the_same_signals_elsewhere() {
     let (bench, elsewhere) = (bench(), tempfile::tempdir().expect("a folder"));
