@@ -79,7 +79,7 @@ pub use relaxation::{Relaxation, Settling};
 pub use rigid_body::{Freedom, RigidBody};
 pub use section::Section;
 pub use spring_law::SpringLaw;
-pub use springs::{SHORTEST as SHORTEST_SPRING, Spring, SpringLoad, Springs, SpringsState};
+pub use springs::{Spring, SpringLoad, Springs, SpringsState};
 pub use state::{State, StateMismatch};
 pub use thread_pool::ThreadPool;
 use time_step::TimeStep;

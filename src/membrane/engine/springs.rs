@@ -15,7 +15,7 @@ const MOVING: f64 = 1.0 / 3.0;
 const ROUND_OFF: f64 = 1e-6;
 
 /// Length over that without force below which a spring that pushes resists across itself by more than its stiffness.
-pub const SHORTEST: f64 = 0.5;
+const SHORTEST: f64 = 0.5;
 
 /// Springs between the edge of film and its frame, all of one law.
 pub struct Springs {
@@ -78,7 +78,7 @@ pub struct SpringsState {
     pub slack: f64,
     /// Largest elongation over that at which their curve ends, where any is beyond it.
     pub beyond: Option<f64>,
-    /// Least length of a spring that pushes over its length without force, where any is shorter than [`SHORTEST`] of that.
+    /// Least length of a spring that pushes over its length without force, where any is shorter than half of that.
     pub collapsed: Option<f64>,
 }
 
