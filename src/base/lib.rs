@@ -14,3 +14,4 @@ pub mod cancellation;
 pub mod budget;
 pub mod periodic;
 pub mod table;
+pub mod removed;

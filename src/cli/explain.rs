@@ -8,6 +8,7 @@ use serde_json::Value as Json;
 use super::card::explain as solvers;
 use super::{Failure, Shared, codes, columns, complete, figures, functions, print, print_json, readable};
 use base::diagnostic::{Diagnostic, closest};
+use base::removed;
 use scene::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
@@ -104,7 +105,8 @@ fn with_code(mistake: Diagnostic, path: &str) -> Diagnostic {
     let figures: Vec<String> = if is_name { figures::names().collect() } else { vec![] };
     let figure =
         || closest(path, figures.iter().map(String::as_str)).map(|name| format!("did you mean the figure `{name}`?"));
-    match code.or_else(|| column().filter(|_| is_name)).or_else(figure) {
+    let gone = removed::key(path).or_else(|| removed::function(path)).or_else(|| removed::finding(path));
+    match gone.or(code).or_else(|| column().filter(|_| is_name)).or_else(figure) {
         Some(hint) => mistake.hint(hint),
         None => mistake,
     }

@@ -62,6 +62,7 @@ use serde::Serialize;
 
 pub(crate) use self::failure::Failure;
 use base::diagnostic::{self, Diagnostic};
+use base::removed;
 
 /// A scripted virtual drop tower for thin films and membranes.
 #[derive(Debug, Parser)]
@@ -98,6 +99,15 @@ pub(crate) enum DiagnosticFormat {
     Text,
     /// As one JSON object a line: message, hint, source, line, column, labels
     Json,
+}
+
+impl DiagnosticFormat {
+    /// The format that a command line asks for which cannot be parsed.
+    fn from_words(words: &[String]) -> DiagnosticFormat {
+        let is_json = words.iter().any(|word| word == "--diagnostics=json")
+            || words.windows(2).any(|pair| pair[0] == "--diagnostics" && pair[1] == "json");
+        if is_json { DiagnosticFormat::Json } else { DiagnosticFormat::Text }
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -172,10 +182,23 @@ impl Command {
 /// Runs the command that the arguments name; usage errors exit with status 2.
 pub fn main() -> ExitCode {
     complete::answer(Droptower::command);
-    let Droptower { command, shared } = Droptower::parse();
+    let Droptower { command, shared } = match Droptower::try_parse() {
+        Ok(given) => given,
+        Err(error) => return unusable(&error),
+    };
     match run(&command, &shared) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(shared.diagnostics),
+    }
+}
+
+/// Reports arguments that no command takes; what earlier versions took with what to use instead.
+fn unusable(error: &clap::Error) -> ExitCode {
+    let words: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    match removed::command(&words).filter(|_| error.use_stderr()) {
+        Some((name, hint)) => Failure::from(Diagnostic::new(format!("droptower has no `{name}`")).hint(hint))
+            .report(DiagnosticFormat::from_words(&words)),
+        None => error.exit(),
     }
 }
 

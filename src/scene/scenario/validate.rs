@@ -7,6 +7,7 @@ use super::plausible;
 use super::tree::{Entry, Node, Table, Value};
 use super::variation::{self, VariedKey};
 use base::diagnostic::{Diagnostic, Span, closest};
+use base::removed;
 use base::units::{Angle, Dimension, with_decimal_point};
 
 /// Largest magnitude of an angle, rad: 360 deg and its round-off.
@@ -86,7 +87,7 @@ impl Walk {
             }
             (Rule::Choice(words), Value::Text(text)) => {
                 if !words.iter().any(|(word, _)| word == text) {
-                    self.report(unknown_word(text, rule).at(&node.span));
+                    self.report(unknown_word(text, rule, place).at(&node.span));
                 }
             }
             (Rule::Quantity(dimension, _), value) => {
@@ -320,12 +321,13 @@ fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
     }
 }
 
-fn unknown_word(text: &str, rule: &Rule) -> Diagnostic {
+fn unknown_word(text: &str, rule: &Rule, place: &Place) -> Diagnostic {
     let words = rule.words();
     let names = words.iter().map(|(word, _)| *word);
     let mistake = Diagnostic::new(format!("expected {rule}, found \"{text}\""));
-    match closest(text, names) {
-        Some(word) => mistake.hint(format!("did you mean \"{word}\"?")),
+    let meant = || closest(text, names).map(|word| format!("did you mean \"{word}\"?"));
+    match removed::value(&place.path, text).or_else(meant) {
+        Some(hint) => mistake.hint(hint),
         None => mistake,
     }
 }
@@ -333,6 +335,10 @@ fn unknown_word(text: &str, rule: &Rule) -> Diagnostic {
 fn unknown_key(entry: &Entry, table: &Table, rule: &TableRule, place: &Place) -> Diagnostic {
     if let Some(hint) = rule.reserved(&entry.key) {
         return not_yet(&format!("`{}`", place.name(&entry.key)), hint).at(&entry.key_span);
+    }
+    let unknown = Diagnostic::new(format!("unknown key `{}`", entry.key)).at(&entry.key_span);
+    if let Some(hint) = removed::key(&place.name(&entry.key)) {
+        return unknown.hint(hint);
     }
     // Who gives a value beside this one knows its key.
     let is_beside = |name: &str| {
@@ -351,7 +357,7 @@ fn unknown_key(entry: &Entry, table: &Table, rule: &TableRule, place: &Place) ->
             format!("known here: {}", known.join(", "))
         }
     };
-    Diagnostic::new(format!("unknown key `{}`", entry.key)).at(&entry.key_span).hint(hint)
+    unknown.hint(hint)
 }
 
 /// Something that is planned: what a user may expect, and what there is instead.

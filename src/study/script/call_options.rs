@@ -8,6 +8,7 @@ use super::calls::Words;
 use super::module::Unit;
 use super::{CallOptions, Fault};
 use base::diagnostic::closest;
+use base::removed;
 
 /// Every option in `units` that its function does not have, in the order of the texts. Functions that a text defines itself, or that
 /// it has as a key, a property or a text, are not those of the host.
@@ -45,11 +46,10 @@ fn of_unit(known: &[CallOptions], unit: &Unit, own: &HashSet<String>) -> Vec<Fau
     let fault = |(options, key, position): (CallOptions, String, Position)| {
         let message = format!("{} has no option `{key}`", options.of);
         let names = || options.names.iter().copied().flatten().copied();
-        let hint = closest(&key, names()).map_or_else(
-            || format!("it takes {}", names().collect::<Vec<_>>().join(", ")),
-            |close| format!("did you mean `{close}`?"),
-        );
-        Fault::located(&unit.source, position, message).with_hint(Some(hint))
+        let gone = removed::function(&format!("{}.{key}", options.function));
+        let hint = gone.or_else(|| closest(&key, names()).map(|close| format!("did you mean `{close}`?")));
+        let known = || format!("it takes {}", names().collect::<Vec<_>>().join(", "));
+        Fault::located(&unit.source, position, message).with_hint(Some(hint.unwrap_or_else(known)))
     };
     found.into_iter().map(fault).collect()
 }

@@ -7,6 +7,7 @@ use rhai::{AST, ASTNode, Engine, Expr, FnCallExpr, Position, Stmt};
 use super::Fault;
 use super::module::Unit;
 use base::diagnostic::closest;
+use base::removed;
 
 /// Functions of the interpreter itself, which its list of functions lacks.
 const BUILT_IN: [&str; 9] =
@@ -49,7 +50,7 @@ fn hint(call: &Call, words: &Words, known: &BTreeSet<String>) -> Option<String> 
     }
     let functions =
         known.iter().map(String::as_str).filter(|name| name.chars().all(|c| c.is_alphanumeric() || c == '_'));
-    closest(name, functions).map(|close| format!("did you mean `{close}`?"))
+    removed::function(name).or_else(|| closest(name, functions).map(|close| format!("did you mean `{close}`?")))
 }
 
 struct Call {

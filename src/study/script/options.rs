@@ -4,6 +4,7 @@ use rhai::{Dynamic, ImmutableString, Map};
 
 use super::{HostResult, number, refuse, refuse_key};
 use base::diagnostic::closest;
+use base::removed;
 use base::units::Dimension;
 
 /// The options of a host function: a map from a script.
@@ -19,8 +20,8 @@ impl Options<'_> {
     pub fn check(&self, known: &[&str]) -> HostResult<()> {
         let Some(key) = self.map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
         let message = format!("{} has no option `{key}`; it takes {}", self.of, known.join(", "));
-        let meant = closest(key, known.iter().copied());
-        Err(refuse_key(key, &message, meant.map(|name| format!("did you mean `{name}`?"))))
+        let meant = || closest(key, known.iter().copied()).map(|name| format!("did you mean `{name}`?"));
+        Err(refuse_key(key, &message, removed::function(&format!("{}.{key}", self.of)).or_else(meant)))
     }
 
     /// The option `name`.

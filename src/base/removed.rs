@@ -1,0 +1,96 @@
+//! What earlier versions had and this one has not, each with what to use instead: the one place that messages take it from.
+
+/// What kind of name a user wrote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Words of a command line in their order, the program's name aside: `repl`, `script --trace`, `deck write --format calculix`.
+    Command,
+    /// A key of a scenario or a material by the end of its path (`specimen.bending`), or a word as its value
+    /// (`energy = wrinkling`).
+    Key,
+    /// A function of scripts (`profiles`), or an option of one (`minimize.fallback`).
+    Function,
+    /// The code of a finding.
+    Finding,
+}
+
+/// A name that is gone.
+struct Removed {
+    kind: Kind,
+    name: &'static str,
+    /// Completes "was removed: ".
+    instead: &'static str,
+}
+
+const fn row(kind: Kind, name: &'static str, instead: &'static str) -> Removed {
+    Removed { kind, name, instead }
+}
+
+/// Rows are listed by kind, then by name.
+const REMOVED: &[Removed] = &[];
+
+/// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.
+pub fn command(words: &[String]) -> Option<(&'static str, String)> {
+    let words: Vec<&str> = words.iter().flat_map(|word| word.split('=')).collect();
+    let is_meant = |row: &&Removed| {
+        let mut rest = words.iter();
+        row.name.split(' ').all(|wanted| rest.any(|word| *word == wanted))
+    };
+    // The row with most words says most.
+    let found = REMOVED.iter().filter(|row| row.kind == Kind::Command).filter(is_meant);
+    found.max_by_key(|row| row.name.split(' ').count()).map(|row| (row.name, sentence(row)))
+}
+
+/// What to do instead of the key at `path`, in which numbers count entries of lists.
+pub fn key(path: &str) -> Option<String> {
+    let steps: Vec<&str> = path.split('.').filter(|step| step.parse::<usize>().is_err()).collect();
+    let is_meant = |row: &&Removed| steps.ends_with(&row.name.split('.').collect::<Vec<_>>());
+    REMOVED.iter().filter(|row| row.kind == Kind::Key).find(is_meant).map(sentence)
+}
+
+/// What to do instead of the value `word` of the key at `path`.
+pub fn value(path: &str, word: &str) -> Option<String> {
+    key(&format!("{path} = {word}"))
+}
+
+/// What to do instead of the function, or of the option `function.option`.
+pub fn function(name: &str) -> Option<String> {
+    named(Kind::Function, name)
+}
+
+/// What to do instead of waiting for the finding with this code.
+pub fn finding(code: &str) -> Option<String> {
+    named(Kind::Finding, code)
+}
+
+fn named(kind: Kind, name: &str) -> Option<String> {
+    REMOVED.iter().find(|row| row.kind == kind && row.name == name).map(sentence)
+}
+
+fn sentence(row: &Removed) -> String {
+    format!("it was removed: {}", row.instead)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_found_by_what_a_user_writes() {
+        for row in REMOVED {
+            let found = match row.kind {
+                Kind::Command => {
+                    let words: Vec<String> = row.name.split(' ').map(str::to_owned).collect();
+                    command(&words).map(|(_, sentence)| sentence)
+                }
+                Kind::Key => key(&format!("layers.0.{}", row.name)),
+                Kind::Function => function(row.name),
+                Kind::Finding => finding(row.name),
+            };
+            assert_eq!(found, Some(sentence(row)), "{}", row.name);
+            assert!(!row.instead.ends_with('.'), "{}: a hint is no full sentence", row.name);
+        }
+        assert_eq!(command(&["run".to_owned(), "a.toml".to_owned()]), None);
+        assert_eq!(key("specimen.mesh"), None);
+    }
+}
