@@ -1,4 +1,6 @@
 //! Cards of other solvers, and the material that follows from them.
+//!
+//! Readers: src/card/read
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

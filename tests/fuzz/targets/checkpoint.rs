@@ -2,6 +2,8 @@
 //!
 //! The first byte tells what the rest is: the bytes of a header, those of a state, or places and bytes that change a state that
 //! the run has written, so that inputs outlive changes of the layout.
+//!
+//! Readers: src/study/store/checkpoints.rs src/scene/simulate src/membrane/engine/state.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

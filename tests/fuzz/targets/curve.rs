@@ -1,4 +1,6 @@
 //! The table of a curve that a material names.
+//!
+//! Readers: src/scene/scenario/curve_file.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Outlines in DXF.
+//!
+//! Readers: src/scene/mesh/import/dxf.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

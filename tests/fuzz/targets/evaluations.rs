@@ -2,6 +2,8 @@
 //!
 //! The first byte tells what the rest is: a segment as it is, a whole run, or a list of entries, each a kind, a key, a length and
 //! so many bytes. Runs and entries are written with their checksums, and packed where they are so.
+//!
+//! Readers: src/study/store/evaluations src/study/evaluate
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

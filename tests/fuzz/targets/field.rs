@@ -1,4 +1,6 @@
 //! Displacement fields of digital image correlation, and the tables of their times.
+//!
+//! Readers: src/lab/field
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Recordings in HDF5.
+//!
+//! Readers: src/lab/signal/hdf5
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! The trials of a search on disk.
+//!
+//! Readers: src/study/identify/pool
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

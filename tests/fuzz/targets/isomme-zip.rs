@@ -1,4 +1,6 @@
 //! Recordings in ISO-MME, zipped.
+//!
+//! Readers: src/lab/signal/isomme
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Exports of tensile machines.
+//!
+//! Readers: src/lab/signal/export src/lab/experiment/coupon
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Recordings in MAT-files.
+//!
+//! Readers: src/lab/signal/matlab
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

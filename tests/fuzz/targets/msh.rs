@@ -1,4 +1,6 @@
 //! Meshes in the format of Gmsh.
+//!
+//! Readers: src/scene/mesh/import/msh.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

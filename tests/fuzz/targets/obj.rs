@@ -1,4 +1,6 @@
 //! Meshes in OBJ.
+//!
+//! Readers: src/scene/mesh/import/obj.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

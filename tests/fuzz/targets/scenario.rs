@@ -1,4 +1,6 @@
 //! Scenarios, from their text to the checked model and back to a resolved text.
+//!
+//! Readers: src/scene/scenario src/scene/model
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

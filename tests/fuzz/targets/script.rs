@@ -1,4 +1,6 @@
 //! Scripts under their limits, with the functions that read files and those that leave results.
+//!
+//! Readers: src/study/script
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Meshes in STL.
+//!
+//! Readers: src/scene/mesh/import/stl.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Run folders that are read back and compared.
+//!
+//! Readers: src/study/store/stored_run.rs src/study/post
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Outlines in SVG.
+//!
+//! Readers: src/scene/mesh/import/svg.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Recordings in TDMS.
+//!
+//! Readers: src/lab/signal/tdms
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

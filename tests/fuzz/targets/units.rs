@@ -1,4 +1,6 @@
 //! Quantities and units in texts.
+//!
+//! Readers: src/base/units src/base/units.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

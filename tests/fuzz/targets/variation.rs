@@ -1,4 +1,6 @@
 //! The table of the points of a sweep, which a scenario names.
+//!
+//! Readers: src/scene/scenario/variation.rs src/scene/model/variation
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Meshes in the XML of VTK.
+//!
+//! Readers: src/scene/mesh/import/vtu.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,6 @@
 //! Recordings in workbooks of Excel.
+//!
+//! Readers: src/lab/signal/workbook
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
