@@ -58,8 +58,8 @@ pub use report;
 pub use scene::{digitize, expectation, mesh, model, scenario, simulate};
 #[doc(inline)]
 pub use study::{
-    calibrate, cluster, evaluate, field_comparison, functions, identify, post, reference, scenario_functions, script,
-    store, sweep,
+    calibrate, evaluate, field_comparison, functions, identify, post, reference, scenario_functions, script, store,
+    sweep,
 };
 #[doc(inline)]
 pub use uncertainty;

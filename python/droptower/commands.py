@@ -54,8 +54,6 @@ def sweep(
     keep: str | None = None,
     figure: str | None = None,
     merge: bool = False,
-    on: str | None = None,
-    cluster: PathLike | None = None,
     force: bool = False,
     threads: int | None = None,
     quiet: bool = True,
@@ -64,8 +62,7 @@ def sweep(
 
     Runs that were computed before are taken from the records in `store`. `keep` ("worst:3", "all", "4,17") also writes
     run folders (`Sweep.runs`); the worst have the largest `figure`. `merge` computes nothing and gathers what other
-    processes have done. `on` ("slurm", "hyperqueue") lets the cluster that the file `cluster` describes
-    compute the runs. Runs that failed are rows of the table (`Sweep.table`), and raise NumericalFailure once it is
+    processes have done. Runs that failed are rows of the table (`Sweep.table`), and raise NumericalFailure once it is
     written.
     """
     arguments = ["sweep", _path(scenario), *_changes(set, unset), *_options(out, force, threads)]
@@ -74,8 +71,6 @@ def sweep(
         "--store": store,
         "--keep": keep,
         "--figure": figure,
-        "--on": on,
-        "--cluster": cluster,
     }
     for name, value in given.items():
         if value is not None:

@@ -86,8 +86,6 @@ def test_a_sweep_has_a_table(scene: Path) -> None:
     assert droptower.sweep(scene, out="gathered", store="kept", merge=True).summary["runs"] == 3
     with pytest.raises(droptower.BadInput, match="the runs have no figure `peak`"):
         droptower.sweep(scene, out="swept", store="kept", figure="peak")
-    with pytest.raises(droptower.BadInput, match=r"absent\.toml"):
-        droptower.sweep(scene, on="slurm", cluster="absent.toml")
 
 
 def test_progress_is_shown_while_runs_are_computed(scene: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -27,7 +27,14 @@ const fn row(kind: Kind, name: &'static str, instead: &'static str) -> Removed {
 }
 
 /// Rows are listed by kind, then by name.
-const REMOVED: &[Removed] = &[];
+const REMOVED: &[Removed] = &[
+    row(Kind::Command, "schema cluster", NEW_SLURM),
+    row(Kind::Command, "sweep --cluster", NEW_SLURM),
+    row(Kind::Command, "sweep --on", NEW_SLURM),
+    row(Kind::Key, "cluster", NEW_SLURM),
+];
+
+const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.
 pub fn command(words: &[String]) -> Option<(&'static str, String)> {

@@ -178,13 +178,6 @@ impl LivePage {
         }
     }
 
-    /// Takes note that tasks of a cluster have brought a sweep so far.
-    pub(super) fn note_reached(&self, wanted: usize, done: usize, before: usize) {
-        let elapsed = self.elapsed();
-        self.change(|progress| progress.reach(wanted, done, before, elapsed));
-        self.renew();
-    }
-
     /// Says that nothing begins any more.
     pub(super) fn stopping(&self) {
         self.change(|progress| progress.set_state(StudyState::Stopping));

@@ -22,8 +22,6 @@ enum Kind {
     Material,
     /// `expect.toml`: what a run must give
     Expect,
-    /// `cluster.toml`: resources of a cluster
-    Cluster,
     /// `figure.toml`: a curve in a picture
     Figure,
 }
@@ -33,7 +31,6 @@ pub(super) fn run(args: &SchemaArgs) -> Result<(), Failure> {
         Kind::Scenario => FileKind::Scenario,
         Kind::Material => FileKind::Material,
         Kind::Expect => FileKind::Expectations,
-        Kind::Cluster => FileKind::Cluster,
         Kind::Figure => FileKind::Figure,
     };
     print_json(&kind.schema())

@@ -13,4 +13,3 @@ pub mod sweep;
 pub mod calibrate;
 pub mod codes;
 pub mod reference;
-pub mod cluster;

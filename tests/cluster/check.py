@@ -1,12 +1,10 @@
-"""Runs the same sweep here, by Slurm and by HyperQueue, loses a task, a node and the program that waits on the way, and
-compares the tables byte for byte.
+"""Computes the same sweep by one process and by the array job of `droptower new slurm`, of which a task and then a node are lost,
+and compares the tables byte for byte.
 
-    check.py DROPTOWER slurm|hyperqueue
+    check.py DROPTOWER
 """
 
-import json
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -15,145 +13,100 @@ from pathlib import Path
 
 from slurm import Slurm, kill, wait
 
+RUNS = 200
 SCENARIO = """
 extends = "{base}"
 unset = ["reference", "post"]
-specimen.mesh.size = "{mesh} mm"
+specimen.mesh.size = "25 mm"
 loading.impact.duration = "60 ms"
 [variation]
-samples = {runs}
 "impactor.mass" = ["10 kg", "11 kg", "12 kg"]
 "impactor.friction" = {{ uniform = [0.1, 0.5] }}
 specimen.material.thickness = {{ normal = {{ mean = "12 um", deviation = "0.6 um" }}, truncate = {{ low = "10 um" }} }}
 """
-
+NAME = "it's 12 um.toml"
 BASE = Path(__file__).resolve().parents[2] / "scenarios/drop/1008.toml"
 
 
 class Sweep:
-    """A sweep in a folder with a blank in its name."""
+    """A sweep in a folder, and of a scenario, with blanks in their names."""
 
-    def __init__(self, droptower, folder, runs, mesh):
-        self.droptower = droptower
+    def __init__(self, droptower, folder):
         self.folder = Path(folder) / "drop tests"
         self.folder.mkdir()
-        self.runs = runs
-        (self.folder / "drop.toml").write_text(SCENARIO.format(base=BASE, mesh=mesh, runs=runs))
+        (self.folder / NAME).write_text(SCENARIO.format(base=BASE))
+        programs = Path(folder) / "bin"
+        programs.mkdir()
+        (programs / "droptower").symlink_to(droptower)
+        self.environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"}
 
-    def command(self, name, *more):
-        return [self.droptower, "sweep", "drop.toml", "--json", "--out", name, "--store", f"{name}.store", *more]
-
-    def here(self):
-        begin = time.monotonic()
-        done = subprocess.run(self.command("here"), cwd=self.folder, capture_output=True, text=True, check=False)
+    def done(self, *command):
+        """What the command prints."""
+        done = subprocess.run(command, cwd=self.folder, env=self.environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:
-            raise SystemExit(done.stderr)
-        print(f"here: {self.runs} runs in {time.monotonic() - begin:.1f} s")
+            raise SystemExit(f"{command}: exit status {done.returncode}\n{done.stdout}{done.stderr}\n{self.logs()}")
+        return done.stdout
 
-    def start(self, scheduler, environment):
-        events = open(self.folder / "events.jsonl", "ab")
-        summary = open(self.folder / "summary.json", "wb")
-        command = self.command("there", "--on", scheduler, "--cluster", "cluster.toml")
-        return subprocess.Popen(command, cwd=self.folder, env=environment, stdout=summary, stderr=events)
+    def records(self):
+        """About how many runs are kept: each has a record of some hundred bytes."""
+        kept = self.folder / "runs/.evaluations"
+        return sum(path.stat().st_size for path in kept.glob("*.evaluations")) if kept.is_dir() else 0
 
-    def events(self):
-        lines = (self.folder / "events.jsonl").read_text().splitlines()
-        return [json.loads(line) for line in lines if line.startswith("{")]
-
-    def done(self):
-        return max((event["done"] for event in self.events() if event["event"] == "progress"), default=0)
-
-    def told(self):
-        texts = [self.folder / "events.jsonl", *sorted((self.folder / "there.job").glob("*"))]
-        return "\n".join(f"== {path.name}\n{path.read_text(errors='replace')[-4000:]}" for path in texts)
-
-    def compare(self, submissions=1):
-        here, there = ((self.folder / name / "table.csv").read_bytes() for name in ("here", "there"))
-        if here != there:
-            raise SystemExit("the tables differ")
-        summary = json.loads((self.folder / "summary.json").read_text())
-        if (summary["runs"], summary["failed"], summary["reused"]) != (self.runs, 0, 0):
-            raise SystemExit(f"unexpected summary: {summary}")
-        job = json.loads((self.folder / "there.job/job.json").read_text())
-        if len(job["submissions"]) != submissions:
-            raise SystemExit(f"submitted {len(job['submissions'])} times\n{self.told()}")
-        print(f"the tables agree: {len(there)} bytes; submitted {len(job['submissions'])} times")
-
-    def finish(self, process, begin):
-        try:
-            status = process.wait(timeout=900)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            raise SystemExit(f"the sweep does not end\n{self.told()}") from None
-        if status != 0:
-            raise SystemExit(f"exit status {status}\n{self.told()}")
-        print(f"there: {time.monotonic() - begin:.1f} s")
+    def logs(self):
+        return "\n".join(f"== {path.name}\n{path.read_text(errors='replace')[-4000:]}" for path in self.folder.glob("*.out"))
 
 
-def by_slurm(droptower, folder):
-    sweep = Sweep(droptower, folder, runs=200, mesh=25)
-    (sweep.folder / "cluster.toml").write_text('partition = "main"\ntime = "2 min"\ncores = 1\nnodes = 2\n')
-    sweep.here()
+def main(droptower, folder):
+    sweep = Sweep(droptower, folder)
+    begin = time.monotonic()
+    sweep.done("droptower", "sweep", NAME, "-n", str(RUNS), "--out", "here", "--store", "here.store")
+    whole = sum(path.stat().st_size for path in (sweep.folder / "here.store").glob("*.evaluations"))
+    print(f"one process: {RUNS} runs in {time.monotonic() - begin:.1f} s")
+    sweep.done("droptower", "new", "slurm", "sweep.sbatch", "--scenario", NAME, "-n", str(RUNS), "--tasks", "2")
+    script = sweep.folder / "sweep.sbatch"
+    # What a user does: the cores of this node, a partition of this cluster.
+    text = script.read_text().replace("--cpus-per-task=16", "--cpus-per-task=1")
+    script.write_text(text.replace("##SBATCH --partition=standard", "#SBATCH --partition=main"))
     slurm = Slurm(Path(folder) / "slurm", cores=2).start()
+    sweep.environment = {**slurm.environment, "PATH": sweep.environment["PATH"]}
+
+    def share():
+        return sweep.records() / whole
+
+    def told():
+        return f"{sweep.logs()}\n{slurm.logs()}"
+
     try:
         begin = time.monotonic()
-        process = sweep.start("slurm", slurm.environment)
-        wait(lambda: sweep.done() >= 30, "30 runs are done", sweep.told)
+        print(sweep.done("sbatch", "sweep.sbatch").strip())
+        wait(lambda: share() > 0.15 and len(slurm.tasks()) == 2, "15 % of the runs are done", told)
         kill(slurm.tasks()[0])
-        print(f"a task was killed after {sweep.done()} runs")
-        before = sweep.done()
-        wait(lambda: sweep.done() >= before + 20, "20 more runs are done", sweep.told)
+        print(f"a task was killed after {share():.0%} of the runs")
+        wait(lambda: share() > 0.3, "30 % of the runs are done", told)
         slurm.kill_node()
-        print(f"the node was lost after {sweep.done()} runs")
-        process.send_signal(signal.SIGTERM)
-        status = process.wait(timeout=60)
-        if status != 1 or "goes on without this program" not in sweep.told():
-            raise SystemExit(f"exit status {status}\n{sweep.told()}")
-        print("the program that waits was ended")
+        print(f"the node was lost after {share():.0%} of the runs")
+        early = subprocess.run(["sh", "sweep.sbatch"], cwd=sweep.folder, env=sweep.environment, capture_output=True, text=True, check=False)
+        if early.returncode != 1 or "runs are not done" not in early.stderr:
+            raise SystemExit(f"merged too early: exit status {early.returncode}\n{early.stderr}")
+        print(f"merged too early: {early.stderr.splitlines()[0]}")
         slurm.start_node()
-        process = sweep.start("slurm", slurm.environment)
-        before = sweep.done()
-        wait(lambda: sweep.done() >= before + 20, "the node goes on", sweep.told)
-        slurm.ask("scancel", "--state=RUNNING", "--user=root")
-        slurm.ask("scancel", "--user=root")
-        print(f"the whole job was cancelled after {sweep.done()} runs")
-        sweep.finish(process, begin)
-        sweep.compare(submissions=2)
+        wait(lambda: slurm.tasks(), "the task of the lost node is started again", told)
+        print("the task of the lost node was started again")
+        wait(lambda: not slurm.ask("squeue", "--noheader").strip(), "all tasks end", told)
+        print(sweep.done("sh", "sweep.sbatch").splitlines()[0])
+        print(f"by Slurm: {time.monotonic() - begin:.1f} s")
     except BaseException:
         print(slurm.logs(), file=sys.stderr)
         raise
     finally:
         slurm.stop()
-
-
-def by_hyperqueue(droptower, folder):
-    sweep = Sweep(droptower, folder, runs=60, mesh=40)
-    (sweep.folder / "cluster.toml").write_text('time = "10 min"\ncores = 1\nnodes = 2\n')
-    sweep.here()
-    here = Path(__file__).resolve().parent
-    server_folder = Path(folder) / "server"
-    server = subprocess.Popen([sys.executable, here / "hyperqueue_server.py", server_folder, "2"])
-    try:
-        wait(lambda: (server_folder / "ready").exists(), "the server starts")
-        programs = Path(folder) / "bin"
-        programs.mkdir()
-        (programs / "hq").write_text(f"#!/bin/sh\nexec '{sys.executable}' '{here}/hq.py' \"$@\"\n")
-        (programs / "hq").chmod(0o755)
-        environment = {
-            **os.environ,
-            "PATH": f"{programs}:{os.environ['PATH']}",
-            "HQ_SERVER_DIR": str(server_folder),
-        }
-        begin = time.monotonic()
-        sweep.finish(sweep.start("hyperqueue", environment), begin)
-        sweep.compare()
-    finally:
-        server.terminate()
-        server.wait()
+    here, there = ((sweep.folder / name / "table.csv").read_bytes() for name in ("here", f"runs/{NAME[:-5]}.sweep"))
+    if here != there:
+        raise SystemExit("the tables differ")
+    print(f"the tables agree: {len(there)} bytes")
 
 
 if __name__ == "__main__":
-    program = str(Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as place:
         Path(place).chmod(0o755)
-        {"slurm": by_slurm, "hyperqueue": by_hyperqueue}[sys.argv[2]](program, place)
+        main(str(Path(sys.argv[1]).resolve()), place)

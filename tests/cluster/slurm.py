@@ -84,13 +84,17 @@ class Slurm:
         daemon = self.processes.pop("slurmd")
         os.kill(daemon.pid, signal.SIGKILL)
         daemon.wait()
-        subprocess.run(["pkill", "-KILL", "-f", "slurmstepd"], check=False)
-        for task in self.tasks():
-            kill(task)
+        for process in [*self._found(b"slurmstepd"), *self.tasks()]:
+            kill(process)
 
     def tasks(self):
         """The processes of tasks of droptower."""
+        return self._found(b"\0sweep\0", b"SLURM_ARRAY_TASK_ID=")
+
+    def _found(self, word, variable=b""):
+        """The processes of this Slurm with a word in their command and a variable."""
         found = []
+        own = f"SLURM_CONF={self.folder}/slurm.conf\0".encode()
         for folder in Path("/proc").iterdir():
             if folder.name.isdigit():
                 try:
@@ -98,7 +102,7 @@ class Slurm:
                     command = (folder / "cmdline").read_bytes()
                 except OSError:
                     continue
-                if b"SLURM_ARRAY_TASK_ID=" in variables and b"\0sweep\0" in command:
+                if own in variables and variable in variables and word in command:
                     found.append(int(folder.name))
         return found
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -473,29 +473,43 @@ fn a_script_stops_before_its_time_is_over() {
     assert!(begin.elapsed() < Duration::from_secs(600), "a process that was told to stop went on");
 }
 
+/// Whatever the name of the scenario, its script gives the program the words that were meant: the task, and without one the merge.
+#[cfg(unix)]
 #[test]
-fn mistakes_about_a_computing_centre_are_shown() {
+fn an_array_job_of_slurm_has_the_words_that_were_meant() {
+    use std::os::unix::fs::PermissionsExt;
+
     let scene = scene(VARIATION);
     let folder = scene.path();
-    for (text, words) in [
-        ("time = \"50 min\"", "missing key `cores`"),
-        ("time = \"50 min\"\ncores = 4\nqueue = \"a\"", "unknown key `queue`"),
-        ("time = \"50 m\"\ncores = 4", "expected a time, found \"50 m\""),
-        ("time = \"50 min\"\ncores = 4\naccount = \"a b\"", "expected letters, digits and any of _ . , : + -"),
-    ] {
-        fs::write(folder.join("cluster.toml"), text).expect("a file");
-        let output = sweep(folder, &["--on", "slurm"]);
-        assert_eq!(output.status.code(), Some(2), "{text}");
-        assert!(error(&output).contains(words), "{}", error(&output));
+    let name = "it's \"$HOME\" `id`\n#SBATCH --array=0.toml";
+    fs::rename(folder.join("drop.toml"), folder.join(name)).expect("a scenario");
+    let new = ["new", "slurm", "sweep.sbatch", "--scenario", name, "-n", "20", "--tasks", "3"];
+    assert!(printed(&droptower(folder, &new)).contains("; try: sbatch sweep.sbatch "));
+    let again = droptower(folder, &new);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(error(&again).contains("sweep.sbatch already exists"), "{}", error(&again));
+    let script = fs::read_to_string(folder.join("sweep.sbatch")).expect("a script");
+    let read_by_slurm = script.lines().take_while(|line| line.starts_with('#')).filter(|line| line.contains("--array"));
+    assert_eq!(read_by_slurm.map(|line| line.split(' ').nth(1)).collect::<Vec<_>>(), [Some("--array=1-3")]);
+    let stub = folder.join("droptower");
+    fs::write(&stub, "#!/bin/sh\nprintf '<%s>' \"$@\"\n").expect("a stub");
+    fs::set_permissions(&stub, fs::Permissions::from_mode(0o755)).expect("a program");
+    let task = [("SLURM_ARRAY_TASK_ID", "2"), ("SLURM_ARRAY_TASK_MAX", "3"), ("SLURM_CPUS_PER_TASK", "16")];
+    for (variables, rest) in [(&task[..], "<--shard><2/3><--threads><16>"), (&[], "<--merge>")] {
+        let mut shell = Command::new("/bin/sh");
+        shell.arg("sweep.sbatch").current_dir(folder).env("PATH", folder).envs(variables.iter().copied());
+        let given = printed(&shell.output().expect("a shell"));
+        assert_eq!(given, format!("<sweep><{name}><-n><20>{rest}"));
     }
-    fs::write(folder.join("cluster.toml"), "time = \"50 min\"\ncores = 4").expect("a file");
-    let nowhere = command(folder, &["sweep", "drop.toml", "--on", "slurm"]).env("PATH", "/nowhere").output();
-    let nowhere = nowhere.expect("the binary starts");
-    assert_eq!(nowhere.status.code(), Some(1));
-    assert!(error(&nowhere).contains("cannot start `sbatch`"), "{}", error(&nowhere));
-    let changed = sweep(folder, &["--shard", "1/2", "--study", "0123"]);
-    assert_eq!(changed.status.code(), Some(2));
-    assert!(error(&changed).contains("changed since the job was submitted"), "{}", error(&changed));
+    for (scenario, words) in [("absent.toml", "absent.toml"), ("still.toml", "has no table [variation]")] {
+        fs::write(folder.join("still.toml"), format!("extends = {:?}", root().join("scenarios/drop/1008.toml")))
+            .expect("a file");
+        let refused = droptower(folder, &["new", "slurm", "other.sbatch", "--scenario", scenario]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(error(&refused).contains(words) && !folder.join("other.sbatch").exists(), "{}", error(&refused));
+    }
+    let gone = sweep(folder, &["--on", "slurm"]);
+    assert!(error(&gone).contains("droptower new slurm"), "{}", error(&gone));
 }
 
 /// A script with one expression over a drop of a millisecond whose speed varies evenly from 4 to 4.2 m/s.

@@ -3,6 +3,7 @@
 mod case;
 mod films;
 mod material;
+mod slurm;
 mod test;
 
 use std::borrow::Cow;
@@ -37,6 +38,8 @@ enum Kind {
     Figure(Target),
     /// A script that calibrates a film with several tests, for `droptower script`
     Study(Target),
+    /// An array job of Slurm that computes a sweep, for `sbatch`
+    Slurm(slurm::SlurmArgs),
 }
 
 /// Where a template is written.
@@ -62,6 +65,7 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     let (kind, template, path, next) = match &args.kind {
         Kind::Case(args) => return case::write(args, shared),
         Kind::Study(Target { path }) => return write_study(path, shared),
+        Kind::Slurm(args) => return slurm::write(args, shared),
         Kind::Test(test) => {
             let path = &test.target().path;
             (FileKind::Scenario, test.template(), path, test.next(path))

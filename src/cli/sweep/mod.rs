@@ -1,6 +1,5 @@
 //! `droptower sweep`: many runs of a scenario whose keys vary.
 
-mod cluster;
 mod progress;
 mod results;
 
@@ -8,7 +7,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::changes::Changes;
 use super::complete;
@@ -18,7 +17,6 @@ use super::live_page::LivePage;
 use super::scenarios::both;
 use super::{Failure, Shared, findings, print_figures};
 use base::diagnostic::{Diagnostic, printable, printable_json, shown_path};
-use cluster::Cluster;
 use progress::Progress;
 use results::Keep;
 use scene::scenario::Document;
@@ -55,28 +53,9 @@ pub(super) struct SweepArgs {
     /// Compute nothing: gather what all processes have done
     #[arg(long, conflicts_with_all = ["shard", "stop_after"])]
     pub merge: bool,
-    /// Let tasks of a cluster compute the runs: submit them, wait, gather
-    #[arg(long, value_name = "SCHEDULER", value_enum, conflicts_with_all = ["shard", "stop_after", "merge"])]
-    pub on: Option<On>,
-    /// The file about the cluster
-    #[arg(long, value_name = "FILE", default_value = "cluster.toml", requires = "on")]
-    pub cluster: PathBuf,
-    /// Compute only if this is the digest of the study: tasks of a job give it
-    #[arg(long, value_name = "DIGEST", hide = true)]
-    pub study: Option<String>,
     /// Folder of the evaluations that are never computed twice
     #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
     pub store: PathBuf,
-}
-
-/// A scheduler.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum On {
-    /// Slurm: array jobs by sbatch
-    Slurm,
-    /// HyperQueue: task arrays by hq
-    #[value(name = "hyperqueue")]
-    HyperQueue,
 }
 
 /// The sweep that the arguments ask for, checked.
@@ -87,7 +66,6 @@ struct Task {
     place: PathBuf,
     keep: Keep,
     stop: Stop,
-    cluster: Option<Cluster>,
     page: LivePage,
 }
 
@@ -114,21 +92,19 @@ pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
 
 /// Computes the runs, and stores the results.
 fn swept(task: &Task, args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<(), Failure> {
-    let Task { sweep, evaluations, stop, cluster, page, .. } = task;
+    let Task { sweep, evaluations, stop, page, .. } = task;
     if !args.merge {
         page.begin_sweep(sweep, args.figure.as_deref().unwrap_or(ranking_figure(sweep.model())));
     }
-    let before = cluster.as_ref().map(|cluster| cluster.compute(task, args, shared)).transpose()?;
     let progress = Progress::new(sweep.len(), shared);
     let is_part = evaluations.share() != Share::WHOLE;
-    let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge || cluster.is_some() };
+    let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge };
     let done = work.run(&|event| {
         progress.show(&event);
         page.note_sweep(&event, sweep, evaluations);
     });
     progress.finish();
-    let mut done = done.map_err(|error| failed(&error))?;
-    done.cache_hits = before.unwrap_or(done.cache_hits);
+    let done = done.map_err(|error| failed(&error))?;
     if done.len() < sweep.len() {
         return unfinished(task, &done, args, shared);
     }
@@ -151,14 +127,12 @@ fn task(args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<Task, Failu
     check_changes(args, &sweep)?;
     keep.check(sweep.len())?;
     let place = place(args, &sweep.model().name)?;
-    same_study(args, &sweep)?;
-    let cluster = args.on.map(|on| Cluster::read(on, &args.cluster)).transpose()?;
     let page = page(&sweep.model().name, ProgressFolder::new(&place, share), shared);
     let runs = page.clone();
     let evaluations = Evaluations::open(&args.store).map_err(|error| failed(&error))?.with_share(share);
     let evaluations = evaluations.with_observer(move |event| runs.note_run(&event));
     let stop = Stop { deadline, ..Stop::default() };
-    Ok(Task { sweep, document, evaluations, place, keep, stop, cluster, page })
+    Ok(Task { sweep, document, evaluations, place, keep, stop, page })
 }
 
 /// The page of the sweep; where it is, is a note, or an event for a program.
@@ -193,18 +167,6 @@ fn check_changes(args: &SweepArgs, sweep: &Sweep) -> Result<(), Vec<Diagnostic>>
     if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
 }
 
-/// Refuses to compute another study than the one that was submitted.
-fn same_study(args: &SweepArgs, sweep: &Sweep) -> Result<(), Failure> {
-    let Some(submitted) = &args.study else { return Ok(()) };
-    let found = sweep.digest().map_err(|error| failed(&error))?.to_string();
-    if *submitted == found {
-        return Ok(());
-    }
-    let mistake =
-        Diagnostic::new("the scenario, a file that it names or droptower changed since the job was submitted");
-    Err(mistake.hint("end the job, and submit it again").into())
-}
-
 fn place(args: &SweepArgs, name: &str) -> Result<PathBuf, Failure> {
     let place = match &args.out {
         Some(folder) => folder.clone(),
@@ -225,7 +187,7 @@ fn keep(args: &SweepArgs) -> Result<Keep, Vec<Diagnostic>> {
     })
 }
 
-fn refused(error: &SweepError, document: &Document) -> Failure {
+pub(super) fn refused(error: &SweepError, document: &Document) -> Failure {
     match error {
         SweepError::Scenario(mistakes) => mistakes.clone().into(),
         SweepError::NothingVaries => {

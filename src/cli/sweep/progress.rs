@@ -10,7 +10,6 @@ use serde_json::json;
 use crate::Shared;
 use base::diagnostic::{printable, printable_json};
 use base::number::{figure, wall_time};
-use study::cluster::Tasks;
 use study::sweep::{Event, RemainingWork};
 
 /// Time between two events.
@@ -24,8 +23,6 @@ pub(super) struct Progress {
     total: usize,
     started: Instant,
     state: Mutex<State>,
-    /// The tasks of a job as they were shown last.
-    shown: Mutex<Option<Tasks>>,
 }
 
 /// The work that was done so far.
@@ -81,15 +78,7 @@ impl Progress {
             began: now,
             reported: now,
         };
-        Progress {
-            bar,
-            events: shared.json,
-            quiet: shared.quiet,
-            total,
-            started: now,
-            state: Mutex::new(state),
-            shown: Mutex::default(),
-        }
+        Progress { bar, events: shared.json, quiet: shared.quiet, total, started: now, state: Mutex::new(state) }
     }
 
     /// Shows what became of a run.
@@ -150,41 +139,6 @@ impl Progress {
             Some([rate, to_go]) => format!("{} runs/s  {} to go{failed}", figure(rate, 2), wall_time(to_go)),
             None => failed,
         });
-    }
-
-    /// Shows that so many runs are done, `before` of which were before others began to compute the rest.
-    pub(super) fn reached(&self, done: usize, before: usize) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        if state.done() == done {
-            return;
-        }
-        if state.computed == 0 {
-            state.began = Instant::now();
-        }
-        (state.cache_hits, state.computed) = (before, done.saturating_sub(before));
-        self.report(&state);
-    }
-
-    /// Shows what becomes of the tasks of a job.
-    pub(super) fn tasks(&self, id: &str, tasks: &Tasks) {
-        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
-        if shown.replace(tasks.clone()).as_ref() == Some(tasks) {
-            return;
-        }
-        if self.events && !self.quiet {
-            let event = json!({ "event": "tasks", "job": id, "tasks": tasks });
-            let _ = writeln!(io::stderr(), "{}", printable_json(&event.to_string()));
-        }
-        let reason = tasks.reason.as_ref().map(|reason| format!(" ({reason})")).unwrap_or_default();
-        self.note(&format!("job {id}: {} tasks run, {} wait{reason}", tasks.running, tasks.waiting));
-    }
-
-    /// Prints a line above the bar.
-    pub(super) fn note(&self, text: &str) {
-        if !self.quiet && !self.events {
-            let text = format!("note: {text}");
-            self.bar.suspend(|| drop(writeln!(io::stderr(), "{}", printable(&text))));
-        }
     }
 
     /// Removes the bar.

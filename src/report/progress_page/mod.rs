@@ -113,11 +113,6 @@ impl StudyProgress {
         self.runs.set_left(left);
     }
 
-    /// Takes note that other processes have brought a sweep so far: `done` of `wanted` runs, `before` of them earlier.
-    pub fn reach(&mut self, wanted: usize, done: usize, before: usize, elapsed: f64) {
-        self.runs.reach(wanted, done, before, elapsed);
-    }
-
     /// Takes note of a search.
     pub fn note_search(&mut self, event: &SearchEvent<'_>) {
         match event {

@@ -101,12 +101,6 @@ impl Runs {
         self.left = Some(left);
     }
 
-    /// So many of `wanted` runs are done, `before` of them before this study began.
-    pub(super) fn reach(&mut self, wanted: usize, done: usize, before: usize, now: f64) {
-        self.first.get_or_insert(now);
-        (self.wanted, self.taken, self.ended) = (wanted, before, done.saturating_sub(before));
-    }
-
     pub(super) fn counts(&self) -> Counts {
         let failed = self.causes.total();
         let (running, done) = (self.running.len(), self.taken + self.ended);

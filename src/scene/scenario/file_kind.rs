@@ -2,7 +2,7 @@
 
 use serde_json::Value as Json;
 
-use super::{Cluster, Expectations, Figure, Material, Scenario, schema};
+use super::{Expectations, Figure, Material, Scenario, schema};
 
 /// A kind of file that users write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,8 +13,6 @@ pub enum FileKind {
     Material,
     /// The expectations of a run: `expect.toml`.
     Expectations,
-    /// The resources of a cluster: `cluster.toml`.
-    Cluster,
     /// A curve in a picture: `figure.toml`.
     Figure,
 }
@@ -26,7 +24,6 @@ impl FileKind {
             FileKind::Scenario => "droptower scenario",
             FileKind::Material => "droptower material",
             FileKind::Expectations => "droptower expectations",
-            FileKind::Cluster => "droptower cluster",
             FileKind::Figure => "droptower figure",
         }
     }
@@ -37,7 +34,6 @@ impl FileKind {
             FileKind::Scenario => "droptower.schema.json",
             FileKind::Material => "droptower-material.schema.json",
             FileKind::Expectations => "droptower-expect.schema.json",
-            FileKind::Cluster => "droptower-cluster.schema.json",
             FileKind::Figure => "droptower-figure.schema.json",
         }
     }
@@ -49,7 +45,6 @@ impl FileKind {
             FileKind::Scenario => schema::published::<Scenario>(title),
             FileKind::Material => schema::published::<Material>(title),
             FileKind::Expectations => schema::published::<Expectations>(title),
-            FileKind::Cluster => schema::published::<Cluster>(title),
             FileKind::Figure => schema::published::<Figure>(title),
         }
     }

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use serde_json::Value as Json;
 
 use super::tree::Value;
-use super::{Cluster, Expectations, Figure, Material, Scenario, schema};
+use super::{Expectations, Figure, Material, Scenario, schema};
 use base::units::Dimension;
 
 /// The values that are allowed at one place.
@@ -185,12 +185,6 @@ pub fn expectations() -> &'static Rule {
 /// The rule of a file about a curve in a picture.
 pub fn figure() -> &'static Rule {
     static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Figure>()));
-    &RULE
-}
-
-/// The rule of a file about a cluster.
-pub fn cluster() -> &'static Rule {
-    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Cluster>()));
     &RULE
 }
 

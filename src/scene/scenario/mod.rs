@@ -4,7 +4,6 @@
 
 mod air;
 mod assignment;
-mod cluster;
 mod contact;
 mod field;
 mod figure;
@@ -47,7 +46,6 @@ use serde::{Deserialize, Serialize};
 
 pub use air::{Air, Compression};
 pub use assignment::Assignment;
-pub use cluster::Cluster;
 pub use contact::Contact;
 pub use document::Document;
 pub use expectations::{Amount, Expectations, FigureBounds, FindingBounds, NumberBounds, SignalBounds};

@@ -15,7 +15,6 @@ use rayon::prelude::*;
 
 use crate::evaluate::{Description, EvaluationError, EvaluationKeys, Evaluations};
 use crate::post::{Plan, PrepareError};
-use crate::store::evaluations::Key;
 use base::diagnostic::Diagnostic;
 use base::finding::Finding;
 pub use bindings::{REFERENCE, register};
@@ -161,16 +160,6 @@ impl Sweep {
     pub fn changes(&self, place: usize) -> Vec<String> {
         let levels = self.variation.factors.iter().zip(self.point(place).levels);
         levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml())).collect()
-    }
-
-    /// The identity of the study: the build of droptower, the scenario with its files, and the values of its runs.
-    ///
-    /// # Errors
-    /// A mesh or the reference cannot be read.
-    pub fn digest(&self) -> Result<Key, EvaluationError> {
-        let base = Evaluations::keys(&self.model, &self.plan)?.figures;
-        let runs: Vec<String> = (0..self.len()).map(|place| self.changes(place).join("\n")).collect();
-        Ok(Key::from_parts(&[&base.0, runs.join("\n\n").as_bytes()]))
     }
 
     /// Keys of the evaluations of all runs; none of a run whose values make no valid scenario.

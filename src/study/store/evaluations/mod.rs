@@ -28,7 +28,7 @@ use segment::{Entry, Kind, OwnSegment, Segment};
 pub use share::Share;
 
 /// Time without growth after which the claims of a segment hold no longer.
-pub const STALE: Duration = Duration::from_secs(15);
+const STALE: Duration = Duration::from_secs(15);
 
 /// Time between two signs of life of a process that is at work.
 pub const HEARTBEAT: Duration = Duration::from_secs(2);
@@ -100,13 +100,6 @@ pub struct EvaluationStore {
     state: Mutex<State>,
 }
 
-/// How often an evaluation failed for a cause that may pass, and where the last cause is.
-#[derive(Clone, Copy, Debug)]
-struct Refusal {
-    count: usize,
-    cause: Place,
-}
-
 /// A claim of this process on an evaluation. It is given up when it is dropped, however its thread ends, unless the
 /// evaluation was added: nobody would compute what others wait for.
 #[derive(Debug)]
@@ -171,7 +164,7 @@ struct State {
     /// Claims of other processes.
     claims: HashMap<Key, Vec<Claim>>,
     /// Evaluations that failed for causes that may pass, and have no record yet.
-    refusals: HashMap<Key, Refusal>,
+    refusals: HashMap<Key, Place>,
     /// Claims of this process.
     under_way: HashSet<Key>,
     own: Option<OwnSegment>,
@@ -297,16 +290,11 @@ impl EvaluationStore {
     /// Its segment cannot be read.
     pub fn refusal(&self, key: Key) -> io::Result<Option<String>> {
         let mut state = self.state();
-        let Some(Place { segment, offset, length }) = state.refusals.get(&key).map(|refusal| refusal.cause) else {
+        let Some(Place { segment, offset, length }) = state.refusals.get(&key).copied() else {
             return Ok(None);
         };
         let Some(segment) = state.segments.get_mut(segment as usize) else { return Ok(None) };
         segment.read(offset, length).map(|cause| Some(String::from_utf8_lossy(&cause).into_owned()))
-    }
-
-    /// How often the evaluation under `key`, of which there is no record, failed for a cause that may pass.
-    pub fn refusals(&self, key: Key) -> usize {
-        self.state().refusals.get(&key).map_or(0, |refusal| refusal.count)
     }
 
     /// Claims an evaluation for a thread of this process; none where another thread or another process computes it.
@@ -472,7 +460,7 @@ impl EvaluationStore {
                 state.refusals.remove(&key);
                 state.index.insert(key, place);
             }
-            Kind::Refused => note_refusal(&mut state.refusals, key, place),
+            Kind::Refused => drop(state.refusals.insert(key, place)),
             _ => {}
         }
         Ok(())
@@ -509,7 +497,7 @@ impl State {
                 }
                 Kind::Released | Kind::Refused => {
                     if kind == Kind::Refused && !index.contains_key(&key) {
-                        note_refusal(refusals, key, Place { segment: number, length, offset });
+                        refusals.insert(key, Place { segment: number, length, offset });
                     }
                     if let Some(all) = claims.get_mut(&key) {
                         all.retain(|claim| claim.segment != number);
@@ -546,11 +534,6 @@ impl State {
         };
         self.rivals(key).map(of_rival).max().unwrap_or(Verdict::Stands)
     }
-}
-
-fn note_refusal(refusals: &mut HashMap<Key, Refusal>, key: Key, cause: Place) {
-    let refusal = refusals.entry(key).or_insert(Refusal { count: 0, cause });
-    *refusal = Refusal { count: refusal.count + 1, cause };
 }
 
 fn run_path(folder: &Path, key: Key) -> PathBuf {
