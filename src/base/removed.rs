@@ -28,6 +28,16 @@ const fn row(kind: Kind, name: &'static str, instead: &'static str) -> Removed {
 
 /// Rows are listed by kind, then by name.
 const REMOVED: &[Removed] = &[
+    row(
+        Kind::Command,
+        "new material nylon-fabric",
+        "its values had no published source; `droptower new material fabric` is its law",
+    ),
+    row(
+        Kind::Command,
+        "new material tpu",
+        "its values had no published source; `droptower new material mooney-rivlin` is its law",
+    ),
     row(Kind::Command, "schema cluster", NEW_SLURM),
     row(Kind::Command, "sweep --cluster", NEW_SLURM),
     row(Kind::Command, "sweep --on", NEW_SLURM),

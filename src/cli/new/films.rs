@@ -16,14 +16,10 @@ pub(super) enum FilmKind {
     Pet,
     /// PVC film without a plasticizer, 25 µm
     Pvc,
-    /// TPU film of hardness 85 A, 100 µm
-    Tpu,
     /// Silicone rubber without a filler, 0.5 mm
     Silicone,
     /// Natural rubber, 0.5 mm
     NaturalRubber,
-    /// Nylon ripstop fabric, 37 g/m²
-    NylonFabric,
 }
 
 /// A film of the library.
@@ -80,12 +76,6 @@ impl FilmKind {
                 dart: Some("0.76 g/um, 19 g at 25 um (the same table; its method is not clear from it)"),
                 keys: include_str!("templates/films/pvc.toml"),
             },
-            FilmKind::Tpu => Film {
-                source: "a supplier's table of typical values by hardness (ASTM D412, D792), 85 A",
-                assumed: "the values of moulded plaques hold for film; no rate, no set, no absorption",
-                dart: None,
-                keys: include_str!("templates/films/tpu.toml"),
-            },
             FilmKind::Silicone => Film {
                 source: "Meunier et al., Polym. Test. 27 (2008) 765: three tests of an unfilled silicone rubber (data/rubber_sheet), \
                          fitted by `droptower tensile fit --law yeoh` to stretches of up to 2.2",
@@ -98,12 +88,6 @@ impl FilmKind {
                 assumed: "no rate, no absorption, no break",
                 dart: None,
                 keys: include_str!("templates/films/natural-rubber.toml"),
-            },
-            FilmKind::NylonFabric => Film {
-                source: "MIL-C-7020H, type I: 1.1 oz/yd2 rip stop; strength, elongation and thickness from memory",
-                assumed: "warp and fill are alike, yarns that are crimped, shear that locks; no rate, no absorption",
-                dart: None,
-                keys: include_str!("templates/films/nylon-fabric.toml"),
             },
         }
     }
