@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::json;
 
 use super::faults::{recording, storing};
 use super::scenarios::both;
@@ -21,7 +22,7 @@ pub(super) struct CompareArgs {
     /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "runs/compare")]
     pub out: PathBuf,
-    /// Replace results of another scenario or script in the same folder
+    /// Replace results of other runs or of something else in the same folder
     #[arg(long)]
     pub force: bool,
     /// Compare this signal alone, by its name in signals.csv; may be given several times
@@ -45,12 +46,14 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     check_signals(&runs, &args.signal)?;
     let comparison = RunComparison::from_runs(&runs, &args.signal);
     let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
-    let stored = Draft::begin(&args.out, Origin::Comparison, args.force).and_then(|draft| {
-        let files = folder::fill_comparison(&draft, &comparison, outside.as_deref(), args.parquet)?;
+    let mut summary = comparison.summary();
+    summary.insert(run_files::WORKING_FOLDER.into(), store::path_from(&args.out, Path::new(".")).into());
+    summary.extend(outside.as_deref().map(|outside| ("outside".to_owned(), json!(outside))));
+    let stored = Draft::begin(&args.out, Origin::of_comparison(&args.runs), args.force).and_then(|draft| {
+        let files = folder::fill_comparison(&draft, &comparison, &summary, outside.as_deref(), args.parquet)?;
         Ok((draft.publish()?, files))
     });
     let (place, files) = stored.map_err(|error| Failure::output(storing(&error)))?;
-    let summary = folder::summary_of_comparison(&comparison, outside.as_deref());
     print_figures(shared, &summary, || {
         let verdict = outside.as_deref().map(verdict).unwrap_or_default();
         [text(&comparison, args.all), verdict, digest::folder(&place, &files)].concat()
@@ -135,9 +138,9 @@ fn free(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
     Err(mistake(Diagnostic::new(message).hint("give another --out")))
 }
 
-/// Checks that the results do not replace those of a script.
+/// Checks that the results do not replace those of other runs or of a script.
 fn of_another(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
-    let checked = if args.force { Ok(()) } else { Origin::Comparison.check(&args.out) };
+    let checked = if args.force { Ok(()) } else { Origin::of_comparison(&args.runs).check(&args.out) };
     checked.map_err(|error| vec![storing(&error)])
 }
 

@@ -3,7 +3,7 @@
 use std::io;
 
 use rayon::prelude::*;
-use serde_json::{Map, Value, json as json_of};
+use serde_json::{Map, Value};
 
 use super::formats::Formats;
 use base::table::{self, Column};
@@ -115,24 +115,18 @@ pub(super) fn fill_sweep(draft: &Draft, page: &SweepPage, scenario: &str) -> Res
 pub(super) fn fill_comparison(
     draft: &Draft,
     comparison: &RunComparison,
+    summary: &Map<String, Value>,
     outside: Option<&[Outside]>,
     parquet: bool,
 ) -> Result<Vec<String>, StoreError> {
     let mut files = Files::new(draft, parquet);
-    files.write(run_files::SUMMARY, json(&summary_of_comparison(comparison, outside))?)?;
+    files.write(run_files::SUMMARY, json(summary)?)?;
     files.parquet(run_files::SIGNALS_PARQUET, || comparison.signal_columns())?;
     files.parquet(run_files::FIGURES_PARQUET, || comparison.figure_columns())?;
     #[cfg(feature = "rerun")]
     files.comparison(comparison)?;
     files.write(run_files::REPORT, compare_page::compare_page(comparison, outside).into_bytes())?;
     files.written()
-}
-
-/// The content of `summary.json` of a comparison; with bounds, how far runs are outside of them.
-pub(super) fn summary_of_comparison(comparison: &RunComparison, outside: Option<&[Outside]>) -> Map<String, Value> {
-    let mut summary = comparison.summary();
-    summary.extend(outside.map(|outside| ("outside".to_owned(), json_of!(outside))));
-    summary
 }
 
 struct Files<'a> {

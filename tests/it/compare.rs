@@ -65,8 +65,16 @@ fn runs_are_compared_with_the_first() {
     assert!(place("nine against eight</h3>") < place("<h2>Scenarios</h2>"), "differences come first");
     assert_eq!(folder.join("recording.rrd").is_file(), cfg!(feature = "rerun"));
 
+    // Those of other runs are not replaced unasked.
+    let swapped = ["compare", "runs/drop/nine", "runs/drop/eight"];
+    let refused = droptower(bench.path(), &swapped);
+    assert_eq!(refused.status.code(), Some(2), "{}", error(&refused));
+    assert!(error(&refused).contains("eight and 1 more and is not replaced"), "{}", error(&refused));
+    assert_eq!(json(&folder.join("summary.json")), summary);
+    printed(&droptower(bench.path(), &[&swapped[..], &["--force"]].concat()));
+
     // One signal alone.
-    let alone = figures(&compare(&["--json", "--signal", "velocity_m_s"]));
+    let alone = figures(&compare(&["--json", "--signal", "velocity_m_s", "--force"]));
     assert_eq!(alone["errors"].as_object().expect("errors").keys().collect::<Vec<_>>(), ["velocity_m_s"]);
 }
 
@@ -86,9 +94,9 @@ fn signals_and_figures_that_runs_do_not_share_are_noted() {
     assert_eq!(found["figures"]["peak_force_N"]["values"][0], Json::Null);
     // A raw recording has no channel of ours, but it can be looked at.
     let raw = data("virtual/1008.csv").display().to_string();
-    let found = figures(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--json", "--out", "mixed"]));
+    let found = figures(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--json", "--out", "raw"]));
     assert!(found["notes"].to_string().contains("the runs have no signal in common"));
-    let text = printed(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--out", "mixed"]));
+    let text = printed(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--out", "raw"]));
     for line in [
         "  note[signals-of-one-run]: only eight has ",
         "  warning[no-common-signal]: the runs have no signal in common\n",

@@ -97,7 +97,7 @@ fn a_comparison_has_the_signals_and_the_figures_of_all_runs() {
         of("figures.parquet"),
         ("run peak_force_N ruptured cause".into(), ["a 2 false ", "b 4 true x", "c   "].map(str::to_owned).to_vec())
     );
-    printed(&droptower(bench.path(), &["compare", "a", "b", "--out", "both"]));
+    printed(&droptower(bench.path(), &["compare", "a", "b", "--out", "both", "--force"]));
     assert!(!bench.path().join("both/signals.parquet").exists());
 }
 

@@ -169,6 +169,12 @@ fn a_new_test_passes_once_it_is_recorded() {
     printed(&droptower(folder.path(), &["new", "test", "tests/mine", "--scenario", "mine.toml"]));
     assert!(printed(&test(folder.path(), &["tests", "--bless"])).starts_with("1 passed"));
     assert!(printed(&test(folder.path(), &["tests"])).starts_with("1 passed"));
+    assert!(printed(&test(folder.path(), &["tests/mine"])).starts_with("1 passed"));
+    printed(&droptower(folder.path(), &["new", "test", "other/mine", "--scenario", "mine.toml"]));
+    let elsewhere = test(folder.path(), &["other"]);
+    assert_eq!(elsewhere.status.code(), Some(2), "{}", error(&elsewhere));
+    assert!(error(&elsewhere).contains("holds the verdicts of the tests in "), "{}", error(&elsewhere));
+    assert!(printed(&test(folder.path(), &["other", "--bless", "--force"])).starts_with("1 passed"));
     let again = droptower(folder.path(), &["new", "test", "tests/mine"]);
     assert_eq!(again.status.code(), Some(2), "files are not replaced");
 }
@@ -189,7 +195,7 @@ fn a_comparison_has_a_verdict() {
     let within = compare(&["a", "b"]);
     assert_eq!(within.status.code(), Some(0), "{}", error(&within));
     assert_eq!(figures(&within)["outside"][0]["differences"].as_array().map(Vec::len), Some(0));
-    let outside = compare(&["a", "b", "c"]);
+    let outside = compare(&["a", "b", "c", "--force"]);
     assert_eq!(outside.status.code(), Some(1));
     let summary: Json = serde_json::from_slice(&outside.stdout).expect("a summary");
     let codes: Vec<_> = summary["outside"][1]["differences"].as_array().expect("a list").iter().collect();

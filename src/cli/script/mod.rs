@@ -388,14 +388,14 @@ fn call(args: &ScriptArgs, given: &rhai::Map, place: &Path) -> Result<Map<String
         ("set", json!(args.given.changes.set)),
         ("unset", json!(args.given.changes.unset)),
         ("args", Value::Object(own)),
-        (run_files::STUDY_FOLDER, json!(store::path_from(place, Path::new(".")))),
+        (run_files::WORKING_FOLDER, json!(store::path_from(place, Path::new(".")))),
     ];
     Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
 }
 
 /// The part of the call on which trials of a search depend: all but the path of the script and the working folder.
 fn decisive(call: &Map<String, Value>) -> Map<String, Value> {
-    let decisive = call.iter().filter(|(name, _)| *name != "script" && *name != run_files::STUDY_FOLDER);
+    let decisive = call.iter().filter(|(name, _)| *name != "script" && *name != run_files::WORKING_FOLDER);
     decisive.map(|(name, value)| (name.clone(), value.clone())).collect()
 }
 

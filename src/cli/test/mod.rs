@@ -38,7 +38,7 @@ pub(super) struct TestArgs {
     /// Folder for the page with recorded and new signals
     #[arg(long, value_name = "DIR", default_value = "runs/test")]
     pub out: PathBuf,
-    /// Replace results of something else in the same folder, and a file of something else by --junit
+    /// Replace results of tests of other paths or of something else in the same folder, and a file of something else by --junit
     #[arg(long)]
     pub force: bool,
 }
@@ -49,7 +49,7 @@ pub(super) fn run(args: &TestArgs, shared: &Shared) -> Result<(), Failure> {
     let cases = cases::all(&args.paths, args.filter.as_deref())?;
     let verdicts: Vec<Verdict> = cases.par_iter().map(|case| verdict(case, args, shared)).collect::<Result<_, _>>()?;
     let seconds = begin.elapsed().as_secs_f64();
-    let summary = summary(&verdicts, seconds);
+    let summary = summary(args, &verdicts, seconds);
     let files = store(args, &verdicts, &summary)?;
     print_figures(shared, &summary, || [text(&verdicts, seconds), files].concat())?;
     match verdicts.iter().filter(|verdict| !verdict.has_passed()).count() {
@@ -74,7 +74,7 @@ fn free(args: &TestArgs) -> Result<(), Failure> {
     }
     store::check_places(std::slice::from_ref(&args.out)).map_err(|error| storing(&error))?;
     if !args.force {
-        Origin::Tests.check(&args.out).map_err(|error| storing(&error))?;
+        Origin::of_tests(&args.paths).check(&args.out).map_err(|error| storing(&error))?;
     }
     Ok(())
 }
@@ -134,7 +134,7 @@ fn told(verdict: &Verdict) -> String {
     }
 }
 
-fn summary(verdicts: &[Verdict], seconds: f64) -> Map<String, Value> {
+fn summary(args: &TestArgs, verdicts: &[Verdict], seconds: f64) -> Map<String, Value> {
     let failed = verdicts.iter().filter(|verdict| !verdict.has_passed()).count();
     let entries: Vec<_> = verdicts.iter().map(Verdict::entry).collect();
     let figures = json!({
@@ -143,6 +143,8 @@ fn summary(verdicts: &[Verdict], seconds: f64) -> Map<String, Value> {
         "failed": failed,
         "seconds": seconds,
         "cases": entries,
+        "paths": args.paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        store::run_files::WORKING_FOLDER: store::path_from(&args.out, Path::new(".")),
     });
     match figures {
         Value::Object(figures) => figures,
@@ -164,7 +166,7 @@ fn text(verdicts: &[Verdict], seconds: f64) -> String {
 
 /// Writes the page, the summary and the JUnit file; the lines that name them.
 fn store(args: &TestArgs, verdicts: &[Verdict], summary: &Map<String, Value>) -> Result<String, Failure> {
-    let stored = Draft::begin(&args.out, Origin::Tests, args.force).and_then(|draft| {
+    let stored = Draft::begin(&args.out, Origin::of_tests(&args.paths), args.force).and_then(|draft| {
         let files = folder::fill_tests(&draft, verdicts, summary)?;
         Ok((draft.publish()?, files))
     });

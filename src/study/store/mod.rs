@@ -421,7 +421,7 @@ mod tests {
 
     /// A draft of results that do not state what they were made from.
     fn begun(target: &Path) -> Draft {
-        Draft::begin(target, Origin::Comparison, false).unwrap()
+        Draft::begin(target, Origin::of_comparison(&[]), false).unwrap()
     }
 
     fn stored(target: &Path, text: &str) -> Result<PathBuf, StoreError> {

@@ -44,9 +44,15 @@ pub enum Origin {
         scenario: Option<PathBuf>,
     },
     /// A comparison of runs.
-    Comparison,
+    Comparison {
+        /// Their folders or files of signals, in their order.
+        runs: Vec<PathBuf>,
+    },
     /// Verdicts of tests.
-    Tests,
+    Tests {
+        /// Where the tests were searched for.
+        paths: Vec<PathBuf>,
+    },
     /// A film in another solver.
     Check {
         /// File of its material or scenario.
@@ -63,8 +69,8 @@ impl fmt::Display for Origin {
             Origin::Study { script, scenario: Some(scenario) } => {
                 write!(f, "the results of {} with {}", shown_path(script), shown_path(scenario))
             }
-            Origin::Comparison => write!(f, "a comparison of runs"),
-            Origin::Tests => write!(f, "the verdicts of tests"),
+            Origin::Comparison { runs } => write!(f, "the comparison of {}", listed(runs)),
+            Origin::Tests { paths } => write!(f, "the verdicts of the tests in {}", listed(paths)),
             Origin::Check { film } => write!(f, "the check of {}", shown_path(film)),
         }
     }
@@ -89,6 +95,16 @@ impl Origin {
     /// Of a script at `script` that was given the scenario at `scenario`.
     pub fn of_script(script: &Path, scenario: Option<&Path>) -> Origin {
         Origin::Study { script: full(script), scenario: scenario.map(full) }
+    }
+
+    /// Of a comparison of these runs.
+    pub fn of_comparison(runs: &[PathBuf]) -> Origin {
+        Origin::Comparison { runs: runs.iter().map(|run| full(run)).collect() }
+    }
+
+    /// Of the tests that are searched for at these paths.
+    pub fn of_tests(paths: &[PathBuf]) -> Origin {
+        Origin::Tests { paths: paths.iter().map(|path| full(path)).collect() }
     }
 
     /// Of a check of the film at `path`.
@@ -119,20 +135,33 @@ impl Origin {
         }
         let text = file::read(&folder.join(run_files::SUMMARY), run_files::MOST_BYTES).ok()?;
         let summary: Value = serde_json::from_slice(&text).ok()?;
-        if summary.get("runs").is_some() && summary.get("study").is_none() {
-            return Some(Origin::Comparison);
-        }
-        if summary.get("cases").is_some() && summary.get("study").is_none() {
-            return Some(Origin::Tests);
-        }
         if let Some(film) = summary["check"]["file"].as_str() {
             return Some(Origin::Check { film: full(&place.join(film)) });
         }
-        let text = |name: &str| summary["study"][name].as_str();
         // Files are named from the working folder of the call.
-        let called_in = place.join(text(run_files::STUDY_FOLDER).unwrap_or_default());
-        let file = |name: &str| text(name).map(|name| full(&called_in.join(name)));
-        file("script").map(|script| Origin::Study { script, scenario: file("scenario") })
+        let call = summary.get("study").unwrap_or(&summary);
+        let called_in = place.join(call[run_files::WORKING_FOLDER].as_str()?);
+        let file = |name: &Value| name.as_str().map(|name| full(&called_in.join(name)));
+        if let Some(script) = file(&call["script"]) {
+            return Some(Origin::Study { script, scenario: file(&call["scenario"]) });
+        }
+        if let Some(paths) = call["paths"].as_array() {
+            return Some(Origin::Tests { paths: paths.iter().filter_map(file).collect() });
+        }
+        let runs = call["runs"].as_array()?;
+        Some(Origin::Comparison { runs: runs.iter().filter_map(|run| file(&run["path"])).collect() })
+    }
+
+    /// Whether results of `stored` are earlier ones of the same: of tests also a part of them, or more.
+    fn is_that_of(&self, stored: &Origin) -> bool {
+        let is_below =
+            |all: &[PathBuf], of: &[PathBuf]| all.iter().all(|path| of.iter().any(|of| path.starts_with(of)));
+        match (self, stored) {
+            (Origin::Tests { paths }, Origin::Tests { paths: stored }) => {
+                is_below(paths, stored) || is_below(stored, paths)
+            }
+            _ => self == stored,
+        }
     }
 
     /// Checks that `place` is free, or holds results of the same scenario or script, or some that do not state theirs.
@@ -143,12 +172,19 @@ impl Origin {
     /// Checks the results in `folder`, which were moved there from `place`, as [`Origin::check`] does.
     pub(super) fn check_moved(&self, folder: &Path, place: &Path) -> Result<(), StoreError> {
         match Origin::stored(folder, place) {
-            Some(stored) if stored != *self => {
+            Some(stored) if !self.is_that_of(&stored) => {
                 Err(StoreError::OfAnother { path: place.into(), stored: stored.to_string() })
             }
             _ => Ok(()),
         }
     }
+}
+
+/// The first of the paths, and the number of the others.
+fn listed(paths: &[PathBuf]) -> String {
+    let Some((first, others)) = paths.split_first() else { return "nothing".into() };
+    let others = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+    format!("{}{others}", shown_path(first))
 }
 
 /// The path of `file` from the folder `place`, with `/` between its parts; absolute where no such path exists.
@@ -202,7 +238,12 @@ mod tests {
                 serde_json::json!({ "study": study }).to_string()
             }
             Origin::Check { film } => serde_json::json!({ "check": { "file": film } }).to_string(),
-            _ => r#"{"runs": []}"#.into(),
+            Origin::Comparison { runs } => {
+                let runs: Vec<_> = runs.iter().map(|run| serde_json::json!({ "path": run })).collect();
+                serde_json::json!({ "runs": runs, "folder": ".." }).to_string()
+            }
+            Origin::Tests { paths } => serde_json::json!({ "paths": paths, "folder": ".." }).to_string(),
+            Origin::Run { .. } | Origin::Sweep { .. } => "{}".into(),
         };
         let origins = [
             Origin::of_run(&path("a.toml")),
@@ -211,7 +252,11 @@ mod tests {
             study("b.rhai", None),
             study("a.rhai", Some("a.toml")),
             study("a.rhai", Some("b.toml")),
-            Origin::Comparison,
+            Origin::of_comparison(&[path("a"), path("b")]),
+            Origin::of_comparison(&[path("b"), path("a")]),
+            Origin::of_comparison(&[path("a"), path("b"), path("c")]),
+            Origin::of_tests(&[path("a")]),
+            Origin::of_tests(&[path("b")]),
             Origin::of_check(&path("a.toml")),
             Origin::of_check(&path("b.toml")),
         ];
@@ -233,6 +278,11 @@ mod tests {
         }
         fs::write(place.join("summary.json"), "{}").unwrap();
         assert!(origins[0].check(&place).is_ok(), "results that do not state what they were made from");
+        let tests = |names: &[&str]| Origin::of_tests(&names.iter().map(|name| path(name)).collect::<Vec<_>>());
+        fs::write(place.join("summary.json"), summary(&tests(&["a", "b/c"]))).unwrap();
+        for (names, is_same) in [(&["a/d"][..], true), (&["b", "a"], true), (&["b/c", "b/d"], false), (&["b"], false)] {
+            assert_eq!(tests(names).check(&place).is_ok(), is_same, "{names:?}");
+        }
     }
 
     #[test]

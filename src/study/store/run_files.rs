@@ -54,8 +54,9 @@ pub const TABLES: &str = "tables";
 /// Folder of the snapshots that [`FILM_SERIES`], [`IMPACTOR_SERIES`], [`FRAME_SERIES`] and [`SPRINGS_SERIES`] collect.
 pub const SNAPSHOTS: &str = "vtu";
 
-/// Field of the call in the summary of a study: the working folder, as a path from the folder of the results.
-pub const STUDY_FOLDER: &str = "folder";
+/// Field of the summary of a comparison or of tests, and of the call in that of a study: the working folder, as a path from the folder
+/// of the results.
+pub const WORKING_FOLDER: &str = "folder";
 
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
