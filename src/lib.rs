@@ -55,7 +55,7 @@ pub use plot;
 #[doc(inline)]
 pub use report;
 #[doc(inline)]
-pub use scene::{digitize, expectation, mesh, model, scenario, simulate};
+pub use scene::{expectation, mesh, model, scenario, simulate};
 #[doc(inline)]
 pub use study::{
     calibrate, evaluate, field_comparison, functions, identify, post, reference, scenario_functions, script, store,

@@ -2,8 +2,8 @@
 import { execFileSync } from "node:child_process";
 
 /** Files with keys, besides scenarios: the word of `explain`, and what they are. */
-const FILES = { expect: "expect.toml", figure: "figure.toml" };
-const SCHEMAS = ["scenario", "material", "expect", "figure"];
+const FILES = { expect: "expect.toml" };
+const SCHEMAS = ["scenario", "material", "expect"];
 
 /** Markdown of a sentence with `code`: what else Markdown would read is escaped. */
 function prose(text) {

@@ -26,25 +26,30 @@ const fn row(kind: Kind, name: &'static str, instead: &'static str) -> Removed {
     Removed { kind, name, instead }
 }
 
-/// Rows are listed by kind, then by name.
+const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
+
+/// A row a line, by kind, then by name.
+#[rustfmt::skip]
 const REMOVED: &[Removed] = &[
-    row(
-        Kind::Command,
-        "new material nylon-fabric",
-        "its values had no published source; `droptower new material fabric` is its law",
-    ),
-    row(
-        Kind::Command,
-        "new material tpu",
-        "its values had no published source; `droptower new material mooney-rivlin` is its law",
-    ),
+    row(Kind::Command, "digitize", "WebPlotDigitizer reads curves out of pictures; put a line such as `time_s,force_N` on top of its CSV file"),
+    row(Kind::Command, "new figure", "WebPlotDigitizer reads curves out of pictures"),
+    row(Kind::Command, "new material nylon-fabric", "its values had no published source; `droptower new material fabric` is its law"),
+    row(Kind::Command, "new material tpu", "its values had no published source; `droptower new material mooney-rivlin` is its law"),
+    row(Kind::Command, "repl", "`droptower script` computes no run twice, so a script grows line by line; so does a notebook with the Python package"),
     row(Kind::Command, "schema cluster", NEW_SLURM),
+    row(Kind::Command, "schema figure", "WebPlotDigitizer reads curves out of pictures"),
+    row(Kind::Command, "script --profile", "`print` in the script shows where it is"),
+    row(Kind::Command, "script --trace", "`print` in the script shows where it is"),
+    row(Kind::Command, "store why", "`droptower run --resume` names the keys that differ from those of a checkpoint"),
     row(Kind::Command, "sweep --cluster", NEW_SLURM),
     row(Kind::Command, "sweep --on", NEW_SLURM),
+    row(Kind::Command, "watch --no-page", "`watch` serves no page; report.html in the folder of the run is the page"),
+    row(Kind::Command, "watch --port", "open report.html in the folder of the run, and reload it"),
     row(Kind::Key, "cluster", NEW_SLURM),
+    row(Kind::Finding, "colour-elsewhere", "it belonged to `digitize`"),
+    row(Kind::Finding, "curve-interrupted", "it belonged to `digitize`"),
+    row(Kind::Finding, "curve-short", "it belonged to `digitize`"),
 ];
-
-const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.
 pub fn command(words: &[String]) -> Option<(&'static str, String)> {

@@ -124,8 +124,8 @@ fn top_keys() -> impl Iterator<Item = &'static Key> {
 /// A kind of file besides scenarios: the word that its keys begin with, and its rule.
 type Kind = (&'static str, fn() -> &'static Rule);
 
-/// Files besides scenarios: `expect.toml` and `figure.toml`.
-const KINDS: [Kind; 2] = [("expect", grammar::expectations), ("figure", grammar::figure)];
+/// Files besides scenarios: `expect.toml`.
+const KINDS: [Kind; 1] = [("expect", grammar::expectations)];
 
 /// The kind of file of this name.
 fn kind(word: &str) -> Option<Kind> {

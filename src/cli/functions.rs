@@ -34,11 +34,6 @@ pub(super) fn run(name: Option<&str>, shared: &Shared) -> Result<(), Failure> {
     print_json(&functions.collect::<Vec<_>>())
 }
 
-/// The calls of the reference.
-pub(super) fn calls() -> impl Iterator<Item = &'static str> {
-    chapters().flat_map(|chapter| chapter.entries).map(|entry| entry.call)
-}
-
 /// Whether scripts can call a function of this name.
 pub(super) fn are_called(name: &str) -> bool {
     chapters().any(|chapter| !entries(chapter, Some(name)).is_empty())

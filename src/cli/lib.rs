@@ -13,7 +13,6 @@ mod compare;
 mod complete;
 mod deck;
 mod digest;
-mod digitize;
 mod expectations;
 mod explain;
 mod failure;
@@ -36,7 +35,6 @@ mod output;
 mod picture;
 mod progress;
 mod readable;
-mod repl;
 mod run;
 mod scenarios;
 mod schema;
@@ -145,10 +143,6 @@ enum Command {
     Watch(watch::WatchArgs),
     /// Run a Rhai script over scenarios
     Script(script::ScriptArgs),
-    /// Type a script line by line, each answered at once
-    Repl(repl::ReplArgs),
-    /// Read a curve out of a picture of a published figure
-    Digitize(digitize::DigitizeArgs),
     /// Read, filter, convert, rate and reduce recordings
     #[command(subcommand)]
     Signal(signal::SignalCommand),
@@ -172,7 +166,6 @@ impl Command {
                 | Command::Compare(_)
                 | Command::List(_)
                 | Command::Picture(_)
-                | Command::Digitize(_)
                 | Command::Signal(_)
                 | Command::Tensile(_)
         )
@@ -254,8 +247,6 @@ fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
         Command::Man(args) => man::run(args),
         Command::Watch(args) => watch::run(args, shared),
         Command::Script(args) => script::run(args, shared),
-        Command::Repl(args) => repl::run(args, shared),
-        Command::Digitize(args) => digitize::run(args, shared),
         Command::Signal(command) => signal::run(command, shared),
         Command::Tensile(command) => tensile::run(command, shared),
         Command::Card(command) => card::run(command, shared),

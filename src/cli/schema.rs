@@ -22,8 +22,6 @@ enum Kind {
     Material,
     /// `expect.toml`: what a run must give
     Expect,
-    /// `figure.toml`: a curve in a picture
-    Figure,
 }
 
 pub(super) fn run(args: &SchemaArgs) -> Result<(), Failure> {
@@ -31,7 +29,6 @@ pub(super) fn run(args: &SchemaArgs) -> Result<(), Failure> {
         Kind::Scenario => FileKind::Scenario,
         Kind::Material => FileKind::Material,
         Kind::Expect => FileKind::Expectations,
-        Kind::Figure => FileKind::Figure,
     };
     print_json(&kind.schema())
 }

@@ -3,7 +3,6 @@
 
 pub mod mesh;
 pub mod scenario;
-pub mod digitize;
 pub mod model;
 pub mod simulate;
 pub mod expectation;

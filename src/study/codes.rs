@@ -2,7 +2,7 @@
 
 use base::finding::Code;
 use lab::{confidence, experiment, signal};
-use scene::{digitize, model, simulate};
+use scene::{model, simulate};
 
 use crate::{calibrate, identify, post, script, sweep};
 
@@ -15,7 +15,6 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
         experiment::law_fit::CODES,
         experiment::relaxation::CODES,
         experiment::law_fit::plastic::CODES,
-        digitize::CODES,
         model::CODES,
         simulate::CODES,
         sweep::CODES,

@@ -431,3 +431,46 @@ fn explain_knows_the_figures_of_runs() {
     let hint = "did you mean the figure `energy_absorption`?";
     assert!(String::from_utf8_lossy(&output.stderr).contains(hint), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn a_study_with_a_module_shows_it_and_tells_its_mistakes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let module = |body: &str| {
+        fs::create_dir_all(at.join("modules")).expect("a folder");
+        fs::write(at.join("modules/double.rhai"), format!("fn doubled(args) {{\n    {body}\n}}\n")).expect("a module");
+    };
+    let script = "//! Doubles.\n//!\n//! --arg number=2  what is doubled\n\nimport \"double\" as double;\nmeasure(\"twice\", double::doubled(args));\n";
+    fs::write(at.join("study.rhai"), script).expect("a script");
+    module("2 * args.number");
+    assert_eq!(
+        workbench::figures(&workbench::droptower(at, &["script", "study.rhai", "--json", "--arg", "number=4"]))["twice"],
+        8
+    );
+    let page = fs::read_to_string(at.join("runs/study/report.html")).expect("the page");
+    assert!(page.contains("Module double") && page.contains("2 * args.number"));
+    module("2 * args.nummer.sqroot()");
+    let output = workbench::droptower(at, &["script", "--check", "study.rhai"]);
+    assert!(
+        output.status.code() == Some(2) && workbench::error(&output).contains("double.rhai:2:21"),
+        "{}",
+        workbench::error(&output)
+    );
+    fs::write(at.join("post.rhai"), "import \"double\" as double;\nmeasure(\"x\", 1);\n").expect("a script");
+    let scenario = workbench::root().join("scenarios/indent/rubber.toml");
+    let post = format!("post.script={}", at.join("post.rhai").display());
+    let output = workbench::droptower(at, &["check", scenario.to_str().expect("UTF-8"), "--set", &post]);
+    assert!(
+        output.status.code() == Some(2) && workbench::error(&output).contains("a post script imports only"),
+        "{}",
+        workbench::error(&output)
+    );
+    fs::write(
+        at.join("post.rhai"),
+        "import \"droptower/tables\" as tables;\nmeasure(\"x\", tables::rounded(1.26, 1));\n",
+    )
+    .expect("a script");
+    let coarse =
+        ["run", scenario.to_str().expect("UTF-8"), "--set", &post, "--set", "specimen.mesh.size=20mm", "--json"];
+    assert_eq!(workbench::figures(&workbench::droptower(at, &coarse))["x"], 1.3);
+}

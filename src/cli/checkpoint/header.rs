@@ -1,13 +1,13 @@
 //! The header of a checkpoint: the run that it belongs to.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read, Write};
 
 use serde::{Deserialize, Serialize};
 
 use scene::model::{Identity, Model};
 use scene::scenario::{self, Document};
-use study::evaluate::{self, build_name};
+use study::evaluate::build_name;
 
 /// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever
 /// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's
@@ -20,6 +20,9 @@ pub(super) const OTHER_LAYOUT: &str = "not a checkpoint of this build of droptow
 
 /// Tables of a scenario that are read after the run.
 const AFTER_THE_RUN: [&str; 3] = ["title", "reference", "post"];
+
+/// Characters beyond which a refusal does not print a value.
+const LONGEST_VALUE: usize = 60;
 
 /// Most differing keys that a refusal names.
 const MOST_KEYS: usize = 3;
@@ -103,7 +106,18 @@ impl CheckpointHeader {
 /// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, worded for a
 /// message.
 fn differences(then: &str, now: &str) -> Vec<String> {
-    evaluate::differences(&leaves(then), &leaves(now)).iter().map(ToString::to_string).collect()
+    let [then, now] = [leaves(then), leaves(now)];
+    let keys: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
+    let difference = |key: &String| match (then.get(key), now.get(key)) {
+        (there, here) if there == here => None,
+        (Some(there), Some(here)) if there.len().max(here.len()) > LONGEST_VALUE => {
+            Some(format!("there `{key}` is another one"))
+        }
+        (Some(there), Some(here)) => Some(format!("there `{key}` is {there}, here it is {here}")),
+        (None, _) => Some(format!("there it has no `{key}`")),
+        (_, None) => Some(format!("there it has `{key}`, here it has none")),
+    };
+    keys.into_iter().filter_map(difference).collect()
 }
 
 /// The values of a resolved scenario that determine the run, as TOML, by the paths of their keys.

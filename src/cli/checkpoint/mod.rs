@@ -64,24 +64,6 @@ pub(super) fn interval(text: &str) -> Result<f64, Diagnostic> {
     }
 }
 
-/// What `--resume` would do with the checkpoints beside `place`; none where there are none. Either the path of the one from
-/// which a run of `checked` continues, or why it does not.
-pub(super) fn verdict(checked: &Checked, place: &Path) -> Option<Result<PathBuf, String>> {
-    if !are_beside(place) {
-        return None;
-    }
-    let policy = CheckpointPolicy { resume: true, ..CheckpointPolicy::default() };
-    let words = |mistake: Diagnostic| {
-        [Some(mistake.message), mistake.hint].into_iter().flatten().collect::<Vec<_>>().join(": ")
-    };
-    // With snapshots in detail or without: what the run was started with is no part of its scenario.
-    let of = |detailed| CheckpointWriter::new(CheckpointPolicy { detailed, ..policy }, checked, place);
-    match of(false).or_else(|mistake| of(true).map_err(|_| mistake)) {
-        Ok(writer) => writer?.start.map(Ok),
-        Err(mistake) => Some(Err(words(mistake))),
-    }
-}
-
 impl CheckpointWriter {
     /// The checkpoints of the run of `checked` whose results go to `place`; `None` where it neither writes nor reads
     /// any.

@@ -34,8 +34,6 @@ enum Kind {
     Case(case::CaseArgs),
     /// A material file of one layer of film: a law to fill in, or a film by name
     Material(material::MaterialArgs),
-    /// A curve in a picture of a published figure, for `droptower digitize`
-    Figure(Target),
     /// A script that calibrates a film with several tests, for `droptower script`
     Study(Target),
     /// An array job of Slurm that computes a sweep, for `sbatch`
@@ -50,7 +48,6 @@ struct Target {
 }
 
 const STUDY: &str = include_str!("templates/study.rhai");
-const FIGURE: &str = include_str!("templates/figure.toml");
 
 /// A script that is written beside a scenario: its file and its text.
 type Script = (&'static str, &'static str);
@@ -73,10 +70,6 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
         Kind::Material(args) => {
             let Some((template, path)) = args.template() else { return material::list(shared) };
             (FileKind::Material, template, path, format!("droptower check {}", shown_path(path)))
-        }
-        Kind::Figure(Target { path }) => {
-            let next = format!("droptower digitize {} -o curve.csv --overlay look.png", shown_path(path));
-            (FileKind::Figure, Template { text: FIGURE.into(), scripts: &[] }, path, next)
         }
     };
     let folder = path.parent().unwrap_or(Path::new(""));

@@ -1,7 +1,6 @@
 //! `droptower script`: a Rhai script over scenarios.
 
 mod help;
-mod profile;
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -49,12 +48,6 @@ pub(super) struct ScriptArgs {
     /// Find mistakes in the script and its arguments without running it
     #[arg(long)]
     pub check: bool,
-    /// Print each line when it is reached
-    #[arg(long)]
-    pub trace: bool,
-    /// At the end, print how often each line was reached and how long it took
-    #[arg(long)]
-    pub profile: bool,
     #[command(flatten)]
     pub given: Given,
     /// Folder for the results, in place of runs/<name of the script>
@@ -239,7 +232,6 @@ fn run_script(
         }
     });
     let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector);
-    let profile = (args.trace || args.profile).then(|| profile::watch(&mut engine, args));
     let Compiled { program, scope, call } = compiled(args, &engine, place)?;
     host.identify(Identity { script: program.whole_text(), given: decisive(&call) });
     let stopped = |fault: Fault| match fault.numerical {
@@ -262,10 +254,6 @@ fn run_script(
     }
     let run = || page.during(|| program.run(&engine, scope));
     let ran = farm::watched(evaluations, &given_up, deadline, run);
-    if let Some(profile) = profile.filter(|_| args.profile) {
-        // Where the time went is asked of a script that failed, too.
-        let _ = writeln!(io::stderr(), "{}", printable(&profile::table(&profile.lines(), &program)));
-    }
     let is_stopped = match ran {
         Err(_) if ends().is_over() => true,
         ran => ran.map(|_| false).map_err(stopped)?,

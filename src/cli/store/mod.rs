@@ -1,7 +1,5 @@
 //! `droptower store`: the evaluations that are never computed twice.
 
-mod why;
-
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
@@ -21,8 +19,6 @@ pub(super) enum StoreCommand {
     List(Folder),
     /// Remove evaluations of other builds of droptower, which this one does not use, or others
     Prune(PruneArgs),
-    /// Tell whether a scenario would be computed, and what differs from the nearest evaluation that is stored
-    Why(why::WhyArgs),
 }
 
 #[derive(Debug, Args)]
@@ -51,7 +47,6 @@ pub(super) fn run(command: &StoreCommand, shared: &Shared) -> Result<(), Failure
     match command {
         StoreCommand::List(folder) => list(folder, shared),
         StoreCommand::Prune(args) => prune(args, shared),
-        StoreCommand::Why(args) => why::run(args, shared),
     }
 }
 

@@ -2,7 +2,6 @@
 //! until the next one is complete.
 
 mod inputs;
-mod page;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +12,6 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use self::inputs::{Inputs, TICK};
-use self::page::Page;
 use super::changes::Changes;
 use super::faults::storing;
 use super::live::{self, Viewer};
@@ -50,12 +48,6 @@ pub(super) struct WatchArgs {
         default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
     )]
     live: Option<String>,
-    /// Port of this machine at which a browser shows the page, which reloads itself; 0 takes one that is free
-    #[arg(long, value_name = "PORT", default_value_t = 0)]
-    port: u16,
-    /// Serve no page
-    #[arg(long, conflicts_with = "port")]
-    no_page: bool,
 }
 
 /// The result of a look at the scenario, as a line of JSON.
@@ -63,7 +55,7 @@ pub(super) struct WatchArgs {
 #[serde(tag = "event", rename_all = "kebab-case")]
 enum Event<'a> {
     /// The command has begun.
-    Watching { page: Option<&'a str> },
+    Watching,
     /// A run is complete, with its summary.
     Run { coarse: bool, folder: &'a Path, summary: &'a Value },
     /// There is no new result.
@@ -77,7 +69,6 @@ struct Watch<'a> {
     /// Changes of the arguments; with those of the coarse run before each run, if there is one.
     changes: Vec<(bool, Vec<Assignment>)>,
     viewer: Option<Viewer>,
-    page: Option<Page>,
 }
 
 /// Runs until the process is ended.
@@ -87,8 +78,7 @@ pub(super) fn run(args: &WatchArgs, shared: &Shared) -> Result<(), Failure> {
     if !args.scenario.is_file() {
         return Err(Diagnostic::new(format!("there is no scenario {}", shown_path(&args.scenario))).into());
     }
-    let page = if args.no_page { None } else { Some(Page::open(args.port)?) };
-    let watch = Watch { args, shared, changes, viewer, page };
+    let watch = Watch { args, shared, changes, viewer };
     watch.begin()?;
     let mut inputs = Inputs::new(&args.scenario);
     loop {
@@ -108,15 +98,13 @@ fn changes(args: &WatchArgs) -> Result<Vec<(bool, Vec<Assignment>)>, Vec<Diagnos
 
 impl Watch<'_> {
     fn begin(&self) -> Result<(), Failure> {
-        let page = self.page.as_ref().map(Page::address);
         if self.shared.json {
-            return print_line(&Event::Watching { page });
+            return print_line(&Event::Watching);
         }
         if self.shared.quiet {
             return Ok(());
         }
-        let page = page.map(|address| format!("; {address} shows the page")).unwrap_or_default();
-        print(&format!("watching {} and the files that it names{page}; Ctrl-C ends", shown_path(&self.args.scenario)))
+        print(&format!("watching {} and the files that it names; Ctrl-C ends", shown_path(&self.args.scenario)))
     }
 
     /// Runs the scenario as it is now, until a file changes.
@@ -171,9 +159,6 @@ impl Watch<'_> {
         if let Some(failure) = &done.failure {
             return self.tell(failure);
         }
-        if let Some(page) = &self.page {
-            page.show(place);
-        }
         match &done.summary {
             Some(summary) if self.shared.json => print_line(&Event::Run { coarse: is_coarse, folder: place, summary })?,
             _ if self.shared.quiet || self.shared.json => {}
@@ -185,9 +170,6 @@ impl Watch<'_> {
     /// Tells why there is no new result; `false`, as there is none.
     fn tell(&self, failure: &Failure) -> Result<bool, Failure> {
         let diagnostics = &failure.diagnostics;
-        if let Some(page) = &self.page {
-            page.tell(diagnostics);
-        }
         if self.shared.json {
             let records: Vec<_> = diagnostics.iter().map(Diagnostic::record).collect();
             print_line(&Event::Mistakes { diagnostics: json!(records) })?;

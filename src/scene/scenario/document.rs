@@ -10,7 +10,7 @@ use super::merge::merge;
 use super::reader::Reader;
 use super::tree::{Entry, Node, Value};
 use super::variation::{self, VariedKey};
-use super::{Expectations, Figure, Implausible, Material, Scenario, plausible, resolved, validate};
+use super::{Expectations, Implausible, Material, Scenario, plausible, resolved, validate};
 use base::diagnostic::{Diagnostic, Span, tidy_path};
 
 /// The table of what varies.
@@ -43,14 +43,6 @@ impl Document {
     /// The file, or one that it extends, cannot be read or is not TOML.
     pub fn read_material(path: &Path) -> Result<Document, Vec<Diagnostic>> {
         Document::read_by(path, grammar::material())
-    }
-
-    /// Reads the file about a curve in a picture at `path`.
-    ///
-    /// # Errors
-    /// The file, or one that it extends, cannot be read or is not TOML.
-    pub fn read_figure(path: &Path) -> Result<Document, Vec<Diagnostic>> {
-        Document::read_by(path, grammar::figure())
     }
 
     /// Reads the file about what a run must give at `path`.
@@ -132,11 +124,6 @@ impl Document {
 
     /// The material as its struct, likewise; only of what was read as a material.
     pub fn material(&self) -> (Option<Material>, Vec<Diagnostic>) {
-        self.written()
-    }
-
-    /// The curve in a picture as its struct, likewise; only of what was read as that.
-    pub fn figure(&self) -> (Option<Figure>, Vec<Diagnostic>) {
         self.written()
     }
 

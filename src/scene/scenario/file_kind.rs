@@ -2,7 +2,7 @@
 
 use serde_json::Value as Json;
 
-use super::{Expectations, Figure, Material, Scenario, schema};
+use super::{Expectations, Material, Scenario, schema};
 
 /// A kind of file that users write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,8 +13,6 @@ pub enum FileKind {
     Material,
     /// The expectations of a run: `expect.toml`.
     Expectations,
-    /// A curve in a picture: `figure.toml`.
-    Figure,
 }
 
 impl FileKind {
@@ -24,7 +22,6 @@ impl FileKind {
             FileKind::Scenario => "droptower scenario",
             FileKind::Material => "droptower material",
             FileKind::Expectations => "droptower expectations",
-            FileKind::Figure => "droptower figure",
         }
     }
 
@@ -34,7 +31,6 @@ impl FileKind {
             FileKind::Scenario => "droptower.schema.json",
             FileKind::Material => "droptower-material.schema.json",
             FileKind::Expectations => "droptower-expect.schema.json",
-            FileKind::Figure => "droptower-figure.schema.json",
         }
     }
 
@@ -45,7 +41,6 @@ impl FileKind {
             FileKind::Scenario => schema::published::<Scenario>(title),
             FileKind::Material => schema::published::<Material>(title),
             FileKind::Expectations => schema::published::<Expectations>(title),
-            FileKind::Figure => schema::published::<Figure>(title),
         }
     }
 }

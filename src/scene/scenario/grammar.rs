@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use serde_json::Value as Json;
 
 use super::tree::Value;
-use super::{Expectations, Figure, Material, Scenario, schema};
+use super::{Expectations, Material, Scenario, schema};
 use base::units::Dimension;
 
 /// The values that are allowed at one place.
@@ -179,12 +179,6 @@ pub fn material() -> &'static Rule {
 /// The rule of a file about what a run must give.
 pub fn expectations() -> &'static Rule {
     static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Expectations>()));
-    &RULE
-}
-
-/// The rule of a file about a curve in a picture.
-pub fn figure() -> &'static Rule {
-    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Figure>()));
     &RULE
 }
 

@@ -4,7 +4,6 @@ use std::fmt;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -17,7 +16,6 @@ use serde_json::Value;
 use thiserror::Error;
 
 use super::build_name::build_name;
-use super::description::{Bases, Description};
 use crate::post::{COST, HEADER, OF_THE_MACHINE, Plan, Results, failure_message};
 use crate::store::EvaluationStore;
 use crate::store::evaluations::{Key, Share};
@@ -38,7 +36,6 @@ pub struct Evaluations {
     store: EvaluationStore,
     share: Share,
     observer: Observer,
-    bases: Mutex<Bases>,
     cache_hits: AtomicUsize,
     computed: AtomicUsize,
 }
@@ -258,8 +255,7 @@ impl Evaluations {
     fn from_store(store: EvaluationStore) -> Evaluations {
         let observer = Observer(Box::new(|_| {}));
         let (cache_hits, computed) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let bases = Mutex::default();
-        Evaluations { store, share: Share::WHOLE, observer, bases, cache_hits, computed }
+        Evaluations { store, share: Share::WHOLE, observer, cache_hits, computed }
     }
 
     /// The evaluations for a process that takes this part of the runs first.
@@ -346,27 +342,8 @@ impl Evaluations {
         self.record(keys)?.ok_or_else(damaged)
     }
 
-    /// Keeps a description of what decides the evaluation under `key`, which has been computed. One that is too large is
-    /// not kept.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn describe(&self, key: Key, description: &Description) -> Result<(), EvaluationError> {
-        // The lock is held while a whole one is written, so that it stands before all that differ from it.
-        let mut bases = self.bases.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some((stored, whole)) = bases.stored(description) else { return Ok(()) };
-        let put = || -> io::Result<()> {
-            if let Some((key, whole)) = whole {
-                self.store.put_whole_description(key, &packed(&whole)?)?;
-            }
-            self.store.put_description(key, &encoded(&stored)?)
-        };
-        put().map_err(|source| self.failed(source))
-    }
-
     /// The evaluation of `model` by `plan`: from its record, from a whole run that is kept, or computed now. A run that
-    /// another one may want again, for another reference or script, is kept whole. `describe` describes what decides an
-    /// evaluation that is computed now.
+    /// another one may want again, for another reference or script, is kept whole.
     ///
     /// # Errors
     /// [`EvaluationError`]; a run that fails numerically is an evaluation, one that fails for a cause that may pass is not.
@@ -376,7 +353,6 @@ impl Evaluations {
         plan: &Plan,
         keys: EvaluationKeys,
         cancellation: &Cancellation,
-        describe: &dyn Fn() -> Description,
     ) -> Result<Evaluated, EvaluationError> {
         if let Some(evaluation) = self.record(keys)? {
             self.count_hit();
@@ -417,7 +393,6 @@ impl Evaluations {
             Err(error) => Evaluation::failed(NoOutcome::from_error(&error, model).cause),
         };
         self.add(keys, &evaluation)?;
-        self.describe(keys.figures, &describe())?;
         if is_kept {
             self.count_hit();
         } else {
@@ -435,7 +410,6 @@ impl Evaluations {
         &self,
         model: &Model,
         cancellation: &Cancellation,
-        describe: &dyn Fn() -> Description,
     ) -> Result<Option<Result<Outcome, NoOutcome>>, EvaluationError> {
         let model = without_snapshots(model);
         let run = run_key(&model)?;
@@ -453,11 +427,7 @@ impl Evaluations {
             Err(error) => {
                 let record = packed(&NoOutcome::from_error(error, &model)).map_err(|source| self.failed(source))?;
                 self.store.put(failure_key(run), &record).map_err(|source| self.failed(source))?;
-                self.describe(failure_key(run), &describe())?;
             }
-        }
-        if found.is_ok() {
-            self.describe(run, &describe())?;
         }
         claim.release().map_err(|source| self.failed(source))?;
         if matches!(found, Err(RunError::Cancelled)) {
@@ -475,10 +445,9 @@ impl Evaluations {
         &self,
         model: &Model,
         cancellation: &Cancellation,
-        describe: &dyn Fn() -> Description,
     ) -> Result<Result<Outcome, NoOutcome>, EvaluationError> {
         loop {
-            if let Some(found) = self.outcome_unless_claimed(model, cancellation, describe)? {
+            if let Some(found) = self.outcome_unless_claimed(model, cancellation)? {
                 return Ok(found);
             }
             if cancellation.is_cancelled() {
@@ -527,26 +496,6 @@ impl Evaluations {
     /// An error of the store.
     pub fn failed(&self, source: io::Error) -> EvaluationError {
         EvaluationError::Store { folder: self.store.folder().into(), source }
-    }
-}
-
-/// What is known of an evaluation before it is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct KnownParts {
-    /// Whether its figures are stored: a sweep computes nothing.
-    pub figures: bool,
-    /// Whether its run is stored whole, or why it has none: a script simulates nothing.
-    pub run: bool,
-}
-
-impl Evaluations {
-    /// What is known of the evaluation under these keys.
-    ///
-    /// # Errors
-    /// The records cannot be read.
-    pub fn known_parts(&self, keys: EvaluationKeys) -> Result<KnownParts, EvaluationError> {
-        let figures = self.record(keys)?.is_some();
-        Ok(KnownParts { figures, run: self.known(keys.run)?.is_some() })
     }
 }
 
@@ -644,7 +593,7 @@ mod tests {
         let plan = Plan::prepare(&model).unwrap();
         let keys = Evaluations::keys(&model, &plan).unwrap();
         let evaluations = Evaluations::open(&folder.path().join("store")).unwrap();
-        let evaluate = || evaluations.evaluate(&model, &plan, keys, &Cancellation::default(), &Description::default);
+        let evaluate = || evaluations.evaluate(&model, &plan, keys, &Cancellation::default());
         fs::remove_file(&mesh).unwrap();
         let found = evaluate();
         assert!(matches!(&found, Err(EvaluationError::Passing(cause)) if cause.contains("no such file")), "{found:?}");

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::coupon_material;
 use super::modules;
-use crate::evaluate::{Description, EvaluationError, Evaluations, NoOutcome, RunEvent, trial};
+use crate::evaluate::{EvaluationError, Evaluations, NoOutcome, RunEvent, trial};
 use crate::post::run::{self, ReferenceSignals};
 use crate::post::{EvaluateError, Plan, ReferenceComparison, Results, Run};
 use crate::script::{
@@ -178,7 +178,7 @@ impl Study {
     fn simulate_with<F: Into<Option<Found>>>(
         &self,
         session: &Session,
-        outcome: impl Fn(&Evaluations, &Model, &Cancellation, &dyn Fn() -> Description) -> Result<F, EvaluationError>,
+        outcome: impl Fn(&Evaluations, &Model, &Cancellation) -> Result<F, EvaluationError>,
         measure: impl Fn(&Plan, &Model, &Outcome) -> Result<Results, EvaluateError>,
     ) -> HostResult<Option<Run>> {
         let Parts { model, plan, evaluations, .. } = &*self.0;
@@ -189,11 +189,7 @@ impl Study {
             check_stop(session)?;
         }
         let found = match evaluations {
-            Some(evaluations) => {
-                let end = (model.run_time() < self.0.model.run_time()).then(|| model.run_time());
-                let describe = || Description::of_run(&self.0.document, model, end);
-                outcome(evaluations, model, cancellation, &describe).map_err(refuse)?.into()
-            }
+            Some(evaluations) => outcome(evaluations, model, cancellation).map_err(refuse)?.into(),
             None => {
                 let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
                 let ran = simulate::run_with(model, options, &mut |_| {});

@@ -1,6 +1,5 @@
 //! The interpreter with its limits, within which untrusted scripts are safe to run.
 
-use std::collections::BTreeMap;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -10,14 +9,11 @@ use rhai::packages::{
     ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage, BasicMapPackage, BasicMathPackage,
     BasicStringPackage, LogicPackage, MoreStringPackage, Package,
 };
-use rhai::{
-    AST, Caches, Dynamic, Engine, EvalAltResult, ImmutableString, Locked, OptimizationLevel, Scope, Shared, Token,
-    TokenizeState,
-};
+use rhai::{AST, Dynamic, Engine, EvalAltResult, OptimizationLevel, Scope, Token, TokenizeState};
 use thiserror::Error;
 
 use super::fault::TooLarge;
-use super::module::{self, Finder, Import, LONGEST_SCRIPT, Resolver, SourceText, Unit};
+use super::module::{self, Finder, LONGEST_SCRIPT, Resolver, SourceText, Unit};
 use super::{Fault, Session, call_options, calls, fields, panic, places};
 use base::cancellation::Cancellation;
 use base::file::{self, FileError};
@@ -199,16 +195,6 @@ impl Script {
         self.units.iter().map(|unit| &unit.source)
     }
 
-    /// Its imports, in the order of its text.
-    pub(super) fn imports(&self) -> &[Import] {
-        &self.units[0].imports
-    }
-
-    /// Its functions.
-    pub(super) fn functions(&self) -> AST {
-        self.units[0].program.clone_functions_only()
-    }
-
     /// The identity of the script: its text and those of its modules.
     pub fn whole_text(&self) -> String {
         let module = |(name, source): (&str, &SourceText)| format!("\n// module {name}\n{}", source.text);
@@ -252,29 +238,6 @@ impl Script {
     /// As of [`Script::run`].
     pub fn evaluate(&self, engine: &Engine, scope: &mut Scope<'static>) -> Result<Dynamic, Fault> {
         self.on_stack(|| self.value(engine, scope))
-    }
-
-    /// As [`Script::evaluate`], after scripts whose `constants` its functions see as `global::…`.
-    pub(super) fn evaluate_after(
-        &self,
-        engine: &Engine,
-        scope: &mut Scope<'static>,
-        constants: BTreeMap<ImmutableString, Dynamic>,
-    ) -> Result<Dynamic, Fault> {
-        self.on_stack(|| {
-            let session = Session::of_engine(engine);
-            session.programs().install(&self.units);
-            let program = &self.units[0].program;
-            let mut global = engine.new_global_runtime_state();
-            global.source = program.source().map(Into::into);
-            global.lib.push(program.shared_lib().clone());
-            global.constants = Some(Shared::new(Locked::new(constants)));
-            // Deprecated only because it may change; the tests of the console cover it.
-            #[allow(deprecated)]
-            self.interpret(engine, &session, || {
-                engine.eval_statements_raw(&mut global, &mut Caches::new(), scope, program.statements())
-            })
-        })
     }
 
     fn value(&self, engine: &Engine, scope: &mut Scope<'static>) -> Result<Dynamic, Fault> {

@@ -9,18 +9,16 @@ mod trend;
 mod warning;
 mod work;
 
-use std::sync::OnceLock;
-
 use rayon::prelude::*;
 
-use crate::evaluate::{Description, EvaluationError, EvaluationKeys, Evaluations};
+use crate::evaluate::{EvaluationError, EvaluationKeys, Evaluations};
 use crate::post::{Plan, PrepareError};
 use base::diagnostic::Diagnostic;
 use base::finding::Finding;
 pub use bindings::{REFERENCE, register};
 pub use remaining::RemainingWork;
 pub use results::SweepResults;
-use scene::model::{self, Factor, Input, Level, Model, Point, Points, PointsError, Variation};
+use scene::model::{self, Factor, Input, Model, Point, Points, PointsError, Variation};
 use scene::scenario::Document;
 use scene::simulate;
 pub use statistics::{Effect, Effects, Quantiles};
@@ -39,8 +37,6 @@ pub struct Sweep {
     /// Model and plan of the scenario as written.
     model: Model,
     plan: Plan,
-    /// Description of the scenario as written, once it is asked for.
-    described: OnceLock<Description>,
 }
 
 /// Why a scenario cannot be swept.
@@ -114,7 +110,7 @@ impl Sweep {
         let variation = variation.ok_or(SweepError::NothingVaries)?;
         check_words(&base, &variation).map_err(SweepError::Scenario)?;
         let points = points(&variation)?;
-        Ok(Sweep { base, variation, points, model, plan, described: OnceLock::new() })
+        Ok(Sweep { base, variation, points, model, plan })
     }
 
     /// The keys that vary, and how.
@@ -173,21 +169,6 @@ impl Sweep {
             Err(CaseError::Evaluation(error)) => Err(error),
         };
         (0..self.len()).into_par_iter().map(key).collect()
-    }
-
-    /// What decides the figures of the run at `place`, which is checked.
-    pub(crate) fn description(&self, place: usize, model: &Model, plan: &Plan) -> Description {
-        let point = self.point(place);
-        let is_number = |level: &Level| matches!(level.input, Input::Number(_));
-        if !point.levels.iter().all(is_number) {
-            return Description::of_figures(&self.document(place), model, plan);
-        }
-        // A number takes the place of one: the scenario need not be written out for every run.
-        let base = self.described.get_or_init(|| Description::of_figures(&self.base, &self.model, &self.plan));
-        let levels = self.variation.factors.iter().zip(point.levels);
-        levels.fold(base.clone(), |described, (factor, level)| {
-            described.with(&factor.path, level.node.to_toml().to_string())
-        })
     }
 
     /// The run at `place`, checked.

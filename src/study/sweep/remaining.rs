@@ -128,8 +128,7 @@ mod tests {
     fn compute(sweep: &Sweep, evaluations: &Evaluations, places: impl Iterator<Item = usize>) {
         for place in places {
             let Case { model, plan, keys } = sweep.case(place).unwrap();
-            let describe = || sweep.description(place, &model, &plan);
-            evaluations.evaluate(&model, &plan, keys, &Cancellation::default(), &describe).unwrap();
+            evaluations.evaluate(&model, &plan, keys, &Cancellation::default()).unwrap();
         }
     }
 

@@ -267,8 +267,7 @@ impl State<'_> {
             return Ok(());
         };
         let begin = Instant::now();
-        let describe = || sweep.description(place, &model, &plan);
-        let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.given_up, &describe) {
+        let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.given_up) {
             Err(EvaluationError::Cancelled) => {
                 // Else others would wait for a run that nobody computes.
                 return claim.release().map_err(|error| evaluations.failed(error));

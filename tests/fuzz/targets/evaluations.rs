@@ -10,17 +10,17 @@ use libfuzzer_sys::fuzz_target;
 
 use base::file::checksum;
 use droptower_fuzz::with_files;
-use study::evaluate::{Description, EvaluationKeys, Evaluations, Nearest, build_name};
+use study::evaluate::{EvaluationKeys, Evaluations, build_name};
 use study::store::EvaluationStore;
 use study::store::evaluations::Key;
 
 const MAGIC: &[u8] = b"droptower evaluations 01\n";
 
-/// The kinds of the entries that hold records and whole descriptions, which are packed.
-const PACKED: [u8; 2] = [1, 10];
+/// The kind of the entries that hold records, which are packed.
+const PACKED: u8 = 1;
 
 /// Number of kinds of entries.
-const KINDS: u8 = 12;
+const KINDS: u8 = 10;
 
 const RUN: &str = "runs/00/00000000000000000000000000000000.run";
 
@@ -34,7 +34,6 @@ fuzz_target!(|input: &[u8]| {
     };
     with_files(&[(name, &content)], |folder| {
         drop(EvaluationStore::list(folder));
-        drop(Nearest::find(folder, &Description::default()));
         let Ok(evaluations) = Evaluations::open(folder) else { return };
         for byte in 0..4 {
             let key = Key([byte; 16]);
@@ -52,7 +51,7 @@ fn segment(input: &[u8]) -> Vec<u8> {
     while let [kind, key, length, after @ ..] = rest {
         let (content, after) = after.split_at(after.len().min(4 * usize::from(*length)));
         let kind = kind % KINDS;
-        let content = if PACKED.contains(&kind) { packed(content) } else { content.to_vec() };
+        let content = if kind == PACKED { packed(content) } else { content.to_vec() };
         append(&mut segment, kind, key % 4, &content);
         rest = after;
     }

@@ -86,7 +86,7 @@ fn unit(name: String, source: SourceText, mut program: AST) -> Result<Unit, Vec<
 }
 
 /// The imports of a program.
-pub(in crate::script) fn imports_of(program: &AST, source: &SourceText) -> Result<Vec<Import>, Vec<Fault>> {
+fn imports_of(program: &AST, source: &SourceText) -> Result<Vec<Import>, Vec<Fault>> {
     let mut imports = Vec::new();
     let mut faults = Vec::new();
     for statement in program.statements() {

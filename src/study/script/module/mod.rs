@@ -16,7 +16,7 @@ use std::sync::Arc;
 use rhai::{AST, Position};
 
 pub(super) use finder::Finder;
-pub(super) use loader::{imports_of, load};
+pub(super) use loader::load;
 pub(super) use resolver::{Programs, Resolver, find};
 
 /// Longest script or module that is read, bytes.

@@ -39,18 +39,13 @@ impl Programs {
         state.units = units.to_vec();
     }
 
-    /// The text whose interpreter's name is `id`, or in which a function without a name is written, whatever the
-    /// interpreter takes for its text: where a module calls it, that of the module.
-    pub fn source(&self, id: Option<&str>, function: Option<&str>) -> Option<SourceText> {
-        find(&self.state().units, id, function).map(|unit| unit.source.clone())
-    }
-
     fn state(&self) -> MutexGuard<'_, State> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// See [`Programs::source`].
+/// The text whose interpreter's name is `id`, or in which a function without a name is written, whatever the interpreter takes for its
+/// text: where a module calls it, that of the module.
 pub(in crate::script) fn find<'u>(units: &'u [Unit], id: Option<&str>, function: Option<&str>) -> Option<&'u Unit> {
     let closure = function.filter(|name| Unit::is_closure(name));
     let writes = |unit: &&Unit| closure.is_some_and(|name| unit.program.iter_functions().any(|own| own.name == name));

@@ -193,19 +193,6 @@ pub struct SegmentFigures {
     pub age_s: f64,
 }
 
-/// What decided the evaluations of a segment, as they describe it.
-#[derive(Clone, Debug)]
-pub struct SegmentDescriptions {
-    /// Build of droptower that wrote it.
-    pub build: String,
-    /// Descriptions that others differ from.
-    pub wholes: HashMap<Key, Vec<u8>>,
-    /// Descriptions of evaluations.
-    pub of_records: Vec<Vec<u8>>,
-    /// Records without a description: older versions wrote none.
-    pub undescribed: usize,
-}
-
 impl EvaluationStore {
     /// The store in `folder`, which need not exist, of what this `build` of droptower computes.
     ///
@@ -394,30 +381,6 @@ impl EvaluationStore {
         segments(folder)?.into_iter().map(|path| Segment::figures(&path, |key| run_path(folder, key))).collect()
     }
 
-    /// The descriptions in the segment at `path`; none of a damaged one.
-    ///
-    /// # Errors
-    /// It cannot be read.
-    pub fn descriptions(path: &Path) -> io::Result<Option<SegmentDescriptions>> {
-        Segment::descriptions(path)
-    }
-
-    /// Adds a description that others differ from, under a key of its own.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn put_whole_description(&self, key: Key, content: &[u8]) -> io::Result<()> {
-        self.append(Kind::WholeDescription, key, content)
-    }
-
-    /// Adds a description of what decides the evaluation under `key`.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn put_description(&self, key: Key, content: &[u8]) -> io::Result<()> {
-        self.append(Kind::Description, key, content)
-    }
-
     /// Removes the segment at `path` and the runs that its process keeps whole.
     ///
     /// # Errors
@@ -508,7 +471,7 @@ impl State {
                     !all.is_empty()
                 }),
                 Kind::Machine => machine = Some((offset, length)),
-                Kind::Header | Kind::Alive | Kind::Kept | Kind::WholeDescription | Kind::Description => {}
+                Kind::Header | Kind::Alive | Kind::Kept => {}
             }
         })?;
         if let Some((offset, length)) = machine {

@@ -2,13 +2,12 @@
 //!
 //! After its first line come entries: length of the content, checksum of the rest, kind, key, content.
 
-use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::{Key, STALE, SegmentDescriptions, SegmentFigures};
+use super::{Key, STALE, SegmentFigures};
 use base::file::{self, FileError};
 use base::scratch;
 
@@ -45,10 +44,6 @@ pub(super) enum Kind {
     Refused = 8,
     /// The machine of the process, since it was started.
     Machine = 9,
-    /// A description that others differ from, under a key of its own.
-    WholeDescription = 10,
-    /// What decides an evaluation, as a difference from a whole description.
-    Description = 11,
 }
 
 /// An entry of a segment, with the place of its content.
@@ -94,21 +89,7 @@ pub(super) struct OwnSegment {
 impl Kind {
     fn from_byte(byte: u8) -> Option<Kind> {
         use Kind::{Alive, Begun, Claim, Closed, Header, Kept, Machine, Record, Refused, Released};
-        use Kind::{Description, WholeDescription};
-        const ALL: [Kind; 12] = [
-            Header,
-            Record,
-            Claim,
-            Alive,
-            Closed,
-            Released,
-            Kept,
-            Begun,
-            Refused,
-            Machine,
-            WholeDescription,
-            Description,
-        ];
+        const ALL: [Kind; 10] = [Header, Record, Claim, Alive, Closed, Released, Kept, Begun, Refused, Machine];
         ALL.into_iter().find(|kind| *kind as u8 == byte)
     }
 }
@@ -200,29 +181,6 @@ impl Segment {
             run_bytes: run_bytes.iter().sum(),
             age_s: age.as_secs_f64(),
         })
-    }
-
-    /// The descriptions in the segment at `path`; none of a damaged one.
-    pub(super) fn descriptions(path: &Path) -> io::Result<Option<SegmentDescriptions>> {
-        let Some(mut segment) = Segment::open_any(path)? else { return Ok(None) };
-        let Some(build) = segment.build()? else { return Ok(None) };
-        let (mut wholes, mut of_records) = (vec![], vec![]);
-        let (mut records, mut described) = (HashSet::new(), HashSet::new());
-        segment.follow(|Entry { kind, key, offset, length }| match kind {
-            Kind::WholeDescription => wholes.push((key, offset, length)),
-            Kind::Description => {
-                of_records.push((offset, length));
-                described.insert(key);
-            }
-            Kind::Record => drop(records.insert(key)),
-            _ => {}
-        })?;
-        let undescribed = records.difference(&described).count();
-        let wholes = wholes.into_iter().map(|(key, offset, length)| Ok((key, segment.read(offset, length)?)));
-        let wholes = wholes.collect::<io::Result<_>>()?;
-        let of_records = of_records.into_iter().map(|(offset, length)| segment.read(offset, length));
-        let of_records = of_records.collect::<io::Result<_>>()?;
-        Ok(Some(SegmentDescriptions { build, wholes, of_records, undescribed }))
     }
 
     /// The build in its first entry.
