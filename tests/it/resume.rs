@@ -359,8 +359,6 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
                 "air.cushion=adiabatic",
             ],
         ),
-        ("drop-tear", &["output.frames=20", "specimen.bending=true"]),
-        ("strip-bending", &["output.frames=20"]),
         (
             "drop-1508",
             &[

@@ -66,10 +66,6 @@ findings! {
             meaning "the film of the test has cuts, that of the deck has none";
             remedy "compare with a scenario without `cuts`";
             message "lost: cuts through the film";
-        Bending = "deck-bending", Warning;
-            meaning "the film of the test has a bending stiffness, that of the deck is a membrane";
-            remedy "compare with a scenario without `specimen.bending`, or make the elements of the deck shells";
-            message "lost: bending stiffness of the film";
         AddedMass = "deck-added-mass", Warning;
             meaning "small elements of the test have added mass, those of the deck have not";
             remedy "scale masses there, or leave `smallest_step` out";

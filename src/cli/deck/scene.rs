@@ -179,7 +179,6 @@ fn losses(model: &Model) -> Vec<DeckLoss> {
         (impactors.iter().any(|one| one.spin != [0.0; 3]), DeckLoss::Spin),
         (model.faces.iter().any(|face| face.settle), DeckLoss::Settling),
         (!model.specimen.cuts.is_empty(), DeckLoss::Cuts),
-        (model.specimen.bending, DeckLoss::Bending),
         (model.solver.smallest_step.is_some(), DeckLoss::AddedMass),
         (model.specimen.damping > 0.0, DeckLoss::Damping),
     ];

@@ -44,8 +44,6 @@ terms! {
     absorbed = "absorbed_J";
     /// Energy that was stored in fibres when they broke, and in film that tore.
     rupture = "rupture_J";
-    /// Elastic energy of bending film.
-    bending = "bending_J";
     /// Energy in the stabilisation against hourglass modes.
     hourglass = "hourglass_J";
     /// Energy dissipated where nodes come into contact.

@@ -8,16 +8,13 @@ use std::ops::Range;
 use nalgebra::{Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::bending::{Bending, NotFlat};
 use super::colouring::first_fit;
 use super::disjoint::Disjoint;
 use super::element::{ElementDetail, ElementEnergy, ElementStrain, Forces, Torn};
 use super::element_group::ElementGroup;
 use super::failure::Failures;
 use super::film_history::FilmHistory;
-use super::mesh::Mesh;
 use super::nodes::{Nodes, Vectors};
-use super::section::Section;
 use super::thread_pool::ThreadPool;
 use super::tips::{Events, MirrorPlane, Start, TearingFilm, Tips};
 use crate::lane::Width;
@@ -32,8 +29,6 @@ pub struct Film {
     pub thickness: f64,
     /// Which of all nodes are this face's; elements count theirs from the first of them.
     pub nodes: Range<usize>,
-    /// Its bending stiffness, where it has one.
-    pub(super) bending: Option<Bending>,
     /// Its mirror planes, across x and y.
     mirrors: [MirrorPlane; 2],
     /// Where it tears: the tips of its tears.
@@ -83,35 +78,7 @@ impl Film {
             chunk
         };
         let chunks = groups.into_iter().zip(first_fit(&of_group)).map(chunk).collect();
-        Film { chunks, density, thickness, nodes, bending: None, mirrors, tips: None }
-    }
-
-    /// Gives it the bending stiffness of `section`, from which it was mounted on `nodes` with `mesh`, of so many `layers`
-    /// that slide on each other without friction; built in at the edges `built_in`, each two nodes of the mesh. Cuts and
-    /// added mass come before.
-    ///
-    /// # Errors
-    /// [`NotFlat`] where it was not mounted in a plane of constant height.
-    pub fn bend(
-        &mut self,
-        nodes: &Nodes,
-        mesh: &Mesh,
-        section: &Section,
-        layers: u32,
-        built_in: &[[u32; 2]],
-    ) -> Result<(), NotFlat> {
-        self.bending = Some(Bending::new(self.intact(), (nodes, self.nodes.start), (mesh, section), layers, built_in)?);
-        Ok(())
-    }
-
-    /// Its bending stiffness, where it has one.
-    pub(super) fn bending(&self) -> Option<&Bending> {
-        self.bending.as_ref()
-    }
-
-    /// Energy of its bending, J; `position` is that of all nodes.
-    pub fn bending_energy(&self, position: &Vectors) -> f64 {
-        self.bending.as_ref().map_or(0.0, |bending| bending.energy(&self.own(position.axes())))
+        Film { chunks, density, thickness, nodes, mirrors, tips: None }
     }
 
     /// Density with mass scaling, kg/m³.
@@ -153,7 +120,7 @@ impl Film {
     pub(super) fn bytes(&self) -> usize {
         let elements: usize = self.chunks.iter().map(|chunk| chunk.group.bytes()).sum();
         let tips = self.tips.as_ref().map_or(0, |tips| tips.bytes());
-        elements + tips + self.bending.as_ref().map_or(0, Bending::bytes)
+        elements + tips
     }
 
     /// History variables of its elements.
@@ -168,7 +135,6 @@ impl Film {
         let mut reader = history.reader();
         self.chunks.iter_mut().for_each(|chunk| chunk.group.restore(&mut reader));
         self.find_tips();
-        self.tear_bending();
     }
 
     /// Resets the history variables of its elements to those of virgin film; deleted elements stay deleted.
@@ -213,14 +179,6 @@ impl Film {
             // SAFETY: there is one thread.
             unsafe { film.add_forces(width, chunk, position.axes(), dt) };
         }
-        if let Some(bending) = &self.bending {
-            let (position, force) = (position.range(own.clone()), force.axes_mut());
-            let force = force.map(|axis| Disjoint::new(&mut axis[own.clone()]));
-            for task in 0..bending.tasks() {
-                // SAFETY: there is one thread.
-                unsafe { bending.add_forces(width, task, &position, &force) };
-            }
-        }
     }
 
     /// Adds mass to the elements whose squared angular frequency is above `most` (rad²/s²), so that it is `most`.
@@ -260,8 +218,7 @@ impl Film {
         energies(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
-    /// Bound on the squared angular frequency of any of its elements and of its bending, rad²/s² (theory.md, equations 17
-    /// and 356).
+    /// Bound on the squared angular frequency of any of its elements, rad²/s² (theory.md, equation 17).
     pub fn frequency_bound(&self, position: &Vectors) -> f64 {
         frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
@@ -281,13 +238,6 @@ impl Film {
         }
         if dt > 0.0 {
             total.returned = self.start_tears(&position, looks);
-        }
-        if total.broken > 0 && self.bending.is_some() {
-            let energy = |film: &Film| film.bending.as_ref().map_or(0.0, |bending| bending.energy(&position));
-            let before = energy(self);
-            if self.tear_bending() {
-                total.energy.stored += before - energy(self);
-            }
         }
         total
     }
@@ -329,22 +279,6 @@ impl Film {
         let deleted = self.chunks.iter_mut().map(|chunk| chunk.group.delete(&crossed)).sum();
         self.find_tips();
         deleted
-    }
-
-    /// Nodes of its elements that are not deleted, in order, counted from the first of its own.
-    pub(super) fn intact(&self) -> Vec<Vec<u32>> {
-        let mut elements = vec![];
-        let mut add = |corners: &[u32]| elements.push(corners.to_vec());
-        self.chunks.iter().for_each(|chunk| chunk.group.for_each(0, true, &mut add));
-        elements
-    }
-
-    /// Takes the bending stiffness from film around deleted elements. Whether anything changed.
-    fn tear_bending(&mut self) -> bool {
-        let Some(mut bending) = self.bending.take() else { return false };
-        let changed = bending.update(&self.intact());
-        self.bending = Some(bending);
-        changed
     }
 
     /// Finds the elements at the tips of tears.
@@ -466,10 +400,6 @@ pub(super) fn frequency_bounds(films: &[Film], pool: &ThreadPool, position: [&[f
     for (film, squared) in parts {
         let most = &mut largest[film];
         *most = if squared <= *most || most.is_nan() { *most } else { squared };
-    }
-    // Stiffnesses in parallel.
-    for (most, film) in largest.iter_mut().zip(films) {
-        *most += film.bending.as_ref().map_or(0.0, Bending::squared_frequency);
     }
     largest
 }

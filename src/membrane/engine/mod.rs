@@ -4,11 +4,6 @@
 //! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is
 //! shown a read-only [`View`].
 
-mod bending;
-#[cfg(test)]
-mod bending_equilibria;
-#[cfg(test)]
-mod bending_tests;
 mod bodies;
 mod clamp;
 mod collision;
@@ -56,7 +51,6 @@ mod time_step;
 mod tips;
 mod weighted_nodes;
 
-pub use bending::NotFlat;
 pub use clamp::{Clamp, ClampedNode};
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use cushion::{Cushion, area};
@@ -87,7 +81,6 @@ pub use time_step::add_mass;
 
 use std::ops::Range;
 
-use bending::Bending;
 use clamp::Clamping;
 use colouring::Colouring;
 use cushion::{CushionState, Enclosed};
@@ -401,7 +394,7 @@ impl Engine {
         self.failed += failures.failed;
     }
 
-    /// Adds the forces of the films, with their bending, and of the frame's springs to those of the nodes.
+    /// Adds the forces of the films and of the frame's springs to those of the nodes.
     fn add_forces(&mut self, dt: f64) {
         let position = self.nodes.position.axes();
         // Each film gets its own part of the arrays, which is all that its chunks may write to.
@@ -426,40 +419,10 @@ impl Engine {
             });
         }
         drop(films);
-        self.add_bending();
         if let Some(springs) = &mut self.springs {
             // As viscous film, dashpots do not see how film is mounted or settles, which takes no time.
             springs.add_forces(&mut self.nodes, dt > 0.0);
         }
-    }
-
-    /// Adds the forces of bending film.
-    fn add_bending(&mut self) {
-        let tasks = |(f, film): (usize, &Film)| {
-            let count = film.bending().map_or(0, Bending::tasks);
-            (0..count).map(move |task| (f, task))
-        };
-        let tasks: Vec<(usize, usize)> = self.films.iter().enumerate().flat_map(tasks).collect();
-        if tasks.is_empty() {
-            return;
-        }
-        let Nodes { position, force, .. } = &mut self.nodes;
-        let mut rest = force.axes_mut();
-        let mut own = |film: &Film| {
-            rest.each_mut().map(|axis| {
-                let (own, others) = std::mem::take(axis).split_at_mut(film.nodes.len());
-                *axis = others;
-                Disjoint::new(own)
-            })
-        };
-        let forces: Vec<[Disjoint<'_, f64>; 3]> = self.films.iter().map(&mut own).collect();
-        let (films, width) = (&self.films, self.pool.width());
-        self.pool.each(tasks.len(), |part| {
-            let (f, task) = tasks[part];
-            let Some(bending) = films[f].bending() else { return };
-            // SAFETY: every task comes up once, and each has the forces of its own nodes.
-            unsafe { bending.add_forces(width, task, &position.range(films[f].nodes.clone()), &forces[f]) };
-        });
     }
 
     /// Adds the work of the jaws against the forces of the film to the ledger; these act over the halves of both

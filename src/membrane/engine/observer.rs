@@ -154,8 +154,6 @@ impl View<'_> {
             out.absorbed += multiplicity * energy.absorbed;
             out.hourglass += multiplicity * energy.hourglass;
         }
-        out.bending =
-            multiplicity * self.films.iter().map(|film| film.bending_energy(&self.nodes.position)).sum::<f64>();
         for (n, mass) in self.nodes.mass.iter().enumerate() {
             let (v, u) = (self.nodes.velocity.value_at(n), self.previous.velocity.value_at(n));
             // Product of both half steps, not the square of their mean: this is what central differences conserve

@@ -222,19 +222,9 @@ impl Engine {
                 }
             });
         }
-        let share = strain + slope_squared + self.bending_share();
+        let share = strain + slope_squared;
         let share = self.springs.as_ref().map_or(share, |springs| share.max(springs.vertical_share(&self.nodes)));
         (VERTICAL_SHARE / share).clamp(1.0, MOST_LIGHTNESS)
-    }
-
-    /// Bound on the stiffness of bending over that of the film along itself (theory.md, equation 357).
-    fn bending_share(&self) -> f64 {
-        let of_film = |film: &Film| {
-            let bending = film.bending()?.squared_frequency();
-            let along = film.frequency_bound(&self.nodes.position) - bending;
-            Some(if along > 0.0 { bending / along } else { 1.0 })
-        };
-        self.films.iter().filter_map(of_film).fold(0.0, f64::max)
     }
 
     /// Sets the forces at the nodes to those of virgin film at the present positions.

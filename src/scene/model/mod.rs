@@ -228,8 +228,6 @@ pub struct Specimen {
     pub damping: f64,
     /// Points of each cut through all faces, m.
     pub cuts: Vec<Vec<[f64; 2]>>,
-    /// Whether film has a bending stiffness.
-    pub bending: bool,
 }
 
 /// Mirror planes through the origin; the computed part lies at x >= 0 and/or y >= 0.

@@ -22,7 +22,7 @@ pub fn check(specimen: &scenario::Specimen, mistakes: &mut ModelDiagnostics<'_>)
     };
     let cuts = specimen.cuts.iter().map(|cut| cut.iter().map(|point| point.map(|length| length.0)).collect()).collect();
     let (symmetry, damping) = (symmetry(specimen), specimen.damping.0);
-    Some(Specimen { shape, symmetry, damping, cuts, bending: specimen.bending })
+    Some(Specimen { shape, symmetry, damping, cuts })
 }
 
 /// The outline with its holes, from corners or a drawing.

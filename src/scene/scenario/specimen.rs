@@ -38,10 +38,6 @@ pub struct Specimen {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000), inner(length(min = 2, max = 10_000)), extend("x-likely" = [-20.0, 20.0]))]
     pub cuts: Vec<Vec<[Length; 2]>>,
-    /// Whether film has a bending stiffness: that of its law at rest times h³/12, each layer by itself. Edges that the frame
-    /// fixes are built in. Without it film is a membrane, whose folds are as sharp as an element.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub bending: bool,
     /// Time between mounting and loading of film with `prony`, which is mounted at once with its pre-strain; its stress has
     /// relaxed entirely where it is left out.
     #[schemars(extend("minimum" = 0))]

@@ -12,7 +12,7 @@ use super::springs;
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::loading::{Inertia, MassScaling};
 use crate::model::{Hold, Model};
-use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, NotFlat, ThreadPool, quickest_width};
+use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, ThreadPool, quickest_width};
 
 /// An engine and how its scene was mounted.
 pub(super) struct Scene {
@@ -69,13 +69,6 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
             added_mass.push(engine::add_mass(&mut film, &mut nodes, step));
         }
         let mut topology = topology(&mesh, model);
-        if model.specimen.bending {
-            // A clamp in which film slips and the links of springs take no moment; the frame holds the slope of any other.
-            let is_fixed = model.frame.clamp.is_none() && model.frame.springs.is_none();
-            let built_in = if is_fixed { &topology.held[..] } else { &[] };
-            let bent = film.bend(&nodes, &mesh, &section, face.layers, built_in);
-            bent.map_err(|NotFlat { height }| RunError::NotFlat { face: films.len() + 1, height })?;
-        }
         let pieces = (!model.specimen.cuts.is_empty()).then(|| Pieces::new(&film));
         films.push(film);
         mount::mirror(&mut nodes, &mesh, first);

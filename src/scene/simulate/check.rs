@@ -74,7 +74,6 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
             }
         }
         RunError::NoSprings { .. } | RunError::SpringsNotMirrored { .. } => "frame.springs.spacing".to_owned(),
-        RunError::NotFlat { .. } => "specimen.bending".to_owned(),
         RunError::CutMisses { cut, .. } => format!("specimen.cuts.{cut}"),
         RunError::CutsPart { .. } | RunError::CutsFree { .. } => "specimen.cuts".to_owned(),
         RunError::FacesCross => "contact".to_owned(),

@@ -134,14 +134,6 @@ pub enum RunError {
         /// Length of the held edges, m.
         length: f64,
     },
-    /// Film that is to bend was mounted in no plane.
-    #[error("film bends from a horizontal plane, and the nodes of face {face} lie up to {} mm apart in height", number::significant(1e3 * height, 4))]
-    NotFlat {
-        /// The face, counted from one.
-        face: usize,
-        /// m.
-        height: f64,
-    },
     /// A cut passes through the middle of no element.
     #[error("a cut passes through no element of face {face}")]
     CutMisses {
@@ -226,7 +218,6 @@ impl RunError {
             RunError::FacesCross => {
                 "mount them further apart, or leave contact between them out with `contact.film = false`".to_owned()
             }
-            RunError::NotFlat { .. } => "leave `specimen.bending` out, or use a flat mesh".to_owned(),
             RunError::CutMisses { .. } => {
                 "give points on the film, with symmetry on its computed part, further apart than an element".to_owned()
             }

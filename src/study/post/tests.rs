@@ -41,7 +41,6 @@ pub(super) fn model() -> Model {
             symmetry: Symmetry::None,
             damping: 0.0,
             cuts: vec![],
-            bending: false,
         },
         faces: vec![face],
         frame: Frame { hold: Hold::All, bars: None, clamp: None, springs: None },

@@ -68,8 +68,6 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         (shipped("../tests/golden/indent-disc/scenario.toml", &[]), 400),
         (drop(&["specimen.mesh.size=20mm", THERMAL]), 400),
         (drop(&["specimen.mesh.size=20mm", SPRINGS]), 400),
-        (drop(&["specimen.mesh.size=5mm", "specimen.bending=true"]), 200),
-        (shipped("bending/strip.toml", &["specimen.mesh.size=2mm"]), 200),
         // Two bodies that meet after 5 ms.
         (
             shipped(
