@@ -56,7 +56,23 @@ const REMOVED: &[Removed] = &[
         "specimen.bending",
         "film is a membrane; docs/limits.md says from which thickness on bending matters",
     ),
+    row(Kind::Key, "frame.springs.compression", "springs are slack where they are shorter than without force"),
+    row(
+        Kind::Key,
+        "frame.springs.continuous",
+        "`frame.springs.count` with a spring to each element of the edge is as even",
+    ),
+    row(
+        Kind::Key,
+        "frame.springs.curve",
+        "springs are linear: give a `stiffness`, that of the curve at the forces of the test",
+    ),
+    row(Kind::Key, "frame.springs.damping", "springs are linear and without loss; `specimen.damping` damps film"),
+    row(Kind::Key, "frame.springs.mass", "springs have no mass"),
+    row(Kind::Key, "frame.springs.spacing", "give their number on the whole film, `frame.springs.count`"),
     row(Kind::Finding, "deck-bending", "film is a membrane here, too"),
+    row(Kind::Finding, "springs-beyond-curve", "springs of the frame are linear"),
+    row(Kind::Finding, "springs-collapsed", "springs of the frame do not push"),
 ];
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.

@@ -215,7 +215,7 @@ fn springs_are_lines_that_follow_the_film() {
         let cells = |name: &str| array(&lines.data.cell, name);
         assert_eq!(lines.cells.types, [CellType::Line; 80], "a quarter has 20, and three mirror images");
         assert_eq!(cells("image").iter().filter(|image| **image == 3.0).count(), 20);
-        assert_eq!([cells("face"), cells("springs")], [vec![1.0; 80], vec![1.0; 80]]);
+        assert_eq!(cells("face"), vec![1.0; 80]);
         let (corners, ends) = (points(film), points(lines));
         let (elongation, force) = (cells("elongation_m"), cells("force_N"));
         let mut downwards = 0.0;
@@ -228,13 +228,9 @@ fn springs_are_lines_that_follow_the_film() {
             close((frame - end).norm() - elongation[line], 0.18, 1e-6);
             downwards -= force[line] * (end - frame).z / (end - frame).norm();
         }
-        // Springs of 2.6 kN/m with dashpots of 5 N s/m, whose ends have no velocity at first.
-        let velocity = array(&lines.data.point, "velocity_m_s");
-        for line in 0..80 {
-            let along = (ends[2 * line + 1] - ends[2 * line]).normalize();
-            let rate = Vector3::from_column_slice(&velocity[6 * line + 3..][..3]).dot(&along);
-            let expected = (2600.0 * elongation[line] + 5.0 * rate).max(0.0);
-            assert!((force[line] - expected).abs() < 0.05, "{} N for {expected} N at {time} s", force[line]);
+        for (force, elongation) in force.iter().zip(&elongation) {
+            let expected = (2600.0 * elongation).max(0.0);
+            assert!((force - expected).abs() < 0.05, "{force} N for {expected} N at {time} s");
         }
         let value = |name: &str| signals.series(name).expect("a channel").value_at(*time);
         for (name, found) in [

@@ -147,7 +147,7 @@ columns! {
         SPRING_ELONGATION = "spring_elongation_m", "spring_elongation", "m", "elongation" ("mm"), 1e3;
             "where there are `frame.springs`";
             in "Largest elongation of a spring of the frame";
-        /// Largest force of one spring on which film hangs, with that of its dashpot.
+        /// Largest force of one spring on which film hangs.
         SPRING_FORCE = "spring_force_N", "spring_force", "N", "force" ("N"), 1.0;
             "where there are `frame.springs`";
             in "Largest force of a spring of the frame";

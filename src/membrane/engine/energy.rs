@@ -58,8 +58,6 @@ terms! {
     clamp = "clamp_J";
     /// Elastic energy of the frame's springs.
     springs = "springs_J";
-    /// Energy dissipated by the dashpots of the frame's springs.
-    spring_damping = "spring_damping_J";
     /// Energy dissipated by mass-proportional damping.
     damping = "damping_J";
     /// External work by jaws, pressure, an impactor with prescribed motion or what launches an impactor, counted

@@ -36,7 +36,6 @@ mod relaxation;
 mod resolution;
 mod rigid_body;
 mod section;
-mod spring_law;
 mod springs;
 #[cfg(test)]
 mod springs_tests;
@@ -72,7 +71,6 @@ pub use quickest::quickest_width;
 pub use relaxation::{Relaxation, Settling};
 pub use rigid_body::{Freedom, RigidBody};
 pub use section::Section;
-pub use spring_law::SpringLaw;
 pub use springs::{Spring, SpringLoad, Springs, SpringsState};
 pub use state::{State, StateMismatch};
 pub use thread_pool::ThreadPool;
@@ -91,7 +89,6 @@ use nodes::{Kick, StepSums};
 use pressure::Inflated;
 use previous_step::PreviousStep;
 use serde::{Deserialize, Serialize};
-use springs::Support;
 
 /// Films, nodes, impactors and loads, and their integration in time.
 pub struct Engine {
@@ -165,10 +162,6 @@ struct EnergyLedger {
     clamp: f64,
     /// Part of `clamp` that belongs to the half step after the full one.
     clamp_ahead: f64,
-    /// Dissipated by the dashpots of the frame's springs.
-    springs: f64,
-    /// Part of `springs` that belongs to the half step after the full one.
-    springs_ahead: f64,
 }
 
 impl Engine {
@@ -265,27 +258,23 @@ impl Engine {
         Engine { clamp: Some(clamp), ..self }
     }
 
-    /// This engine, which has none so far, with film that hangs on `springs`, by nodes that nothing else holds.
+    /// This engine with film that hangs on `springs`, by nodes that nothing else holds.
     pub fn with_springs(self, springs: Springs) -> Engine {
-        debug_assert!(self.springs.is_none(), "their mass would be added twice");
-        let mut engine = self;
-        springs.add_mass(&mut engine.nodes);
-        engine.springs = Some(springs);
+        let mut engine = Engine { springs: Some(springs), ..self };
         engine.time_step = engine.first_time_step();
         engine
     }
 
     /// The time step of the film at rest where it is, on its springs.
     fn first_time_step(&self) -> TimeStep {
-        let support = self.springs.as_ref().map_or_else(Support::default, |springs| springs.support(&self.nodes));
-        TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, support)
+        let on_springs = self.springs.as_ref().map_or(0.0, |springs| springs.squared_frequency(&self.nodes));
+        TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, on_springs)
     }
 
-    /// The time step that the film would have on springs without dashpots, and without springs, s; none where it hangs on none.
-    pub fn time_steps_beside_springs(&self) -> Option<[f64; 2]> {
-        let support = self.springs.as_ref()?.support(&self.nodes);
-        let step = |support| TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, support).now();
-        Some([step(Support { rate: 0.0, ..support }), step(Support::default())])
+    /// The time step that the film would have without the springs on which it hangs, s; none where it hangs on none.
+    pub fn time_step_without_springs(&self) -> Option<f64> {
+        self.springs.as_ref()?;
+        Some(TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, 0.0).now())
     }
 
     /// The frame's bars, where there are any.
@@ -420,8 +409,7 @@ impl Engine {
         }
         drop(films);
         if let Some(springs) = &mut self.springs {
-            // As viscous film, dashpots do not see how film is mounted or settles, which takes no time.
-            springs.add_forces(&mut self.nodes, dt > 0.0);
+            springs.add_forces(&mut self.nodes);
         }
     }
 
@@ -464,11 +452,6 @@ impl Engine {
         }
         let fastest = sums.largest_speed_squared.max(clamping.fastest_squared).sqrt();
         let fastest = fastest.max(self.resolve_contact(over, dt, &mut sums));
-        if let Some(springs) = &self.springs {
-            let [loss, ahead] = springs.loss(&self.nodes, over);
-            self.ledger.springs += loss;
-            self.ledger.springs_ahead = ahead;
-        }
         self.film_contact.iter_mut().for_each(|contact| contact.reduce_margin(fastest * dt));
         self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
         fastest

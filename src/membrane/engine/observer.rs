@@ -144,7 +144,6 @@ impl View<'_> {
             collision: self.ledger.collision - self.ledger.collision_ahead,
             clamp: self.ledger.clamp - self.ledger.clamp_ahead,
             springs: self.springs.map_or(0.0, |springs| springs.stored(self.nodes)),
-            spring_damping: self.ledger.springs - self.ledger.springs_ahead,
             damping: self.ledger.damping,
             external: self.ledger.external - self.ledger.external_ahead,
             ..Energies::default()

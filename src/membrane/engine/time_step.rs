@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use super::cushion::Enclosed;
 use super::film::{self, AddedMass, Film};
 use super::nodes::Nodes;
-use super::springs::Support;
 use super::thread_pool::ThreadPool;
 use super::{Fault, Loads};
 
@@ -56,15 +55,16 @@ pub(super) struct TimeStep {
 }
 
 impl TimeStep {
-    /// The step of film at rest on its `support`, with the damping and the step factor of `loads`.
-    pub(super) fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, loads: &Loads, support: Support) -> TimeStep {
-        let (damping, factor) = (loads.damping + support.rate, loads.step_factor);
+    /// The step of film at rest, with the damping and the step factor of `loads`; `on_springs` bounds the squared angular
+    /// frequency of its edge on the frame's springs, rad²/s².
+    pub(super) fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, loads: &Loads, on_springs: f64) -> TimeStep {
+        let (damping, factor) = (loads.damping, loads.step_factor);
         let air = loads.cushion.map_or(0.0, |cushion| {
             let enclosed = Enclosed::between(films, nodes);
             let inverse: Vec<f64> = nodes.mass.iter().map(|mass| 1.0 / mass).collect();
             cushion.squared_frequency(cushion.volume, &enclosed.gradient, &inverse)
         });
-        let on_supports = air + support.squared_frequency;
+        let on_supports = air + on_springs;
         let mut step = TimeStep { damping, factor, on_supports, safety: SAFETY, ..TimeStep::default() };
         (step.first, _) = step.stable(films, nodes, pool);
         // Not by way of `next`: the first step has no last one to grow from.

@@ -23,8 +23,7 @@
 //!
 //! | array | what it is |
 //! |---|---|
-//! | `elongation_m`, `force_N` | of one spring, its force with that of its dashpot; positive in tension |
-//! | `springs` | number of springs that a line stands for; a share of one in a continuous support |
+//! | `elongation_m`, `force_N` | of one spring; force is positive in tension |
 //! | `face`, `spring`, `image` | from 1; from 0 within the face; 0 computed, others mirror images |
 //!
 //! and on points `displacement_m` and `velocity_m_s`, which are zero on the frame.

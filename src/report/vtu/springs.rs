@@ -41,7 +41,6 @@ pub(super) fn grid(outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuEr
         on_cells: vec![
             scalars("elongation_m", lines.iter().map(|line| line.detail.elongation)),
             scalars("force_N", lines.iter().map(|line| line.detail.force)),
-            scalars("springs", lines.iter().map(|line| line.detail.count)),
             numbers("face", lines.iter().map(|line| line.face)),
             numbers("spring", lines.iter().map(|line| line.number)),
             numbers("image", lines.iter().map(|line| line.image.number)),

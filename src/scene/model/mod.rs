@@ -301,48 +301,17 @@ pub struct Clamp {
     pub width: Option<f64>,
 }
 
-/// Springs between the held edges of film and the frame, all values of one spring.
+/// Linear springs between the held edges of film and the frame, all values of one spring.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Springs {
-    /// Force over elongation.
-    pub law: SpringForce,
-    /// How many there are along the held edges of each face.
-    pub spread: Spread,
-    /// What their number on the whole film is a multiple of, so that it has its mirror planes.
-    pub multiple: u32,
-    /// Whether they are a continuous support.
-    pub continuous: bool,
+    /// N/m.
+    pub stiffness: f64,
+    /// How many there are along the held edges of each face of the whole film.
+    pub count: u32,
     /// Length as mounted, m.
     pub length: f64,
     /// Force at that length, N; `None` where it is that of the film's pre-strain.
     pub preload: Option<f64>,
-    /// kg.
-    pub mass: f64,
-    /// Of its dashpot, N s/m.
-    pub damping: f64,
-}
-
-/// Force of a spring over its elongation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum SpringForce {
-    /// In proportion to it.
-    Linear {
-        /// N/m.
-        stiffness: f64,
-        /// Whether it pushes where it is shorter than without force.
-        pushes: bool,
-    },
-    /// By points of elongation (m) and force (N), straight between them.
-    Curve(Vec<[f64; 2]>),
-}
-
-/// Number of springs along held edges.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Spread {
-    /// So many on the whole film.
-    Count(u32),
-    /// One to this length of edge, m.
-    Spacing(f64),
 }
 
 /// Clamped edges.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::round::Round;
-use base::units::{Force, ForcePerSpeed, Length, Mass, Stiffness};
+use base::units::{Force, Length, Stiffness};
 
 /// The mounting frame.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
@@ -47,59 +47,23 @@ pub struct Clamp {
     pub width: Option<Length>,
 }
 
-/// Springs between the held edges of film and the frame: each points outward, in the plane of the film and across its edge.
+/// Linear springs between the held edges of film and the frame: each points outward, in the plane of the film and across its
+/// edge. One that is shorter than without force is slack.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("oneOf" = [{ "required": ["stiffness"] }, { "required": ["curve"] }]))]
 pub struct Springs {
-    /// Stiffness of one spring, in place of a curve.
+    /// Stiffness of one spring.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1.0, 1e9]))]
-    pub stiffness: Option<Stiffness>,
-    /// Elongation and force of one spring at each point, both ascending from the first point, which is zero; straight
-    /// between the points. Beyond the last it goes on along the last piece, with a warning.
-    #[schemars(length(min = 2))]
-    pub curve: Option<Vec<SpringPoint>>,
+    pub stiffness: Stiffness,
     /// Number of springs along the held edges of the whole film, of each face, evenly along each stretch of them and round
     /// its corners.
     #[schemars(range(min = 1, max = 100_000))]
-    pub count: Option<u32>,
-    /// Distance between two springs along the held edges, in place of their number: the nearest whole number of the whole
-    /// film is used; of a continuous support, the length of edge to which the values of one spring belong.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 10.0]))]
-    pub spacing: Option<Length>,
-    /// Whether the springs are spread over the held edges as a continuous support: each piece of edge has its part of
-    /// them.
-    #[serde(default)]
-    pub continuous: bool,
+    pub count: u32,
     /// Distance from the edge of film, as it is mounted, to the frame.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-4, 10.0]))]
     pub length: Length,
     /// Force of one spring at that length; left out, what the pre-strain of the film pulls with across its edge.
     #[schemars(range(min = 0), extend("x-likely" = [1e-3, 1e6]))]
     pub preload: Option<Force>,
-    /// Mass of one spring, of which a third moves with its end.
-    #[serde(default = "no_mass")]
-    #[schemars(range(min = 0), extend("x-likely" = [1e-6, 100.0]))]
-    pub mass: Mass,
-    /// Dashpot of one spring: its force over the velocity of elongation. The stable time step falls with it, over the mass of the edge
-    /// and the springs.
-    #[serde(default = "no_damping")]
-    #[schemars(range(min = 0), extend("x-likely" = [1e-4, 1e3]))]
-    pub damping: ForcePerSpeed,
-    /// Whether a spring pushes where it is shorter than without force; otherwise it goes slack there.
-    #[serde(default)]
-    pub compression: bool,
-}
-
-/// Force of a spring at one elongation.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct SpringPoint(#[schemars(range(min = 0))] pub Length, #[schemars(range(min = 0))] pub Force);
-
-fn no_mass() -> Mass {
-    Mass(0.0)
-}
-
-fn no_damping() -> ForcePerSpeed {
-    ForcePerSpeed(0.0)
 }
 
 /// Clamped edges. The validator has reported mistakes before serde tries the two forms.

@@ -50,7 +50,7 @@ pub use document::Document;
 pub use expectations::{Amount, Expectations, FigureBounds, FindingBounds, NumberBounds, SignalBounds};
 pub use field::{Align, FieldFiles, FieldRate, FieldReference, FieldTimes, Marker};
 pub use file_kind::FileKind;
-pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side, SpringPoint, Springs};
+pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side, Springs};
 pub use grammar::Rule;
 pub use hyperelastic::{Energy, Hyperelastic, Moduli};
 pub use impactor::{

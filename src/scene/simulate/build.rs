@@ -12,7 +12,7 @@ use super::springs;
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::loading::{Inertia, MassScaling};
 use crate::model::{Hold, Model};
-use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, ThreadPool, quickest_width};
+use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, Springs, ThreadPool, quickest_width};
 
 /// An engine and how its scene was mounted.
 pub(super) struct Scene {
@@ -52,7 +52,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
     let mut held = if loading.has_frame_force() { HeldSides::from_model(model) } else { HeldSides::default() };
     let mut crest = frame::Crest::from_model(model);
-    let mut springs = springs::Mounted::from_model(model);
+    let mut springs = vec![];
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
         let first = nodes.position.len();
@@ -76,9 +76,12 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         crest.mount(&topology.held, first);
         frame::check_clamp(model, films.len(), &mesh, &topology.held)?;
         clamped.extend(frame::clamped(model, &nodes, &mesh, &topology.held, first));
-        match &mut springs {
+        match &model.frame.springs {
             // Their ends on the frame are held, and no node is.
-            Some(springs) => topology.springs = springs.mount(model, films.len(), &mesh, &topology.held, first)?,
+            Some(written) => {
+                let of = (model, written);
+                topology.springs = springs::mount(&mut springs, of, films.len(), &mesh, &topology.held, first)?;
+            }
             None => {
                 let jaws = loading.hold(&mut nodes, &mesh, first, &model.frame.hold);
                 let mirrored: Vec<usize> = mesh.mirrors[0].iter().map(|node| first + *node as usize).collect();
@@ -107,8 +110,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     };
     let bodies = impacts.iter().map(body).collect();
     let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
-    let springs = springs.zip(model.frame.springs.as_ref());
-    let springs = springs.map(|(mounted, written)| mounted.finish(written, mass_scaling, multiplicity));
+    let springs = model.frame.springs.as_ref().map(|written| Springs::new(springs, written.stiffness, multiplicity));
     if let Some(springs) = &springs {
         held.tie(springs)?;
     }

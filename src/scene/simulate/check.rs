@@ -4,7 +4,7 @@ use super::build;
 use super::fault::RunError;
 use super::mount;
 use crate::mesh::{MeshError, Outline};
-use crate::model::{Model, Spread};
+use crate::model::Model;
 use crate::scenario::Document;
 use base::diagnostic::Diagnostic;
 
@@ -67,13 +67,8 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
         RunError::Surface(_) => "frame.bars.radius".to_owned(),
         RunError::ClampTooWeak { .. } => "frame.clamp.force".to_owned(),
         RunError::SpringTooShort { .. } => "frame.springs.length".to_owned(),
-        RunError::SpringsUneven { .. } | RunError::SideWithoutSpring { .. } => {
-            match model.frame.springs.as_ref().map(|springs| springs.spread) {
-                Some(Spread::Spacing(_)) => "frame.springs.spacing".to_owned(),
-                Some(Spread::Count(_)) | None => "frame.springs.count".to_owned(),
-            }
-        }
-        RunError::NoSprings { .. } | RunError::SpringsNotMirrored { .. } => "frame.springs.spacing".to_owned(),
+        RunError::SpringsUneven { .. } | RunError::SideWithoutSpring { .. } => "frame.springs.count".to_owned(),
+        RunError::NoHeldEdge { .. } => "frame.hold".to_owned(),
         RunError::CutMisses { cut, .. } => format!("specimen.cuts.{cut}"),
         RunError::CutsPart { .. } | RunError::CutsFree { .. } => "specimen.cuts".to_owned(),
         RunError::FacesCross => "contact".to_owned(),

@@ -103,7 +103,7 @@ impl EnergyCheck {
 
     /// Energy that the film has taken up since the start with the springs on which it hangs, J.
     fn taken_up(&self, energies: &Energies) -> f64 {
-        let inner = |e: &Energies| e.stored + e.absorbed + e.rupture + e.springs + e.spring_damping;
+        let inner = |e: &Energies| e.stored + e.absorbed + e.rupture + e.springs;
         inner(energies) - self.start.as_ref().map_or(0.0, inner)
     }
 

@@ -106,33 +106,17 @@ pub enum RunError {
         /// The number of edges.
         edges: usize,
     },
-    /// The springs of the whole film have no mirror planes.
-    #[error("{count} springs of the whole film, one for each `frame.springs.spacing`, have no mirror planes")]
-    SpringsNotMirrored {
-        /// Their number.
-        count: f64,
-        /// What it has to be a multiple of.
-        multiple: u32,
-        /// The nearest number that fits, and the distance between two then, m.
-        fits: [f64; 2],
-    },
     /// A held side of rectangular film hangs on no spring.
     #[error("no spring stands on the held side `{}`", side.name())]
     SideWithoutSpring {
         /// The side.
         side: Side,
     },
-    /// There is no spring on the held edges.
-    #[error(
-        "held edges of {} mm have no spring where one belongs to {} mm",
-        number::significant(1e3 * length, 4),
-        number::significant(1e3 * spacing, 4)
-    )]
-    NoSprings {
-        /// Distance between two springs, m.
-        spacing: f64,
-        /// Length of the held edges, m.
-        length: f64,
+    /// Springs have no edge to stand on: a side of an imported outline may be a corner.
+    #[error("face {face} has no held edge on which springs stand")]
+    NoHeldEdge {
+        /// The face, counted from one.
+        face: usize,
     },
     /// A cut passes through the middle of no element.
     #[error("a cut passes through no element of face {face}")]
@@ -206,15 +190,10 @@ impl RunError {
                 "use stiffer or more springs, a larger `length` or less pre-strain, or give a `preload`".to_owned()
             }
             RunError::SpringsUneven { edges, .. } => format!("use a multiple of {edges} springs on the computed part"),
-            RunError::SpringsNotMirrored { multiple, fits: [count, spacing], .. } => format!(
-                "use a multiple of {multiple}: {count} springs are {} mm apart; or set `specimen.symmetry` to \"none\"",
-                number::significant(1e3 * spacing, 4)
-            ),
             RunError::SideWithoutSpring { .. } => {
-                "use more springs or a smaller `spacing`, or name the sides that hang on some in `frame.hold`"
-                    .to_owned()
+                "use more springs, or name the sides that hang on some in `frame.hold`".to_owned()
             }
-            RunError::NoSprings { .. } => "use a smaller `spacing`, or give a `count`".to_owned(),
+            RunError::NoHeldEdge { .. } => "name sides that are edges, or hold \"all\"".to_owned(),
             RunError::FacesCross => {
                 "mount them further apart, or leave contact between them out with `contact.film = false`".to_owned()
             }

@@ -71,10 +71,6 @@ pub(super) struct Monitor {
     left: Option<(f64, f64)>,
     /// First time (s) and largest share of slack springs.
     slack: Option<(f64, f64)>,
-    /// First time (s) at which a spring was beyond its curve, and the largest elongation over that of its end.
-    beyond: Option<(f64, f64)>,
-    /// First time (s) at which a spring that pushes was too short, and its least length over that without force.
-    collapsed: Option<(f64, f64)>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     too_wide: Option<TooWide>,
     /// Share of its work that film at a tip would have returned, where that decided.
@@ -180,8 +176,6 @@ impl Monitor {
             slip: None,
             left: None,
             slack: None,
-            beyond: None,
-            collapsed: None,
             too_wide: None,
             returned: None,
             has_bars,
@@ -215,13 +209,8 @@ impl Monitor {
         if let Some(clamp) = clamp {
             self.clamp(view.time, *clamp);
         }
-        if let Some(SpringsState { slack, beyond, collapsed, .. }) = springs {
+        if let Some(SpringsState { slack, .. }) = springs {
             record(&mut self.slack, view.time, *slack);
-            record(&mut self.beyond, view.time, beyond.unwrap_or(0.0));
-            if let Some(length) = collapsed {
-                let (time, least) = self.collapsed.unwrap_or((view.time, f64::INFINITY));
-                self.collapsed = Some((time, least.min(*length)));
-            }
         }
         if torn.is_some() {
             self.too_wide = view.too_wide;
@@ -356,8 +345,6 @@ impl Monitor {
         out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));
         out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
         out.extend(self.slack.map(|(time, share)| Warning::SpringsSlack { time, share }));
-        out.extend(self.beyond.map(|(time, ratio)| Warning::SpringsBeyondCurve { time, ratio }));
-        out.extend(self.collapsed.map(|(time, ratio)| Warning::SpringsCollapsed { time, ratio }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
         out.extend(self.biaxial.map(|(time, share, place)| {
             let coupling = model.faces[place].unsourced_coupling.unwrap_or_default();

@@ -68,10 +68,8 @@ pub struct Detail {
 pub struct SpringDetail {
     /// m.
     pub elongation: f32,
-    /// Of one spring, with that of its dashpot, N; positive in tension.
+    /// N; positive in tension.
     pub force: f32,
-    /// Number of springs that it stands for; a share of one in a continuous support.
-    pub count: f32,
 }
 
 /// Number of snapshots of `films` where `wanted` are requested: as many as fit into [`SNAPSHOT_MEMORY`], at least the
@@ -126,8 +124,8 @@ fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain], detai
     out
 }
 
-fn spring(SpringLoad { elongation, force, count }: SpringLoad) -> SpringDetail {
-    SpringDetail { elongation: elongation as f32, force: force as f32, count: count as f32 }
+fn spring(SpringLoad { elongation, force }: SpringLoad) -> SpringDetail {
+    SpringDetail { elongation: elongation as f32, force: force as f32 }
 }
 
 /// The nodes in contact that belong to one face, counted from its first, ascending.

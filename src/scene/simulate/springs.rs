@@ -8,17 +8,11 @@ use super::fault::RunError;
 use super::film::FilmSpring;
 use super::prestress;
 use crate::mesh::{self, Mesh};
-use crate::model::{Face, Model, Spread, Springs as Written};
-use membrane::engine::{Spring, SpringLaw, Springs};
+use crate::model::{Face, Model, Springs as Written};
+use membrane::engine::Spring;
 
 /// Share of a spring, of a piece of edge or of the extent of film that is round-off.
 const ROUND_OFF: f64 = 1e-6;
-
-/// The springs of all faces while these are mounted.
-pub(super) struct Mounted {
-    springs: Vec<Spring>,
-    law: SpringLaw,
-}
 
 /// A part of the held edge from node to node, with the film to its left.
 #[derive(Clone, Copy)]
@@ -36,50 +30,33 @@ struct Run {
     is_closed: bool,
 }
 
-impl Mounted {
-    /// The springs of `model`, before any face is mounted; none where its edges are fixed.
-    pub(super) fn from_model(model: &Model) -> Option<Mounted> {
-        let springs = model.frame.springs.as_ref()?;
-        Some(Mounted { springs: vec![], law: springs.law.law() })
+/// Adds the springs of the last of `faces` of `model`, with `mesh` and the `held` edges, whose first node is the `first` of
+/// all, to `springs`, which are those of the faces before it; how they look.
+///
+/// # Errors
+/// [`RunError::NoHeldEdge`], [`RunError::SpringsUneven`], [`RunError::SpringTooShort`].
+pub(super) fn mount(
+    springs: &mut Vec<Spring>,
+    (model, written): (&Model, &Written),
+    faces: usize,
+    mesh: &Mesh,
+    held: &[[u32; 2]],
+    first: usize,
+) -> Result<Vec<FilmSpring>, RunError> {
+    let Some(face) = model.faces.get(faces - 1) else { return Ok(vec![]) };
+    let (runs, before) = (runs(pieces(mesh, held), mesh), springs.len());
+    if runs.is_empty() {
+        return Err(RunError::NoHeldEdge { face: faces });
     }
-
-    /// Adds the springs of the last of `faces` of `model`, with `mesh` and the `held` edges, whose first node is the
-    /// `first` of all; how they look.
-    ///
-    /// # Errors
-    /// [`RunError::SpringsUneven`], [`RunError::SpringsNotMirrored`], [`RunError::NoSprings`],
-    /// [`RunError::SpringTooShort`].
-    pub(super) fn mount(
-        &mut self,
-        model: &Model,
-        faces: usize,
-        mesh: &Mesh,
-        held: &[[u32; 2]],
-        first: usize,
-    ) -> Result<Vec<FilmSpring>, RunError> {
-        let (Some(written), Some(face)) = (&model.frame.springs, model.faces.get(faces - 1)) else { return Ok(vec![]) };
-        let (pieces, before) = (pieces(mesh, held), self.springs.len());
-        let length: f64 = pieces.iter().map(Piece::length).sum();
-        let copies = model.specimen.symmetry.copies();
-        let (count, spacing) = match written.spread {
-            Spread::Count(count) => (f64::from(count) / copies, length * copies / f64::from(count)),
-            Spread::Spacing(spacing) if written.continuous => (length / spacing, spacing),
-            // Of the whole film, so that a computed part has its share of the springs that the whole would have.
-            Spread::Spacing(spacing) => {
-                let whole = (length * copies / spacing).round();
-                let multiple = f64::from(written.multiple);
-                if whole % multiple != 0.0 {
-                    let fits = multiple * (whole / multiple).round().max(1.0);
-                    let fits = [fits, length * copies / fits];
-                    return Err(RunError::SpringsNotMirrored { count: whole, multiple: written.multiple, fits });
-                }
-                (whole / copies, spacing)
-            }
-        };
-        let mut attach = |piece: &Piece, normals: [Vector3<f64>; 2], shares: [f64; 2], [count, spacing]: [f64; 2]| {
-            let (outward, pull) = outward(face, normals);
+    let count = f64::from(written.count) / model.specimen.symmetry.copies();
+    for (run, count) in runs.iter().zip(counts(&runs, count as usize)?) {
+        let spacing = run.length() / count as f64;
+        for number in 0..count {
+            let (place, share) = run.at(run.start + (number as f64 + 0.5) * spacing);
+            let (piece, shares) = (&run.pieces[place], [1.0 - share, share]);
+            let (outward, pull) = outward(face, run.normals(place, share));
             let force = written.preload.unwrap_or_else(|| (pull * spacing).max(0.0));
-            let elongation = self.law.elongation_at(force);
+            let elongation = force / written.stiffness;
             if elongation >= written.length {
                 return Err(RunError::SpringTooShort { face: faces, force, elongation });
             }
@@ -87,47 +64,15 @@ impl Mounted {
             let end = piece.from.coords * shares[0] + piece.to.coords * shares[1] + lift;
             let anchor = Point3::from(end + outward * written.length);
             let nodes = piece.nodes.map(|node| first + node as usize);
-            self.springs.push(Spring { nodes, shares, anchor, unstretched: written.length - elongation, count });
-            Ok(())
-        };
-        if written.continuous {
-            // Each end of a piece has half of it, in its own direction: a corner has one spring across each of its sides.
-            for piece in &pieces {
-                let of_half = 0.5 * piece.length() * count / length;
-                attach(piece, [piece.outward(); 2], [1.0, 0.0], [of_half, spacing])?;
-                attach(piece, [piece.outward(); 2], [0.0, 1.0], [of_half, spacing])?;
-            }
-        } else {
-            let runs = runs(pieces, mesh);
-            for (run, count) in runs.iter().zip(counts(&runs, count as usize)?) {
-                let spacing = run.length() / count as f64;
-                for number in 0..count {
-                    let (place, share) = run.at(run.start + (number as f64 + 0.5) * spacing);
-                    attach(&run.pieces[place], run.normals(place, share), [1.0 - share, share], [1.0, spacing])?;
-                }
-            }
-        }
-        if self.springs.len() == before {
-            Err(RunError::NoSprings { spacing, length: length * copies })
-        } else {
-            Ok(self.shown(before, first))
+            springs.push(Spring { nodes, shares, anchor, unstretched: written.length - elongation });
         }
     }
-
-    /// The springs from a number on, of the face whose first node is the `first` of all.
-    fn shown(&self, from: usize, first: usize) -> Vec<FilmSpring> {
-        let shown = |spring: &Spring| FilmSpring {
-            anchor: spring.anchor.coords.map(|x| x as f32).into(),
-            nodes: spring.nodes.map(|node| (node - first) as u32),
-            shares: spring.shares.map(|share| share as f32),
-        };
-        self.springs[from..].iter().map(shown).collect()
-    }
-
-    /// The springs of all faces, with the mass of film multiplied by `mass_scaling`, which theirs follows.
-    pub(super) fn finish(self, written: &Written, mass_scaling: f64, copies: f64) -> Springs {
-        Springs::new(self.springs, self.law, [written.damping, written.mass * mass_scaling], copies)
-    }
+    let shown = |spring: &Spring| FilmSpring {
+        anchor: spring.anchor.coords.map(|x| x as f32).into(),
+        nodes: spring.nodes.map(|node| (node - first) as u32),
+        shares: spring.shares.map(|share| share as f32),
+    };
+    Ok(springs[before..].iter().map(shown).collect())
 }
 
 /// Direction of a spring with these normals of the edge on either side of it, and the force of the pre-strain of `face`

@@ -145,9 +145,8 @@ findings! {
         ) = "step-of-springs", Note;
             meaning "springs of the frame make the stable time step a quarter of the film's or less, so that the run takes many times as \
                 long; a larger element does not help";
-            remedy "use a lower `frame.springs.damping` or `frame.springs.stiffness`, whichever the message names: those of all springs \
-                of a held node over its mass bound the step; a larger `frame.springs.mass` helps too, where springs have it";
-            message "step of springs: `{}` makes the time step {} us, which without springs is {} us", springs.key(),
+            remedy "use a lower `frame.springs.stiffness`: that of all springs of a held node over its mass bounds the step";
+            message "step of springs: `{}` makes the time step {} us, which without springs is {} us", SpringStep::KEY,
                 number::figure(1e6 * springs.step, 2), number::figure(1e6 * springs.free, 2);
         Settled(
             relaxation: Relaxation
@@ -272,30 +271,9 @@ findings! {
         } = "springs-slack", Note;
             meaning "springs on which the film hangs went slack: shorter than without force they do not push, and a real one may \
                 unhook";
-            remedy "nothing, where that is meant; otherwise use a larger `frame.springs.preload`, or \
-                `frame.springs.compression = true` for springs that push";
+            remedy "nothing, where that is meant; otherwise use a larger `frame.springs.preload`";
             message "slack springs: from {} springs of the frame are slack, up to {} % of them",
                 number::duration(*time), percent(share);
-        SpringsBeyondCurve {
-            time: f64, "when it was seen first, s" => "time_s";
-            ratio: f64, "largest elongation over that at which the curve ends" => "elongation_over_end";
-        } = "springs-beyond-curve", Warning;
-            meaning "springs on which the film hangs were elongated beyond the last point of their curve, along whose last \
-                piece the force then goes on; a real spring may yield, reach its stop or break there";
-            remedy "extend `frame.springs.curve`, or use stiffer springs or a lower impact energy";
-            message "springs beyond their curve: from {} they are elongated by up to {} times the end of \
-                `frame.springs.curve`",
-                number::duration(*time), number::figure(*ratio, 3);
-        SpringsCollapsed {
-            time: f64, "when it was seen first, s" => "time_s";
-            ratio: f64, "least length over that without force" => "length_over_free";
-        } = "springs-collapsed", Warning;
-            meaning "springs that push (`frame.springs.compression`) were shorter than half of their length without force: there they \
-                resist across themselves by more than their stiffness, which the time step does not allow for, and one that \
-                is pushed through its end on the frame pulls the film outward";
-            remedy "use a larger `frame.springs.length`, or stiffer springs";
-            message "collapsed springs: from {} springs of the frame are shorter than half of their length without force, down to {} of it",
-                number::duration(*time), number::figure(*ratio, 2);
         StrainLocalisation {
             time: f64, "when it was found first, s" => "time_s";
             strain: f64, "largest engineering strain of the element" => "strain";

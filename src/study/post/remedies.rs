@@ -18,8 +18,6 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::TooFast { .. }
         | Warning::ClampLeft { .. }
         | Warning::ClampSlip { .. }
-        | Warning::SpringsBeyondCurve { .. }
-        | Warning::SpringsCollapsed { .. }
         | Warning::Unfinished(_)
         | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
