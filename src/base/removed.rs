@@ -70,6 +70,7 @@ const REMOVED: &[Removed] = &[
     row(Kind::Key, "frame.springs.damping", "springs are linear and without loss; `specimen.damping` damps film"),
     row(Kind::Key, "frame.springs.mass", "springs have no mass"),
     row(Kind::Key, "frame.springs.spacing", "give their number on the whole film, `frame.springs.count`"),
+    row(Kind::Key, "fabric.wrinkling", "slack fibres carry no stress; `elastic` and `hyperelastic` film wrinkles"),
     row(Kind::Finding, "deck-bending", "film is a membrane here, too"),
     row(Kind::Finding, "springs-beyond-curve", "springs of the frame are linear"),
     row(Kind::Finding, "springs-collapsed", "springs of the frame do not push"),

@@ -175,7 +175,6 @@ impl FabricCurves {
             absorption: fabric.absorption(),
         };
         losses.extend(fabric.has_biaxial().then_some(Loss::BiaxialCoupling));
-        losses.extend(fabric.wrinkles().then_some(Loss::Wrinkling));
         losses.extend(fabric.breaks_by_layers().then_some(Loss::LayerBreaks));
         let [md, td] = curves.ends;
         losses.push(Loss::BreakStrain { md, td });

@@ -243,7 +243,7 @@ fn curves_by_strain_rate() {
     assert!(matches!(by_rate(&[one]), Law::Fabric(_)));
 }
 
-/// `biaxial` and `wrinkling` change the law: at equal strains, and in slack film under shear.
+/// `biaxial` changes the law at equal strains.
 #[test]
 fn what_couples_fibre_sets_is_in_the_law() {
     let law = |change: &str| {
@@ -261,11 +261,6 @@ fn what_couples_fibre_sets_is_in_the_law() {
         let expected = curve.stress(0.2) + added;
         assert!((found[axis][axis][0] / expected - 1.0).abs() < 1e-12, "{found:?}");
     }
-    // MD is slack by 0.1, TD taut and inclined by 0.2.
-    let slack = [[[0.9], [0.0], [0.0]], [[0.2], [1.1], [0.0]]];
-    let [found, without] = [law("specimen.material.fabric.wrinkling=true"), plain].map(|law| law.virgin_stress(slack));
-    assert!(without[0][1][0] > 1e5, "{without:?}");
-    assert!((found[0][1][0] / without[0][1][0] - 1.0).abs() > 0.01, "{found:?} {without:?}");
 }
 
 #[test]

@@ -305,7 +305,6 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [
         ("drop-1508", &["output.frames=20"][..]),
         ("free-sphere", &["output.frames=20"]),
-        ("drop-1508", &["output.frames=20", "loading.impact.duration=25ms", "specimen.material.fabric.wrinkling=true"]),
         ("drop-1508", &["output.frames=20", "loading.impact.duration=25ms", "specimen.material.fabric.biaxial=0.5"]),
         (
             "free-sphere",

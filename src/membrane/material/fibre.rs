@@ -2,7 +2,7 @@
 
 use super::history::FibreHistory;
 use super::{Absorption, Curve};
-use crate::lane::{Lane, lanes, splat};
+use crate::lane::{Lane, splat};
 
 /// Stress of a fibre set as a function of its engineering strain and its history variables, with absorption on
 /// unloading.
@@ -45,9 +45,6 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
         history: &Self::History<L>,
         reach: f64,
     ) -> Lane<L>;
-
-    /// Strain up to which the fibre carries no stress.
-    fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &Self::History<L>) -> Lane<L>;
 
     /// The law whose stress is the mean of those of two laws, times `factor` > 0.
     fn mean(first: &Self, second: &Self, factor: f64) -> Self;
@@ -101,12 +98,6 @@ impl FibreLaw for Curve {
         reach: f64,
     ) -> Lane<L> {
         absorption.largest_slope(self, strain, history, reach)
-    }
-
-    #[inline(always)]
-    fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &Lane<L>) -> Lane<L> {
-        // Where the argument of equation 8 is zero: ε = D ε_m.
-        lanes(|l| absorption.share() * history[l])
     }
 
     fn mean(first: &Curve, second: &Curve, factor: f64) -> Curve {

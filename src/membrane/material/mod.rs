@@ -8,6 +8,7 @@ mod curve;
 mod elastic;
 mod fabric;
 mod fibre;
+mod fibre_strains;
 mod history;
 mod hyperelastic;
 mod layer_breaks;
@@ -410,11 +411,11 @@ impl Material {
 /// Strains of a deformation, the same measures for every law.
 #[inline(always)]
 pub fn strains<const L: usize>(d: &Deformation<L>) -> Strains<L> {
-    let fibres = fabric::Fibres::from_deformation(d);
+    let fibres = fibre_strains::Fibres::from_deformation(d);
     Strains { md: fibres.strain(0), td: fibres.strain(1), shear: fibres.angle }
 }
 
 /// Nominal stresses at a deformation where a law has `stress`.
 pub fn stresses<const L: usize>(d: &Deformation<L>, stress: &Stress<L>) -> Stresses<L> {
-    fabric::Fibres::from_deformation(d).stresses(stress)
+    fibre_strains::Fibres::from_deformation(d).stresses(stress)
 }

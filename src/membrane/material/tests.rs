@@ -150,15 +150,8 @@ fn stress_of_fabric_with_biaxial_coupling_is_the_derivative_of_its_energy() {
 }
 
 #[test]
-fn stress_of_wrinkling_fabric_is_the_derivative_of_its_energy() {
-    check_derivative(&film(0.0).with_wrinkling(), 0.0);
-    check_derivative(&film(0.6).with_wrinkling(), 0.05);
-}
-
-#[test]
 fn stiffness_of_fabric_is_bounded() {
     check_bound(&film(0.0));
-    check_bound(&film(0.0).with_wrinkling());
     check_bound(&film(0.0).with_biaxial(0.8));
 }
 

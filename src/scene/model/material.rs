@@ -62,12 +62,6 @@ fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut ModelDiagnostic
             "name the test, or leave it out",
         );
     }
-    if written.biaxial > 0.0 && written.wrinkling {
-        let message = "a fabric with `biaxial` cannot also wrinkle";
-        mistakes.report_with(&format!("{path}.wrinkling"), message, "leave one of them out");
-        mistakes.label(&format!("{path}.biaxial"), "the coupling");
-        return None;
-    }
     // The range was checked before; there is no law outside it.
     let absorption = Some(written.absorption).filter(|share| (0.0..1.0).contains(share));
     Some(match (md?, td?) {
@@ -82,11 +76,7 @@ fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut ModelDiagnostic
 
 /// The fabric with what couples its fibre sets besides shear.
 fn with_coupling<F: FibreLaw>(fabric: Fabric<F>, written: &scenario::Fabric) -> Fabric<F> {
-    match (written.biaxial > 0.0, written.wrinkling) {
-        (true, _) => fabric.with_biaxial(written.biaxial),
-        (false, true) => fabric.with_wrinkling(),
-        (false, false) => fabric,
-    }
+    if written.biaxial > 0.0 { fabric.with_biaxial(written.biaxial) } else { fabric }
 }
 
 /// The curve of a fibre set, or its curves by strain rate.

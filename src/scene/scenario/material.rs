@@ -97,18 +97,13 @@ pub struct Fabric {
     /// Stress that both directions carry besides their own curves where their strains are equal, over the mean of both
     /// curves with their multipliers: biaxial coupling of MD and TD. Isotropic film with Poisson's ratio ν has ν/(1 − ν),
     /// 0.79 for 0.44; film of two independent fibre sets has none. It pulls at slack fibres too, until film has contracted
-    /// across by as much as it is stretched. Not together with `wrinkling` or `mounting = "quasi-static"`.
+    /// across by as much as it is stretched. Not together with `mounting = "quasi-static"`.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 5, "x-likely" = [0.0, 1.0]))]
     pub biaxial: f64,
     /// Where `biaxial` comes from, in a sentence: a bulge, a wide coupon, a fit. A coupling below 0.5, that of isotropic film
     /// with ν = 1/3, is reported (`uncoupled-biaxial`) where film is stretched in both directions, unless this tells its source.
     pub biaxial_source: Option<String>,
-    /// Whether the film wrinkles under any compression, shear included, so that it carries tension only (tension
-    /// field); otherwise a slack fibre alone carries no stress, and slack film in shear keeps a compression. Not together
-    /// with `biaxial`.
-    #[serde(default)]
-    pub wrinkling: bool,
     /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest
     /// to the highest of these, of both sets where both have them, where it is left out.
     #[schemars(transform = schema::positive_items)]

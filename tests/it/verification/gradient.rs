@@ -67,8 +67,6 @@ fn forces_are_the_gradient_of_the_energy() {
         ("fabric on unloading, D 0.89", fabric(0.8896, "biaxial=0"), true),
         ("fabric with biaxial coupling, without absorption", fabric(0.0, "biaxial=0.79"), false),
         ("fabric with biaxial coupling on unloading, D 0.89", fabric(0.8896, "biaxial=0.79"), true),
-        ("wrinkling fabric without absorption", fabric(0.0, "wrinkling=true"), false),
-        ("wrinkling fabric on unloading, D 0.89", fabric(0.8896, "wrinkling=true"), true),
     ];
     let rubber = sheet::rubbers(false).into_iter().map(|(name, material)| (name.to_owned(), material, false));
     let wrinkling =

@@ -58,10 +58,8 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         (drop(&[&fine[..2], &["layers.faces=[0.0, -2e-3]", "contact.film=true", "specimen.damping=50"]].concat()), 150),
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=tri3"]), 400),
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=quad4-full", "specimen.damping=50"]), 400),
-        (drop(&["specimen.mesh.size=20mm", "specimen.material.fabric.wrinkling=true"]), 1500),
         (drop(&["specimen.mesh.size=20mm", "specimen.material.fabric.biaxial=0.79"]), 400),
         (drop(&["specimen.mesh.size=20mm", PRONY, "specimen.rest=1 ms"]), 400),
-        (drop(&["specimen.mesh.size=20mm", PRONY, "specimen.material.fabric.wrinkling=true"]), 400),
         // So coarse that there is face contact.
         (drop(&["specimen.mesh.size=50mm"]), 1500),
         (shipped("../tests/golden/indent-disc/scenario.toml", &[]), 400),
@@ -143,7 +141,7 @@ fn forces_of<M: MembraneLaw + Clone, const L: usize>(
 fn an_element_has_the_same_force_in_any_number_of_lanes() {
     let by_rate = "specimen.material=scenarios/materials/lldpe-rates.toml";
     let with = |change: &str| shipped("drop/1008.toml", &["specimen.mesh.size=20mm", change]);
-    let changes = [by_rate, "specimen.material.fabric.wrinkling=true", "specimen.material.fabric.biaxial=0.79", PRONY];
+    let changes = [by_rate, "specimen.material.fabric.biaxial=0.79", PRONY];
     for model in std::iter::once(small()).chain(changes.map(with)) {
         let mesh = apart(&build(&model, &model.faces[0]).expect("a mesh"));
         let expected = forces::<1>(&mesh, &model, Width::Baseline);

@@ -72,8 +72,6 @@ fn the_frequency_of_random_elements_is_below_its_bound() {
         ("fabric, D 0.89, unloading", fabric(0.8896, "biaxial=0"), History::Unloading),
         ("fabric with biaxial coupling", fabric(0.0, "biaxial=0.79"), History::Loading),
         ("fabric with biaxial coupling, D 0.89, unloading", fabric(0.8896, "biaxial=0.79"), History::Unloading),
-        ("wrinkling fabric", fabric(0.0, "wrinkling=true"), History::Loading),
-        ("wrinkling fabric, D 0.89, unloading", fabric(0.8896, "wrinkling=true"), History::Unloading),
     ];
     for (name, material, history) in laws {
         for kind in ELEMENTS {

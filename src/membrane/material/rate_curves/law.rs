@@ -194,13 +194,6 @@ impl FibreLaw for RateCurves {
         slope
     }
 
-    #[inline(always)]
-    fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &RateHistory<L>) -> Lane<L> {
-        let peak_energy = self.peak_energy(&self.log_rate(&history.slowness), history);
-        let steepening = RateCurves::steepening(absorption, history, &peak_energy);
-        lanes(|l| history.peak[l] * (1.0 - 1.0 / steepening[l]))
-    }
-
     fn mean(first: &RateCurves, second: &RateCurves, factor: f64) -> RateCurves {
         let mut rates: Vec<f64> = first.rates().chain(second.rates()).collect();
         rates.sort_by(f64::total_cmp);

@@ -122,7 +122,6 @@ fn held_film_relaxes_by_the_series() {
     check(rubber(), &plane(2.0, 0.5, 1.4));
     check(film(0.0), &plane(1.6, 0.3, 1.4));
     check(film(0.0).with_biaxial(0.8), &plane(1.6, 0.3, 1.4));
-    check(film(0.0).with_wrinkling(), &plane(1.6, 0.3, 0.9));
 }
 
 /// The hereditary integral S° − Σ g/τ ∫ e^(−(t−s)/τ) S°(s) ds of a motion, by Simpson's rule, of each component in the

@@ -1,10 +1,10 @@
 //! Stretches and shear angle of two fibre sets, and the stress that follows from the values of their curves.
 
-use super::super::{Deformation, Stress, Stresses};
+use super::{Deformation, Stress, Stresses};
 use crate::lane::{Lane, Lane3, dot, lanes, larger, smaller, splat};
 
 /// |sin γ| up to which the shear angle is the arcsine.
-pub(super) const SINE_BOUND: f64 = 0.95;
+const SINE_BOUND: f64 = 0.95;
 
 /// γ/sin γ in powers of cos γ − [`CENTRE`], |sin γ| up to the bound: interpolation at Chebyshev nodes, within 1.2e-16.
 /// As a function of the cosine it is smooth through γ = 0, where the arcsine as a function of the sine would need
@@ -43,31 +43,9 @@ fn angle_over_sine(cosine: f64) -> f64 {
     eight(0) + eight(1) * (t4 * t4)
 }
 
-/// Metric of a deformation: all that the law depends on.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Metric<const L: usize> {
-    /// λ₁² and λ₂².
-    pub(super) square: [Lane<L>; 2],
-    /// f₁·f₂.
-    pub(super) product: Lane<L>,
-}
-
-impl<const L: usize> Metric<L> {
-    #[inline(always)]
-    pub(super) fn from_deformation(d: &Deformation<L>) -> Metric<L> {
-        let [f1, f2] = &d.f;
-        let mut metric = Metric { square: [dot(f1, f1), dot(f2, f2)], product: dot(f1, f2) };
-        for l in 0..L {
-            metric.square[0][l] += d.stretch_variance[0][l];
-            metric.square[1][l] += d.stretch_variance[1][l];
-        }
-        metric
-    }
-}
-
 /// The fibres of a deformation.
 #[derive(Clone, Copy, Debug)]
-pub(in super::super) struct Fibres<const L: usize> {
+pub(super) struct Fibres<const L: usize> {
     pub(super) stretch: [Lane<L>; 2],
     /// 1/m_i.
     pub(super) inverse: [Lane<L>; 2],
@@ -76,17 +54,18 @@ pub(in super::super) struct Fibres<const L: usize> {
     /// dγ/d(sin γ).
     pub(super) secant: Lane<L>,
     /// Shear angle γ, rad.
-    pub(in super::super) angle: Lane<L>,
+    pub(super) angle: Lane<L>,
 }
 
 impl<const L: usize> Fibres<L> {
     #[inline(always)]
-    pub(in super::super) fn from_deformation(d: &Deformation<L>) -> Fibres<L> {
-        Fibres::from_metric(&Metric::from_deformation(d))
-    }
-
-    #[inline(always)]
-    pub(super) fn from_metric(metric: &Metric<L>) -> Fibres<L> {
+    pub(super) fn from_deformation(d: &Deformation<L>) -> Fibres<L> {
+        let [f1, f2] = &d.f;
+        let (mut square, product) = ([dot(f1, f1), dot(f2, f2)], dot(f1, f2));
+        for l in 0..L {
+            square[0][l] += d.stretch_variance[0][l];
+            square[1][l] += d.stretch_variance[1][l];
+        }
         let mut out = Fibres {
             stretch: [splat(0.0); 2],
             inverse: [splat(0.0); 2],
@@ -95,8 +74,8 @@ impl<const L: usize> Fibres<L> {
             angle: splat(0.0),
         };
         for l in 0..L {
-            out.stretch[0][l] = metric.square[0][l].sqrt();
-            out.stretch[1][l] = metric.square[1][l].sqrt();
+            out.stretch[0][l] = square[0][l].sqrt();
+            out.stretch[1][l] = square[1][l].sqrt();
             let (m1, m2) = (larger(out.stretch[0][l], 1.0), larger(out.stretch[1][l], 1.0));
             // One division for two inverses: divisions are what this loop costs.
             let both = 1.0 / (m1 * m2);
@@ -104,7 +83,7 @@ impl<const L: usize> Fibres<L> {
             out.inverse[1][l] = m1 * both;
         }
         for l in 0..L {
-            let sine = metric.product[l] * out.inverse[0][l] * out.inverse[1][l];
+            let sine = product[l] * out.inverse[0][l] * out.inverse[1][l];
             let bounded = smaller(larger(sine, -SINE_BOUND), SINE_BOUND);
             let cosine = (1.0 - bounded * bounded).sqrt();
             out.sine[l] = sine;
@@ -117,7 +96,7 @@ impl<const L: usize> Fibres<L> {
     }
 
     #[inline(always)]
-    pub(in super::super) fn strain(&self, fibre: usize) -> Lane<L> {
+    pub(super) fn strain(&self, fibre: usize) -> Lane<L> {
         lanes(|l| self.stretch[fibre][l] - 1.0)
     }
 
@@ -128,7 +107,7 @@ impl<const L: usize> Fibres<L> {
     }
 
     /// Nominal stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
-    pub(in super::super) fn stresses(&self, stress: &Stress<L>) -> Stresses<L> {
+    pub(super) fn stresses(&self, stress: &Stress<L>) -> Stresses<L> {
         let mut out = Stresses { md: splat(0.0), td: splat(0.0), shear: splat(0.0) };
         for l in 0..L {
             let along = |fibre: usize| {

@@ -10,18 +10,12 @@
 //! and the same with the indices exchanged. γ is the angle by which taut fibres deviate from their right angle;
 //! a slack fibre carries no stress, and its part in shear decreases with its length instead of growing without bound.
 //! Beyond |sin γ| = 0.95 the angle is continued along its tangent, so that the force is bounded as the fibres align.
-//! Biaxial coupling adds W_b(ε₁ + ε₂) (equation 4b), wrinkling relaxes the energy (8b).
-
-mod fibres;
-mod wrinkles;
-
-pub(super) use fibres::Fibres;
-use fibres::Metric;
-use wrinkles::TrialStresses;
+//! Biaxial coupling adds W_b(ε₁ + ε₂) (equation 4b).
 
 use serde::{Deserialize, Serialize};
 
 use super::fibre::FibreLaw;
+use super::fibre_strains::Fibres;
 use super::history::PointHistory;
 use super::{
     Absorption, Curve, Deformation, Energy, LayerBreaks, Measure, MembraneLaw, Stiffness, Stress, ViscousBase,
@@ -38,18 +32,8 @@ pub struct Fabric<F = Curve> {
     shear: Curve,
     absorption: Absorption,
     layer_breaks: LayerBreaks,
-    coupling: Coupling<F>,
-}
-
-/// Coupling of the fibre sets besides shear.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum Coupling<F> {
-    /// Nothing.
-    None,
     /// The stress σ_b over (ε₁ + ε₂)/2 that both directions carry besides their own.
-    Biaxial(F),
-    /// Wrinkles, which lengthen both.
-    Wrinkles,
+    biaxial: Option<F>,
 }
 
 impl<F: FibreLaw> Fabric<F> {
@@ -57,21 +41,15 @@ impl<F: FibreLaw> Fabric<F> {
     /// and the share 0 ≤ `absorption` < 1 of the stored energy that is lost on unloading, in the fibres and in shear.
     pub fn new(md: F, td: F, shear: Curve, absorption: f64) -> Fabric<F> {
         let absorption = Absorption::new(absorption);
-        Fabric { md, td, shear, absorption, layer_breaks: LayerBreaks::default(), coupling: Coupling::None }
+        Fabric { md, td, shear, absorption, layer_breaks: LayerBreaks::default(), biaxial: None }
     }
 
     /// This film with biaxial coupling: where the strains of both directions are equal, each carries `ratio` > 0
-    /// times the mean stress of both curves besides its own (theory.md, equation 4b). It does not wrinkle.
+    /// times the mean stress of both curves besides its own (theory.md, equation 4b).
     pub fn with_biaxial(self, ratio: f64) -> Fabric<F> {
         assert!(ratio > 0.0 && ratio.is_finite(), "ratio of biaxial coupling: {ratio}");
-        let coupling = Coupling::Biaxial(F::mean(&self.md, &self.td, ratio));
-        Fabric { coupling, ..self }
-    }
-
-    /// This film without compression along any direction (tension field; theory.md, equation 8b) and without
-    /// biaxial coupling.
-    pub fn with_wrinkling(self) -> Fabric<F> {
-        Fabric { coupling: Coupling::Wrinkles, ..self }
+        let biaxial = Some(F::mean(&self.md, &self.td, ratio));
+        Fabric { biaxial, ..self }
     }
 
     /// This film of layers that break one after another.
@@ -96,12 +74,7 @@ impl<F: FibreLaw> Fabric<F> {
 
     /// Whether MD and TD are coupled under biaxial load.
     pub fn has_biaxial(&self) -> bool {
-        matches!(self.coupling, Coupling::Biaxial(_))
-    }
-
-    /// Whether it carries no compression along any direction.
-    pub fn wrinkles(&self) -> bool {
-        matches!(self.coupling, Coupling::Wrinkles)
+        self.biaxial.is_some()
     }
 
     /// Whether its layers break one after another.
@@ -115,69 +88,19 @@ impl<F: FibreLaw> Fabric<F> {
     }
 }
 
-/// The curves of a fabric with the history variables of points, `dt` (s) after they were updated; at the present rate
-/// where it is none.
-struct Curves<'a, F: FibreLaw, const L: usize> {
-    fabric: &'a Fabric<F>,
-    history: &'a PointHistory<F::History<L>, L>,
-    dt: Option<f64>,
-}
-
-impl<F: FibreLaw, const L: usize> TrialStresses<L> for Curves<'_, F, L> {
-    #[inline(always)]
-    fn stresses(&self, strains: &[Lane<L>; 3]) -> [Lane<L>; 3] {
-        let (fabric, history) = (self.fabric, self.history);
-        let along = |fibre: usize, law: &F| match self.dt {
-            // On a copy: trials must not raise the peak strains, as only the last one is where the film is.
-            Some(dt) => law.stress(&fabric.absorption, &strains[fibre], &mut history.fibres[fibre].clone(), dt),
-            None => law.stress_near(&fabric.absorption, &strains[fibre], &history.fibres[fibre]),
-        };
-        let shear = fabric.absorption.stress(&fabric.shear, &strains[2], &mut history.shear.clone());
-        of_layers_left([along(0, &fabric.md), along(1, &fabric.td), shear], &history.left)
-    }
-
-    #[inline(always)]
-    fn slack(&self) -> [Lane<L>; 2] {
-        let Fabric { md, td, absorption, .. } = self.fabric;
-        let [history_md, history_td] = &self.history.fibres;
-        [md.slack_strain(absorption, history_md), td.slack_strain(absorption, history_td)]
-    }
-}
-
-impl<F: FibreLaw> Fabric<F> {
-    /// The fibres at `d`, `dt` (s) after the history variables were updated; at the present rate where it is none.
-    #[inline(always)]
-    fn fibres<const L: usize>(
-        &self,
-        d: &Deformation<L>,
-        history: &PointHistory<F::History<L>, L>,
-        dt: Option<f64>,
-    ) -> Fibres<L> {
-        let metric = Metric::from_deformation(d);
-        match self.coupling {
-            Coupling::Wrinkles => {
-                Fibres::from_metric(&wrinkles::relaxed(&metric, &Curves { fabric: self, history, dt }))
-            }
-            Coupling::None | Coupling::Biaxial(_) => Fibres::from_metric(&metric),
-        }
-    }
-}
-
 impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     type History<const L: usize> = PointHistory<F::History<L>, L>;
     const MEASURE: Option<Measure> = Some(Measure::Fibres);
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L> {
-        let fibres = self.fibres(d, history, Some(dt));
+        let fibres = Fibres::from_deformation(d);
         let [history_md, history_td] = &mut history.fibres;
-        // Histories follow the fibres at C*, by whose strains they break, not the film, which may be shorter
-        // (theory.md, below equation 8c).
         let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
         let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
         let shear = self.absorption.stress(&self.shear, &fibres.shear(), &mut history.shear);
         let mut tensions = fibres.tensions(&of_layers_left([md, td, shear], &history.left));
-        if let Coupling::Biaxial(law) = &self.coupling {
+        if let Some(law) = &self.biaxial {
             let stress = law.stress(&self.absorption, &fibres.mean_strain(), &mut history.biaxial, dt);
             tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
         }
@@ -186,7 +109,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
 
     #[inline(always)]
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L> {
-        let fibres = self.fibres(d, history, None);
+        let fibres = Fibres::from_deformation(d);
         let parts = [
             self.md.energy(&self.absorption, &fibres.strain(0), &history.fibres[0]),
             self.td.energy(&self.absorption, &fibres.strain(1), &history.fibres[1]),
@@ -202,7 +125,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
                 total.absorbed[l] += absorbed[l];
             }
         }
-        if let Coupling::Biaxial(law) = &self.coupling {
+        if let Some(law) = &self.biaxial {
             let (stored, absorbed) = law.energy(&self.absorption, &fibres.mean_strain(), &history.biaxial);
             let (stored, absorbed) = (of_both_left(stored, &history.left), of_both_left(absorbed, &history.left));
             for l in 0..L {
@@ -218,12 +141,17 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stiffness<L> {
         /// Change of strain for which the bound holds.
         const REACH: f64 = 0.005;
-        let fibres = self.fibres(d, history, None);
+        let fibres = Fibres::from_deformation(d);
         let angle = fibres.shear();
         let strains = [fibres.strain(0), fibres.strain(1), angle];
-        let mut tensions = fibres.tensions(&Curves { fabric: self, history, dt: None }.stresses(&strains));
+        let near = [
+            self.md.stress_near(&self.absorption, &strains[0], &history.fibres[0]),
+            self.td.stress_near(&self.absorption, &strains[1], &history.fibres[1]),
+            self.absorption.stress(&self.shear, &angle, &mut history.shear.clone()),
+        ];
+        let mut tensions = fibres.tensions(&of_layers_left(near, &history.left));
         let mut biaxial = splat(0.0);
-        if let Coupling::Biaxial(law) = &self.coupling {
+        if let Some(law) = &self.biaxial {
             let mean = fibres.mean_strain();
             let stress = law.stress_near(&self.absorption, &mean, &history.biaxial);
             tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
@@ -255,10 +183,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             // stress so far bounds unloading.
             shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
         }
-        // Motion acts on the tangent vectors of the film, wrinkled or not.
-        let product = Metric::from_deformation(d).product;
-        let alignment = lanes(|l| product[l] * fibres.inverse[0][l] * fibres.inverse[1][l]);
-        Stiffness { along, across, shear, alignment, any: splat(0.0) }
+        Stiffness { along, across, shear, alignment: fibres.sine, any: splat(0.0) }
     }
 
     /// Undefined: the curves are of the stress-free cross-section and do not include the change of thickness.
@@ -273,19 +198,12 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     /// None where a curve does not rise from the origin.
     fn viscous(&self) -> Option<ViscousBase> {
         let ([md, td], shear) = (self.moduli(), self.shear.initial_slope());
-        let between = match &self.coupling {
-            Coupling::Biaxial(law) => 0.5 * law.initial_slope(),
-            Coupling::None | Coupling::Wrinkles => 0.0,
-        };
-        let compression = match self.coupling {
-            Coupling::Wrinkles => WithoutCompression::AnyDirection,
-            Coupling::None | Coupling::Biaxial(_) => WithoutCompression::Fibres,
-        };
+        let between = self.biaxial.as_ref().map_or(0.0, |law| 0.5 * law.initial_slope());
         let determinant = (md + between) * (td + between) - between * between;
         let compliance =
             [(td + between) / determinant, (md + between) / determinant, -between / determinant, 1.0 / shear];
         let rises = determinant > 0.0 && shear > 0.0;
-        rises.then_some(ViscousBase { measure: Measure::Fibres, compression, compliance })
+        rises.then_some(ViscousBase { measure: Measure::Fibres, compression: WithoutCompression::Fibres, compliance })
     }
 
     fn moduli(&self) -> [f64; 2] {
