@@ -33,13 +33,16 @@ fn model(name: &str, text: &str) -> Model {
 #[test]
 fn a_diameter_is_twice_the_radius_and_replaces_an_inherited_one() {
     let text = "extends = \"tower.toml\"\nimpactor.shape.sphere.diameter = \"80 mm\"\n\
-                specimen.shape = { circle = { diameter = \"0.4 m\" } }\nframe.bars = { diameter = \"2 mm\", friction = 0.3 }\n\
+                specimen.shape = { circle = { diameter = \"0.4 m\" } }\n\
                 layers.faces = [\"0 mm\"]\n";
     let model = model("dart", text);
     assert_eq!(model.specimen.shape, Outline::Circle { radius: 0.2 });
     let shape = &model.impactors[0].shape;
     assert!(matches!(shape, ImpactorShape::Sphere { radius } if *radius == 0.04), "{shape:?}");
-    assert_eq!(model.frame.bars.as_ref().map(|bars| bars.radius), Some(0.001));
+    let bars = self::model("bars", "extends = \"tower.toml\"\nframe.bars = { diameter = \"2 mm\", friction = 0.3 }\n")
+        .frame
+        .bars;
+    assert_eq!(bars.map(|bars| bars.radius), Some(0.001));
 }
 
 #[test]

@@ -147,11 +147,11 @@ fn failed_elements_are_left_out_and_series_written_on_request_only() {
     assert!(!results.join("film.pvd").exists() && !results.join("vtu").exists());
 }
 
-/// A ring of bars around a disc: its extent is that of a torus, and the ball is a series of its own.
+/// Bars around a square: they reach beyond it by their radius, and the ball is a series of its own.
 #[test]
 fn the_bars_of_a_frame_have_a_series() {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = "specimen.shape.circle.radius = 0.1
+    let text = "specimen.shape.rectangle = [0.2, 0.2]
          specimen.mesh = { element = \"quad4\", size = 0.02 }
          specimen.material = { density = 915, thickness = 20e-6, elastic = { young = 1e6, poisson = 0.3 } }
          layers.prestrain = { md = 0.02, td = 0.02 }

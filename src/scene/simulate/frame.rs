@@ -30,16 +30,15 @@ pub(super) fn bars(model: &Model, films: &[Film]) -> Result<Option<Impact>, RunE
     };
     let half_height = (0.5 * (crest - lowest) - radius).max(0.0);
     let surface = match &model.specimen.shape {
-        Outline::Circle { radius: opening } => Surface::round_bar(*opening, radius, half_height)?,
         Outline::Rectangle { x, y } => {
             let lines = around_rectangle([0.5 * x, 0.5 * y], &model.frame.hold, BEYOND * radius);
-            Surface::straight_bars(&lines, radius, half_height)?
+            Surface::bars(&lines, radius, half_height)?
         }
         Outline::Polygon(polygon) => {
             let lines = around_polygon(polygon, model.specimen.symmetry.mirrors());
-            Surface::straight_bars(&lines, radius, half_height)?
+            Surface::bars(&lines, radius, half_height)?
         }
-        Outline::Mesh { .. } => return Ok(None),
+        Outline::Circle { .. } | Outline::Mesh { .. } => return Ok(None),
     };
     let offset = films.iter().flat_map(|film| film.nodes.clone().map(|_| 0.5 * film.thickness)).collect();
     let contact = Contact::new(surface, friction, model.specimen.symmetry.copies(), offset);

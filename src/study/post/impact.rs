@@ -291,7 +291,7 @@ mod tests {
     /// into its guide.
     #[test]
     fn what_bars_take_is_not_absorbed_by_the_film() {
-        let text = "specimen.shape.circle.radius = 0.1
+        let text = "specimen.shape.rectangle = [0.2, 0.2]
              specimen.mesh = { element = \"quad4\", size = 0.02 }
              specimen.material = { density = 915, thickness = 20e-6, elastic = { young = 1e6, poisson = 0.3 } }
              frame.bars = { radius = 0.01, friction = 0.2 }

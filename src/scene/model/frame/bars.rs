@@ -37,8 +37,13 @@ pub(super) fn check(
     }
     let opening = match (shape?, hold) {
         (Outline::Mesh { .. }, _) => {
-            let hint = "give the outline as a rectangle, a circle or a polygon";
+            let hint = "give the outline as a rectangle or a polygon";
             mistakes.report_with(PATH, "bars along the edge of an imported mesh are not supported", hint);
+            return None;
+        }
+        (Outline::Circle { .. }, _) => {
+            let hint = "give the outline as a polygon with many corners";
+            mistakes.report_with(PATH, "bars along a circle are not supported", hint);
             return None;
         }
         (Outline::Polygon(_), Hold::Sides(_)) => {
@@ -53,7 +58,6 @@ pub(super) fn check(
         }
         // No circle in a polygon is larger.
         (Outline::Polygon(polygon), _) => 2.0 * polygon.area() / polygon.perimeter(),
-        (Outline::Circle { radius }, _) => *radius,
         (Outline::Rectangle { x, y }, hold) => {
             let spans = |low, high, length: f64| {
                 let held = [low, high].into_iter().filter(|side| hold.holds(*side)).count();

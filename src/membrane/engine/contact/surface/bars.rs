@@ -1,10 +1,9 @@
-//! Bars along a frame: all points within a radius of upright walls over straight lines or over a circle.
+//! Bars along a frame: all points within a radius of upright walls over straight lines.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 use parry3d_f64::math::Vector;
-use parry3d_f64::shape::Triangle;
 
 use super::convex::Convex;
 use super::projection::Projection;
@@ -16,41 +15,30 @@ use crate::lane::{larger, smaller};
 /// twice as much.
 const FLAT: f64 = 1e-3;
 
-/// Straight pieces of a circular bar where it meets a body that is no ball.
-const PIECES: usize = 128;
-
 /// Bars in the plane z = 0.
 #[derive(Clone, Debug)]
 pub(super) struct Bars {
-    axes: Vec<Axis>,
+    lines: Vec<Line>,
     /// m.
     radius: f64,
     /// Half the height of the walls, m; zero where bars are round.
     half_height: f64,
-    /// Straight convex pieces.
+    /// Their convex pieces, one a line.
     pieces: Vec<Piece>,
 }
 
 /// The axis of a bar.
 #[derive(Clone, Copy, Debug)]
-enum Axis {
-    /// A straight line.
-    Line {
-        /// Its beginning, m.
-        from: Vector2<f64>,
-        /// Its direction.
-        along: Vector2<f64>,
-        /// m.
-        length: f64,
-    },
-    /// A circle about the origin.
-    Circle {
-        /// m.
-        radius: f64,
-    },
+struct Line {
+    /// Its beginning, m.
+    from: Vector2<f64>,
+    /// Its direction.
+    along: Vector2<f64>,
+    /// m.
+    length: f64,
 }
 
-/// A straight convex piece of a bar.
+/// A bar as a convex body.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     /// About its centre.
@@ -60,94 +48,43 @@ pub(super) struct Piece {
     pub(super) reach: f64,
 }
 
-impl Axis {
-    /// The vector from the point of the axis nearest to `place` to it, m.
+impl Line {
+    /// The vector from the point of the line nearest to `place` to it, m.
     #[inline(always)]
     fn offset(&self, place: &Vector2<f64>) -> Vector2<f64> {
-        match *self {
-            Axis::Line { from, along, length } => {
-                let arm = place - from;
-                arm - along * larger(smaller(arm.dot(&along), length), 0.0)
-            }
-            Axis::Circle { radius } => {
-                let distance = place.norm();
-                // Any point of the circle is nearest to its centre.
-                if distance > 0.0 { place * ((distance - radius) / distance) } else { Vector2::new(-radius, 0.0) }
-            }
-        }
+        let arm = place - self.from;
+        arm - self.along * larger(smaller(arm.dot(&self.along), self.length), 0.0)
     }
 
-    /// Its length, m.
-    fn length(&self) -> f64 {
-        match *self {
-            Axis::Line { length, .. } => length,
-            Axis::Circle { radius } => TAU * radius,
-        }
-    }
-
-    /// Straight lines along it: middle, direction and half the length of each, m.
-    fn lines(&self) -> Vec<(Vector2<f64>, Vector2<f64>, f64)> {
-        match *self {
-            Axis::Line { from, along, length } => vec![(from + along * (0.5 * length), along, 0.5 * length)],
-            Axis::Circle { radius } => {
-                let half = PI / PIECES as f64;
-                // Corners lie outside the circle by as much as the middles of the lines lie inside.
-                let middle = radius * 2.0 * half.cos() / (1.0 + half.cos());
-                let line = |k: usize| {
-                    let (sin, cos) = (2.0 * half * k as f64).sin_cos();
-                    (Vector2::new(cos, sin) * middle, Vector2::new(-sin, cos), middle * half.tan())
-                };
-                (0..PIECES).map(line).collect()
-            }
-        }
-    }
-
-    /// How far it reaches along a direction, m.
-    fn reach(&self, direction: &Vector2<f64>) -> f64 {
-        match *self {
-            Axis::Line { from, along, length } => from.dot(direction).max((from + along * length).dot(direction)),
-            Axis::Circle { radius } => radius * direction.norm(),
-        }
-    }
-
-    /// Largest distance from the origin, m.
-    fn extent(&self) -> f64 {
-        match *self {
-            Axis::Line { from, along, length } => from.norm().max((from + along * length).norm()),
-            Axis::Circle { radius } => radius,
-        }
+    /// Its end, m.
+    fn to(&self) -> Vector2<f64> {
+        self.from + self.along * self.length
     }
 }
 
 impl Bars {
     /// Bars of `radius` and walls of `half_height` (m) over straight `lines` from point to point.
-    pub(super) fn straight(lines: &[[[f64; 2]; 2]], radius: f64, half_height: f64) -> Bars {
+    pub(super) fn new(lines: &[[[f64; 2]; 2]], radius: f64, half_height: f64) -> Bars {
         let line = |[from, to]: &[[f64; 2]; 2]| {
             let [from, to] = [Vector2::from(*from), Vector2::from(*to)];
             let length = (to - from).norm();
-            Axis::Line { from, along: (to - from) / length, length }
+            Line { from, along: (to - from) / length, length }
         };
-        Bars::from_axes(lines.iter().map(line).collect(), radius, half_height)
-    }
-
-    /// A bar of `radius` and walls of `half_height` (m) over the circle of the radius `opening` (m) about the origin.
-    pub(super) fn round(opening: f64, radius: f64, half_height: f64) -> Bars {
-        Bars::from_axes(vec![Axis::Circle { radius: opening }], radius, half_height)
-    }
-
-    fn from_axes(axes: Vec<Axis>, radius: f64, half_height: f64) -> Bars {
+        let lines: Vec<Line> = lines.iter().map(line).collect();
         let flat = FLAT * radius;
-        let piece = |(middle, along, half): (Vector2<f64>, Vector2<f64>, f64)| {
+        let piece = |line: &Line| {
+            let half = 0.5 * line.length;
+            let middle = line.from + line.along * half;
             let core = Convex::Cuboid { half: [half, flat, half_height.max(flat)] };
-            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), along.y.atan2(along.x));
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), line.along.y.atan2(line.along.x));
             Piece {
                 solid: Solid::rounded(core, Vector::ZERO, radius - flat),
                 place: Isometry3::from_parts(Vector3::new(middle.x, middle.y, 0.0).into(), turn),
                 reach: half + half_height + radius,
             }
         };
-        let pieces = axes.iter().flat_map(Axis::lines).map(piece).collect();
-        Bars { axes, radius, half_height, pieces }
+        let pieces = lines.iter().map(piece).collect();
+        Bars { lines, radius, half_height, pieces }
     }
 
     /// m.
@@ -155,7 +92,7 @@ impl Bars {
         self.radius
     }
 
-    /// Straight convex pieces of all bars.
+    /// All bars as convex bodies.
     pub(super) fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
@@ -163,14 +100,14 @@ impl Bars {
     /// Volume of all bars, without what is round at their ends, m³.
     pub(super) fn volume(&self) -> f64 {
         let section = PI * self.radius * self.radius + 4.0 * self.radius * self.half_height;
-        section * self.axes.iter().map(Axis::length).sum::<f64>()
+        section * self.lines.iter().map(|line| line.length).sum::<f64>()
     }
 
     /// The vectors to `place` (m, body axes) from the nearest point of the wall of each bar.
     fn offsets(&self, place: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> + use<'_> {
         let (flat, up) = (place.xy(), place.z - place.z.clamp(-self.half_height, self.half_height));
-        self.axes.iter().map(move |axis| {
-            let offset = axis.offset(&flat);
+        self.lines.iter().map(move |line| {
+            let offset = line.offset(&flat);
             Vector3::new(offset.x, offset.y, up)
         })
     }
@@ -180,8 +117,8 @@ impl Bars {
     pub(super) fn offset(&self, place: &Vector3<f64>) -> Vector3<f64> {
         let flat = place.xy();
         let (mut least, mut nearest) = (f64::INFINITY, Vector2::from_element(f64::INFINITY));
-        for axis in &self.axes {
-            let offset = axis.offset(&flat);
+        for line in &self.lines {
+            let offset = line.offset(&flat);
             // Compared in the plane, since all bars have the same height: one root for the nearest instead of one a
             // bar.
             let squared = offset.x * offset.x + offset.y * offset.y;
@@ -234,29 +171,22 @@ impl Bars {
         point
     }
 
-    /// Points of a triangle (body axes) from which [`Bars::nearest`] is looked for: next to a round bar, a large
-    /// triangle may have several nearest points.
-    pub(super) fn starts(&self, triangle: &Triangle) -> impl Iterator<Item = Vector> + use<> {
-        let is_round = self.axes.iter().any(|axis| matches!(axis, Axis::Circle { .. }));
-        let is_large = (triangle.a - triangle.b).length_squared() > self.radius * self.radius;
-        let more = [triangle.a, triangle.b].into_iter().filter(move |_| is_round && is_large);
-        std::iter::once(triangle.center()).chain(more)
-    }
-
     /// How far it reaches along the unit vector `direction`, m.
     pub(super) fn reach(&self, direction: &Vector3<f64>) -> f64 {
-        let flat = self.axes.iter().map(|axis| axis.reach(&direction.xy())).fold(f64::NEG_INFINITY, f64::max);
+        let along = direction.xy();
+        let of_line = |line: &Line| line.from.dot(&along).max(line.to().dot(&along));
+        let flat = self.lines.iter().map(of_line).fold(f64::NEG_INFINITY, f64::max);
         flat + self.half_height * direction.z.abs() + self.radius
     }
 
     /// Radius of a sphere about the origin that holds all bars, m.
     pub(super) fn bounding_radius(&self) -> f64 {
-        self.axes.iter().map(Axis::extent).fold(0.0, f64::max) + self.half_height + self.radius
+        let extent = |line: &Line| line.from.norm().max(line.to().norm());
+        self.lines.iter().map(extent).fold(0.0, f64::max) + self.half_height + self.radius
     }
 
-    /// Points of the surface of each bar and quadrilaterals between them, for pictures: `sides` points around the
-    /// section; a circle has twice as many sections. Of each bar whether its sections close a ring.
-    pub(super) fn sections(&self, sides: u32) -> Vec<(Vec<Vec<Vector3<f64>>>, bool)> {
+    /// Points of the surface of each bar around the section at both of its ends, for pictures: `sides` points each.
+    pub(super) fn sections(&self, sides: u32) -> Vec<[Vec<Vector3<f64>>; 2]> {
         let around = |centre: Vector2<f64>, across: Vector2<f64>| -> Vec<Vector3<f64>> {
             let point = |k: u32| {
                 let (sin, cos) = (TAU * (f64::from(k) + 0.5) / f64::from(sides)).sin_cos();
@@ -265,21 +195,11 @@ impl Bars {
             };
             (0..sides).map(point).collect()
         };
-        let of_axis = |axis: &Axis| match *axis {
-            Axis::Line { from, along, length } => {
-                let across = Vector2::new(along.y, -along.x);
-                (vec![around(from, across), around(from + along * length, across)], false)
-            }
-            Axis::Circle { radius } => {
-                let section = |k: u32| {
-                    let (sin, cos) = (TAU * f64::from(k) / f64::from(2 * sides)).sin_cos();
-                    let out = Vector2::new(cos, sin);
-                    around(out * radius, out)
-                };
-                ((0..2 * sides).map(section).collect(), true)
-            }
+        let of_line = |line: &Line| {
+            let across = Vector2::new(line.along.y, -line.along.x);
+            [around(line.from, across), around(line.to(), across)]
         };
-        self.axes.iter().map(of_axis).collect()
+        self.lines.iter().map(of_line).collect()
     }
 }
 
@@ -287,32 +207,6 @@ impl Bars {
 mod tests {
     use super::*;
     use crate::engine::contact::surface::Surface;
-
-    /// The distance from a torus is |(|xy| − a, z)| − r; its normal is the gradient.
-    #[test]
-    fn a_round_bar_is_a_torus() {
-        let (opening, radius) = (0.3, 0.01);
-        let surface = Surface::round_bar(opening, radius, 0.0).unwrap();
-        let pose = Isometry3::translation(0.0, 0.0, -0.2);
-        for point in [[0.29, 0.0, -0.19], [0.1, 0.25, -0.2], [-0.3, 0.02, -0.195], [0.0, 0.0, -0.2], [0.2, -0.3, 0.1]] {
-            let at = |p: Vector3<f64>| surface.project(&pose, &p.into());
-            let [x, y, z]: [f64; 3] = point;
-            let expected = ((x.hypot(y) - opening).powi(2) + (z + 0.2).powi(2)).sqrt() - radius;
-            let found = at(point.into());
-            assert!((found.distance - expected).abs() < 1e-15, "{found:?} {expected}");
-            assert!((found.normal.norm() - 1.0).abs() < 1e-14);
-            if x.hypot(y) == 0.0 {
-                continue;
-            }
-            let step = 1e-6;
-            let slope = |axis: Vector3<f64>| {
-                let to = Vector3::from(point) + axis * step;
-                (at(to).distance - at(to - axis * (2.0 * step)).distance) / (2.0 * step)
-            };
-            let gradient = Vector3::new(slope(Vector3::x()), slope(Vector3::y()), slope(Vector3::z()));
-            assert!((found.normal - gradient).norm() < 1e-7, "{found:?} {gradient}");
-        }
-    }
 
     /// Four bars around a rectangle: round in section and at the corners, with a flat wall where they are high.
     #[test]
@@ -328,7 +222,7 @@ mod tests {
             (0.005, [0.19, 0.01, 0.003], 0.0),
             (0.005, [0.19, 0.0, -0.005], 0.0),
         ] {
-            let surface = Surface::straight_bars(&lines, 0.01, half_height).unwrap();
+            let surface = Surface::bars(&lines, 0.01, half_height).unwrap();
             let found = surface.project(&Isometry3::identity(), &point.into());
             assert!((found.distance - expected).abs() < 1e-15, "{found:?} {expected}");
             assert_eq!(surface.size(), 0.01);
@@ -340,8 +234,7 @@ mod tests {
     fn the_deepest_point_on_bars_is_the_nearest_to_their_lines() {
         let corners = [[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1], [0.2, -0.1]];
         let lines: Vec<[[f64; 2]; 2]> = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
-        let frames =
-            [Surface::straight_bars(&lines, 0.01, 0.0), Surface::round_bar(0.2, 0.01, 0.004)].map(Result::unwrap);
+        let frames = [0.0, 0.004].map(|half_height| Surface::bars(&lines, 0.01, half_height).unwrap());
         let pose = Isometry3::translation(0.0, 0.0, -0.01);
         for surface in &frames {
             for [a, b, c, d] in [

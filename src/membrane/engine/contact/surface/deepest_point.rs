@@ -213,9 +213,7 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
             for [a, b] in triangles {
                 let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
                 let onto = |point: Vector| triangle.project_local_point(point, false).point;
-                for start in bars.starts(&triangle) {
-                    offer(corner_weights(a, b, barycentric(&triangle, bars.nearest(start, onto))));
-                }
+                offer(corner_weights(a, b, barycentric(&triangle, bars.nearest(triangle.center(), onto))));
             }
         }
         Shape::Compound(parts) => {

@@ -84,7 +84,7 @@ fn on_bars(bars: &Bars, pose: &Isometry3<f64>, other: &Shape, other_pose: &Isome
             found.extend(meetings.filter(|meeting| meeting.gap <= reach));
             return;
         }
-        // By spheres before manifolds: a round bar has 128 pieces.
+        // By spheres before manifolds: a polygon has a bar along each edge.
         let bound = part.bounding_radius() + reach;
         if bars.project(pose, &arm).distance > bound {
             return;

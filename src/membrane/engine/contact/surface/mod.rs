@@ -186,19 +186,8 @@ impl Surface {
     ///
     /// # Errors
     /// [`SurfaceError::NoVolume`].
-    pub fn straight_bars(lines: &[[[f64; 2]; 2]], radius: f64, half_height: f64) -> Result<Surface, SurfaceError> {
-        Surface::bars(Bars::straight(lines, radius, half_height))
-    }
-
-    /// Bars along the circle of the radius `opening` (m) about the origin.
-    ///
-    /// # Errors
-    /// [`SurfaceError::NoVolume`].
-    pub fn round_bar(opening: f64, radius: f64, half_height: f64) -> Result<Surface, SurfaceError> {
-        Surface::bars(Bars::round(opening, radius, half_height))
-    }
-
-    fn bars(bars: Bars) -> Result<Surface, SurfaceError> {
+    pub fn bars(lines: &[[[f64; 2]; 2]], radius: f64, half_height: f64) -> Result<Surface, SurfaceError> {
+        let bars = Bars::new(lines, radius, half_height);
         let (volume, size) = (bars.volume(), bars.radius());
         if !(volume.is_finite() && volume > 0.0) {
             return Err(SurfaceError::NoVolume);

@@ -60,27 +60,23 @@ fn of_core(core: &dyn ParryShape, sides: u32) -> (Vec<Vector>, Vec<[u32; 3]>) {
     }
 }
 
-/// The bars as tubes with about half as many sides; straight ones have flat ends.
+/// The bars as tubes with about half as many sides and flat ends.
 fn tubes(bars: &Bars, sides: u32) -> Triangles {
     // Of so many sides, corners lie at the crest and at the lowest line, and none where walls begin.
     let sides = 4 * (sides / 8).max(1) + 2;
     let (mut vertices, mut triangles) = (vec![], vec![]);
-    for (sections, is_ring) in bars.sections(sides) {
-        let (first, count) = (vertices.len() as u32, sections.len() as u32);
+    for sections in bars.sections(sides) {
+        let first = vertices.len() as u32;
         vertices.extend(sections.into_iter().flatten().map(Point3::from));
-        let at = |section: u32, side: u32| first + section % count * sides + side % sides;
-        for section in 0..if is_ring { count } else { count - 1 } {
-            for side in 0..sides {
-                let [a, b] = [at(section, side), at(section, side + 1)];
-                let [c, d] = [at(section + 1, side + 1), at(section + 1, side)];
-                triangles.extend([[a, c, b], [a, d, c]]);
-            }
+        let at = |section: u32, side: u32| first + section * sides + side % sides;
+        for side in 0..sides {
+            let [a, b] = [at(0, side), at(0, side + 1)];
+            let [c, d] = [at(1, side + 1), at(1, side)];
+            triangles.extend([[a, c, b], [a, d, c]]);
         }
-        if !is_ring {
-            for side in 1..sides - 1 {
-                triangles.push([at(0, 0), at(0, side), at(0, side + 1)]);
-                triangles.push([at(1, 0), at(1, side + 1), at(1, side)]);
-            }
+        for side in 1..sides - 1 {
+            triangles.push([at(0, 0), at(0, side), at(0, side + 1)]);
+            triangles.push([at(1, 0), at(1, side + 1), at(1, side)]);
         }
     }
     (vertices, triangles)
@@ -120,8 +116,7 @@ mod tests {
             (Surface::cuboid([2.0 * radius; 3], 0.25 * radius), rounded_box(0.75 * radius, 0.25 * radius), -radius),
             // Its centre of mass is a quarter of its length above the flat end.
             (Surface::cone(radius, length, 0.0), shaft / 3.0, -0.75 * length),
-            (Surface::straight_bars(&[[[0.0, 0.0], [0.0, length]]], radius, 0.0), shaft, -radius),
-            (Surface::round_bar(length, radius, 0.0), 2.0 * PI * shaft, -radius),
+            (Surface::bars(&[[[0.0, 0.0], [0.0, length]]], radius, 0.0), shaft, -radius),
         ] {
             let (vertices, triangles) = surface.unwrap().triangles(48);
             let six = |t: &[u32; 3]| {

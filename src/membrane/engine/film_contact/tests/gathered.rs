@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector2};
 
 use super::itself::{fixed, grid, mount, section};
 use super::*;
@@ -12,7 +12,7 @@ fn positions<'a>(view: &'a View<'_>) -> impl Iterator<Item = Vector3<f64>> + 'a 
     (0..view.nodes.mass.len()).map(|n| Vector3::from(view.nodes.position.value_at(n)))
 }
 
-/// A free square lies on a ring, and a ball takes it through: it gathers in pleats between both.
+/// A free square lies on a ring of straight bars, and a ball takes it through: it gathers in pleats between both.
 #[test]
 fn film_that_a_ball_takes_through_a_ring_gathers_without_crossing() {
     let [thickness, opening, bar, radius] = [3e-4, 0.06, 0.008, 0.03];
@@ -20,7 +20,9 @@ fn film_that_a_ball_takes_through_a_ring_gathers_without_crossing() {
     let (film, nodes) = mount(&square(0.26, 26, 0.2), &section, |_| [0.0; 3]);
     let offset = vec![0.5 * thickness; nodes.mass.len()];
     let height = -bar - 0.5 * thickness;
-    let ring = fixed(Surface::round_bar(opening, bar, 0.0).unwrap(), height, 0.2, &offset);
+    let corner = |k: u32| [f64::cos(PI / 16.0 * f64::from(k)) * opening, f64::sin(PI / 16.0 * f64::from(k)) * opening];
+    let lines: Vec<[[f64; 2]; 2]> = (0..32).map(|k| [corner(k), corner(k + 1)]).collect();
+    let ring = fixed(Surface::bars(&lines, bar, 0.0).unwrap(), height, 0.2, &offset);
     let pose = Isometry3::translation(0.0, 0.0, radius + 0.5 * thickness);
     let contact = Contact::new(Surface::sphere(radius).unwrap(), 0.4, 1.0, offset);
     let ball = Impact::new(RigidBody::guided(pose, -4.0, 0.3), contact).starting_in_contact(true);
@@ -29,7 +31,13 @@ fn film_that_a_ball_takes_through_a_ring_gathers_without_crossing() {
     // Nodes on the bar are half a thickness above it: the nearest, and how many there are at most.
     let (mut nearest, mut most) = (f64::INFINITY, 0);
     let course = run.watched(0.06, 20, |view| {
-        let gap = |at: Vector3<f64>| (at.xy().norm() - opening).hypot(at.z - height) - bar;
+        let beside = |at: Vector3<f64>, [from, to]: &[[f64; 2]; 2]| {
+            let [from, to] = [from, to].map(|end| Vector2::from(*end));
+            let (arm, along) = (at.xy() - from, to - from);
+            (arm - along * (arm.dot(&along) / along.norm_squared()).clamp(0.0, 1.0)).norm()
+        };
+        let nearest_line = |at: Vector3<f64>| lines.iter().map(|line| beside(at, line)).fold(f64::INFINITY, f64::min);
+        let gap = |at: Vector3<f64>| nearest_line(at).hypot(at.z - height) - bar;
         nearest = positions(view).map(gap).fold(nearest, f64::min);
         most = most.max(positions(view).filter(|at| gap(*at) < thickness).count());
     });
