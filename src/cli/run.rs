@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -18,6 +18,7 @@ use super::{Failure, Shared, digest, print, print_json};
 use base::diagnostic::{Diagnostic, printable};
 use base::file;
 use base::number::duration;
+use membrane::lane::Width;
 use report::RunPage;
 use scene::simulate::{
     self, Cancellation, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent,
@@ -52,8 +53,41 @@ pub(super) struct RunArgs {
         default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
     )]
     pub live: Option<String>,
+    /// Vector instructions of the kernels; left out, the widest that the processor has. Results are the same to the bit
+    #[arg(long, value_name = "WIDTH")]
+    pub width: Option<WidthChoice>,
     #[command(flatten)]
     pub formats: Formats,
+}
+
+/// Vector instructions that a run may have.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum WidthChoice {
+    /// Those that every processor of the platform has
+    Baseline,
+    /// 256 bits
+    Avx2,
+    /// 512 bits
+    Avx512,
+}
+
+impl WidthChoice {
+    /// These instructions.
+    ///
+    /// # Errors
+    /// The processor does not have them.
+    fn width(self) -> Result<Width, Diagnostic> {
+        let (width, name) = match self {
+            WidthChoice::Baseline => (Width::Baseline, "baseline instructions"),
+            WidthChoice::Avx2 => (Width::Avx2, "AVX2"),
+            WidthChoice::Avx512 => (Width::Avx512, "AVX-512"),
+        };
+        if width.supported() == width {
+            return Ok(width);
+        }
+        let mistake = Diagnostic::new(format!("this processor does not have {name}"));
+        Err(mistake.hint("leave `--width` out for the widest instructions that it has"))
+    }
 }
 
 /// A scenario and the folder of its results, checked before the first run starts.
@@ -66,6 +100,8 @@ struct Job {
     formats: Formats,
     /// Whether results of another scenario are replaced.
     force: bool,
+    /// Its vector instructions, where they are chosen.
+    width: Option<Width>,
     /// Ends the run.
     cancellation: Cancellation,
 }
@@ -146,7 +182,9 @@ struct Batch {
 /// All scenarios checked, each with the folder of its results, or all their mistakes.
 fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
-    let (every, scenarios) = both(every.map_err(|mistake| vec![mistake]), args.selection.checked())?;
+    let width = args.width.map(WidthChoice::width).transpose();
+    let (every, width) = both(every.map_err(|mistake| vec![mistake]), width.map_err(|mistake| vec![mistake]))?;
+    let scenarios = args.selection.checked()?;
     let several = scenarios.len() > 1;
     let places = scenarios.iter().map(|checked| place(args.out.as_deref(), &checked.model.name, several));
     let places: Vec<PathBuf> = places.collect::<Result<_, _>>().map_err(|error| vec![storing(&error)])?;
@@ -173,7 +211,8 @@ fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
         match CheckpointWriter::new(policy, &checked, &place) {
             Ok(writer) => {
                 let cancellation = Cancellation::default();
-                jobs.push(Job { checked, place, writer, formats: args.formats, force: args.force, cancellation });
+                let (formats, force) = (args.formats, args.force);
+                jobs.push(Job { checked, place, writer, formats, force, width, cancellation });
             }
             Err(mistake) => mistakes.push(mistake),
         }
@@ -233,7 +272,7 @@ struct Unfinished<'a> {
 impl Job {
     /// A run without checkpoints, whatever is in its folder.
     fn plain(checked: Checked, place: PathBuf, cancellation: Cancellation) -> Job {
-        Job { checked, place, writer: None, formats: Formats::default(), force: true, cancellation }
+        Job { checked, place, writer: None, formats: Formats::default(), force: true, width: None, cancellation }
     }
 
     fn run(&self, bar: &Bar, index: usize, viewer: Option<&Viewer>) -> Done {
@@ -302,6 +341,7 @@ impl Job {
             checkpoints,
             on_snapshot,
             cancellation,
+            width: self.width,
             detailed: self.formats.need_detail(),
             ..RunOptions::default()
         };

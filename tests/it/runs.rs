@@ -99,6 +99,21 @@ fn a_run_writes_its_folder() {
     assert_eq!(names(&bench.path().join("runs")), ["drop"]);
 }
 
+/// Vector instructions can be chosen, and change no bit.
+#[test]
+fn a_width_is_in_the_summary_and_changes_no_bit() {
+    let bench = bench();
+    let [widest, baseline] = [&[][..], &["--width", "baseline"]].map(|width| {
+        let output = run(bench.path(), &[&["drop.toml", "--force"], width].concat());
+        assert_eq!(code(&output), Some(0), "{}", error(&output));
+        let folder = bench.path().join("runs/drop");
+        let instructions = json(&folder.join("summary.json"))["instructions"].as_str().map(str::to_owned);
+        (instructions, fs::read(folder.join("signals.csv")).expect("signals"))
+    });
+    assert_eq!(baseline.0.as_deref(), Some("baseline"));
+    assert_eq!(widest.1, baseline.1);
+}
+
 /// The largest force and elongation of a spring and the least distance of film from film stand on the terminal and in the summary.
 #[test]
 fn springs_and_contact_of_film_have_their_figures() {

@@ -164,11 +164,6 @@ impl Film {
     /// Adds the film's forces to those of its nodes, which moved to their positions in `dt` (s), and updates the
     /// history variables.
     pub fn add_forces(&mut self, nodes: &mut Nodes, dt: f64) {
-        self.add_forces_at(Width::best(), nodes, dt);
-    }
-
-    /// The same with the instructions of `width`.
-    pub(super) fn add_forces_at(&mut self, width: Width, nodes: &mut Nodes, dt: f64) {
         let mut order: Vec<usize> = (0..self.chunks.len()).collect();
         // The order of the pool, so that forces have the same bits with it and without.
         order.sort_by_key(|chunk| self.chunks[*chunk].colour);
@@ -177,7 +172,7 @@ impl Film {
         let film = self.share(force.axes_mut().map(|axis| &mut axis[own.clone()]));
         for chunk in order {
             // SAFETY: there is one thread.
-            unsafe { film.add_forces(width, chunk, position.axes(), dt) };
+            unsafe { film.add_forces(Width::best(), chunk, position.axes(), dt) };
         }
     }
 

@@ -12,7 +12,7 @@ use super::springs;
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::loading::{Inertia, MassScaling};
 use crate::model::{Hold, Model};
-use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, Springs, ThreadPool, quickest_width};
+use membrane::engine::{self, Clamp, Engine, Film, Impact, Loads, Nodes, Springs, ThreadPool};
 
 /// An engine and how its scene was mounted.
 pub(super) struct Scene {
@@ -146,11 +146,11 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
 }
 
 /// The thread pool of a run of so many elements: at most the threads of the processor, one where runs are simulated in
-/// parallel; with the instructions that are quickest here.
+/// parallel.
 pub(super) fn pool(elements: usize) -> ThreadPool {
     let shared = rayon::current_thread_index().is_some();
     let useful = elements.div_ceil(ELEMENTS_A_THREAD);
-    ThreadPool::new(if shared { 1 } else { useful.min(rayon::current_num_threads()) }).at_width(quickest_width())
+    ThreadPool::new(if shared { 1 } else { useful.min(rayon::current_num_threads()) })
 }
 
 fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {

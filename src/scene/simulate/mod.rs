@@ -45,6 +45,7 @@ use lab::signal::Recording;
 pub use loading::ends_loaded;
 pub use membrane::engine::EnergyTerm;
 use membrane::engine::{self, Engine, Relaxation, Settling, Surface, ThreadPool};
+use membrane::lane::Width;
 pub use motion::{FaceMotion, FaceState};
 use mount::Mounting;
 pub use mount::{rigid_body, section, surface};
@@ -94,6 +95,8 @@ pub struct RunOptions<'a> {
     pub checkpoints: Option<Checkpoints<'a>>,
     /// Its threads; left out, their number follows from the elements and the processor.
     pub pool: Option<ThreadPool>,
+    /// Its vector instructions; left out, those of its pool, which are the widest that the processor has.
+    pub width: Option<Width>,
     /// Ends the run early, without an outcome.
     pub cancellation: Cancellation,
     /// Called with every snapshot as soon as it is taken.
@@ -134,10 +137,14 @@ pub fn run_with(
     options: RunOptions<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Outcome, RunError> {
-    let RunOptions { restart, mut checkpoints, pool, cancellation, on_snapshot, detailed } = options;
+    let RunOptions { restart, mut checkpoints, pool, width, cancellation, on_snapshot, detailed } = options;
     let begin = Instant::now();
     let mut scene = build::scene(model)?;
     let pool = pool.unwrap_or_else(|| build::pool(scene.engine.elements()));
+    let pool = match width {
+        Some(width) => pool.at_width(width),
+        None => pool,
+    };
     let mut engine = scene.engine.with_pool(pool);
     let mut probe = Probe::new(model, &scene.mounting, detailed);
     let mut before = Duration::ZERO;
