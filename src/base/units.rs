@@ -16,6 +16,8 @@ use thiserror::Error;
 
 use crate::number;
 
+pub(crate) use table::ladder;
+pub use table::printed;
 pub use unit::{STANDARD_GRAVITY, Unit, UnknownUnit};
 
 /// Powers of metre, kilogram, second, radian, kelvin and mole.
@@ -169,38 +171,16 @@ impl Dimension {
     }
 
     /// Units that are usual for it, in ascending order.
-    pub fn usual_units(self) -> &'static [&'static str] {
-        match self.unit {
-            "m" => &["um", "mm", "cm", "m", "km"],
-            "kg" => &["mg", "g", "kg"],
-            "s" => &["us", "ms", "s", "min", "h"],
-            "m/s" => &["mm/min", "mm/s", "km/h", "m/s"],
-            "m/s2" => &["mm/s2", "m/s2"],
-            "Pa" => &["Pa", "kPa", "MPa", "GPa"],
-            "kg/m3" => &["kg/m3", "g/cm3"],
-            "rad" => &["deg", "rad"],
-            "Hz" => &["Hz", "kHz", "MHz"],
-            "1/s" => &["1/s"],
-            "N" => &["mN", "N", "kN"],
-            "J" => &["mJ", "J", "kJ"],
-            "N s/m" => &["N s/m"],
-            "N/m" => &["N/m", "N/mm", "kN/m"],
-            "Nm" => &["Nmm", "Nm", "kNm"],
-            "J/m2" => &["J/m2", "kJ/m2"],
-            "J/(kg K)" => &["J/(kg K)", "kJ/(kg K)"],
-            "1/K" => &["%/K", "1/K"],
-            "J/mol" => &["J/mol", "kJ/mol"],
-            "K" if self.name == Temperature::DIMENSION.name => &["degC", "K"],
-            "K" => &["K"],
-            _ => &[],
-        }
+    fn usual_units(self) -> impl Iterator<Item = &'static str> {
+        let is_difference = self.name == TemperatureDifference::DIMENSION.name;
+        table::usual(self.unit).filter(move |unit| !(is_difference && *unit == "degC"))
     }
 
     /// Pattern (ECMA 262) of texts that are quantities of it, for editors: a number and a unit that is not usual for
     /// something else. It accepts more than [`Dimension::parse`], and all that this does.
     pub fn pattern(self) -> String {
         let others = DIMENSIONS.iter().filter(|other| other.powers != self.powers);
-        let units: BTreeSet<&str> = others.flat_map(|other| other.usual_units()).copied().collect();
+        let units: BTreeSet<&str> = others.flat_map(|other| other.usual_units()).collect();
         let units = Vec::from_iter(units).join("|").replace('(', r"\(").replace(')', r"\)");
         format!(r"^\s*[-+]?[0-9.]+(?![0-9.])([eE][-+]?[0-9.]+(?![0-9.]))?\s*(?!({units})\s*$)\S")
     }
@@ -209,7 +189,7 @@ impl Dimension {
     /// nearest to the written one that makes it one of the `likely` values.
     pub fn likelier(self, number: &str, value: f64, likely: [f64; 2]) -> Option<String> {
         let (number, _) = split_number(number.trim());
-        let units = self.usual_units().iter().filter(|unit| !matches!(**unit, "cm" | "km" | "min" | "h" | "mm/min"));
+        let units = self.usual_units().filter(|unit| !matches!(*unit, "cm" | "km" | "min" | "h" | "mm/min"));
         let quantities = units.map(|unit| format!("{number} {unit}"));
         let found = quantities.filter_map(|text| Some((self.parse(&text).ok()?, text)));
         let fits: Vec<(f64, String)> = found.filter(|(other, _)| (likely[0]..=likely[1]).contains(other)).collect();
@@ -227,8 +207,8 @@ impl Dimension {
         let (number, unit) = split_number(text.trim());
         let plain = unit.replace(['µ', 'μ'], "u").to_lowercase();
         let plain = plain.strip_suffix("ec").unwrap_or(&plain);
-        let is_meant = |usual: &&&str| plain == usual.to_lowercase() || (plain == "u" && usual.starts_with('u'));
-        let usual = self.usual_units().iter().find(is_meant)?;
+        let is_meant = |usual: &&str| plain == usual.to_lowercase() || (plain == "u" && usual.starts_with('u'));
+        let usual = self.usual_units().find(is_meant)?;
         Some(format!("{number} {usual}"))
     }
 
@@ -280,7 +260,7 @@ fn parse_unit(unit: &str) -> Result<(f64, Powers), UnknownFactor> {
         let group = bracketed.filter(|inner| place > 0 && !inner.trim().is_empty()).unwrap_or(group);
         for factor in group.split(['*', '·', ' ']).filter(|f| !f.is_empty()) {
             let (symbol, power) = split_power(factor);
-            let (size, powers) = look_up(symbol).ok_or_else(|| UnknownFactor(symbol.to_owned()))?;
+            let (size, powers) = table::find(symbol).ok_or_else(|| UnknownFactor(symbol.to_owned()))?;
             let power = power * sign;
             total.0 *= size.powi(i32::from(power));
             let own = powers.map(|own| own * power);
@@ -310,34 +290,6 @@ fn split_power(factor: &str) -> (&str, i8) {
     match factor[symbol.len()..].parse() {
         Ok(power) if !symbol.is_empty() && (-4..=4).contains(&power) => (symbol.trim_end_matches('^'), power),
         _ => (factor, 1),
-    }
-}
-
-/// Factor to SI and powers of one unit symbol.
-fn look_up(symbol: &str) -> Option<(f64, Powers)> {
-    match symbol {
-        "1" => return Some((1.0, [0; 6])),
-        "K" => return Some((1.0, [0, 0, 0, 0, 1, 0])),
-        "mol" => return Some((1.0, [0, 0, 0, 0, 0, 1])),
-        // A moment is energy per radian; written so it is not taken for an energy.
-        "Nm" => return Some((1.0, [2, 1, -2, -1, 0, 0])),
-        "kNm" => return Some((1e3, [2, 1, -2, -1, 0, 0])),
-        // 1/60 of a revolution a second.
-        "rpm" => return Some((std::f64::consts::TAU / 60.0, [0, 0, -1, 1, 0, 0])),
-        "Nmm" => return Some((1e-3, [2, 1, -2, -1, 0, 0])),
-        _ => {}
-    }
-    table::find(&spelled_with_signs(symbol))
-}
-
-/// Keyboards have neither µ nor °.
-fn spelled_with_signs(symbol: &str) -> Cow<'_, str> {
-    match symbol {
-        "deg" => Cow::Borrowed("°"),
-        "um" | "μm" => Cow::Borrowed("µm"),
-        "us" | "μs" => Cow::Borrowed("µs"),
-        "ug" | "μg" => Cow::Borrowed("µg"),
-        _ => Cow::Borrowed(symbol),
     }
 }
 

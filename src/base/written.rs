@@ -1,33 +1,10 @@
 //! Quantities as a person writes them: 12 µm, 14.3 g, 143 m/s², 89 %.
 
 use crate::number::significant;
-use crate::units::Unit;
+use crate::units::{Unit, ladder};
 
 /// Significant digits of a number that is read.
 pub const DIGITS: usize = 3;
-
-/// Units in which quantities are read, the smallest first: their symbol and their value in the SI unit.
-type Ladder = &'static [(&'static str, f64)];
-
-/// The units of each SI unit as names and schemas write it.
-const LADDERS: &[(&str, Ladder)] = &[
-    ("m", &[("µm", 1e-6), ("mm", 1e-3), ("m", 1.0)]),
-    ("kg", &[("mg", 1e-6), ("g", 1e-3), ("kg", 1.0)]),
-    ("s", &[("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)]),
-    ("m/s", &[("mm/s", 1e-3), ("m/s", 1.0)]),
-    ("m/s2", &[("m/s²", 1.0)]),
-    ("Pa", &[("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6), ("GPa", 1e9)]),
-    ("N", &[("mN", 1e-3), ("N", 1.0), ("kN", 1e3)]),
-    ("J", &[("mJ", 1e-3), ("J", 1.0), ("kJ", 1e3)]),
-    ("Hz", &[("Hz", 1.0), ("kHz", 1e3), ("MHz", 1e6)]),
-    ("kg/m3", &[("kg/m³", 1.0)]),
-    ("kg/m2", &[("g/m²", 1e-3), ("kg/m²", 1.0)]),
-    ("m2", &[("mm²", 1e-6), ("cm²", 1e-4), ("m²", 1.0)]),
-    ("m3", &[("mm³", 1e-9), ("cm³", 1e-6), ("l", 1e-3), ("m³", 1.0)]),
-    ("rad", &[("°", std::f64::consts::PI / 180.0)]),
-    ("J/m2", &[("J/m²", 1.0), ("kJ/m²", 1e3)]),
-    ("Nm", &[("Nmm", 1e-3), ("Nm", 1.0)]),
-];
 
 /// How values of a quantity are read: in which unit, and how many of it an SI unit has.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,10 +39,11 @@ impl Reading {
     /// The reading of values of which the largest has this `size`, in the SI unit `unit`: that in which the number is
     /// one or more, as far as there is such a unit.
     pub fn of_unit(unit: &str, size: f64) -> Reading {
-        let Some((_, ladder)) = LADDERS.iter().find(|(si, _)| *si == unit) else {
+        let ladder = ladder(unit);
+        if ladder.is_empty() {
             let unit = if unit == "1" { "" } else { unit };
             return Reading { unit: unit.into(), factor: 1.0 };
-        };
+        }
         // What rounds to one has the unit of one.
         let reached = ladder.iter().rev().find(|(_, factor)| size.abs() >= 0.9995 * factor);
         let (symbol, factor) = match (size == 0.0, reached) {

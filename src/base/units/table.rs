@@ -1,15 +1,13 @@
 //! The units that quantities and recordings are written in.
+//!
+//! [`UNITS`] says what a unit is worth, [`WRITTEN`] where this program writes it. Units that laboratories do not use are left out, since
+//! their letters mean something else in the headers of recordings: `d` is a travel, `t` a time, `a` an acceleration.
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use super::Powers;
 use super::unit::STANDARD_GRAVITY;
-
-/// Factor to SI and powers of the unit with this abbreviation or English name.
-pub(super) fn find(symbol: &str) -> Option<(f64, Powers)> {
-    UNITS.get(symbol).copied()
-}
+use super::{Powers, parse_unit, scale};
 
 /// Pound, kg (international pound, 1959; exact).
 const POUND: f64 = 0.453_592_37;
@@ -24,181 +22,221 @@ const POUND_FORCE: f64 = POUND * STANDARD_GRAVITY;
 /// Pound-force per square inch, Pa.
 const PSI: f64 = POUND_FORCE / (INCH * INCH);
 
+const NUMBER: Powers = [0; 6];
 const LENGTH: Powers = [1, 0, 0, 0, 0, 0];
 const MASS: Powers = [0, 1, 0, 0, 0, 0];
 const TIME: Powers = [0, 0, 1, 0, 0, 0];
 const VOLUME: Powers = [3, 0, 0, 0, 0, 0];
 const ANGLE: Powers = [0, 0, 0, 1, 0, 0];
+const TEMPERATURE: Powers = [0, 0, 0, 0, 1, 0];
+const AMOUNT: Powers = [0, 0, 0, 0, 0, 1];
 const FREQUENCY: Powers = [0, 0, -1, 0, 0, 0];
+const SPIN: Powers = [0, 0, -1, 1, 0, 0];
 const PRESSURE: Powers = [-1, 1, -2, 0, 0, 0];
 const FORCE: Powers = [1, 1, -2, 0, 0, 0];
 const ENERGY: Powers = [2, 1, -2, 0, 0, 0];
+/// A moment is energy per radian; written so it is not taken for an energy.
+const MOMENT: Powers = [2, 1, -2, -1, 0, 0];
 
-/// Units that take a prefix: symbol, name, plural, power of ten in the SI unit, what they measure.
-const PREFIXED: [([&str; 3], i32, Powers); 7] = [
-    (["m", "meter", "meters"], 0, LENGTH),
-    (["g", "gram", "grams"], -3, MASS),
-    (["s", "second", "seconds"], 0, TIME),
-    (["Hz", "hertz", "hertz"], 0, FREQUENCY),
-    (["Pa", "pascal", "pascals"], 0, PRESSURE),
-    (["N", "newton", "newtons"], 0, FORCE),
-    (["J", "joule", "joules"], 0, ENERGY),
+/// Names, the prefixes that are used with it, the value in the SI unit, what it measures.
+const UNITS: &[(&str, &str, f64, Powers)] = &[
+    ("1", "", 1.0, NUMBER),
+    ("m meter meters", "n µ m c d k", 1.0, LENGTH),
+    ("micron microns", "", 1e-6, LENGTH),
+    ("in inch inches", "", INCH, LENGTH),
+    ("ft foot feet", "", FOOT, LENGTH),
+    ("mil mils", "", INCH * 1e-3, LENGTH),
+    ("g gram grams", "µ m k", 1e-3, MASS),
+    ("lb pound pounds", "", POUND, MASS),
+    ("oz ounce ounces", "", POUND / 16.0, MASS),
+    ("s second seconds", "n µ m k", 1.0, TIME),
+    ("min minute minutes", "", 60.0, TIME),
+    ("h hour hours", "", 3600.0, TIME),
+    ("l liter liters", "m", 1e-3, VOLUME),
+    ("rad radian radians", "m", 1.0, ANGLE),
+    ("° deg degree degrees", "", 0.017_453_292_519_943_295, ANGLE),
+    ("K", "", 1.0, TEMPERATURE),
+    ("mol", "", 1.0, AMOUNT),
+    ("Hz hertz", "k M", 1.0, FREQUENCY),
+    ("rpm", "", std::f64::consts::TAU / 60.0, SPIN),
+    ("Pa pascal pascals", "h k M G", 1.0, PRESSURE),
+    ("bar", "m", 1e5, PRESSURE),
+    ("atm", "", 101_325.0, PRESSURE),
+    ("psi", "", PSI, PRESSURE),
+    ("ksi", "", 1e3 * PSI, PRESSURE),
+    ("N newton newtons", "m c da k M", 1.0, FORCE),
+    ("kgf", "", STANDARD_GRAVITY, FORCE),
+    ("gf", "", 0.009_806_65, FORCE),
+    ("lbf", "", POUND_FORCE, FORCE),
+    ("J joule joules", "µ m k M G", 1.0, ENERGY),
+    ("Nm", "k", 1.0, MOMENT),
+    ("Nmm", "", 1e-3, MOMENT),
 ];
 
-/// Prefixes of the SI: symbol, name, power of ten.
-const PREFIXES: [(&str, &str, i32); 21] = [
-    ("Y", "yotta", 24),
-    ("Z", "zetta", 21),
-    ("E", "exa", 18),
-    ("P", "peta", 15),
-    ("T", "tera", 12),
-    ("G", "giga", 9),
-    ("M", "mega", 6),
-    ("k", "kilo", 3),
-    ("h", "hecto", 2),
-    ("da", "deca", 1),
-    ("", "", 0),
-    ("d", "deci", -1),
-    ("c", "centi", -2),
-    ("m", "milli", -3),
-    ("µ", "micro", -6),
-    ("n", "nano", -9),
-    ("p", "pico", -12),
-    ("f", "femto", -15),
-    ("a", "atto", -18),
-    ("z", "zepto", -21),
-    ("y", "yocto", -24),
-];
-
-/// The other units: symbol, name and plural, the value in the SI unit, what they measure.
-const OTHERS: &[(&str, f64, Powers)] = &[
-    ("Å ångström ångströms", 1e-10, LENGTH),
-    ("a₀", 5.291_772_109_03e-11, LENGTH),
-    ("ua", 149_597_870_700.0, LENGTH),
-    ("ch chain chains", 20.116_84, LENGTH),
-    ("DM", 1828.8, LENGTH),
-    ("fathom fathoms", 1.828_804, LENGTH),
-    ("fermi fermis", 1e-15, LENGTH),
-    ("ft foot feet", FOOT, LENGTH),
-    ("in inch inches", INCH, LENGTH),
-    ("μin microinch microinches", 2.54e-8, LENGTH),
-    ("μ micron microns", 1e-6, LENGTH),
-    ("mil mils", 2.54e-5, LENGTH),
-    ("mi mile miles", 1609.344, LENGTH),
-    ("M", 1852.0, LENGTH),
-    ("pc parsec parsecs", 3.085_678e16, LENGTH),
-    ("rd rod rods", 5.029_21, LENGTH),
-    ("yd yard yards", 0.9144, LENGTH),
-    ("ct carat carats", 2e-4, MASS),
-    ("Da dalton daltons", 1.660_539_066_6e-27, MASS),
-    ("oz ounce ounces", POUND / 16.0, MASS),
-    ("dwt pennyweight", 0.001_555_174, MASS),
-    ("lb pound pounds", POUND, MASS),
-    ("slug slugs", POUND_FORCE / FOOT, MASS),
-    ("AT", 0.029_166_67, MASS),
-    ("t ton tons", 1e3, MASS),
-    ("d day days", 86_400.0, TIME),
-    ("h hour hours", 3600.0, TIME),
-    ("min minute minutes", 60.0, TIME),
-    ("shake shakes", 1e-8, TIME),
-    ("a year years", 31_536_000.0, TIME),
-    ("hL hl hectoliter hectoliters", 0.1, VOLUME),
-    ("L l liter liters", 1e-3, VOLUME),
-    ("dL dl deciliter deciliters", 1e-4, VOLUME),
-    ("cL cl centiliter centiliters", 1e-5, VOLUME),
-    ("mL ml milliliter milliliters", 1e-6, VOLUME),
-    ("µL microliter microliters", 1e-9, VOLUME),
-    ("gal gallon gallons", 0.003_785_412, VOLUME),
-    ("rad radian radians", 1.0, ANGLE),
-    ("r revolution revolutions", std::f64::consts::TAU, ANGLE),
-    ("° degree degrees", 0.017_453_292_519_943_295, ANGLE),
-    ("gon gons", 0.015_707_963_267_948_967, ANGLE),
-    ("′", 2.908_882_086_657_216e-4, ANGLE),
-    ("″", 4.848_136_811_095_36e-6, ANGLE),
-    ("atm atmosphere atmospheres", 101_325.0, PRESSURE),
-    ("at", 98_066.5, PRESSURE),
-    ("bar", 1e5, PRESSURE),
-    ("mbar millibar", 100.0, PRESSURE),
-    ("mTorr millitorr", 0.133_322_4, PRESSURE),
-    ("Torr torr", 133.322_4, PRESSURE),
-    ("psi", PSI, PRESSURE),
-    ("ksi", 1e3 * PSI, PRESSURE),
-    ("dyn dyne dynes", 1e-5, FORCE),
-    ("kgf kilogram-force kilograms-force", STANDARD_GRAVITY, FORCE),
-    ("gf gram-force grams-force", 0.009_806_65, FORCE),
-    ("lbf pound-force pounds-force", POUND_FORCE, FORCE),
-    ("ozf ounce-force ounces-force", POUND_FORCE / 16.0, FORCE),
-    ("kip kips", 1e3 * POUND_FORCE, FORCE),
-    ("pdl poundal poundals", POUND * FOOT, FORCE),
-    ("ton-force tons-force", 2e3 * POUND_FORCE, FORCE),
-    ("eV electronvolt electronvolts", 1.602_176_634e-19, ENERGY),
-    ("daeV decaelectronvolt decaelectronvolts", 1.602_176_634e-18, ENERGY),
-    ("heV hectoelectronvolt hectoelectronvolts", 1.602_176_634e-17, ENERGY),
-    ("keV kiloelectronvolt kiloelectronvolts", 1.602_176_634e-16, ENERGY),
-    ("MeV megaelectronvolt megaelectronvolts", 1.602_176_634e-13, ENERGY),
-    ("GeV gigaelectronvolt gigaelectronvolts", 1.602_176_634e-10, ENERGY),
-    ("TeV teraelectronvolt teraelectronvolts", 1.602_176_634e-7, ENERGY),
-    ("PeV petaelectronvolt petaelectronvolts", 1.602_176_634e-4, ENERGY),
-    ("Eₕ hartree hartrees", 4.359_744_722_207_1e-18, ENERGY),
-    ("Btu", 1054.35, ENERGY),
-    ("Btu₃₉", 1059.67, ENERGY),
-    ("Btu₅₉", 1054.8, ENERGY),
-    ("Btu₆₀", 1054.68, ENERGY),
-    ("cal calorie calories", 4.184, ENERGY),
-    ("cal₁₅", 4.1858, ENERGY),
-    ("cal₂₀", 4.1819, ENERGY),
-    ("kcal kilocalorie kilocalories Cal Calorie Calories", 4184.0, ENERGY),
-    ("erg ergs", 1e-7, ENERGY),
-    ("quad quads", 1.055_056e18, ENERGY),
-    ("thm therm therms", 105_480_400.0, ENERGY),
+/// Prefixes of the SI: symbols, of which keyboards have but one, name, value.
+const PREFIXES: &[(&str, &str, f64)] = &[
+    ("G", "giga", 1e9),
+    ("M", "mega", 1e6),
+    ("k", "kilo", 1e3),
+    ("h", "hecto", 1e2),
+    ("da", "deca", 1e1),
+    ("d", "deci", 1e-1),
+    ("c", "centi", 1e-2),
+    ("m", "milli", 1e-3),
+    ("µ μ u", "micro", 1e-6),
+    ("n", "nano", 1e-9),
 ];
 
 /// Factor to SI and powers of every unit, by each of its names.
-static UNITS: LazyLock<HashMap<String, (f64, Powers)>> = LazyLock::new(|| {
-    let prefixed = PREFIXED.iter().flat_map(|([symbol, name, plural], own, powers)| {
-        PREFIXES.iter().flat_map(move |(short, long, power)| {
-            let names = [format!("{short}{symbol}"), format!("{long}{name}"), format!("{long}{plural}")];
-            names.map(|name| (name, (power_of_ten(own + power), *powers)))
-        })
-    });
-    let others = OTHERS
-        .iter()
-        .flat_map(|(names, factor, powers)| names.split(' ').map(move |name| (name.to_owned(), (*factor, *powers))));
-    prefixed.chain(others).collect()
+static BY_NAME: LazyLock<HashMap<String, (f64, Powers)>> = LazyLock::new(|| {
+    let mut found = HashMap::new();
+    for (names, prefixes, factor, powers) in UNITS {
+        found.extend(names.split(' ').map(|name| (name.to_owned(), (*factor, *powers))));
+        for (symbols, long, size) in PREFIXES {
+            if prefixes.split(' ').any(|prefix| symbols.split(' ').next() == Some(prefix)) {
+                // The quotient is the number that is nearest to a power of ten.
+                let value = if *size < 1.0 { factor / (1.0 / size).round() } else { factor * size };
+                let mut names = names.split(' ');
+                let symbol = names.next().unwrap_or_default();
+                let all = symbols.split(' ').map(|short| format!("{short}{symbol}"));
+                found.extend(all.chain(names.map(|name| format!("{long}{name}"))).map(|name| (name, (value, *powers))));
+            }
+        }
+    }
+    found
 });
 
-/// The number nearest to 10ⁿ, which a product of others may miss.
-fn power_of_ten(n: i32) -> f64 {
-    format!("1e{n}").parse().unwrap_or(f64::NAN)
+/// Factor to SI and powers of the unit with this abbreviation or English name.
+pub(super) fn find(symbol: &str) -> Option<(f64, Powers)> {
+    BY_NAME.get(symbol).copied()
 }
+
+/// A unit as scenarios and names write it, as it is printed, and its uses: `u` where it is suggested, `r` where a person reads a quantity
+/// in it, `e` where names end with it.
+type Written = (&'static str, &'static str, &'static str);
+
+/// Units that this program writes, by the SI unit, in ascending order.
+const WRITTEN: &[(&str, &[Written])] = &[
+    ("1", &[("percent", "%", "e")]),
+    (
+        "m",
+        &[
+            ("um", "µm", "ure"),
+            ("mm", "mm", "ure"),
+            ("cm", "cm", "ue"),
+            ("in", "in", "e"),
+            ("m", "m", "ure"),
+            ("km", "km", "u"),
+        ],
+    ),
+    ("m2", &[("mm2", "mm²", "r"), ("cm2", "cm²", "r"), ("m2", "m²", "re")]),
+    ("m3", &[("mm3", "mm³", "r"), ("cm3", "cm³", "r"), ("l", "l", "r"), ("m3", "m³", "re")]),
+    ("kg", &[("mg", "mg", "ur"), ("g", "g", "ure"), ("kg", "kg", "ure")]),
+    ("s", &[("us", "µs", "ure"), ("ms", "ms", "ure"), ("s", "s", "ure"), ("min", "min", "u"), ("h", "h", "u")]),
+    ("m/s", &[("mm/min", "mm/min", "u"), ("mm/s", "mm/s", "ure"), ("km/h", "km/h", "ue"), ("m/s", "m/s", "ure")]),
+    ("m/s2", &[("mm/s2", "mm/s²", "ue"), ("m/s2", "m/s²", "ure"), ("g_n", "g", "e"), ("kg_n", "kg_n", "e")]),
+    (
+        "Pa",
+        &[
+            ("Pa", "Pa", "ure"),
+            ("kPa", "kPa", "ure"),
+            ("psi", "psi", "e"),
+            ("MPa", "MPa", "ure"),
+            ("ksi", "ksi", "e"),
+            ("GPa", "GPa", "ure"),
+        ],
+    ),
+    ("N", &[("mN", "mN", "ure"), ("N", "N", "ure"), ("lbf", "lbf", "e"), ("kN", "kN", "ure")]),
+    ("J", &[("mJ", "mJ", "ure"), ("J", "J", "ure"), ("kJ", "kJ", "ure")]),
+    ("Nm", &[("Nmm", "Nmm", "ur"), ("Nm", "Nm", "ure"), ("kNm", "kNm", "ue")]),
+    ("Hz", &[("Hz", "Hz", "ure"), ("kHz", "kHz", "ure"), ("MHz", "MHz", "ur")]),
+    ("1/s", &[("1/s", "1/s", "ue")]),
+    ("rad", &[("deg", "°", "ure"), ("rad", "rad", "ue")]),
+    ("kg/m3", &[("kg/m3", "kg/m³", "ur"), ("g/cm3", "g/cm³", "u")]),
+    ("kg/m2", &[("g/m2", "g/m²", "r"), ("kg/m2", "kg/m²", "r")]),
+    ("kg m2", &[("kg m2", "kg m²", "e")]),
+    ("N s/m", &[("N s/m", "N s/m", "u")]),
+    ("N/m", &[("N/m", "N/m", "u"), ("N/mm", "N/mm", "u"), ("kN/m", "kN/m", "u")]),
+    ("J/m2", &[("J/m2", "J/m²", "ure"), ("kJ/m2", "kJ/m²", "ure")]),
+    ("J/(kg K)", &[("J/(kg K)", "J/(kg K)", "u"), ("kJ/(kg K)", "kJ/(kg K)", "u")]),
+    ("J/mol", &[("J/mol", "J/mol", "u"), ("kJ/mol", "kJ/mol", "u")]),
+    ("1/K", &[("%/K", "%/K", "u"), ("1/K", "1/K", "u")]),
+    ("K", &[("degC", "°C", "u"), ("K", "K", "ue")]),
+];
+
+/// Units of the SI unit with this use.
+fn written(si: &str, of: char) -> impl Iterator<Item = &'static Written> {
+    let units = WRITTEN.iter().find(|(unit, _)| *unit == si).map_or(&[][..], |(_, units)| units);
+    units.iter().filter(move |(.., uses)| uses.contains(of))
+}
+
+/// Units that are suggested for a quantity, in ascending order.
+pub(super) fn usual(si: &str) -> impl Iterator<Item = &'static str> {
+    written(si, 'u').map(|(symbol, ..)| *symbol)
+}
+
+/// Units in which a person reads a quantity, in ascending order: as they are printed, and their value in the SI unit.
+pub(crate) fn ladder(si: &str) -> Vec<(&'static str, f64)> {
+    written(si, 'r')
+        .filter_map(|(symbol, printed, _)| Some((*printed, scale(1.0, parse_unit(symbol).ok()?.0))))
+        .collect()
+}
+
+/// A unit in typographic form.
+pub fn printed(symbol: &str) -> &str {
+    let mut all = WRITTEN.iter().flat_map(|(_, units)| *units);
+    all.find(|(known, ..)| *known == symbol).map_or(symbol, |(_, printed, _)| printed)
+}
+
+/// Ends of names with the units that they mean: `m_s2` of m/s2.
+pub(super) static ENDS: LazyLock<Vec<(String, &str)>> = LazyLock::new(|| {
+    let units = WRITTEN.iter().flat_map(|(si, _)| written(si, 'e'));
+    units.map(|(symbol, ..)| (symbol.replace(['/', ' '], "_"), *symbol)).collect()
+});
 
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
 
     use super::*;
-    use crate::units::{Unit, parse_unit, scale};
+    use crate::units::{DIMENSIONS, Unit};
 
     #[test]
     fn no_two_units_have_one_name() {
         let mut seen = HashSet::new();
-        let names = OTHERS.iter().flat_map(|(names, ..)| names.split(' '));
+        let names = UNITS.iter().flat_map(|(names, ..)| names.split(' '));
         assert_eq!(names.clone().find(|name| !seen.insert(*name)), None);
-        // Hertz has no plural.
-        let prefixed = PREFIXES.len() * (3 * PREFIXED.len() - 1);
-        assert_eq!(UNITS.len(), prefixed + names.count());
+        // µ has three signs.
+        let prefixed = UNITS.iter().flat_map(|(names, prefixes, ..)| {
+            let symbols = |prefix| if prefix == "µ" { 3 } else { 1 };
+            prefixes
+                .split(' ')
+                .filter(|prefix| !prefix.is_empty())
+                .map(move |prefix| names.split(' ').count() - 1 + symbols(prefix))
+        });
+        assert_eq!(BY_NAME.len(), prefixed.sum::<usize>() + names.count());
     }
 
-    /// Standard gravity is written `g` in recordings, which is a gram in scenarios.
     #[test]
-    fn recordings_and_scenarios_mean_the_same() {
-        for name in UNITS.keys().filter(|name| *name != "g") {
-            let Ok((factor, powers)) = parse_unit(name) else { panic!("{name} is not known") };
-            let unit = Unit::parse(name).unwrap();
-            assert_eq!(unit.to_si(1.0), scale(1.0, factor), "{name}");
-            assert_eq!(unit, Unit::parse(&format!("{name}*1")).unwrap(), "{name}");
-            assert_eq!((factor, powers), UNITS[name], "{name}");
+    fn units_with_a_prefix_are_the_nearest_numbers() {
+        for (name, si) in
+            [("um", 1e-6), ("nm", 1e-9), ("mg", 1e-6), ("ug", 1e-9), ("ml", 1e-6), ("mbar", 100.0), ("GPa", 1e9)]
+        {
+            assert_eq!(find(name).map(|(factor, _)| factor), Some(si), "{name}");
         }
+        assert_eq!([find("µs"), find("μs"), find("microseconds")], [find("us"); 3]);
+    }
+
+    #[test]
+    fn what_is_written_measures_what_it_is_written_for() {
+        for (si, units) in WRITTEN {
+            let dimension = DIMENSIONS.iter().find(|dimension| dimension.unit == *si).expect("a dimension");
+            for (symbol, ..) in units.iter().filter(|(symbol, ..)| !matches!(*symbol, "degC" | "%/K" | "g")) {
+                assert!(Unit::parse(symbol).expect(symbol).measures(*dimension), "{symbol}");
+            }
+        }
+        assert_eq!(ladder("m3"), [("mm³", 1e-9), ("cm³", 1e-6), ("l", 1e-3), ("m³", 1.0)]);
+        assert_eq!([printed("kg m2"), printed("g_n"), printed("V")], ["kg m²", "g", "V"]);
     }
 
     #[test]
@@ -207,7 +245,6 @@ mod tests {
             ("lb", 0.453_592_37),
             ("oz", 0.028_349_523_125),
             ("lbf", 4.448_221_615_260_5),
-            ("kip", 4_448.221_615_260_5),
             ("in", 0.0254),
             ("psi", 4.448_221_615_260_5 / 0.0254 / 0.0254),
         ] {

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::table::ENDS;
 use super::{DIMENSIONS, Dimension, Powers, parse_unit, scale};
 
 /// Standard gravity, m/s² (3rd CGPM, 1901; exact).
@@ -40,10 +41,11 @@ impl Unit {
     /// `time_ms`. Only units that names end with in practice are looked for, since `_1`, `_a` or `_md` number and
     /// describe.
     pub fn of_name(name: &str) -> Option<(&str, Unit)> {
-        SUFFIXES.iter().find_map(|(suffix, symbol)| {
-            let stem = name.strip_suffix(suffix)?.strip_suffix('_').filter(|stem| !stem.is_empty())?;
-            Some((stem, Unit::parse(symbol).ok()?))
-        })
+        let stem = |end: &str| name.strip_suffix(end)?.strip_suffix('_').filter(|stem| !stem.is_empty());
+        let found = ENDS.iter().filter_map(|(end, symbol)| Some((stem(end)?, *symbol)));
+        // What ends with m_s2 ends with s2, too.
+        let (stem, symbol) = found.min_by_key(|(stem, _)| stem.len())?;
+        Some((stem, Unit::parse(symbol).ok()?))
     }
 
     /// As it was written.
@@ -86,7 +88,7 @@ impl Unit {
     /// The ending of a name with the SI unit: `m_s2`, `N`; none for an ending that [`Unit::of_name`] would not find.
     pub fn si_suffix(&self) -> Option<&'static str> {
         let symbol = self.si_symbol();
-        SUFFIXES.iter().find(|(_, known)| *known == symbol).map(|(suffix, _)| *suffix)
+        ENDS.iter().find(|(_, known)| *known == symbol).map(|(end, _)| end.as_str())
     }
 }
 
@@ -112,54 +114,6 @@ fn special(symbol: &str) -> Option<(f64, Powers)> {
         _ => None,
     }
 }
-
-/// Units that names end with, the longer ones first.
-const SUFFIXES: &[(&str, &str)] = &[
-    ("mm_s2", "mm/s2"),
-    ("m_s2", "m/s2"),
-    ("mm_s", "mm/s"),
-    ("m_s", "m/s"),
-    ("km_h", "km/h"),
-    ("1_s", "1/s"),
-    ("kg_n", "kg_n"),
-    ("g_n", "g_n"),
-    ("kJ_m2", "kJ/m2"),
-    ("J_m2", "J/m2"),
-    ("kg_m2", "kg m2"),
-    ("m3", "m3"),
-    ("m2", "m2"),
-    ("kg", "kg"),
-    ("g", "g"),
-    ("us", "us"),
-    ("ms", "ms"),
-    ("s", "s"),
-    ("um", "um"),
-    ("mm", "mm"),
-    ("cm", "cm"),
-    ("m", "m"),
-    ("in", "in"),
-    ("lbf", "lbf"),
-    ("kNm", "kNm"),
-    ("Nm", "Nm"),
-    ("kN", "kN"),
-    ("mN", "mN"),
-    ("N", "N"),
-    ("GPa", "GPa"),
-    ("MPa", "MPa"),
-    ("kPa", "kPa"),
-    ("Pa", "Pa"),
-    ("ksi", "ksi"),
-    ("psi", "psi"),
-    ("kJ", "kJ"),
-    ("mJ", "mJ"),
-    ("J", "J"),
-    ("kHz", "kHz"),
-    ("Hz", "Hz"),
-    ("percent", "percent"),
-    ("deg", "deg"),
-    ("rad", "rad"),
-    ("K", "K"),
-];
 
 #[cfg(test)]
 mod tests {
@@ -203,7 +157,9 @@ mod tests {
 
     #[test]
     fn what_is_no_unit_is_refused() {
-        for symbol in ["", "furlong", "°C", "kg-deacceleration", "m//s2q"] {
+        for symbol in
+            ["", "furlong", "°C", "kg-deacceleration", "m//s2q", "a", "d", "t", "r", "L", "M", "ch", "cg", "pc"]
+        {
             assert_eq!(Unit::parse(symbol), Err(UnknownUnit(symbol.to_owned())));
         }
     }

@@ -55,6 +55,7 @@ fn bracketed(label: &str, [open, close]: [char; 2]) -> Option<ColumnName> {
         return None;
     }
     Some(match Unit::parse(symbol) {
+        Ok(_) if open == '(' && is_word_of_its_own(name, symbol) => return None,
         Ok(unit) => known(label, name, unit),
         Err(_) if open == '(' => return None,
         Err(_) => ColumnName { name: name.trim().into(), unknown_unit: Some(symbol.into()), ..plain(label) },
@@ -71,9 +72,16 @@ fn worded(label: &str) -> Option<ColumnName> {
 fn divided(label: &str) -> Option<ColumnName> {
     label.match_indices('/').find_map(|(place, _)| {
         let name = label[..place].trim();
-        let unit = Unit::parse(&label[place + 1..]).ok()?;
-        (!name.is_empty()).then(|| known(label, name, unit))
+        let symbol = &label[place + 1..];
+        let unit = Unit::parse(symbol).ok()?;
+        (!name.is_empty() && !is_word_of_its_own(name, symbol)).then(|| known(label, name, unit))
     })
+}
+
+/// Whether `symbol` behind a name says something else than its unit: `min` a least value, `h` a height, `l` left, of all but times.
+fn is_word_of_its_own(name: &str, symbol: &str) -> bool {
+    let is_time = || plain(name.trim()).is_time();
+    matches!(symbol.trim(), "l" | "h" | "min") && !is_time()
 }
 
 /// The units of a line below the header; none where the line holds something else.
@@ -125,6 +133,18 @@ mod tests {
             ("left/right", "left/right", None),
             ("[g]", "[g]", None),
             ("accel 1", "accel 1", None),
+            ("F/d", "F/d", None),
+            ("u/t", "u/t", None),
+            ("n/a", "n/a", None),
+            ("F/L", "F/L", None),
+            ("Sensor (a)", "Sensor (a)", None),
+            ("Sensor (l)", "Sensor (l)", None),
+            ("Sensor (r)", "Sensor (r)", None),
+            ("Sensor (M)", "Sensor (M)", None),
+            ("u/h", "u/h", None),
+            ("Force (min)", "Force (min)", None),
+            ("Time (min)", "Time", Some("min")),
+            ("t / h", "t", Some("h")),
         ] {
             let found = ColumnName::read(label);
             assert_eq!(found.name, name);
@@ -140,5 +160,6 @@ mod tests {
         assert!(units_of_line(["s", "[g]", "", "[°C]"].into_iter()).is_some());
         assert!(units_of_line(["time", "g"].into_iter()).is_none());
         assert!(units_of_line(["", ""].into_iter()).is_none());
+        assert!(units_of_line(["t", "d", "a"].into_iter()).is_none());
     }
 }
