@@ -4,7 +4,6 @@ import h5py
 import numpy
 import pandas
 import scipy.io
-from asammdf import MDF
 from nptdms import TdmsFile
 
 SI = {"g": 9.80665, "kN": 1e3, "N": 1.0, "kPa": 1e3, "MPa": 1e6, "mm": 1e-3, "ms": 1e-3, "s": 1.0, "mm/s2": 1e-3}
@@ -120,21 +119,3 @@ def of_hdf5(path):
     with h5py.File(path) as file:
         file.visititems(visit)
     return with_times(arrays)
-
-
-def of_mdf(path):
-    """Channels of numbers as asammdf reads them; without values where they are invalid."""
-    with MDF(path) as file:
-        groups = len(file.groups)
-        found = {}
-        for place, group in enumerate(file.groups):
-            for index, channel in enumerate(group.channels):
-                signal = file.get(group=place, index=index, ignore_invalidation_bits=True)
-                if channel.channel_type != 0 or signal.samples.dtype.kind not in "biuf":
-                    continue
-                values = factor(channel.name, signal.unit) * signal.samples.astype(float)
-                if signal.invalidation_bits is not None:
-                    values[numpy.asarray(signal.invalidation_bits, dtype=bool)] = numpy.nan
-                name = f"group {place + 1}/{channel.name}" if groups > 1 else channel.name
-                found[name] = (signal.timestamps, values)
-    return found

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import make_arrays
 import make_machines
-import make_mdf
 import make_sheets
 import make_tdms
 import numpy
@@ -25,7 +24,6 @@ FORMATS = {
     "xlsx": (make_sheets.make, read.of_sheets),
     "mat": (make_arrays.make_mat, read.of_mat),
     "hdf5": (make_arrays.make_hdf5, read.of_hdf5),
-    "mdf": (make_mdf.make, read.of_mdf),
 }
 # Of numbers that scales compute in another order, or by iteration.
 TOLERANCE = 1e-9

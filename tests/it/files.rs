@@ -20,7 +20,6 @@ fn channels_of_recorders_are_converted() {
         ("mat/nested.mat", "test/first/force_kN", "N"),
         ("mat/hdf5.mat", "drop/force_N", "N"),
         ("hdf5/h5py.h5", "drop/fast/acceleration", "m/s2"),
-        ("mdf/packed-2-4.10.mf4", "group 1/force", "N"),
     ] {
         let path = formats(file);
         let path = path.to_str().expect("UTF-8");
@@ -68,7 +67,8 @@ fn other_formats_are_refused_with_the_conversion_that_helps() {
     let folder = tempfile::tempdir().expect("a folder");
     let damaged: &[u8] = b"TDSm\x0e\0\0\0\x69\x12\0\0\x10\0\0\0\0\0\0\0\xff\0\0\0\0\0\0\0";
     for (name, content, expected) in [
-        ("a.mdf", &b"MDF     3.30    "[..], "asammdf"),
+        ("a.mdf", &b"MDF     3.30    "[..], "convert it with asammdf"),
+        ("a.mf4", b"MDF     4.10    ", "convert it with asammdf"),
         ("a.unv", b"    -1\n    58\n", "pyuff"),
         ("a.xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "save it as .xlsx"),
         ("a.parquet", b"PAR1", "pandas.read_parquet"),

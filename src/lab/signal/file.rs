@@ -9,7 +9,6 @@ use super::export::Export;
 use super::format::Format;
 use super::hdf5::{self, Hdf5};
 use super::matlab::{self, Matlab};
-use super::mdf::{self, Mdf};
 use super::stored::{self, Catalogue};
 use super::tdms::{self, Tdms};
 use super::workbook::{self, Workbook};
@@ -132,7 +131,6 @@ fn catalogue(path: &Path) -> Result<Option<Box<dyn Catalogue>>, ReadError> {
     let found = match Format::of(&first) {
         _ if matlab::is_own(&first) => Matlab::open(path).map(boxed),
         _ if hdf5::is_own(&first) => Hdf5::open(path).map(boxed),
-        _ if mdf::is_own(&first) => Mdf::open(path).map(boxed),
         _ if workbook::is_own(&first) => Workbook::open(path).map(boxed),
         _ if tdms::is_own(&first) => Tdms::open(path).map(boxed),
         _ if matlab::is_of_level_4(path, &first) => Err(matlab::Fault::Level4.into()),

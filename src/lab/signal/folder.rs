@@ -63,7 +63,7 @@ mod tests {
     fn recordings_are_known_by_their_endings_and_tests_by_their_head() {
         let folder = tempfile::tempdir().expect("a folder");
         let place = |name: &str| folder.path().join(name);
-        for name in ["b.TDMS", "a.csv", "notes.md", ".hidden.csv", "channel.001", "test.chn", "c.mf4", "noending"] {
+        for name in ["b.TDMS", "a.csv", "notes.md", ".hidden.csv", "channel.001", "test.chn", "c.mat", "noending"] {
             fs::write(place(name), "x").expect("a file");
         }
         for name in ["test", "other"] {
@@ -71,7 +71,7 @@ mod tests {
         }
         fs::write(place("test/7.mme"), "x").expect("a file");
         let FolderContents { recordings, others } = contents(folder.path()).expect("its contents");
-        let expected = ["a.csv", "b.TDMS", "c.mf4", "test"].map(place);
+        let expected = ["a.csv", "b.TDMS", "c.mat", "test"].map(place);
         assert_eq!((recordings, others.len()), (expected.to_vec(), 5));
         let own = contents(&place("test")).expect("its contents");
         assert_eq!(own.recordings, [place("test")]);

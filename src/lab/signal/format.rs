@@ -1,7 +1,7 @@
 //! The formats of recordings: those that are read, and those that are known by their first bytes and refused with the
 //! conversion that helps.
 
-use super::{hdf5, matlab, mdf, tdms, workbook};
+use super::{hdf5, matlab, tdms, workbook};
 
 /// A format of recordings.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ pub enum Support {
 }
 
 /// All formats, those that are read first.
-pub const FORMATS: [Format; 17] = [
+pub const FORMATS: [Format; 16] = [
     Format {
         name: "Table in text",
         endings: ".csv, .txt, .tsv, .dat",
@@ -76,15 +76,6 @@ pub const FORMATS: [Format; 17] = [
         is_own: hdf5::is_own,
     },
     Format {
-        name: "ASAM MDF 4",
-        endings: ".mf4",
-        support: Support::Read(
-            "GROUP/CHANNEL over the master of the group, sorted or not, packed or not; linear, rational and tabulated \
-             conversions",
-        ),
-        is_own: mdf::is_own,
-    },
-    Format {
         name: "Exports of tensile machines",
         endings: ".csv, .txt, .tra, .xlsx",
         support: Support::Read(
@@ -94,9 +85,12 @@ pub const FORMATS: [Format; 17] = [
         is_own: |_| false,
     },
     Format {
-        name: "ASAM MDF before version 4, or not finalized",
-        endings: ".mdf, .dat, .mf4",
-        support: Support::Refused("in Python: asammdf.MDF(\"FILE\").convert(\"4.10\").save(\"OUT.mf4\")"),
+        name: "ASAM MDF",
+        endings: ".mf4, .mdf, .dat",
+        support: Support::Refused(
+            "convert it with asammdf, in Python: asammdf.MDF(\"FILE\").to_dataframe().to_csv(\"OUT.csv\", \
+             index_label=\"time_s\")",
+        ),
         is_own: |first| first.starts_with(b"MDF     ") || first.starts_with(b"UnFinMF "),
     },
     Format {
@@ -173,8 +167,8 @@ mod tests {
     #[test]
     fn formats_are_known_by_their_first_bytes() {
         for (first, expected) in [
-            (&b"MDF     4.10    asammdf"[..], Some("ASAM MDF 4")),
-            (b"MDF     3.30    ", Some("ASAM MDF before version 4, or not finalized")),
+            (&b"MDF     4.10    asammdf"[..], Some("ASAM MDF")),
+            (b"MDF     3.30    ", Some("ASAM MDF")),
             (b"    -1\n    58\n", Some("Universal file (UFF 58)")),
             (b"    -1\n   151\n", None),
             (b"PAR1\x15\x04", Some("Apache Parquet")),

@@ -19,7 +19,6 @@ pub mod hic;
 pub mod integrate;
 pub mod isomme;
 pub mod matlab;
-pub mod mdf;
 mod measurement;
 pub mod norm;
 mod options;

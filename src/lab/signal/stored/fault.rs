@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
 use crate::signal::format::{Format, Support};
-use crate::signal::{export, hdf5, matlab, mdf, tdms, workbook};
+use crate::signal::{export, hdf5, matlab, tdms, workbook};
 use base::diagnostic::listed;
 use base::file::FileError;
 use base::number::significant;
@@ -52,9 +52,6 @@ pub enum Fault {
     /// The file is not as MathWorks describes MAT-files.
     #[error(transparent)]
     Matlab(#[from] matlab::Fault),
-    /// The file is not as ASAM describes MDF.
-    #[error(transparent)]
-    Mdf(#[from] mdf::Fault),
     /// The file is not HDF5.
     #[error(transparent)]
     Hdf5(#[from] hdf5::Fault),
@@ -158,7 +155,6 @@ impl Fault {
             Fault::Refused(Format { support: Support::Refused(conversion), .. }) => conversion,
             Fault::Channel(ChannelFault::Name(error)) => return error.hint(),
             Fault::Channel(ChannelFault::NotOne { .. }) => "name the channel: --column GROUP/CHANNEL",
-            Fault::Mdf(fault) => return fault.hint().map(str::to_owned),
             Fault::Matlab(fault) => return fault.hint().map(str::to_owned),
             Fault::Workbook(fault) => return fault.hint(),
             Fault::Export(error) => return error.hint().map(str::to_owned),

@@ -113,13 +113,3 @@ fn damaged_arrays_are_read_or_refused() {
     damage("mat");
     damage("hdf5");
 }
-
-#[test]
-fn mdf_is_read_as_asammdf_reads_it() {
-    check("mdf");
-}
-
-#[test]
-fn damaged_mdf_is_read_or_refused() {
-    damage("mdf");
-}
