@@ -89,35 +89,6 @@ def table(number, inputs, outputs, source=RAW):
     return scale(number, "Table", source, **own)
 
 
-def two(number, kind, left, right):
-    prefix = f"NI_Scale[{number}]_"
-    operands = {f"{prefix}{kind}_Left_Operand_Input_Source": left, f"{prefix}{kind}_Right_Operand_Input_Source": right}
-    return {prefix + "Scale_Type": kind, **operands}
-
-
-def strain(number, configuration, source=RAW):
-    return scale(
-        number, "Strain", source, Configuration=configuration, Poisson_Ratio=0.3, Gage_Resistance=350.0,
-        Lead_Wire_Resistance=1.5, Initial_Bridge_Voltage=1e-5, Gage_Factor=2.1, Voltage_Excitation=2.5,
-        Bridge_Shunt_Calibration_Gain_Adjustment=1.01,
-    )  # fmt: skip
-
-
-def resistance(number, wires, source=RAW):
-    return scale(
-        number, "RTD", source, Current_Excitation=1e-3, R0_Nominal_Resistance=100.0, A=3.9083e-3, B=-5.775e-7,
-        C=-4.183e-12, Lead_Wire_Resistance=0.2, Resistance_Configuration=wires,
-    )  # fmt: skip
-
-
-def thermistor(number, excitation, wires, source=RAW):
-    return scale(
-        number, "Thermistor", source, Excitation_Type=excitation, Excitation_Value=2.5 if excitation == 10322 else 1e-4,
-        Resistance_Configuration=wires, R1_Reference_Resistance=5000.0, Lead_Wire_Resistance=0.0, A=1.295361e-3,
-        B=2.343159e-4, C=1.018703e-7, Temperature_Offset=273.15,
-    )  # fmt: skip
-
-
 def pack(kind, values, order="<"):
     return numpy.array(values, dtype=order + kind).tobytes()
 
@@ -198,7 +169,6 @@ def scaled():
     def channel(name, values, stored, kind="f8"):
         return (path.format(name), index(kind, len(stored)), waveform() | values), pack(kind, stored)
 
-    voltages = [-1e-3, -1e-5, 0.0, 2e-5, 1e-3, 4e-3]
     channels = [
         channel("linear", {"NI_Number_Of_Scales": 1} | linear(0, 2.5, -1.0), [0, 1, -7, 200], "i2"),
         channel("uncounted", linear(0, 0.1, 0.25), [0, 1, -7, 200], "i2"),
@@ -207,16 +177,8 @@ def scaled():
         channel("chain", linear(0, 2.0, 1.0) | polynomial(1, [0.0, 0.0, 1.0], 0) | linear(2, -1.0, 5.0, 1), [0.5, 3.0]),
         channel("table", table(0, [0.0, 1.0, 4.0], [10.0, 20.0, -5.0]), [-1.0, 0.0, 0.25, 2.0, 9.0]),
         channel("falling table", table(0, [4.0, 1.0, 0.0], [1.0, 2.0, 3.0]), [-1.0, 0.5, 3.0, 9.0]),
-        channel("sum", linear(0, 2.0, 0.0) | linear(1, 3.0, 1.0) | two(2, "Add", 0, 1), [1.0, 2.0]),
-        channel("difference", linear(0, 2.0, 0.0) | linear(1, 3.0, 1.0) | two(2, "Subtract", 0, 1), [1.0, 2.0]),
         channel("as it is", scale(0, "AdvancedAPI") | linear(1, 2.0, 0.0, 0), [1.0, 2.0]),
-        channel("RTD", resistance(0, 3), [0.0602, 0.1, 0.1002, 0.1386, 0.2]),
-        channel("RTD of two wires", resistance(0, 2), [0.0602, 0.1, 0.1386]),
-        channel("thermistor", thermistor(0, 10134, 4), [0.5, 1.0, 2.0]),
-        channel("divider", thermistor(0, 10322, 4), [0.5, 1.0, 2.0]),
     ]
-    bridges = [10183, 10184, 10185, 10188, 10189, 10271, 10272]
-    channels += [channel(f"bridge {number}", strain(0, number), voltages) for number in bridges]
     objects, data = zip(*channels, strict=True)
     yield "scales", segment(first, objects, b"".join(data))
     group = ("/'G'", NOTHING, linear(0, 3.0, 0.0))
@@ -238,9 +200,8 @@ def of_daqmx():
     yield "daqmx-again", segment(first, one, pack("i2", range(8))) + segment(DATA | DAQMX, [], pack("i2", range(8, 16)))
     yield "daqmx-cut", segment(first, one, pack("i2", range(13)), length=2**64 - 1)
     both = [("i2", 0, 0, 0), ("i4", 0, 2, 1)]
-    several = two(3, "Add", 0, 2) | linear(2, 1e-3, 0.0, 1)
     data = b"".join(pack("i2", [row]) + pack("i4", [100 * row]) for row in range(6))
-    yield "daqmx-scalers", segment(first, [(a, daqmx(3, both, [6]), scales(4, several))], data)
+    yield "daqmx-scalers", segment(first, [(a, daqmx(3, both, [6]), scales(3, linear(2, 1e-3, 0.0, 1)))], data)
     cards = [(a, daqmx(3, [("i2", 0, 0, 0)], [2, 4]), scales(2, linear(1, 2.0, 0.0, 0))),
              (b, daqmx(3, [("u4", 1, 0, 0)], [2, 4]), scales(2, linear(1, 3.0, 0.0, 0)))]  # fmt: skip
     data = b"".join(pack("i2", [1 + n, 2 + n, 3 + n]) + pack("u4", [7 + n, 8 + n, 9 + n]) for n in (0, 10))

@@ -118,12 +118,12 @@ impl Tdms {
         });
         let index = indices.next()?;
         let ids: Vec<u32> = index.daqmx.iter().flat_map(|daqmx| &daqmx.scalers).map(|scaler| scaler.id).collect();
-        let missing = scales.into_iter().flat_map(Scales::scalers).find(|id| !ids.contains(id));
+        let scaler = scales.and_then(|scales| scales.scaler);
+        let missing = scaler.filter(|id| !ids.contains(id));
         if let Some(scale) = missing {
             return Some(format!("scale {scale} has no kind, and its data no scaler of this number"));
         }
-        let needs_stored = scales.is_none_or(Scales::need_stored);
-        (needs_stored && ids.len() > 1).then(|| format!("its data have {} scalers and no scale for them", ids.len()))
+        (scaler.is_none() && ids.len() > 1).then(|| format!("its data have {} scalers and no scale for them", ids.len()))
     }
 
     /// What one scaler of a channel gives, or what is stored where it has none.
@@ -166,20 +166,11 @@ impl Catalogue for Tdms {
 
     fn values(&mut self, place: usize) -> Result<Vec<f64>, stored::Fault> {
         let (object, scales) = self.channels[place].clone();
-        let Some(scales) = scales else {
-            return Ok(self.stored(object, None)?);
-        };
-        let ids: Vec<u32> = scales.scalers().collect();
-        let by_scaler = ids.iter().map(|id| self.stored(object, Some(*id))).collect::<Result<Vec<_>, _>>()?;
-        let stored = if scales.need_stored() || ids.is_empty() { self.stored(object, None)? } else { Vec::new() };
-        let count = by_scaler.iter().map(Vec::len).chain((!stored.is_empty()).then_some(stored.len())).min();
-        let mut results = Vec::new();
-        let value = |sample: usize| {
-            let scaler =
-                |id: u32| ids.iter().position(|known| *known == id).map_or(f64::NAN, |at| by_scaler[at][sample]);
-            scales.apply(stored.get(sample).copied().unwrap_or(f64::NAN), scaler, &mut results)
-        };
-        Ok((0..count.unwrap_or(0)).map(value).collect())
+        let mut values = self.stored(object, scales.as_ref().and_then(|scales| scales.scaler))?;
+        if let Some(scales) = scales {
+            values.iter_mut().for_each(|value| *value = scales.apply(*value));
+        }
+        Ok(values)
     }
 }
 

@@ -16,9 +16,6 @@ mod objects;
 mod property;
 mod scale;
 mod segment;
-mod sensor;
-#[cfg(test)]
-mod tests;
 
 pub use fault::Fault;
 pub use file::Tdms;

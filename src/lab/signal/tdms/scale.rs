@@ -1,43 +1,24 @@
-//! Scales: what the properties of a channel say its stored numbers mean, each scale applied to those before it.
+//! Scales: what the properties of a channel say its stored numbers mean, each scale applied to the one before it.
 //!
-//! What National Instruments does not document (names of the properties, the sign of `Subtract`, the configurations of
-//! bridges) is as `npTDMS` found it in files.
+//! What National Instruments does not document, the names of the properties, is as `npTDMS` found it in files.
 
 use super::property::{Properties, number, text};
-use super::sensor::{Resistance, Strain, Thermistor};
 
-/// What a scale is applied to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Input {
-    /// The stored number.
-    Stored,
-    /// The result of another scale.
-    Scale(usize),
+/// The scales that lead from the stored number to the value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scales {
+    /// The scaler of DAQmx that they begin with; none where they begin with the stored number.
+    pub scaler: Option<u32>,
+    /// The first that is applied comes last.
+    steps: Vec<Step>,
 }
 
 /// One scale.
 #[derive(Clone, Debug, PartialEq)]
-enum Scale {
-    /// The scaler of DAQmx with this number.
-    Scaler(u32),
-    /// The input as it is.
-    Same(Input),
-    Polynomial(Vec<f64>, Input),
+enum Step {
+    Polynomial(Vec<f64>),
     /// Pairs of input and output, by increasing input.
-    Table(Vec<[f64; 2]>, Input),
-    Strain(Strain, Input),
-    Resistance(Resistance, Input),
-    Thermistor(Thermistor, Input),
-    Add(Input, Input),
-    /// The second less the first.
-    Subtract(Input, Input),
-}
-
-/// The scales of a channel, in an order in which each follows those that it needs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scales {
-    scales: Vec<Scale>,
-    order: Vec<usize>,
+    Table(Vec<[f64; 2]>),
 }
 
 /// Most scales of a channel, and values of a table or coefficients.
@@ -45,8 +26,6 @@ const MOST_SCALES: f64 = 256.0;
 const MOST_COEFFICIENTS: f64 = 100_000.0;
 /// The input source that is the stored number.
 const STORED: f64 = u32::MAX as f64;
-/// The kind of excitation that is a current.
-const CURRENT: f64 = 10_134.0;
 
 impl Scales {
     /// Of these properties; none where they have none, or where they are applied already.
@@ -65,101 +44,36 @@ impl Scales {
         if count > MOST_SCALES {
             return Err(format!("it has {count} scales"));
         }
-        let reader = |scale| Reader { properties, scale };
-        let scales = (0..count as usize).map(|scale| reader(scale).read()).collect::<Result<Vec<_>, _>>()?;
-        let order = order(&scales)?;
-        Ok(Some(Scales { scales, order }))
+        let count = count as usize;
+        let mut steps = Vec::new();
+        let mut next = Some(count - 1);
+        for _ in 0..count {
+            let Some(scale) = next else { break };
+            if scale >= count {
+                return Err(format!("a scale is applied to scale {scale}, which it does not have"));
+            }
+            let reader = Reader { properties, scale };
+            let Some(kind) = text(properties, &reader.name("Scale_Type")) else {
+                return Ok(Some(Scales { scaler: Some(scale as u32), steps }));
+            };
+            steps.extend(reader.step(kind)?);
+            next = reader.input(kind);
+        }
+        match next {
+            Some(scale) => Err(format!("scale {scale} is applied to itself")),
+            None => Ok(Some(Scales { scaler: None, steps })),
+        }
     }
 
-    /// The numbers of the scalers of DAQmx that the scales need.
-    pub fn scalers(&self) -> impl Iterator<Item = u32> {
-        self.order.iter().filter_map(|scale| match self.scales[*scale] {
-            Scale::Scaler(id) => Some(id),
-            _ => None,
+    /// The value that stands for what is stored, or for what the scaler gives.
+    pub fn apply(&self, stored: f64) -> f64 {
+        self.steps.iter().rfold(stored, |x, step| match step {
+            Step::Polynomial(coefficients) => {
+                coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
+            }
+            Step::Table(pairs) => interpolated(pairs, x),
         })
     }
-
-    /// Whether the scales need the stored number itself.
-    pub fn need_stored(&self) -> bool {
-        self.order.iter().any(|scale| self.scales[*scale].inputs().contains(&Some(Input::Stored)))
-    }
-
-    /// The value of which `stored` is stored, and `scaler` what each scaler gives; `results` is room for those of the
-    /// scales.
-    pub fn apply(&self, stored: f64, scaler: impl Fn(u32) -> f64, results: &mut Vec<f64>) -> f64 {
-        results.resize(self.scales.len(), f64::NAN);
-        for scale in &self.order {
-            let of = |input: &Input| match input {
-                Input::Stored => stored,
-                Input::Scale(other) => results[*other],
-            };
-            results[*scale] = match &self.scales[*scale] {
-                Scale::Scaler(id) => scaler(*id),
-                Scale::Same(input) => of(input),
-                Scale::Polynomial(coefficients, input) => {
-                    let x = of(input);
-                    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
-                }
-                Scale::Table(pairs, input) => interpolated(pairs, of(input)),
-                Scale::Strain(bridge, input) => bridge.strain(of(input)),
-                Scale::Resistance(thermometer, input) => thermometer.temperature(of(input)),
-                Scale::Thermistor(thermistor, input) => thermistor.temperature(of(input)),
-                Scale::Add(left, right) => of(left) + of(right),
-                Scale::Subtract(left, right) => of(right) - of(left),
-            };
-        }
-        results.last().copied().unwrap_or(stored)
-    }
-}
-
-impl Scale {
-    fn inputs(&self) -> [Option<Input>; 2] {
-        match self {
-            Scale::Scaler(_) => [None; 2],
-            Scale::Same(input)
-            | Scale::Polynomial(_, input)
-            | Scale::Table(_, input)
-            | Scale::Strain(_, input)
-            | Scale::Resistance(_, input)
-            | Scale::Thermistor(_, input) => [Some(*input), None],
-            Scale::Add(left, right) | Scale::Subtract(left, right) => [Some(*left), Some(*right)],
-        }
-    }
-}
-
-/// The scales that the last one needs, each after those that it needs itself.
-fn order(scales: &[Scale]) -> Result<Vec<usize>, String> {
-    let mut order = Vec::new();
-    // 0: not seen, 1: its inputs are being ordered, 2: ordered.
-    let mut state = vec![0_u8; scales.len()];
-    let mut open = vec![scales.len() - 1];
-    while let Some(scale) = open.last().copied() {
-        if state[scale] == 2 {
-            open.pop();
-            continue;
-        }
-        let inputs = scales[scale].inputs().into_iter().flatten();
-        let needed: Vec<usize> = inputs
-            .filter_map(|input| match input {
-                Input::Scale(other) => Some(other),
-                Input::Stored => None,
-            })
-            .collect();
-        if let Some(missing) = needed.iter().find(|other| **other >= scales.len()) {
-            return Err(format!("scale {scale} is applied to scale {missing}, which it does not have"));
-        }
-        let next = needed.into_iter().find(|other| state[*other] != 2);
-        match next {
-            Some(other) if state[other] == 1 => return Err(format!("scale {other} is applied to itself")),
-            Some(other) => open.push(other),
-            None => {
-                order.push(scale);
-                open.pop();
-            }
-        }
-        state[scale] = if next.is_some() { 1 } else { 2 };
-    }
-    Ok(order)
 }
 
 /// Linear between the pairs, constant beyond them.
@@ -179,29 +93,26 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn read(&self) -> Result<Scale, String> {
-        let Some(kind) = text(self.properties, &self.name("Scale_Type")) else {
-            return Ok(Scale::Scaler(self.scale as u32));
-        };
+    /// What it does; nothing where it is the input as it is.
+    fn step(&self, kind: &str) -> Result<Option<Step>, String> {
         Ok(match kind {
             "Linear" => {
                 let coefficients = [self.number("Linear_Y_Intercept")?, self.number("Linear_Slope")?];
-                Scale::Polynomial(coefficients.into(), self.input("Linear"))
+                Some(Step::Polynomial(coefficients.into()))
             }
             "Polynomial" => {
                 let count = self.count("Polynomial_Coefficients_Size", Some(4.0))?;
                 let one = |place| self.number(&format!("Polynomial_Coefficients[{place}]"));
-                let coefficients = (0..count).map(one).collect::<Result<Vec<_>, _>>()?;
-                Scale::Polynomial(coefficients, self.input("Polynomial"))
+                Some(Step::Polynomial((0..count).map(one).collect::<Result<Vec<_>, _>>()?))
             }
-            "Table" => Scale::Table(self.table()?, self.input("Table")),
-            "Strain" => Scale::Strain(self.strain()?, self.input("Strain")),
-            "RTD" => Scale::Resistance(self.resistance()?, self.input("RTD")),
-            "Thermistor" => Scale::Thermistor(self.thermistor()?, self.input("Thermistor")),
-            "Add" => Scale::Add(self.input("Add_Left_Operand"), self.input("Add_Right_Operand")),
-            "Subtract" => Scale::Subtract(self.input("Subtract_Left_Operand"), self.input("Subtract_Right_Operand")),
-            "AdvancedAPI" => Scale::Same(self.input("AdvancedAPI")),
-            other => return Err(format!("scale {} is of the kind {other}, which is not known here", self.scale)),
+            "Table" => Some(Step::Table(self.table()?)),
+            "AdvancedAPI" => None,
+            other => {
+                return Err(format!(
+                    "scale {} is of the kind {other}, which is not applied; save it scaled, e.g. as a table",
+                    self.scale
+                ));
+            }
         })
     }
 
@@ -220,11 +131,10 @@ impl Reader<'_> {
         if fits { Ok(stated as usize) } else { Err(format!("`{}` is {stated}", self.name(what))) }
     }
 
-    fn input(&self, what: &str) -> Input {
-        match number(self.properties, &self.name(&format!("{what}_Input_Source"))) {
-            Some(scale) if scale < STORED => Input::Scale(scale.max(0.0) as usize),
-            _ => Input::Stored,
-        }
+    /// The scale to whose result it is applied; none where that is the stored number.
+    fn input(&self, kind: &str) -> Option<usize> {
+        let source = number(self.properties, &self.name(&format!("{kind}_Input_Source")));
+        source.filter(|scale| *scale < STORED).map(|scale| scale.max(0.0) as usize)
     }
 
     fn table(&self) -> Result<Vec<[f64; 2]>, String> {
@@ -247,53 +157,37 @@ impl Reader<'_> {
             Err(format!("the inputs of the table of scale {} do not rise", self.scale))
         }
     }
-
-    fn strain(&self) -> Result<Strain, String> {
-        let of = |what: &str| self.number(&format!("Strain_{what}"));
-        let configuration = of("Configuration")?;
-        if !Strain::CONFIGURATIONS.contains(&configuration) {
-            return Err(format!("scale {} is of the bridge {configuration}, which is not known here", self.scale));
-        }
-        Ok(Strain {
-            configuration: configuration as u32,
-            poisson: of("Poisson_Ratio")?,
-            lead: 1.0 / (1.0 + of("Lead_Wire_Resistance")? / of("Gage_Resistance")?),
-            initial: of("Initial_Bridge_Voltage")?,
-            gauge_factor: of("Gage_Factor")?,
-            gain: of("Bridge_Shunt_Calibration_Gain_Adjustment")?,
-            excitation: of("Voltage_Excitation")?,
-        })
-    }
-
-    fn resistance(&self) -> Result<Resistance, String> {
-        let of = |what: &str| self.number(&format!("RTD_{what}"));
-        Ok(Resistance {
-            current: of("Current_Excitation")?,
-            nominal: of("R0_Nominal_Resistance")?,
-            coefficients: [of("A")?, of("B")?, of("C")?],
-            leads: leads(true, of("Resistance_Configuration")?) * of("Lead_Wire_Resistance")?,
-        })
-    }
-
-    fn thermistor(&self) -> Result<Thermistor, String> {
-        let of = |what: &str| self.number(&format!("Thermistor_{what}"));
-        let is_current = of("Excitation_Type")? == CURRENT;
-        Ok(Thermistor {
-            is_current,
-            excitation: of("Excitation_Value")?,
-            reference: of("R1_Reference_Resistance")?,
-            leads: leads(is_current, of("Resistance_Configuration")?) * of("Lead_Wire_Resistance")?,
-            coefficients: [of("A")?, of("B")?, of("C")?],
-            offset: of("Temperature_Offset")?,
-        })
-    }
 }
 
-/// How many leads are measured with a resistance: of three wires one, of two wires two under a current.
-fn leads(is_current: bool, wires: f64) -> f64 {
-    match wires {
-        3.0 => 1.0,
-        2.0 if is_current => 2.0,
-        _ => 0.0,
+#[cfg(test)]
+mod tests {
+    use super::super::property::Value;
+    use super::*;
+
+    fn read(own: &[(&str, Value)]) -> Result<Option<Scales>, String> {
+        Scales::read(&own.iter().map(|(name, value)| (format!("NI_Scale{name}"), value.clone())).collect())
+    }
+
+    #[test]
+    fn scales_of_sensors_are_refused_by_name() {
+        for kind in ["RTD", "Thermistor", "Strain", "Thermocouple", "Add", "Subtract"] {
+            let error = read(&[("[0]_Scale_Type", Value::Text(kind.into()))]).unwrap_err();
+            assert!(error.starts_with(&format!("scale 0 is of the kind {kind}, which is not applied")), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_circle_of_scales_is_refused() {
+        let same = || Value::Text("AdvancedAPI".into());
+        let input = |scale: f64| Value::Number(scale);
+        for source in [0.0, 1.0, 7.0] {
+            let own = [
+                ("[0]_Scale_Type", same()),
+                ("[0]_AdvancedAPI_Input_Source", input(source)),
+                ("[1]_Scale_Type", same()),
+                ("[1]_AdvancedAPI_Input_Source", input(0.0)),
+            ];
+            assert!(read(&own).is_err(), "{source}");
+        }
     }
 }
