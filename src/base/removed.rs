@@ -74,6 +74,8 @@ const REMOVED: &[Removed] = &[
     row(Kind::Finding, "deck-bending", "film is a membrane here, too"),
     row(Kind::Finding, "springs-beyond-curve", "springs of the frame are linear"),
     row(Kind::Finding, "springs-collapsed", "springs of the frame do not push"),
+    row(Kind::Command, "signal convert .mme", "write a table: -o FILE.csv; ISO-MME is still read"),
+    row(Kind::Command, "signal convert .zip", "write a table: -o FILE.csv; zipped ISO-MME is still read"),
 ];
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.

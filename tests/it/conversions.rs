@@ -113,7 +113,7 @@ fn virtual_recordings_stay_virtual() {
     let drop = drop.to_str().expect("UTF-8");
     let filter = ["filter", drop, "--column", "accelerometer", "--class", "180", "-o", "f.csv"];
     for call in
-        [&filter[..], &["convert", drop, "-o", "c.csv"], &["convert", "f.csv", "-o", "f.mme", "--unit", "value=m/s2"]]
+        [&filter[..], &["convert", drop, "-o", "c.csv"], &["convert", "f.csv", "-o", "g.csv", "--unit", "value=m/s2"]]
     {
         printed(&droptower(bench.path(), call));
         let text =
@@ -179,7 +179,8 @@ fn a_failed_filter_writes_no_file() {
         (&["filter", "none.csv", "--class", "60", "-o", "o.csv"], "none.csv: cannot be read"),
         (&["filter", "data.csv", "--column", "accel", "--class", "60", "-o", "o.001"], "is the name of ISO-MME"),
         (&["convert", "data.csv", "-o", "./data.csv"], "data.csv is the input"),
-        (&["convert", "data.csv", "-o", "o.xls"], "o.xls ends in none of .csv, .parquet, .mme and .zip"),
+        (&["convert", "data.csv", "-o", "o.xls"], "o.xls ends in none of .csv and .parquet"),
+        (&["convert", "data.csv", "-o", "o.mme"], "it was removed: write a table"),
         (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
         (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),
         (&["info", "data.csv", "wrong.csv"], "wrong.csv:3:8"),
@@ -242,76 +243,12 @@ fn info_lists_channels_of_one_name_and_missing_samples() {
 }
 
 #[test]
-fn formats_are_converted_there_and_back() {
+fn the_filter_reads_that_a_channel_was_filtered_before() {
     let bench = tempfile::tempdir().expect("a folder");
-    let raw = shaken(bench.path());
-    let done = |arguments: &[&str]| figures(&droptower(bench.path(), &[&["convert"], arguments, &["--json"]].concat()));
-    done(&["data.csv", "-o", "test/T.mme", "--unit", "count=-"]);
-    let info = done(&["test", "-o", "back.csv"]);
-    assert_eq!(info["channels"].as_array().map(Vec::len), Some(2));
-    let [original, back] = [raw, bench.path().join("back.csv")].map(|path| {
-        let wanted = ReadOptions { channels: ChannelSelection::All, ..ReadOptions::default() };
-        file::read(&path, &wanted).expect("readable")
-    });
-    for (original, back) in original.channels.iter().zip(&back.channels) {
-        assert_eq!(original.series.values(), back.series.values());
-        assert_eq!(original.series.time(), back.series.time());
-    }
-    assert_eq!(back.channels[0].unit, Some(unit("m/s2")));
-    let again = droptower(bench.path(), &["convert", "data.csv", "-o", "test/T.mme"]);
-    assert_eq!(again.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&again.stderr).contains("T.mme already exists"));
-    // The filter reads that the channel was filtered before.
     let fixture = data("isomme_fixture/Channel/test.002");
     let fixture = fixture.to_str().expect("UTF-8");
     let info = figures(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
     assert!(info["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 before")), "{info}");
-}
-
-/// The lines of a file without those that start so.
-fn lines_but(path: &Path, keys: &[&str]) -> Vec<String> {
-    let text = fs::read_to_string(path).expect("the file").replace('\r', "");
-    let lines = text.lines().filter(|line| line.contains(':') && !keys.iter().any(|key| line.starts_with(key)));
-    let stated = |value: &str| if value.trim().is_empty() { "NOVALUE".into() } else { value.trim().to_owned() };
-    let parts = lines.map(|line| line.split_once(':').expect("a colon"));
-    parts.map(|(key, value)| format!("{}: {}", key.trim(), stated(value))).collect()
-}
-
-#[test]
-fn the_headers_of_a_test_survive_conversion() {
-    let bench = tempfile::tempdir().expect("a folder");
-    let fixture = data("isomme_fixture");
-    droptower(bench.path(), &["convert", fixture.to_str().expect("UTF-8"), "-o", "T.mme"]);
-    let written = bench.path().join("T.mme");
-    assert_eq!(lines_but(&written, &[]), lines_but(&fixture.join("test.mme"), &[]));
-    // The list is without the time axis, which is implicit now.
-    let [read, list] = [fixture.join("Channel/test.chn"), bench.path().join("Channel/T.chn")]
-        .map(|path| lines_but(&path, &["Number of channels", "Name of channel"]));
-    assert_eq!(read, list);
-    let decided =
-        ["Unit", "First global", "Time of", "Number of", "Sampling", "Reference channel", "Channel amplitude class"];
-    for (old, new) in [("test.002", "T.001"), ("test.003", "T.002")] {
-        let [read, again] = [fixture.join("Channel").join(old), bench.path().join("Channel").join(new)]
-            .map(|path| lines_but(&path, &decided));
-        assert_eq!(read, again);
-        let unit = fs::read_to_string(bench.path().join("Channel").join(new)).expect("the channel");
-        assert_eq!(unit.matches("\nUnit  ").count(), 1, "{unit}");
-    }
-    // A unit that is not known is that of the values still, and the stated range holds.
-    let text = fs::read_to_string(data("isomme_real_channel/test.001")).expect("the channel");
-    let odd = text.replacen(":Nm", ":furlong", 1);
-    fs::write(bench.path().join("odd.001"), odd).expect("written");
-    droptower(bench.path(), &["convert", "odd.001", "-o", "odd/O.mme"]);
-    let [odd, again] = ["odd.001", "odd/Channel/O.001"]
-        .map(|path| lines_but(&bench.path().join(path), &["First", "Time of", "Sampling"]));
-    assert_eq!(odd, again);
-    let [original, again] =
-        [&fixture, &written].map(|path| file::read(path, &ReadOptions::default()).expect("readable"));
-    assert_eq!(original.annotations.comments(), again.annotations.comments());
-    for (original, again) in original.channels.iter().zip(&again.channels) {
-        assert_eq!((&original.name, &original.label, original.filtered), (&again.name, &again.label, again.filtered));
-        assert_eq!(original.value_unit(), again.value_unit());
-    }
 }
 
 #[test]
@@ -324,11 +261,9 @@ fn units_and_names_survive_conversion() {
         let output = droptower(bench.path(), &[&["convert"], arguments].concat());
         workbench::printed(&output)
     };
-    convert(&["a.csv", "--unit", "accel=m/s2", "-o", "m/T.mme"]);
     convert(&["a.csv", "--unit", "accel=m/s2", "-o", "there.csv"]);
-    let message = convert(&["m/T.mme", "-o", "back.csv"]);
-    assert!(message.contains("000000000100AC00 (accel)"), "{message}");
-    for name in ["m/T.mme", "there.csv", "back.csv"] {
+    convert(&["there.csv", "-o", "again.csv"]);
+    for name in ["there.csv", "again.csv"] {
         let read = file::read(&bench.path().join(name), &ReadOptions::default()).expect("readable");
         for (channel, unit) in [("accel", Some("m/s2")), ("laser", Some("m")), ("T", None)] {
             let found = read.channel(channel).or_else(|_| read.channel("T [°C]")).expect("a channel");
@@ -344,35 +279,19 @@ fn units_and_names_survive_conversion() {
     let names: Vec<&str> = apart.channels.iter().map(|channel| channel.label.as_str()).collect();
     assert_eq!(names, ["accel_g [m/s2]", "accel_m_s2 [m/s2]"]);
     assert_eq!(apart.channels[0].series.values(), [STANDARD_GRAVITY, 3.0 * STANDARD_GRAVITY]);
-    let picked = droptower(bench.path(), &["filter", "m/T.mme", "--column", "accel", "--class", "60", "-o", "f.csv"]);
-    assert!(picked.status.success(), "{}", workbench::error(&picked));
 }
 
 /// A table has no place for the class of a filter and the long name of a code but its comments.
 #[test]
-fn class_and_long_name_survive_a_table_and_channel_files_are_named() {
+fn class_and_long_name_are_in_the_comments_of_a_table() {
     let bench = tempfile::tempdir().expect("a folder");
     let fixture = data("isomme_fixture/test.mme").display().to_string();
-    let convert = |from: &str, to: &str| printed(&droptower(bench.path(), &["convert", from, "-o", to]));
-    convert(&fixture, "t.csv");
-    let text = convert("t.csv", "back.mme");
-    for name in ["back.mme", "Channel/back.001", "Channel/back.002", "Channel/back.chn"] {
-        assert!(text.lines().any(|line| line.trim().starts_with(name)), "{name}: {text}");
+    printed(&droptower(bench.path(), &["convert", &fixture, "-o", "t.csv"]));
+    let text = fs::read_to_string(bench.path().join("t.csv")).expect("the table");
+    for long in ["11HEADCG0000ACXP: Head CG X acceleration", "11CHST0000H3DSXP: "] {
+        assert!(text.contains(&format!("# long name of {long}")), "{text}");
     }
-    let classes = |path: &Path| -> Vec<Option<f64>> {
-        let found = file::read(path, &ReadOptions::default()).expect("readable");
-        found.channels.iter().map(|channel| channel.filtered).collect()
-    };
-    let labels = |path: &Path| -> Vec<(String, String)> {
-        let found = file::read(path, &ReadOptions::default()).expect("readable");
-        found.channels.into_iter().map(|channel| (channel.name, channel.label)).collect()
-    };
-    let stated = labels(Path::new(&fixture));
-    assert!(stated.iter().all(|(name, label)| !label.starts_with(name.as_str())), "{stated:?}");
-    assert_eq!(labels(&bench.path().join("back.mme")), stated);
-    convert(&bench.path().join("back.mme").display().to_string(), "again.csv");
-    let text = fs::read_to_string(bench.path().join("again.csv")).expect("the table");
-    assert_eq!(text.matches("long name of ").count(), stated.len(), "{text}");
-    assert_eq!(classes(&bench.path().join("t.csv")), [Some(1000.0), Some(600.0)]);
-    assert_eq!(classes(&bench.path().join("back.mme")), [Some(1000.0), Some(600.0)]);
+    let found = file::read(&bench.path().join("t.csv"), &ReadOptions::default()).expect("readable");
+    let classes: Vec<Option<f64>> = found.channels.iter().map(|channel| channel.filtered).collect();
+    assert_eq!(classes, [Some(1000.0), Some(600.0)]);
 }

@@ -9,7 +9,7 @@ use droptower::report::StoredPage;
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use crate::workbench::{self, close, data, error, figures, printed, root};
+use crate::workbench::{self, close, container, data, error, figures, lay_down, printed, root};
 
 const TOWER: [&str; 4] = ["--mass", "10.72 kg", "--height", "1 m"];
 
@@ -334,9 +334,7 @@ fn mass_and_height_are_those_of_the_header_unless_they_are_given() {
 #[test]
 fn the_folder_of_a_test_of_isomme_is_one_recording() {
     let folder = tempfile::tempdir().expect("a folder");
-    let test = folder.path().join("test/1008.mme");
-    let convert = ["signal", "convert", "data/virtual/1008.csv", "-o", text(&test)];
-    printed(&workbench::droptower(&root(), &convert));
+    let test = lay_down(&folder.path().join("test"), &container(&data("virtual/1008.csv")));
     let alone = figures(&drop(&[&[text(&folder.path().join("test")), "--json"][..], &TOWER].concat()));
     close(alone["impact_velocity_m_s"].as_f64().expect("a speed"), 4.159, 1e-3);
     let beside = figures(&drop(&[&[text(folder.path()), "--json"][..], &TOWER].concat()));

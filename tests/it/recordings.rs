@@ -4,9 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use droptower::signal::filter::{self, Standard};
-use droptower::signal::{
-    Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, file, integrate, isomme,
-};
+use droptower::signal::{ChannelSelection, ReadOptions, Series, file, integrate};
 use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_GRAVITY, Strain, Unit};
 use proptest::prelude::*;
 
@@ -252,63 +250,6 @@ fn a_container_with_mistakes_is_refused_by_name() {
     refused(bench.path(), "the time of `11HEAD000000ACXP` is in `11TIRS000000TIXX`, which is missing");
     fs::write(path("b.mme"), "").expect("written");
     refused(bench.path(), "several tests in the folder: `a.mme`, `b.mme`");
-}
-
-#[test]
-fn written_containers_read_back_to_the_same_bits() {
-    let uneven = Series::new(vec![0.0, 1e-4, 3.5e-4], vec![0.1 + 0.2, f64::NAN, -1.0 / 3.0]);
-    let even = Series::new(vec![-0.1, -0.0999, -0.0998], vec![1e-300, 6.02e23, -0.0]);
-    let channel = |name: &str, symbol: Option<&str>, series: &Series| MeasuredChannel {
-        name: name.into(),
-        label: format!("the {name}"),
-        unit: symbol.map(unit),
-        filtered: (name == "head" || name.ends_with("0B")).then_some(600.0),
-        series: series.clone(),
-    };
-    let measurement = Measurement {
-        channels: vec![
-            channel("11HEADCG0000ACXP", Some("m/s2"), &even),
-            channel("head", Some("m/s2"), &uneven),
-            channel("load", Some("N"), &uneven),
-            channel("volts", None, &even),
-            channel("delay", Some("s"), &even),
-            // Written before by droptower, and in the way of the number of the second channel.
-            channel("000000000200AC0B", Some("m/s2"), &even),
-        ],
-        annotations: Annotations::new(vec!["virtual: no instrument made it".into()]),
-    };
-    let bench = tempfile::tempdir().expect("a folder");
-    let path = bench.path().join("out/T.mme");
-    isomme::write(&path, &measurement).expect("written");
-    let read = file::read(&path, &ReadOptions::default()).expect("readable");
-    assert_eq!(read.channels.len(), 6);
-    for (read, written) in read.channels.iter().zip(&measurement.channels) {
-        let bits = |series: &Series| series.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        assert_eq!(bits(&read.series), bits(&written.series), "{}", written.name);
-        let late = read.series.time().iter().zip(written.series.time()).map(|(a, b)| (a - b).abs());
-        assert!(late.fold(0.0, f64::max) < 1e-15);
-        assert_eq!((&read.label, &read.unit), (&written.label, &written.unit));
-        assert_eq!(read.filtered, written.filtered);
-    }
-    assert_eq!(read.channels[0].name, "11HEADCG0000ACXP");
-    assert_eq!(read.annotations.notes()[0], "virtual: no instrument made it");
-    let found = codes(&read.annotations);
-    assert!(!found.iter().any(|code| code == "extreme-differs" || code == "channel-list-differs"), "{found:?}");
-    let text = fs::read_to_string(bench.path().join("out/Channel/T.001")).expect("the channel");
-    assert!(text.starts_with("Channel code                :11HEADCG0000ACXP\r\n"), "{text}");
-    assert!(isomme::write(&path, &measurement).is_err(), "nothing that exists is replaced");
-    let left: Vec<_> = fs::read_dir(bench.path().join("out")).expect("the folder").collect();
-    assert_eq!(left.len(), 2, "nothing is left of the draft");
-}
-
-#[test]
-fn the_measured_channel_survives_being_written() {
-    let original = file::read(&data("isomme_real_channel"), &ReadOptions::default()).expect("readable");
-    let bench = tempfile::tempdir().expect("a folder");
-    let path = bench.path().join("copy.mme");
-    isomme::write(&path, &original).expect("written");
-    let copy = file::read(&path, &ReadOptions::default()).expect("readable");
-    assert_eq!(copy.channels, original.channels);
 }
 
 #[test]

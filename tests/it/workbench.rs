@@ -1,10 +1,11 @@
 //! What the tests of the built binary share: the program, the repository, and recordings from outside of it.
 
+use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use droptower::signal::Annotations;
+use droptower::signal::{Annotations, ReadOptions, file, resample};
 use droptower::units::Unit;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -61,6 +62,37 @@ pub fn codes(annotations: &Annotations) -> Vec<String> {
 /// The unit with this symbol.
 pub fn unit(symbol: &str) -> Unit {
     Unit::parse(symbol).expect("a unit")
+}
+
+/// The files of a test of ISO-MME with the channels of a table, by their names.
+pub fn container(table: &Path) -> Vec<(String, Vec<u8>)> {
+    let found = file::read(table, &ReadOptions::default()).expect("a table");
+    let mut files = vec![("T.mme".to_owned(), b"Test number:1\n".to_vec())];
+    let mut list = format!("Number of channels:{}\n", found.channels.len());
+    for (number, channel) in (1..).zip(&found.channels) {
+        let (name, time) = (&channel.name, channel.series.time());
+        list += &format!("Name of channel {number:03}:{name}\n");
+        let mut text = format!(
+            "Channel code:{name}\nUnit:{}\nReference channel:implicit\nTime of first sample:{:E}\nSampling interval:{:E}\nNumber of \
+             samples:{}\n",
+            channel.value_unit().expect("a unit"),
+            time[0],
+            resample::common_step(time).expect("even steps"),
+            time.len()
+        );
+        let value = |value: &f64| if value.is_nan() { "NOVALUE\n".to_owned() } else { format!("{value:E}\n") };
+        text.extend(channel.series.values().iter().map(value));
+        files.push((format!("Channel/T.{number:03}"), text.into()));
+    }
+    files.push(("Channel/T.chn".into(), list.into()));
+    files
+}
+
+/// Writes the files of a test of ISO-MME to `folder`; the path of its head.
+pub fn lay_down(folder: &Path, files: &[(String, Vec<u8>)]) -> PathBuf {
+    fs::create_dir_all(folder.join("Channel")).expect("a folder");
+    files.iter().for_each(|(name, content)| fs::write(folder.join(name), content).expect("written"));
+    folder.join("T.mme")
 }
 
 /// Asserts that two numbers agree within a share.

@@ -1,6 +1,5 @@
 //! `droptower signal convert`: a recording in another format.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,11 +9,11 @@ use super::input::FileArgs;
 use super::output;
 use super::remarks::Remarks;
 use crate::output::{check, ends_in, write};
-use crate::{Failure, Shared, faults, print_figures};
-use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use crate::{Failure, Shared, print_figures};
+use base::diagnostic::{Diagnostic, shown_path};
+use base::removed;
 use base::table;
 use lab::signal::file::ChannelSelection;
-use lab::signal::isomme::{self, Headers, WriteError};
 use lab::signal::{Annotations, MeasuredChannel, Measurement, Recording};
 
 #[derive(Debug, Args)]
@@ -26,10 +25,10 @@ pub(crate) struct ConvertArgs {
     pub column: Vec<String>,
     #[command(flatten)]
     pub file: FileArgs,
-    /// A table (.csv, .parquet), a test (.mme) with its folder Channel, or both zipped (.zip); values in SI
+    /// A table (.csv, .parquet); values in SI
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
-    /// Replace the table or the archive where it exists; a test is never replaced
+    /// Replace the table where it exists
     #[arg(long)]
     pub force: bool,
 }
@@ -40,21 +39,18 @@ enum Format {
     Table,
     /// A table in Apache Parquet.
     Parquet,
-    /// A test with its folder of channels.
-    Test,
-    /// A test in one zip archive.
-    Archive,
 }
 
 impl Format {
     /// By the ending of the file.
     fn from_path(out: &Path) -> Result<Format, Diagnostic> {
-        let endings =
-            [("csv", Format::Table), ("parquet", Format::Parquet), ("mme", Format::Test), ("zip", Format::Archive)];
+        let endings = [("csv", Format::Table), ("parquet", Format::Parquet)];
         let found = endings.into_iter().find(|(ending, _)| ends_in(out, ending)).map(|(_, format)| format);
         found.ok_or_else(|| {
-            let mistake = Diagnostic::new(format!("{} ends in none of .csv, .parquet, .mme and .zip", shown_path(out)));
-            mistake.hint("the ending names the format")
+            let mistake = Diagnostic::new(format!("{} ends in none of .csv and .parquet", shown_path(out)));
+            let ending = format!(".{}", out.extension().unwrap_or_default().to_string_lossy());
+            let gone = removed::command(&["signal".into(), "convert".into(), ending]);
+            mistake.hint(gone.map_or("the ending names the format".into(), |(_, instead)| instead))
         })
     }
 }
@@ -68,8 +64,6 @@ struct Converted {
     /// Names with the long names of codes, for the terminal.
     #[serde(skip)]
     called: Vec<String>,
-    /// Files that were written.
-    written: Vec<String>,
     #[serde(flatten)]
     remarks: Remarks,
 }
@@ -77,47 +71,31 @@ struct Converted {
 pub(super) fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
     let done = converted(args)?;
     print_figures(shared, &done, || {
-        let beside: String = done.written.iter().skip(1).map(|file| format!("\n  {file}")).collect();
-        format!("{}\n{}  {}: {}{beside}", done.path, done.remarks.lines(), done.out, done.called.join(", "))
+        format!("{}\n{}  {}: {}", done.path, done.remarks.lines(), done.out, done.called.join(", "))
     })
 }
 
 fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
-    let bad = |mistake: Diagnostic| Failure::from(mistake);
-    let format = Format::from_path(&args.out).map_err(bad)?;
+    let format = Format::from_path(&args.out)?;
     match format {
         Format::Table => output::check_table(&args.out, &args.path, args.force)?,
         Format::Parquet => check(&args.out, "parquet", Some(&args.path), Some(args.force))?,
-        Format::Archive => check(&args.out, "zip", Some(&args.path), Some(args.force))?,
-        Format::Test => {}
     }
     let channels = match &args.column[..] {
         [] => ChannelSelection::All,
         names => ChannelSelection::Named(names.to_vec()),
     };
     let found = args.file.read(&args.path, channels)?;
-    let unwritten = |error: WriteError| match error {
-        WriteError::Write { .. } => output::failed(&args.out, &error),
-        _ => bad(Diagnostic::new(error.to_string())),
-    };
     match format {
         Format::Table => output::write_csv(&args.out, &comments(&found), &shared_axis(&found, &args.path)?)?,
         Format::Parquet => {
             let columns = shared_axis(&found, &args.path)?.columns();
             write(&args.out, |out| out.write_all(&table::to_parquet(&columns, &comments(&found))?))?;
         }
-        Format::Test => isomme::rewrite(&args.out, &found, &headers(&args.path)?).map_err(unwritten)?,
-        Format::Archive => {
-            let bytes = isomme::zipped(&args.out, &found, &headers(&args.path)?).map_err(unwritten)?;
-            write(&args.out, |out| out.write_all(&bytes))?;
-        }
     }
     Ok(Converted {
         path: shown_path(&args.path),
         out: shown_path(&args.out),
-        written: std::iter::once(shown_path(&args.out))
-            .chain(beside(&args.out).filter(|_| format == Format::Test).into_iter().flatten())
-            .collect(),
         called: found.channels.iter().map(called).collect(),
         remarks: (&found.annotations).into(),
         channels: found.channels.into_iter().map(|channel| channel.name).collect(),
@@ -132,27 +110,9 @@ fn shared_axis(found: &Measurement, path: &Path) -> Result<Recording, Diagnostic
     })
 }
 
-/// The headers of the recording at `path`; a table has none.
-fn headers(path: &Path) -> Result<Headers, Failure> {
-    if !isomme::is_part(path) {
-        return Ok(Headers::default());
-    }
-    Headers::read(path).map_err(|error| Failure::from(faults::recording(&error.into())))
-}
-
-/// The channel files beside a test, and the list of them.
-fn beside(test: &Path) -> Option<Vec<String>> {
-    let files = fs::read_dir(folder_of(test).join("Channel")).ok()?.flatten();
-    let mut files: Vec<String> = files.map(|file| shown_path(&file.path())).collect();
-    files.sort();
-    Some(files)
-}
-
 /// The comments of the file, the long names of codes, and the classes of filters. What reading it assumed is explicit in the table.
 fn comments(found: &Measurement) -> Vec<String> {
-    let is_new = |channel: &&MeasuredChannel| {
-        !channel.label.starts_with(&channel.name) && found.annotations.long_name(&channel.name).is_none()
-    };
+    let is_new = |channel: &&MeasuredChannel| !channel.label.starts_with(&channel.name);
     let names = found.channels.iter().filter(is_new);
     let names: Vec<String> = names.map(|channel| Annotations::name_comment(&channel.name, &channel.label)).collect();
     let class = |channel: &MeasuredChannel| Some(Annotations::filter_comment(&channel.name, channel.filtered?));

@@ -7,7 +7,6 @@ use base::diagnostic::{Diagnostic, shown_path};
 use lab::signal::{Recording, csv, isomme};
 
 use crate::Failure;
-pub(super) use crate::output::failed;
 
 /// Refuses a table whose name does not end in .csv, that would replace the input or, without `force`, anything that is
 /// there.

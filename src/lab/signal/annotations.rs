@@ -45,14 +45,6 @@ impl Annotations {
         format!("long name of {name}: {long}")
     }
 
-    /// The long name that such a comment states.
-    pub fn long_name(&self, name: &str) -> Option<&str> {
-        self.comments.iter().find_map(|comment| {
-            let long = comment.strip_prefix("long name of ")?.strip_prefix(name)?.strip_prefix(": ")?;
-            (!long.is_empty()).then_some(long)
-        })
-    }
-
     /// The comments without the mark of a virtual recording, which is a finding.
     pub fn free_comments(&self) -> impl Iterator<Item = &String> {
         self.comments.iter().filter(|comment| Some(*comment) != self.virtual_mark.as_ref())

@@ -4,7 +4,6 @@ use std::collections::{HashMap, HashSet};
 
 use thiserror::Error;
 
-use super::channel_code::ChannelCode;
 use super::column_name::{ColumnName, TIME};
 use super::{Annotations, Channel, Recording, Series};
 use base::diagnostic::{closest, listed};
@@ -74,8 +73,8 @@ impl MeasuredChannel {
     /// The name with the SI unit, as droptower names columns: `accel_m_s2`, or else `accel [m/s2]`. A name that the
     /// file writes with its unit stays as it is where that is the SI unit, or one that is not known.
     pub fn column_name(&self) -> String {
-        let name = if is_counted(&self.name) { &self.label } else { &self.name };
-        let says_it = self.label == *name || self.label.starts_with(&self.name);
+        let name = &self.name;
+        let says_it = self.label.starts_with(name);
         let written = ColumnName::read(if says_it { &self.label } else { name });
         let Some(unit) = &self.unit else {
             return written.label;
@@ -97,11 +96,6 @@ impl MeasuredChannel {
             None => self.label.clone(),
         }
     }
-}
-
-/// Whether the name is a code that only counts, since the channel had a name and no code when it was written.
-fn is_counted(name: &str) -> bool {
-    ChannelCode::parse(name).is_some_and(|code| code.is_counted())
 }
 
 /// The SI unit in brackets; a number without unit is a dash.
@@ -246,7 +240,6 @@ mod tests {
         for (name, label, unit, expected) in [
             ("11HEAD0000H3ACXP", "11HEAD0000H3ACXP", Some("m/s2"), "11HEAD0000H3ACXP_m_s2"),
             ("11HEAD0000H3ACXP", "Head", Some("g"), "11HEAD0000H3ACXP_m_s2"),
-            ("000000000100AC00", "accel", Some("m/s2"), "accel_m_s2"),
             ("accel", "accel", Some("m/s2"), "accel_m_s2"),
             ("accel", "accel [g]", Some("g"), "accel_m_s2"),
             ("accel", "accel_m_s2", Some("m/s2"), "accel_m_s2"),

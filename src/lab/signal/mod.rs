@@ -1,7 +1,6 @@
 //! Time series as values: channels and recordings, their files, and what is computed from them.
 
 pub(crate) mod annotations;
-mod channel_code;
 mod channel_fault;
 pub mod clip;
 pub mod column;

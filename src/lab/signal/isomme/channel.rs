@@ -4,7 +4,6 @@ use super::fault::{Fault, Mistake, ReadError};
 use super::files::{Member, MemberLines};
 use super::header::{Header, stated};
 use crate::signal::Warning;
-use crate::signal::channel_code::ChannelCode;
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
 use crate::signal::text::Line;
 use base::units::{Time, Unit};
@@ -31,7 +30,7 @@ impl ChannelHead {
 
     /// Whether it is a time axis by its code or its dimension.
     pub fn is_time(&self) -> bool {
-        let by_code = ChannelCode::parse(&self.name).is_some_and(|code| code.is_time());
+        let by_code = code(&self.name).is_some_and(|code| &code[12..14] == "TI");
         by_code || self.header.text("Dimension") == Some("TI")
     }
 
@@ -44,7 +43,7 @@ impl ChannelHead {
             let (channel, stated) = (self.name.clone(), stated.to_owned());
             warnings.push(Warning::UnknownFilterClass { channel, stated });
         }
-        class.or_else(|| ChannelCode::parse(&self.name)?.class())
+        class.or_else(|| class_of_code(&self.name))
     }
 
     /// The values as they are written; `NaN` where there is none.
@@ -142,6 +141,24 @@ impl ChannelHead {
     }
 }
 
+/// The channel code that `name` is, in capitals: sixteen letters, digits and question marks that say what was measured where; the
+/// physical dimension is in two of them, the filter class in the last.
+fn code(name: &str) -> Option<String> {
+    let fits = name.len() == 16 && name.bytes().all(|letter| letter.is_ascii_alphanumeric() || letter == b'?');
+    fits.then(|| name.to_ascii_uppercase())
+}
+
+/// The channel frequency class that the letter of a code names (SAE J211-1).
+fn class_of_code(name: &str) -> Option<f64> {
+    Some(match code(name)?.as_bytes()[15] {
+        b'A' => 1000.0,
+        b'B' => 600.0,
+        b'C' => 180.0,
+        b'D' => 60.0,
+        _ => return None,
+    })
+}
+
 type Head = (Header, Option<Line<'static>>, MemberLines);
 
 /// The header of `file`, the first line of its values, and the lines that follow.
@@ -191,6 +208,15 @@ fn class_of(stated: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_code_names_time_and_filter_class() {
+        assert_eq!(code("11headcg0000acxa").as_deref(), Some("11HEADCG0000ACXA"));
+        assert_eq!([class_of_code("11HEADCG0000ACXA"), class_of_code("24NECKUP00P2MOZP")], [Some(1000.0), None]);
+        for text in ["", "11HEADCG0000ACX", "11HEADCG0000ACXPP", "11HEAD CG000ACXP", "11HEADCG0000AC µ"] {
+            assert_eq!(code(text), None, "{text}");
+        }
+    }
 
     #[test]
     fn classes_as_they_are_written() {

@@ -6,7 +6,6 @@ use std::path::Path;
 use super::channel::{ChannelHead, read_header};
 use super::fault::{Fault, Mistake, ReadError};
 use super::files::{Files, Member, number};
-use super::header::Header;
 use crate::signal::channel_fault::ChannelFault;
 use crate::signal::measurement::find;
 use crate::signal::warning::Extreme;
@@ -34,36 +33,6 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
     let mut annotations = Annotations::new(comments);
     annotations.warnings = warnings;
     Ok(Measurement { channels, annotations })
-}
-
-/// The headers of a container, which are copied when it is converted.
-#[derive(Clone, Debug, Default)]
-pub struct Headers {
-    /// Of the test; empty where there is none.
-    pub test: Header,
-    /// Of the list of channels; empty where there is none.
-    pub list: Header,
-    channels: Vec<ChannelHead>,
-}
-
-impl Headers {
-    /// Reads the headers of the container that the file or folder at `path` belongs to.
-    pub fn read(path: &Path) -> Result<Headers, ReadError> {
-        let files = Files::locate(path)?;
-        // Their warnings were reported when the recording was read.
-        let read = |file: Option<Member>| {
-            file.map_or_else(|| Ok(Header::default()), |file| read_header(&file, &mut Vec::new()))
-        };
-        let channels = Container::open(path)?.heads;
-        Ok(Headers { test: read(files.test)?, list: read(files.list)?, channels })
-    }
-
-    /// The header that `channel` was read with; none where it is of another container.
-    pub fn find(&self, channel: &MeasuredChannel) -> Option<&Header> {
-        let named = || self.channels.iter().filter(|head| head.name == channel.name);
-        let head = named().find(|head| head.label == channel.label).or_else(|| named().next());
-        head.map(|head| &head.header)
-    }
 }
 
 /// A container of which only the headers were read.

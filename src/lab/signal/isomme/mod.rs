@@ -1,5 +1,5 @@
 //! Recordings as ISO-MME (ISO/TS 13499): a text file a channel, headers of keys and values, a list of the channels, and
-//! a file about the test.
+//! a file about the test. They are read, not written.
 //!
 //! A whole container is `<test>.mme` beside a folder `Channel` with `<test>.chn` and `<test>.001`, …; files are found
 //! however their names are capitalised. Read are also a list without its test, a channel on its own, and a zip archive
@@ -11,12 +11,9 @@ mod container;
 mod fault;
 mod files;
 mod header;
-mod write;
 
-pub use super::channel_code::ChannelCode;
 pub use archive::ArchiveFault;
-pub use container::{Headers, measure};
+pub use container::measure;
 pub use fault::{Fault, ReadError};
 pub use files::is_part;
 pub use header::{Entry, Header};
-pub use write::{WriteError, rewrite, write, zipped};

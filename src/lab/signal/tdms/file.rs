@@ -123,7 +123,8 @@ impl Tdms {
         if let Some(scale) = missing {
             return Some(format!("scale {scale} has no kind, and its data no scaler of this number"));
         }
-        (scaler.is_none() && ids.len() > 1).then(|| format!("its data have {} scalers and no scale for them", ids.len()))
+        (scaler.is_none() && ids.len() > 1)
+            .then(|| format!("its data have {} scalers and no scale for them", ids.len()))
     }
 
     /// What one scaler of a channel gives, or what is stored where it has none.
