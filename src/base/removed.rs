@@ -49,6 +49,10 @@ const REMOVED: &[Removed] = &[
     row(Kind::Finding, "colour-elsewhere", "it belonged to `digitize`"),
     row(Kind::Finding, "curve-interrupted", "it belonged to `digitize`"),
     row(Kind::Finding, "curve-short", "it belonged to `digitize`"),
+const MASTER: &str =
+    "the program of a DMA makes the master curve, which --relaxation fits; `shift` of a material states its law";
+const PLASTIC: &str = "`calibrate` fits plastic film to coupons: scripts/plastic-coupons.rhai";
+
 /// Rows are listed by kind, then by name.
 const REMOVED: &[Removed] = &[
     row(
@@ -76,6 +80,17 @@ const REMOVED: &[Removed] = &[
     row(Kind::Finding, "springs-collapsed", "springs of the frame do not push"),
     row(Kind::Command, "signal convert .mme", "write a table: -o FILE.csv; ISO-MME is still read"),
     row(Kind::Command, "signal convert .zip", "write a table: -o FILE.csv; zipped ISO-MME is still read"),
+    row(Kind::Command, "tensile fit --directions", PLASTIC),
+    row(Kind::Command, "tensile fit --offset", PLASTIC),
+    row(Kind::Command, "tensile fit --reference", MASTER),
+    row(Kind::Command, "tensile fit --shift", MASTER),
+    row(Kind::Command, "tensile fit --shift-factors", MASTER),
+    row(Kind::Command, "tensile fit --window", PLASTIC),
+    row(Kind::Command, "tensile fit plastic:table", PLASTIC),
+    row(Kind::Command, "tensile fit plastic:voce", PLASTIC),
+    row(Kind::Finding, "hardening-scatters", PLASTIC),
+    row(Kind::Finding, "unloading-not-measured", PLASTIC),
+    row(Kind::Finding, "yield-ratio-assumed", PLASTIC),
 ];
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.

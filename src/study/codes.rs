@@ -14,7 +14,6 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
         experiment::CODES,
         experiment::law_fit::CODES,
         experiment::relaxation::CODES,
-        experiment::law_fit::plastic::CODES,
         model::CODES,
         simulate::CODES,
         sweep::CODES,

@@ -672,3 +672,37 @@ fn angles_between_follow_a_fabric_and_not_a_film_that_yields_together() {
     assert!(!codes.contains(&"angles-do-not-follow".to_owned()), "{codes:?} {rows:?}");
     assert!(rows[1][3].abs() < 0.02 && (rows[1][5] / rows[1][4] - 1.0).abs() < 0.05, "{rows:?}");
 }
+
+/// A film that yields is found again from its coupons at three angles: modulus, Voce's hardening and ratios of yield stress.
+#[test]
+fn a_plastic_law_is_found_again_from_its_coupons() {
+    let text = format!(
+        r#"{COUPONS}
+        fn film(young, start, saturation, rate, r22, r12) {{
+            element(#{{ density: 920, thickness: "50 um", plastic: #{{ young: young, poisson: 0.45,
+                hardening: #{{ voce: #{{ "yield": start, saturation: saturation, rate: rate }} }},
+                hill: #{{ r11: 1, r22: r22, r33: 1, r12: r12 }} }} }})
+        }}
+        let strains = [];
+        for i in 0..=60 {{ strains.push(0.0025 * i); }}
+        let truth = film(2e8, 8e6, 20e6, 12, 1.1, 0.95);
+        let guess = film(1.6e8, 6e6, 15e6, 8, 1, 1);
+        let tests = [];
+        for angle in [0, 45, 90] {{
+            let set = #{{ "loading.stretch.direction": `${{angle}} deg` }};
+            tests.push(#{{ scenario: guess, set: set, name: `at ${{angle}}`, pull: "strip", window: [0, 0.14], noise: 0.005,
+                recordings: truth.with(set).pull(strains, #{{ across: "strip" }}) }});
+        }}
+        let key = |name, start| #{{ key: `specimen.material.plastic.${{name}}`, start: start, within: [0.1 * start, 10 * start], log: true }};
+        let study = calibrate(#{{ tests: tests, discrepancy: 0.01, starts: 1, parameters: #{{
+            young: key.call("young", 1.6e8), first: key.call("hardening.voce.yield", 6e6),
+            saturation: key.call("hardening.voce.saturation", 15e6), rate: key.call("hardening.voce.rate", 8.0),
+            r22: key.call("hill.r22", 1.0), r12: key.call("hill.r12", 1.0) }} }});
+        ["young", "first", "saturation", "rate", "r22", "r12"].map(|name| study.x[name])"#
+    );
+    let (found, _) = run(&text).unwrap_or_else(|error| panic!("{error}"));
+    let found = found.into_array().unwrap().into_iter().map(|item| item.as_float().expect("a number"));
+    for (found, expected) in found.zip([2e8, 8e6, 20e6, 12.0, 1.1, 0.95]) {
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} instead of {expected}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Damped least squares of a function that costs nothing: Levenberg and Marquardt's method from one start.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 // The version of nalgebra that the crate uses.
 use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
 
@@ -15,28 +15,11 @@ const PATIENCE: usize = 200;
 /// Stands for a residual that is not finite.
 const WORST: f64 = 1e6;
 
-/// Where a descent ended.
-#[derive(Clone, Debug)]
-pub(super) struct Descent {
-    /// u.
-    pub(super) unknowns: Vec<f64>,
-    /// |r(u)|².
-    pub(super) squares: f64,
-    /// Whether it is a minimum: no step makes the residuals smaller.
-    pub(super) converged: bool,
-}
-
 /// A local minimum of |r(u)|² below `start`, of unknowns of order one.
-pub(super) fn descend(start: Vec<f64>, residuals: &dyn Fn(&[f64]) -> Vec<f64>) -> Descent {
+pub(super) fn descend(start: Vec<f64>, residuals: &dyn Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
     let problem = Problem { u: DVector::from_vec(start), residuals };
-    let (problem, report) = LevenbergMarquardt::new().with_tol(1e-15).with_patience(PATIENCE).minimize(problem);
-    // Tolerances this small are often below what residuals can show.
-    let is_exact = matches!(report.termination, TerminationReason::NoImprovementPossible(_));
-    Descent {
-        unknowns: problem.u.as_slice().to_vec(),
-        squares: 2.0 * report.objective_function,
-        converged: is_exact || report.termination.was_successful(),
-    }
+    let (problem, _) = LevenbergMarquardt::new().with_tol(1e-15).with_patience(PATIENCE).minimize(problem);
+    problem.u.as_slice().to_vec()
 }
 
 struct Problem<'a> {
@@ -90,20 +73,12 @@ mod tests {
     #[test]
     fn rosenbrocks_valley_is_followed() {
         let found = descend(vec![-1.2, 1.0], &|u| vec![10.0 * (u[1] - u[0] * u[0]), 1.0 - u[0]]);
-        assert!(found.converged && found.squares < 1e-18, "{found:?}");
-        assert!(found.unknowns.iter().all(|u| (u - 1.0).abs() < 1e-9), "{found:?}");
-    }
-
-    #[test]
-    fn the_squares_are_those_of_the_residuals() {
-        let found = descend(vec![3.0], &|u| vec![u[0] - 1.0, u[0] + 2.0]);
-        assert!(found.converged && (found.unknowns[0] + 0.5).abs() < 1e-9, "{found:?}");
-        assert!((found.squares - 4.5).abs() < 1e-12, "{found:?}");
+        assert!(found.iter().all(|u| (u - 1.0).abs() < 1e-9), "{found:?}");
     }
 
     #[test]
     fn a_region_without_values_is_left() {
         let found = descend(vec![4.0], &|u| vec![if u[0] < 5.0 { u[0].sqrt() - 2.2 } else { f64::NAN }]);
-        assert!((found.unknowns[0] - 4.84).abs() < 1e-9, "{found:?}");
+        assert!((found[0] - 4.84).abs() < 1e-9, "{found:?}");
     }
 }

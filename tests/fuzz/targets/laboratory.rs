@@ -11,7 +11,7 @@ use lab::experiment::absorption::Body;
 use lab::experiment::coupon::{Coupon, CouponReader, Rules};
 use lab::experiment::drop::{ChannelNames, DropChannels, Height, Reduction, Tower};
 use lab::experiment::law_fit::StressReader;
-use lab::experiment::relaxation::{read_relaxation, read_shift_factors};
+use lab::experiment::relaxation::read_relaxation;
 use lab::signal::{ReadOptions, file};
 
 fuzz_target!(|input: &[u8]| {
@@ -27,6 +27,5 @@ fuzz_target!(|input: &[u8]| {
         let reader = StressReader { kind: None, table: ReadOptions::default() };
         drop(reader.read(path).map_err(|error| error.to_string()));
         drop(read_relaxation(path, &ReadOptions::default()).map_err(|error| error.to_string()));
-        drop(read_shift_factors(path).map_err(|error| error.to_string()));
     });
 });

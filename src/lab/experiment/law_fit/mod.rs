@@ -1,7 +1,7 @@
 //! Fits of film laws to measured stresses: which laws there are, the tests that they are fitted to, and the fit.
 //!
 //! A family of laws is one module with an arm in [`LawChoice`] and in [`fit_law`]; tests, weights, figures, intervals
-//! and findings are common to all. [`plastic`] fits film that yields, from coupons in several directions.
+//! and findings are common to all.
 
 mod choice;
 mod data_set;
@@ -9,7 +9,6 @@ mod fit;
 pub mod hyperelastic;
 mod intervals;
 mod options;
-pub mod plastic;
 mod quality;
 mod reading;
 mod result;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::experiment::law_fit::hyperelastic::Energy;
 use crate::experiment::law_fit::{Coefficient, LawChoice, LawFit, TestFit};
-use crate::experiment::relaxation::{Arrhenius, PronyFit, ShiftLaw, ShiftLawFit, Wlf, ZERO_CELSIUS};
+use crate::experiment::relaxation::PronyFit;
 use base::finding::Finding;
 use base::number::{plain, rounded, significant};
 
@@ -132,7 +132,7 @@ fn error(coefficient: &Coefficient) -> String {
     }
 }
 
-/// A relaxation as a material file: elastic film, its terms, and the law of its shift factors.
+/// A relaxation as a material file: elastic film and its terms.
 #[derive(Clone, Copy, Debug)]
 pub struct RelaxationMaterial<'a> {
     /// The series.
@@ -141,15 +141,13 @@ pub struct RelaxationMaterial<'a> {
     pub source: &'a str,
     /// Poisson's ratio, where it is given.
     pub poisson: Option<f64>,
-    /// The law of the shift factors, where there are any.
-    pub shift: Option<&'a ShiftLawFit>,
     /// The film's keys.
     pub film: FilmKeys,
 }
 
 /// The material file of a relaxation.
 pub fn relaxation_text(material: &RelaxationMaterial<'_>) -> String {
-    let RelaxationMaterial { fit, source, poisson, shift, film } = material;
+    let RelaxationMaterial { fit, source, poisson, film } = material;
     let [first, last] =
         [fit.measured.first(), fit.measured.last()].map(|point| point.map_or(f64::NAN, |point| point[0]));
     let mut text = format!(
@@ -180,28 +178,5 @@ pub fn relaxation_text(material: &RelaxationMaterial<'_>) -> String {
         let (share, time) = (float(rounded(term.share, DIGITS)), plain(rounded(term.time, DIGITS)));
         let _ = write!(text, "\n[[prony]]\nshare = {share}\ntime = \"{time} s\"\n");
     }
-    text.extend(shift.iter().map(|shift| shift_text(shift)));
     text
-}
-
-fn shift_text(fit: &ShiftLawFit) -> String {
-    let celsius = |kelvin: f64| significant(kelvin - ZERO_CELSIUS, 6);
-    let law = match fit.law {
-        ShiftLaw::Wlf(Wlf { c1, c2, reference }) => format!(
-            "wlf = {{ c1 = {}, c2 = \"{} K\", reference = \"{} degC\" }}",
-            float(rounded(c1, DIGITS)),
-            plain(rounded(c2, DIGITS)),
-            celsius(reference)
-        ),
-        ShiftLaw::Arrhenius(Arrhenius { energy, reference }) => format!(
-            "arrhenius = {{ energy = \"{} kJ/mol\", reference = \"{} degC\" }}",
-            plain(rounded(energy * 1e-3, DIGITS)),
-            celsius(reference)
-        ),
-    };
-    format!(
-        "\n[shift]\n# Error of the logarithm of the shift: {} decades rms, {} at most.\n{law}\n",
-        significant(fit.rms, 3),
-        significant(fit.largest_error, 3)
-    )
 }

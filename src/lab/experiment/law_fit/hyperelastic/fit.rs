@@ -134,7 +134,7 @@ fn minimum(problem: &Separable<'_>, start: Vec<f64>, sign: Sign, sets: &[DataSet
         Some(solved) => solved.residuals.as_slice().to_vec(),
         None => vec![f64::NAN; sets.iter().map(|set| set.measured.stresses().len()).sum()],
     };
-    let u = if start.is_empty() { start } else { descend(start, &residuals).unknowns };
+    let u = if start.is_empty() { start } else { descend(start, &residuals) };
     let shape = problem.shape(&u);
     let solved = problem.solve(&shape, sign)?;
     let squares = solved.residuals.norm_squared();
