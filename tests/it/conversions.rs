@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use droptower::signal::filter::{self, Standard};
-use droptower::signal::{ChannelSelection, ReadOptions, file};
+use droptower::signal::{ReadOptions, file};
 use droptower::units::STANDARD_GRAVITY;
 use serde_json::Value as Json;
 
@@ -240,6 +240,29 @@ fn info_lists_channels_of_one_name_and_missing_samples() {
     fs::write(bench.path().join("b.csv"), "time_s,a\n0,1\n1,2\n2,3\n").expect("written");
     let text = workbench::printed(&droptower(bench.path(), &["info", "b.csv"]));
     assert!(!text.contains("hole") && !text.contains("written as"), "{text}");
+}
+
+/// A cost quadratic in the columns would take minutes.
+#[test]
+fn info_lists_a_hundred_thousand_columns() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let header: String = (0..100_000).map(|place| format!(",a{place}")).collect();
+    fs::write(bench.path().join("wide.csv"), format!("t{header}\n0{}\n", ",1".repeat(100_000))).expect("written");
+    let text = printed(&droptower(bench.path(), &["info", "wide.csv"]));
+    assert!(text.lines().count() > 100_000 && text.contains("  a99999  "), "{} lines", text.lines().count());
+}
+
+/// A letter behind a stroke or in round brackets is a name, unless laboratories measure in it.
+#[test]
+fn letters_of_names_are_no_units() {
+    let bench = tempfile::tempdir().expect("a folder");
+    fs::write(bench.path().join("a.csv"), "t,F/d,u/t,n/a,Sensor (a)\n0,1,2,3,4\n1,1,2,3,4\n").expect("written");
+    printed(&droptower(bench.path(), &["convert", "a.csv", "-o", "b.csv"]));
+    let text = fs::read_to_string(bench.path().join("b.csv")).expect("the table");
+    assert!(text.ends_with("time_s,F/d,u/t,n/a,Sensor (a)\n0.0,1.0,2.0,3.0,4.0\n1.0,1.0,2.0,3.0,4.0\n"), "{text}");
+    fs::write(bench.path().join("c.csv"), "a title; of; three\nt;d;a\n0;1;2\n1;1;2\n").expect("written");
+    let info = figures(&droptower(bench.path(), &["info", "c.csv", "--json"]));
+    assert_eq!((&info[0]["channels"][0]["name"], &info[0]["channels"][1]["name"]), (&"d".into(), &"a".into()));
 }
 
 #[test]

@@ -188,7 +188,8 @@ fn text(contents: &Contents) -> String {
     let widths: Vec<usize> = (0..header.len()).map(width).collect();
     // Names are set to the left, figures to the right; what the file calls a channel only where that is more than its
     // name.
-    let shown = |column: &usize| *column != 1 || contents.channels.iter().any(|channel| channel.label != channel.name);
+    let has_labels = contents.channels.iter().any(|channel| channel.label != channel.name);
+    let shown = |column: &usize| *column != 1 || has_labels;
     let line = |cells: &Vec<String>| {
         let cell = |column: usize| match column {
             0 | 1 => format!("  {:1$}", cells[column], widths[column]),

@@ -85,8 +85,8 @@ fn is_word_of_its_own(name: &str, symbol: &str) -> bool {
 }
 
 /// The units of a line below the header; none where the line holds something else.
-pub fn units_of_line<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Vec<UnitCell>> {
-    let units: Option<Vec<UnitCell>> = cells.map(unit_cell).collect();
+pub fn units_of_line(cells: impl Iterator<Item = impl AsRef<str>>) -> Option<Vec<UnitCell>> {
+    let units: Option<Vec<UnitCell>> = cells.map(|cell| unit_cell(cell.as_ref())).collect();
     units.filter(|units| units.iter().any(|unit| matches!(unit, UnitCell::Known(_))))
 }
 

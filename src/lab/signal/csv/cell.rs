@@ -18,10 +18,10 @@ pub enum Separator {
 }
 
 /// One cell of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cell<'a> {
-    /// Without the blanks and the quotes around it.
-    pub text: &'a str,
+    /// Without the blanks and the quotes around it; doubled quotes within quotes are one.
+    pub text: Cow<'a, str>,
     /// Bytes of the line before it.
     pub offset: usize,
 }
@@ -66,7 +66,7 @@ impl<'a> Iterator for Cells<'a> {
             self.at = None;
             return None;
         }
-        let quoted = trimmed.strip_prefix('"').and_then(|inner| inner.find('"')).map_or(0, |close| close + 2);
+        let quoted = trimmed.strip_prefix('"').and_then(closing).map_or(0, |close| close + 2);
         let end = trimmed[quoted..].find(|letter| self.separator.matches(letter)).map(|end| quoted + end);
         self.at = end.map(|end| offset + end + 1);
         let text = trimmed[..end.unwrap_or(trimmed.len())].trim();
@@ -81,8 +81,28 @@ impl Cells<'_> {
     }
 }
 
-fn unquoted(text: &str) -> &str {
-    text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).map_or(text, str::trim)
+/// Where the quote stands that closes a cell: it is not doubled.
+fn closing(inner: &str) -> Option<usize> {
+    let quotes = inner.match_indices('"').map(|(place, _)| place);
+    let mut doubled = None;
+    for place in quotes {
+        if doubled == Some(place) {
+            doubled = None;
+        } else if inner[place + 1..].starts_with('"') {
+            doubled = Some(place + 1);
+        } else {
+            return Some(place);
+        }
+    }
+    None
+}
+
+fn unquoted(text: &str) -> Cow<'_, str> {
+    match text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).map(str::trim) {
+        Some(inner) if inner.contains("\"\"") => Cow::Owned(inner.replace("\"\"", "\"")),
+        Some(inner) => Cow::Borrowed(inner),
+        None => Cow::Borrowed(text),
+    }
 }
 
 /// How the numbers of a file are written; decided by the first number that is unambiguous.
@@ -156,10 +176,13 @@ mod tests {
             (Separator::Tab, "0\t\t 1", &[("0", 0), ("", 2), ("1", 4)]),
             (Separator::Blanks, "   0.5  1\t2 ", &[("0.5", 3), ("1", 8), ("2", 10)]),
             (Separator::Comma, "\"a", &[("\"a", 0)]),
+            (Separator::Semicolon, "\"a \"\"b; c\"\"\";2", &[("a \"b; c\"", 0), ("2", 15)]),
+            (Separator::Comma, "\"\",\"\"\"\",1", &[("", 0), ("\"", 3), ("1", 8)]),
             (Separator::Comma, "", &[("", 0)]),
             (Separator::Blanks, " ", &[]),
         ] {
-            let found: Vec<(&str, usize)> = separator.cells(line).map(|cell| (cell.text, cell.offset)).collect();
+            let found: Vec<Cell> = separator.cells(line).collect();
+            let found: Vec<(&str, usize)> = found.iter().map(|cell| (cell.text.as_ref(), cell.offset)).collect();
             assert_eq!(found, expected, "{line:?}");
         }
     }

@@ -47,7 +47,7 @@ impl Layout {
         comments.extend(lines.iter().map(|line| quoted(line, "before the header")));
         let mut annotations = Annotations::new(comments);
         let columns = match &header {
-            Some(header) => trimmed(separator.cells(&header.text)).map(|cell| ColumnName::read(cell.text)).collect(),
+            Some(header) => trimmed(separator.cells(&header.text)).map(|cell| ColumnName::read(&cell.text)).collect(),
             None => numbered(separator, &rows[0], &mut annotations),
         };
         let mut layout = Layout { separator, columns, header, rows, annotations };
@@ -223,7 +223,7 @@ fn separator(row: &str, options: &ReadOptions) -> Separator {
     let reads = |separator: &Separator| {
         let mut mark = Mark::between(*separator);
         let mut cells = trimmed(separator.cells(row));
-        cells.all(|cell| options.is_gap(cell.text) || mark.number(cell.text, "").is_ok())
+        cells.all(|cell| options.is_gap(&cell.text) || mark.number(&cell.text, "").is_ok())
     };
     let splits = |separator: &Separator| trimmed(separator.cells(row)).nth(1).is_some();
     let mut candidates = Separator::ALL.into_iter().filter(splits);
@@ -235,8 +235,8 @@ fn separator(row: &str, options: &ReadOptions) -> Separator {
 fn is_row(line: &Line, separator: Separator) -> bool {
     let mut mark = Mark::between(separator);
     let cells: Vec<Cell> = trimmed(separator.cells(&line.text)).collect();
-    let numbers = cells.iter().filter(|cell| !cell.text.is_empty() && mark.number(cell.text, "").is_ok()).count();
-    numbers > 0 && 2 * numbers >= cells.len() && units_of_line(cells.iter().map(|cell| cell.text)).is_none()
+    let numbers = cells.iter().filter(|cell| !cell.text.is_empty() && mark.number(&cell.text, "").is_ok()).count();
+    numbers > 0 && 2 * numbers >= cells.len() && units_of_line(cells.iter().map(|cell| &cell.text)).is_none()
 }
 
 /// Takes the last line if it holds the units of the one above it.

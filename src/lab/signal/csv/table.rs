@@ -124,11 +124,10 @@ impl Lined {
         Ok(Lined { columns, has_header: header.is_some(), rows, annotations })
     }
 
-    /// Reads the values of the column at a place, as they are written.
-    pub fn values(lines: &mut Lines<impl BufRead>, place: usize) -> Result<Vec<f64>, Mistake> {
+    /// Reads the values of the columns at these places, as they are written.
+    pub fn values(lines: &mut Lines<impl BufRead>, places: &[usize]) -> Result<Vec<Vec<f64>>, Mistake> {
         let mut layout = Layout::read(lines, &ReadOptions::default())?;
-        let values = Rows::new(&layout, &[place], None).read(&mut layout, lines)?;
-        Ok(values.into_iter().next().unwrap_or_default())
+        Rows::new(&layout, places, None).read(&mut layout, lines)
     }
 }
 
@@ -221,7 +220,7 @@ impl Rows {
             let Some(slots) = self.slots.get(place).filter(|slots| !slots.is_empty()) else { continue };
             let at = |fault| at_cell(line, layout.separator, place, fault);
             let name = &layout.columns[place].name;
-            let value = match cell.text {
+            let value = match cell.text.as_ref() {
                 "" => f64::NAN,
                 text if self.gaps.iter().any(|gap| text.eq_ignore_ascii_case(gap)) => f64::NAN,
                 text => self.mark.number(text, name).map_err(at)?,
@@ -311,9 +310,9 @@ mod tests {
     fn the_cost_of_many_columns_is_linear() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("wide.csv");
-        let header: String = (0..60_000).map(|place| format!(",a{place}")).collect();
-        std::fs::write(&path, format!("t{header}\n0{}\n", ",1".repeat(60_000))).unwrap();
-        assert_eq!(measure(&path, &ReadOptions::default()).unwrap().channels.len(), 60_000);
+        let header: String = (0..100_000).map(|place| format!(",a{place}")).collect();
+        std::fs::write(&path, format!("t{header}\n0{}\n", ",1".repeat(100_000))).unwrap();
+        assert_eq!(measure(&path, &ReadOptions::default()).unwrap().channels.len(), 100_000);
     }
 
     /// Memory is bounded: only the wanted columns are stored.

@@ -129,7 +129,7 @@ impl Rows {
 }
 
 fn cells(separator: Separator, line: &str) -> Vec<String> {
-    separator.cells(line).map(|cell| cell.text.to_owned()).collect()
+    separator.cells(line).map(|cell| cell.text.into_owned()).collect()
 }
 
 fn is_numbers(cells: &[String]) -> bool {

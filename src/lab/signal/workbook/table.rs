@@ -1,5 +1,6 @@
 //! Sheets as tables of channels.
 
+use std::cell::OnceCell;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -23,6 +24,10 @@ pub struct Workbook {
 struct Table {
     name: String,
     text: String,
+    /// Number of columns.
+    width: usize,
+    /// The values of all columns, once one was asked for; none where a cell of one is no number.
+    columns: OnceCell<Option<Vec<Vec<f64>>>>,
 }
 
 impl Workbook {
@@ -51,7 +56,8 @@ impl Workbook {
             warnings.push(Warning::ChannelNotRead { channel: format!("sheet `{sheet}`"), why: fault.to_string() });
         }
         let is_one = listed.len() == 1;
-        for (place, (table, lined)) in listed.into_iter().enumerate() {
+        for (place, (mut table, lined)) in listed.into_iter().enumerate() {
+            table.width = lined.columns.len();
             comments.extend(lined.annotations.comments().iter().cloned());
             warnings.extend(lined.annotations.warnings);
             let first = book.entries.len();
@@ -93,7 +99,7 @@ impl Table {
         }
         let lines = sheet.rows.iter().map(|(_, cells)| cells.join("\t"));
         let text = lines.flat_map(|line| [line, "\n".to_owned()]).collect();
-        Table { name: sheet.name, text }
+        Table { name: sheet.name, text, width: 0, columns: OnceCell::new() }
     }
 
     fn lined(&self) -> Result<Lined, Fault> {
@@ -101,9 +107,17 @@ impl Table {
         Lined::read(&mut lines).map_err(|mistake| self.located(mistake.line, mistake.fault))
     }
 
+    /// The values of a column; a mistake in another one does not matter.
     fn column(&self, place: usize) -> Result<Vec<f64>, Fault> {
-        let mut lines = Lines::new(Cursor::new(self.text.as_bytes()));
-        Lined::values(&mut lines, place).map_err(|mistake| self.located(mistake.line, mistake.fault))
+        let read = |places: &[usize]| Lined::values(&mut Lines::new(Cursor::new(self.text.as_bytes())), places);
+        let all = self.columns.get_or_init(|| read(&(0..self.width).collect::<Vec<_>>()).ok());
+        match all {
+            Some(columns) => Ok(columns[place].clone()),
+            None => {
+                let alone = read(&[place]).map_err(|mistake| self.located(mistake.line, mistake.fault))?;
+                Ok(alone.into_iter().next().unwrap_or_default())
+            }
+        }
     }
 
     fn located(&self, row: usize, fault: crate::signal::csv::Fault) -> Fault {
