@@ -55,6 +55,7 @@ const PLASTIC: &str = "`calibrate` fits plastic film to coupons: scripts/plastic
 
 /// Rows are listed by kind, then by name.
 const REMOVED: &[Removed] = &[
+    row(Kind::Command, "card check", "`pull` in a script has the stresses of one element, `card write` its card"),
     row(
         Kind::Key,
         "specimen.bending",

@@ -44,7 +44,7 @@ fn keyword(name: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
 }
 
 fn isotropic(film: &Film<'_>, law: &Elastic, request: &Request, losses: &mut Vec<Loss>) -> String {
-    // CalculiX is linear in Green's strain, as droptower is: `card check` runs it.
+    // CalculiX is linear in Green's strain, as droptower is: tests/solvers runs it.
     losses.extend((request.target == Target::Abaqus).then_some(Loss::StrainMeasure { law: "*ELASTIC" }));
     losses.extend(film.lost_beside_the_law());
     elastic(law, request)

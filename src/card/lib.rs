@@ -7,7 +7,6 @@
 
 mod abaqus;
 mod approximate;
-pub mod check;
 mod curves;
 pub mod deck;
 mod febio;

@@ -125,7 +125,7 @@ impl Target {
                 advice: &[
                     "a compressibility of zero is taken as nu = 0.475: the card has one of its own",
                     "film whose flow stress is more than a hundredth of its modulus flows at another stress than here: \
-                     `droptower card check` says how far it is off",
+                     compare one element with `pull` of a script",
                 ],
             },
             Target::Febio => About {

@@ -95,53 +95,6 @@ fn a_mistake_in_a_card_has_its_line_and_caret() {
     assert!(!bench.path().join("film.toml").exists());
 }
 
-/// A solver that is missing, fails, or stops early is told, and what it was given stays; a law that it has not is refused.
-#[cfg(unix)]
-#[test]
-fn a_check_says_why_there_is_none() {
-    use std::os::unix::fs::PermissionsExt;
-    let bench = tempfile::tempdir().expect("a folder");
-    let run = |arguments: &[&str]| droptower(bench.path(), arguments);
-    assert!(run(&["new", "material", "ogden", "film.toml"]).status.success());
-    let program = |name: &str, text: &str| {
-        let path = bench.path().join(name);
-        fs::write(&path, format!("#!/bin/sh\n{text}\n")).expect("a program");
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("a program");
-        format!("./{name}")
-    };
-    let fails = program("fails", "echo no licence; exit 3");
-    let stops = program("stops", "echo > $2.dat");
-    let writes = program("writes", "echo ' total force for set ALONG and time 1\n\n x' > $2.dat");
-    let place = bench.path().join("runs/check/film-calculix");
-    for (program, expected) in [
-        ("./none", "CalculiX was not run: there is no program"),
-        (&fails, "(exit status: 3): no licence"),
-        (&stops, "uniaxial tension: the solver found 0 of 60 states"),
-        (&writes, "uniaxial.dat: no force follows"),
-    ] {
-        let refused = run(&["card", "check", "film.toml", "--for", "calculix", "--program", program]);
-        assert_eq!(refused.status.code(), Some(1), "{program}");
-        assert!(error(&refused).contains(expected), "{}", error(&refused));
-        assert!(error(&refused).contains("its input is in runs/check/film-calculix"), "{}", error(&refused));
-        let deck = fs::read_to_string(place.join("uniaxial.inp")).expect("the deck");
-        assert!(deck.contains("*INCLUDE, INPUT=film.inp") && place.join("film.inp").is_file(), "{deck}");
-    }
-    // The check of another film is not replaced.
-    assert!(run(&["new", "material", "yeoh", "other.toml"]).status.success());
-    for (arguments, expected) in [
-        (&["other.toml", "--for", "calculix", "--out", "runs/check/film-calculix"][..], "the check of "),
-        (&["film.toml", "--for", "kratos"], "Kratos has no law for rubber-like film"),
-        (&["film.toml", "--for", "ls-dyna"], "expected one of calculix, felupe, kratos"),
-        (&["film.toml", "--for", "calculix", "--stretch", "1"], "expected a stretch above 1"),
-        (&["film.toml", "--for", "calculix", "--within", "0.5"], "expected a share"),
-        (&["film.toml", "--for", "calculix", "--modes", "shear"], "expected some of uniaxial"),
-    ] {
-        let refused = run(&[&["card", "check"], arguments].concat());
-        assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
-        assert!(error(&refused).contains(expected), "{}", error(&refused));
-    }
-}
-
 /// The film that a search found is a card's by the folder of the study.
 #[test]
 fn the_film_of_a_study_is_in_its_folder() {

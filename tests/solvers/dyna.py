@@ -1,6 +1,6 @@
 """Reads LS-DYNA cards of droptower by the keyword classes of ansys-dyna-core, field by field.
 
-    dyna.py DROPTOWER ROOT
+    dyna.py DROPTOWER
 
 What each field must hold follows from the material files here, by formulas of this file.
 """
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ansys.dyna.core import Deck
 
-DROPTOWER, ROOT = sys.argv[1], Path(sys.argv[2])
+DROPTOWER = sys.argv[1]
 MPA = 1.0
 
 

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::{Failure, Shared, print, print_json};
-use ::card::check::Solver;
 use ::card::{About, Target};
 
 /// The word in place of a key that lists all solvers.
@@ -19,7 +18,6 @@ pub(crate) fn find(name: &str) -> Option<Target> {
 struct Explanation {
     solver: &'static str,
     write: String,
-    check: Option<String>,
     #[serde(flatten)]
     about: About,
 }
@@ -27,20 +25,18 @@ struct Explanation {
 impl Explanation {
     fn new(target: Target) -> Explanation {
         let key = target.key();
-        let checked = Solver::ALL.into_iter().find(|solver| solver.key() == key);
         Explanation {
             solver: target.name(),
             write: format!("droptower card write FILM --for {key} -o film.{}", target.ending()),
-            check: checked.map(|_| format!("droptower card check FILM --for {key}")),
             about: target.about(),
         }
     }
 
     fn text(&self) -> String {
         let laws = self.about.laws.iter().map(|(film, keyword)| format!("{film}: {keyword}"));
-        let commands = std::iter::once(self.write.clone()).chain(self.check.clone());
         let advice = self.about.advice.iter().map(|sentence| format!("note: {sentence}"));
-        let lines: Vec<String> = commands.chain(laws).chain(advice).map(|line| format!("\n    {line}")).collect();
+        let lines: Vec<String> =
+            std::iter::once(self.write.clone()).chain(laws).chain(advice).map(|line| format!("\n    {line}")).collect();
         format!("{}{}", self.solver, lines.concat())
     }
 }

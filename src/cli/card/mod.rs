@@ -1,6 +1,5 @@
 //! `droptower card`: films in the formats of other solvers.
 
-mod check;
 pub(super) mod explain;
 mod read;
 pub(crate) mod request;
@@ -19,8 +18,6 @@ use base::diagnostic::{Diagnostic, Source, Span};
 pub(super) enum CardCommand {
     /// Write the film of a material, a scenario or a run as a card of another solver
     Write(write::WriteArgs),
-    /// Run one element of the film in another solver beside ours
-    Check(check::CheckArgs),
     /// Read the film of a card as a material
     Read(read::ReadArgs),
 }
@@ -28,7 +25,6 @@ pub(super) enum CardCommand {
 pub(super) fn run(command: &CardCommand, shared: &Shared) -> Result<(), Failure> {
     match command {
         CardCommand::Write(args) => write::run(args, shared),
-        CardCommand::Check(args) => check::run(args, shared),
         CardCommand::Read(args) => read::run(args, shared),
     }
 }

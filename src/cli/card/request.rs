@@ -73,7 +73,7 @@ pub(crate) fn system(text: &str) -> Result<System, String> {
     System::from_name(text).ok_or_else(|| format!("expected one of {}", System::ALL.map(System::name).join(", ")))
 }
 
-pub(super) fn poisson(text: &str) -> Result<f64, String> {
+fn poisson(text: &str) -> Result<f64, String> {
     let found = number(text)?;
     let is_possible = (0.4..0.5).contains(&found);
     is_possible.then_some(found).ok_or_else(|| format!("expected 0.4 to less than 0.5, found {text}"))

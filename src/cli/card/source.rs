@@ -17,8 +17,6 @@ pub(crate) struct Source {
     pub(crate) material: Material,
     /// Layers that it stands for: those of its face, one of a material.
     pub(crate) layers: u32,
-    /// The file that it was read from.
-    pub(crate) file: PathBuf,
     /// Lines for the head of a card.
     pub(crate) origin: Vec<String>,
 }
@@ -36,12 +34,12 @@ pub(crate) fn read(path: &Path, face: Option<usize>) -> Result<Source, Vec<Diagn
         }
         let named = document.material().0.and_then(|written| written.name);
         let name = named.unwrap_or_else(|| document.name());
-        return Ok(Source { name, material, layers: 1, origin: origin(&file)?, file });
+        return Ok(Source { name, material, layers: 1, origin: origin(&file)? });
     }
     let model = model::check(&document)?;
     let Face { film, material, layers, .. } = chosen(&model.faces, face, &file)?;
     let name = film.clone().unwrap_or_else(|| document.name());
-    Ok(Source { name, material: material.clone(), layers: *layers, origin: origin(&file)?, file })
+    Ok(Source { name, material: material.clone(), layers: *layers, origin: origin(&file)? })
 }
 
 /// The file of a film among the results of a study.

@@ -50,7 +50,7 @@ struct Summary {
 pub(super) fn run(args: &WriteArgs, shared: &Shared) -> Result<(), Failure> {
     let target = args.request.target;
     output::check(&args.out, target.ending(), Some(&args.film), Some(args.force))?;
-    let Source { name, material, layers, origin, .. } = source::read(&args.film, args.face)?;
+    let Source { name, material, layers, origin } = source::read(&args.film, args.face)?;
     let request = Request { layers: args.layers.unwrap_or(layers), id: args.id, ..args.request.request() };
     let film = Film { name: &name, material: &material, origin: &origin };
     let written = ::card::write(&film, &request).map_err(|refusal| {

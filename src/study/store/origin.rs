@@ -53,11 +53,6 @@ pub enum Origin {
         /// Where the tests were searched for.
         paths: Vec<PathBuf>,
     },
-    /// A film in another solver.
-    Check {
-        /// File of its material or scenario.
-        film: PathBuf,
-    },
 }
 
 impl fmt::Display for Origin {
@@ -71,7 +66,6 @@ impl fmt::Display for Origin {
             }
             Origin::Comparison { runs } => write!(f, "the comparison of {}", listed(runs)),
             Origin::Tests { paths } => write!(f, "the verdicts of the tests in {}", listed(paths)),
-            Origin::Check { film } => write!(f, "the check of {}", shown_path(film)),
         }
     }
 }
@@ -107,11 +101,6 @@ impl Origin {
         Origin::Tests { paths: paths.iter().map(|path| full(path)).collect() }
     }
 
-    /// Of a check of the film at `path`.
-    pub fn of_check(path: &Path) -> Origin {
-        Origin::Check { film: full(path) }
-    }
-
     /// The line that names the scenario in its stored text, by its path from the run folder `place`; empty of other
     /// results.
     pub fn line(&self, place: &Path) -> String {
@@ -135,9 +124,6 @@ impl Origin {
         }
         let text = file::read(&folder.join(run_files::SUMMARY), run_files::MOST_BYTES).ok()?;
         let summary: Value = serde_json::from_slice(&text).ok()?;
-        if let Some(film) = summary["check"]["file"].as_str() {
-            return Some(Origin::Check { film: full(&place.join(film)) });
-        }
         // Files are named from the working folder of the call.
         let call = summary.get("study").unwrap_or(&summary);
         let called_in = place.join(call[run_files::WORKING_FOLDER].as_str()?);
@@ -237,7 +223,6 @@ mod tests {
                 let study = serde_json::json!({ "script": script, "scenario": scenario, "folder": ".." });
                 serde_json::json!({ "study": study }).to_string()
             }
-            Origin::Check { film } => serde_json::json!({ "check": { "file": film } }).to_string(),
             Origin::Comparison { runs } => {
                 let runs: Vec<_> = runs.iter().map(|run| serde_json::json!({ "path": run })).collect();
                 serde_json::json!({ "runs": runs, "folder": ".." }).to_string()
@@ -257,8 +242,6 @@ mod tests {
             Origin::of_comparison(&[path("a"), path("b"), path("c")]),
             Origin::of_tests(&[path("a")]),
             Origin::of_tests(&[path("b")]),
-            Origin::of_check(&path("a.toml")),
-            Origin::of_check(&path("b.toml")),
         ];
         for stored in &origins {
             let _ = fs::remove_dir_all(&place);
