@@ -130,7 +130,6 @@ def card(
     layers: int | None = None,
     face: int | None = None,
     rate: str | None = None,
-    approximate: float | None = None,
     force: bool = False,
 ) -> dict[str, Any]:
     """Writes a film as a card of another solver.
@@ -140,7 +139,7 @@ def card(
     """
     source = str(film.path) if isinstance(film, Run) else _path(film)
     arguments = ["card", "write", source, "--for", target, "--units", units, "-o", _path(out), "--json"]
-    given = {"--layers": layers, "--face": face, "--rate": rate, "--approximate": approximate}
+    given = {"--layers": layers, "--face": face, "--rate": rate}
     for name, value in given.items():
         if value is not None:
             arguments += [name, str(value)]

@@ -94,6 +94,13 @@ const REMOVED: &[Removed] = &[
     row(Kind::Finding, "yield-ratio-assumed", PLASTIC),
 ];
 
+const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
+        "card write --approximate",
+        "write for a solver that has the law, or fit one that the target has",
+    ),
+    row(Kind::Finding, "card-approximated", "a law that a solver has not is refused"),
+];
+
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.
 pub fn command(words: &[String]) -> Option<(&'static str, String)> {
     let words: Vec<&str> = words.iter().flat_map(|word| word.split('=')).collect();

@@ -43,9 +43,6 @@ pub struct Request {
     pub poisson: f64,
     /// Strain from which unloading curves are written; none for the ends of the curves.
     pub unloading_from: Option<f64>,
-    /// Whether the nearest law of the target stands for one that it has not; the strain up to which their difference is
-    /// told.
-    pub approximate: Option<f64>,
     /// Angle from the x axis to MD, rad, where a card names the direction.
     pub md_angle: f64,
 }
@@ -62,7 +59,6 @@ impl Request {
             points: 100,
             poisson: 0.4995,
             unloading_from: None,
-            approximate: None,
             md_angle: 0.0,
         }
     }

@@ -6,7 +6,6 @@
 #![warn(missing_docs)]
 
 mod abaqus;
-mod approximate;
 mod curves;
 pub mod deck;
 mod febio;
@@ -26,9 +25,7 @@ pub use loss::{CODES, Loss};
 pub use system::System;
 pub use target::{About, Target};
 
-use approximate::{Nearest, difference, nearest};
 use base::number::significant;
-use membrane::material::Material;
 
 /// A card.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,24 +42,12 @@ pub struct Card {
 /// [`Refusal`]: the target cannot hold its law.
 pub fn write(film: &Film<'_>, request: &Request) -> Result<Card, Refusal> {
     // A name of a stranger's is one line and no keyword.
-    let film = Film { name: &title(film.name), ..film.clone() };
-    let refusal = match written(&film, request, vec![]) {
-        Err(refusal @ Refusal::NoLaw { .. }) => refusal,
-        other => return other,
-    };
-    let law = &film.material.law;
-    let (Some(strain), Some(Nearest { law: near, words })) = (request.approximate, nearest(law, request.target)) else {
-        return Err(refusal);
-    };
-    let loss = Loss::Approximated { by: words, error: difference(law, &near, strain), strain };
-    let material = Material { law: near, ..film.material.clone() };
-    written(&Film { material: &material, ..film.clone() }, request, vec![loss])
-}
-
-fn written(film: &Film<'_>, request: &Request, mut losses: Vec<Loss>) -> Result<Card, Refusal> {
+    let film = &Film { name: &title(film.name), ..film.clone() };
+    let mut losses = vec![];
     let text = match request.target {
         Target::LsDyna => {
-            ls_dyna::write(film, request, &mut losses).map(|body| commented("$ ", film, request, &losses) + &body)?
+            let body = ls_dyna::write(film, request, &mut losses)?;
+            commented("$ ", film, request, &losses) + &body
         }
         Target::OpenRadioss => {
             let body = openradioss::write(film, request, &mut losses)?;

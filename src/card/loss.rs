@@ -103,14 +103,5 @@ findings! {
             meaning "a curve has more points than the card may have, or none, and is written by straight pieces";
             remedy "more points: `--points`";
             message "curves of at most {points} points: off by at most {} % of the largest stress", significant(100.0 * error, 2);
-        Approximated {
-            by: &'static str, "the law that was written" => "by";
-            error: f64, "largest difference of stress over the largest stress of a path" => "error";
-            strain: f64, "up to which the paths go" => "strain";
-        } = "card-approximated", Warning;
-            meaning "the target has no such law; the nearest one that it has was written, as `--approximate` asks";
-            remedy "compare the load that matters";
-            message "approximated by {by}: on paths up to the strain {} off by up to {} % of their largest stress",
-                significant(*strain, 3), significant(100.0 * error, 2);
     }
 }

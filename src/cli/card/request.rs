@@ -29,9 +29,6 @@ pub(crate) struct RequestArgs {
     /// Strain from which unloading curves are exact [default: the end of each curve]
     #[arg(long, value_name = "STRAIN", value_parser = strain)]
     pub unloading_from: Option<f64>,
-    /// Write the nearest law of the target for one that it has not, and how far it is off up to this strain
-    #[arg(long, value_name = "STRAIN", value_parser = strain, num_args = 0..=1, default_missing_value = "1")]
-    pub approximate: Option<f64>,
 }
 
 impl RequestArgs {
@@ -42,7 +39,6 @@ impl RequestArgs {
             points: self.points.into(),
             poisson: self.poisson,
             unloading_from: self.unloading_from,
-            approximate: self.approximate,
             ..Request::new(self.target, self.units)
         }
     }
@@ -50,12 +46,7 @@ impl RequestArgs {
     /// The mistake of a film that is refused, with what helps.
     pub(crate) fn with_hint(&self, mistake: Diagnostic, refusal: &Refusal) -> Diagnostic {
         match refusal {
-            Refusal::NoLaw { .. } if self.approximate.is_some() => {
-                mistake.hint("it has none that is near: write it for another solver, or fit a law that this one has")
-            }
-            Refusal::NoLaw { .. } => {
-                mistake.hint("--approximate 1.0 writes the nearest, and how far it is off up to the strain 1")
-            }
+            Refusal::NoLaw { .. } => mistake.hint("write it for another solver, or fit a law that this one has"),
             Refusal::ManyRates { range, .. } => mistake.hint(format!("name one: --rate \"{} 1/s\"", range[1])),
             Refusal::OtherRate { .. } => mistake.hint("name a rate within"),
             Refusal::TooManyTerms { .. } => mistake.hint("fit fewer terms: `droptower tensile fit`"),
