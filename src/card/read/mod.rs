@@ -3,7 +3,6 @@
 //! Three steps, one a module each way: lines and fields of a format with their places, the fields of a material in the terms of
 //! its solver, and the film. What is not understood is named; what changes the film and is not understood is refused.
 
-mod abaqus;
 mod blocks;
 mod curve;
 mod fields;
@@ -65,18 +64,9 @@ pub enum FoundLaw {
         curves: Vec<(Option<f64>, Points)>,
         /// D (1/s) and P of Cowper and Symonds.
         cowper_symonds: Option<[f64; 2]>,
-        /// Hill's yield function; none for von Mises'.
-        hill: Option<FoundHill>,
+        /// Hill's yield function by Lankford values at 0, 45 and 90° from MD; none for von Mises'.
+        hill: Option<[f64; 3]>,
     },
-}
-
-/// Hill's yield function, in one of its two forms.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FoundHill {
-    /// Lankford values at 0, 45 and 90° from MD.
-    StrainRatios([f64; 3]),
-    /// R₁₁, R₂₂, R₃₃ and R₁₂: yield stresses over that of the curve, in shear over that divided by √3.
-    StressRatios([f64; 4]),
 }
 
 /// Points of a curve.
@@ -133,7 +123,7 @@ findings! {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
     /// Nothing in it says which solver it is for.
-    #[error("this is no card: no line begins with a keyword of LS-DYNA, OpenRadioss, Abaqus or CalculiX")]
+    #[error("this is no card: no line begins with a keyword of LS-DYNA or OpenRadioss")]
     UnknownFormat,
     /// There is no material that is known.
     #[error("there is no material that is known here")]
@@ -251,17 +241,11 @@ pub struct Mistake {
 /// # Errors
 /// [`Mistake`], the first.
 pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading, Mistake> {
-    let first = card.lines().map(str::trim_end).find(|line| line.starts_with(['*', '/']) && !line.starts_with("**"));
-    let is_material = |line: &str| line.to_ascii_uppercase().starts_with("*MATERIAL");
-    if card.lines().any(is_material) {
-        return abaqus::read(card, system, wanted);
+    match card.lines().find_map(|line| line.chars().next().filter(|first| ['*', '/'].contains(first))) {
+        Some('*') => ls_dyna::read(card, system, wanted),
+        Some('/') => openradioss::read(card, system, wanted),
+        _ => Err(Mistake { place: Place { line: 1, column: 1 }, fault: Fault::UnknownFormat }),
     }
-    match first.and_then(|line| line.chars().next()) {
-        Some('*') => return ls_dyna::read(card, system, wanted),
-        Some('/') => return openradioss::read(card, system, wanted),
-        _ => {}
-    }
-    Err(Mistake { place: Place { line: 1, column: 1 }, fault: Fault::UnknownFormat })
 }
 
 /// The law of film strained at once, of which Prony shares are taken here, and its series (s), from that of relaxed film with
@@ -269,14 +253,11 @@ pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading,
 fn instantaneous(law: FoundLaw, shear: f64, moduli: &[[f64; 2]]) -> (FoundLaw, Vec<[f64; 2]>) {
     let instant = shear + moduli.iter().map(|[modulus, _]| modulus).sum::<f64>();
     let prony = moduli.iter().map(|[modulus, time]| [modulus / instant, *time]).collect();
-    (stiffened(law, instant / shear), prony)
-}
-
-/// The law with its stress times `factor`.
-fn stiffened(law: FoundLaw, factor: f64) -> FoundLaw {
-    match law {
+    let factor = instant / shear;
+    let stiffened = match law {
         FoundLaw::Polynomial(c) => FoundLaw::Polynomial(c.map(|c| factor * c)),
         FoundLaw::Ogden(terms) => FoundLaw::Ogden(terms.into_iter().map(|[mu, alpha]| [factor * mu, alpha]).collect()),
         other => other,
-    }
+    };
+    (stiffened, prony)
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use super::blocks::{Block, Field, Line, blocks, real, whole};
 use super::curve::{self, Ordinate, of_film};
-use super::{Fault, Found, FoundHill, FoundLaw, Mistake, Place, Points, Reading, Warning, instantaneous};
+use super::{Fault, Found, FoundLaw, Mistake, Place, Points, Reading, Warning, instantaneous};
 use crate::system::System;
 
 /// Laws that are read, by number and name.
@@ -246,14 +246,14 @@ impl Reader {
         if found.is_empty() {
             return Err(block.line(5).err().unwrap_or_else(|| ratios.mistake(real("R00", 0), Fault::NoMaterial)));
         }
-        self.plastic(elastic, self.table(found), Some(FoundHill::StrainRatios(r)))
+        self.plastic(elastic, self.table(found), Some(r))
     }
 
     fn plastic(
         &self,
         elastic: Line<'_>,
         curves: Vec<(Option<f64>, Points)>,
-        hill: Option<FoundHill>,
+        hill: Option<[f64; 3]>,
     ) -> Result<FoundLaw, Mistake> {
         let young = elastic.positive(real("E", 0))? * self.system.stress();
         let poisson = elastic.value(real("NU", 2))?;

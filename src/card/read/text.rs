@@ -1,6 +1,6 @@
 //! A film that was read as a material file.
 
-use super::{Found, FoundHill, FoundLaw, Points};
+use super::{Found, FoundLaw, Points};
 use crate::number;
 
 /// A number with the digits that survive a change of units.
@@ -65,16 +65,9 @@ fn law(law: &FoundLaw) -> String {
                     text += &format!("hardening = {{ rates = [\n{rows}] }}\n");
                 }
             }
-            match hill {
-                None => {}
-                Some(FoundHill::StrainRatios(r)) => {
-                    let [r0, r45, r90] = r.map(whole);
-                    text += &format!("hill = {{ r0 = {r0}, r45 = {r45}, r90 = {r90} }}\n");
-                }
-                Some(FoundHill::StressRatios(r)) => {
-                    let [r11, r22, r33, r12] = r.map(whole);
-                    text += &format!("hill = {{ r11 = {r11}, r22 = {r22}, r33 = {r33}, r12 = {r12} }}\n");
-                }
+            if let Some(r) = hill {
+                let [r0, r45, r90] = r.map(whole);
+                text += &format!("hill = {{ r0 = {r0}, r45 = {r45}, r90 = {r90} }}\n");
             }
             if let Some([d, p]) = cowper_symonds {
                 text += &format!("rate = {{ cowper_symonds = {{ d = \"{} 1/s\", p = {} }} }}\n", whole(*d), whole(*p));

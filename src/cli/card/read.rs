@@ -25,7 +25,7 @@ const MOST_BYTES: u64 = 64 << 20;
 /// The options of `card read`.
 #[derive(Debug, Args)]
 pub(crate) struct ReadArgs {
-    /// A card of LS-DYNA
+    /// A card of LS-DYNA or OpenRadioss
     pub card: PathBuf,
     /// The material to write
     #[arg(long, short, value_name = "FILE")]
