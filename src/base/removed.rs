@@ -98,6 +98,11 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
         "card write --approximate",
         "write for a solver that has the law, or fit one that the target has",
     ),
+    row(
+        Kind::Command,
+        "deck read",
+        "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads",
+    ),
     row(Kind::Finding, "card-approximated", "a law that a solver has not is refused"),
 ];
 

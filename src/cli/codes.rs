@@ -9,7 +9,7 @@ pub(super) const WORD: &str = "findings";
 
 /// All codes, module by module.
 fn all() -> impl Iterator<Item = &'static Code> {
-    let of_cards = [::card::CODES, ::card::read::CODES, ::card::deck::CODES, ::card::read::mesh::CODES];
+    let of_cards = [::card::CODES, ::card::read::CODES, ::card::deck::CODES];
     study::codes::all().chain(of_cards.into_iter().flatten().chain(checkpoint::CODES).copied())
 }
 

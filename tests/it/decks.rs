@@ -1,4 +1,4 @@
-//! `droptower deck`: whole tests that go to other solvers, and meshes that come from them.
+//! `droptower deck`: whole tests that go to other solvers.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use crate::workbench::{droptower, error, root};
 
 /// Test 1008 on a coarse mesh, for each solver that has its film; CalculiX has none, and gets rubber.
 #[test]
-fn a_test_goes_and_its_mesh_comes_back() {
+fn a_test_goes_with_what_it_loses() {
     let bench = tempfile::tempdir().expect("a folder");
     let run = |arguments: &[&str]| droptower(bench.path(), arguments);
     let tower = root().join("scenarios/drop/1008.toml");
@@ -22,10 +22,10 @@ fn a_test_goes_and_its_mesh_comes_back() {
                 [impactor]\nshape = { sphere = { radius = \"120 mm\" } }\nmass = \"10.72 kg\"\nguide = \"z\"\nfriction = 0.0\n\
                 [loading.impact]\nvelocity = \"4.16 m/s\"\ngravity = \"9.81 m/s2\"\nduration = \"30 ms\"\n";
     fs::write(bench.path().join("rubber.toml"), format!("{rubber}{film}{rest}")).expect("a scenario");
-    for (scenario, target, file, part, elements) in [
-        ("coarse.toml", "ls-dyna", "film.k", "1", 16),
-        ("coarse.toml", "openradioss", "film_0000.rad", "2", 16),
-        ("rubber.toml", "calculix", "film.inp", "face1", 32),
+    for (scenario, target, file) in [
+        ("coarse.toml", "ls-dyna", "film.k"),
+        ("coarse.toml", "openradioss", "film_0000.rad"),
+        ("rubber.toml", "calculix", "film.inp"),
     ] {
         let deck = format!("{target}-deck");
         let written = run(&["deck", "write", scenario, "--for", target, "-o", &deck, "--json"]);
@@ -43,25 +43,6 @@ fn a_test_goes_and_its_mesh_comes_back() {
         }
         // The mass of the computed quarter is in the deck.
         assert!(text.contains("0.00268") || text.contains("0.00267"), "{target}");
-        let place = format!("{deck}/{file}");
-        let read = run(&["deck", "read", &place, "--part", part, "-o", "film.vtu", "--force", "--json"]);
-        assert_eq!(read.status.code(), Some(0), "{}", error(&read));
-        let summary: Json = serde_json::from_slice(&read.stdout).expect("JSON");
-        assert_eq!(summary["elements"], elements);
-        // Without stress, film is shorter along MD by the pre-strain.
-        let size: Vec<f64> = summary["size_m"].as_array().expect("sizes").iter().filter_map(Json::as_f64).collect();
-        for (found, expected) in size.iter().zip([0.2 / 1.1, 0.2, 0.0]) {
-            assert!((found - expected).abs() < 1e-6, "{size:?}");
-        }
-        // It is a specimen: the quarter as it is.
-        let as_mesh = format!(
-            "{film}{}[specimen]\nshape = {{ mesh = {{ file = \"film.vtu\", unit = \"m\" }} }}\nmesh = {{ element = \"quad4\" }}\n\
-             symmetry = \"quarter\"\n",
-            rest
-        );
-        fs::write(bench.path().join("again.toml"), as_mesh).expect("a scenario");
-        let checked = run(&["check", "again.toml"]);
-        assert_eq!(checked.status.code(), Some(0), "{}", error(&checked));
     }
 }
 
@@ -109,41 +90,4 @@ fn what_has_no_counterpart_is_refused_and_nothing_is_written() {
         assert!(error(&refused).contains(words), "{}", error(&refused));
         assert!(!bench.path().join("deck").exists());
     }
-}
-
-/// A deck may include files beside it and below, no others.
-#[test]
-fn a_deck_includes_what_is_in_its_folder() {
-    let bench = tempfile::tempdir().expect("a folder");
-    let put = |name: &str, text: &str| {
-        let path = bench.path().join(name);
-        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
-        fs::write(path, text).expect("a file");
-    };
-    let read =
-        |deck: &str| droptower(bench.path(), &["deck", "read", deck, "--units", "t-mm-s", "-o", "film.vtu", "--force"]);
-    let nodes = "*NODE\n1,0,0,0\n2,100,0,0\n3,100,100,0\n4,0,100,0\n";
-    put("deck/mesh/nodes.k", nodes);
-    put("deck/mesh/again.k", "*INCLUDE\nagain.k\n");
-    put("nodes.k", nodes);
-    let element = "*ELEMENT_SHELL\n1,1,1,2,3,4\n";
-    put("deck/film.k", &format!("*KEYWORD\n*INCLUDE\nmesh/nodes.k\n{element}"));
-    let found = read("deck/film.k");
-    assert_eq!(found.status.code(), Some(0), "{}", error(&found));
-    fs::remove_file(bench.path().join("film.vtu")).expect("the mesh");
-    for (text, words) in [
-        (format!("*KEYWORD\n*INCLUDE\n../nodes.k\n{element}"), "`../nodes.k` is outside of the folder"),
-        (format!("*KEYWORD\n*INCLUDE\nother.k\n{element}"), "cannot read `other.k`"),
-        (format!("*KEYWORD\n*INCLUDE\nmesh/again.k\n{element}"), "is included again"),
-        (format!("*KEYWORD\n{element}"), "there is no node 1"),
-        ("*KEYWORD\n*NODE\n       1\t0.0\n".to_owned(), "a tab"),
-    ] {
-        put("deck/film.k", &text);
-        let refused = read("deck/film.k");
-        assert_eq!(refused.status.code(), Some(2), "{text}");
-        assert!(error(&refused).contains(words) && error(&refused).contains(".k:"), "{}", error(&refused));
-        assert!(!bench.path().join("film.vtu").exists());
-    }
-    let without_units = droptower(bench.path(), &["deck", "read", "deck/film.k", "-o", "film.vtu"]);
-    assert!(error(&without_units).contains("--units t-mm-s"), "{}", error(&without_units));
 }

@@ -7,7 +7,6 @@ mod blocks;
 mod curve;
 mod fields;
 mod ls_dyna;
-pub mod mesh;
 mod openradioss;
 mod text;
 
@@ -196,34 +195,6 @@ pub enum Fault {
     /// A variant of the law that is not known here.
     #[error("{0}")]
     Unknown(String),
-    /// An element is at a node that is not there.
-    #[error("there is no node {0}")]
-    NoNode(i64),
-    /// Two places of one node.
-    #[error("node {0} is already at another place")]
-    Twice(i64),
-    /// No element can be one of a film.
-    #[error("there are no elements of three or four nodes")]
-    NoElements,
-    /// A part must be chosen.
-    #[error("there are several parts: {0}")]
-    SeveralParts(String),
-    /// There is no part of this number or name.
-    #[error("there is no part {wanted} with elements of three or four nodes; there are {parts}")]
-    NoSuchPart {
-        /// As asked for.
-        wanted: String,
-        /// Those that there are.
-        parts: String,
-    },
-    /// More than a mesh may have.
-    #[error("there are more than {most} {what}")]
-    TooMany {
-        /// In words.
-        what: &'static str,
-        /// Of them.
-        most: usize,
-    },
 }
 
 /// A fault with its place.

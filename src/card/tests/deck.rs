@@ -1,5 +1,5 @@
 //! Decks: what interpreters that know the documented fields and nothing of what writes them find in a deck is the test, in all
-//! systems of units; and meshes of decks are read, those by hand too, or refused at their place.
+//! systems of units.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -7,11 +7,8 @@ use std::f64::consts::PI;
 use droptower_card as card;
 
 use card::deck::{Body, Deck, DeckLoss, DeckRefusal, Face, Shape, Written, stress_free, write};
-use card::read::mesh::{MeshWarning, Reader};
-use card::read::{Fault, Place};
 use card::{Film, Request, System, Target};
 use membrane::material::{Curve, Elastic, Fabric, Law, Material};
-use proptest::prelude::*;
 
 const DIGITS: f64 = 2e-6;
 
@@ -412,180 +409,4 @@ fn a_deck_says_what_it_lacks_and_film_without_pre_strain_is_not_moved() {
     // A title is no keyword.
     assert!(text.contains("\nfilm *a test, of two faces\n"));
     assert_eq!(keywords(text).iter().filter(|(name, _)| name == "MAT_ELASTIC_TITLE").count(), 2);
-}
-
-#[test]
-fn meshes_come_back() {
-    for (film, target, ending) in
-        [(fabric(), Target::LsDyna, 0), (fabric(), Target::OpenRadioss, 0), (elastic(), Target::CalculiX, 0)]
-    {
-        for system in [System::KgMS, System::TMmS] {
-            let deck = written(&film, target, system);
-            let mut reader = Reader::new(system);
-            assert_eq!(reader.read(&deck.files[ending].text, 0).unwrap(), vec![]);
-            let part = if target == Target::CalculiX { "face2" } else { "2" };
-            let mesh = reader.mesh(Some(part)).unwrap();
-            assert_eq!((mesh.quads, mesh.tris), (vec![[0, 1, 2, 3], [1, 4, 5, 2]], vec![[4, 6, 5]]));
-            let face = face(&film, -0.03, 0.3);
-            for (found, node) in mesh.nodes.iter().zip([0, 1, 4, 3, 2, 5, 6]) {
-                (0..3).for_each(|axis| close(found[axis], face.stress_free[node][axis]));
-            }
-        }
-    }
-}
-
-/// What is read of a text by hand: the part, nodes in its units, quadrilaterals and triangles.
-#[test]
-fn decks_of_others_are_read() {
-    let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    for (text, part) in [
-        // Free format, numbers as Fortran writes them, comments, line ends of DOS.
-        (
-            "*KEYWORD\r\n$ a comment\r\n*NODE\r\n1,0,0,0\r\n2,1.0+0,0,0\r\n3,1.,1.D0,0\r\n4,0,1,0\r\n*ELEMENT_SHELL\r\n1,7,1,2,3,4\r\n*END\r\n",
-            "7",
-        ),
-        // Columns, a title of the part, thickness in a second line.
-        (
-            "*KEYWORD\n*PART\nfilm\n         7         1         1\n*NODE\n       1             0.0             0.0             0.0       0       0\n       2             1.0             0.0             0.0\n       3             1.0             1.0             0.0\n       4             0.0             1.0             0.0\n*ELEMENT_SHELL_THICKNESS\n       1       7       1       2       3       4\n          0.0001          0.0001          0.0001          0.0001\n*END\nrubbish",
-            "film",
-        ),
-        // The long format.
-        (
-            "*KEYWORD LONG=Y\n*NODE\n                   1                 0.0                 0.0                 0.0\n                   2                 1.0                 0.0                 0.0\n                   3                 1.0                 1.0                 0.0\n                   4                 0.0                 1.0                 0.0\n*ELEMENT_SHELL\n                   1                   7                   1                   2                   3                   4\n",
-            "7",
-        ),
-        (
-            "#RADIOSS STARTER\n/NODE\n         1                 0.0                 0.0                 0.0\n         2                 1.0                 0.0                 0.0\n         3                 1.0                 1.0                 0.0\n         4                 0.0                 1.0                 0.0\n/PART/7\nfilm\n         1         1\n/SHELL/7\n         1         1         2         3         4\n/END\n",
-            "film",
-        ),
-        (
-            "*HEADING\nfilm\n*NODE, NSET=ALL\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n*ELEMENT, TYPE=S4R, ELSET=Film\n1, 1, 2, 3, 4\n*STEP\n",
-            "FILM",
-        ),
-        (
-            "*Part, name=A\n*Node\n1, 5., 5., 5.\n*End Part\n*Part, name=Film\n*Node\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n*Element, type=M3D4\n1, 1, 2, 3, 4\n*End Part\n",
-            "film",
-        ),
-    ] {
-        let mut reader = Reader::new(System::KgMS);
-        reader.read(text, 0).unwrap_or_else(|mistake| panic!("{mistake:?} in\n{text}"));
-        let mesh = reader.mesh(Some(part)).unwrap_or_else(|error| panic!("{error:?} in\n{text}"));
-        assert_eq!((mesh.nodes, mesh.quads), (square.clone(), vec![[0, 1, 2, 3]]), "{text}");
-    }
-}
-
-#[test]
-fn what_a_deck_includes_is_named_and_other_elements_are_too() {
-    let mut reader = Reader::new(System::TMmS);
-    let text = "*KEYWORD\n*INCLUDE\nmesh/film.k\n*ELEMENT_SOLID\n       1       1\n*ELEMENT_SHELL\n       1       1       1       2       3       0\n       2       2       1       2       3       3\n";
-    let includes = reader.read(text, 0).unwrap();
-    assert_eq!((includes[0].name.as_str(), includes[0].place.line), ("mesh/film.k", 3));
-    // The format of an included file is that of the deck, whatever it begins with.
-    reader.read("*NODE\n       1             0.0             0.0             0.0\n       2       1.0000E+3             0.0             0.0\n       3             0.0          1.0+3             0.0\n", 1).unwrap();
-    let mesh = reader.mesh(Some("1")).unwrap();
-    assert_eq!((mesh.nodes[2], mesh.tris), ([0.0, 1.0, 0.0], vec![[0, 1, 2]]));
-    let kinds: Vec<&MeshWarning> = mesh.warnings.iter().collect();
-    assert!(
-        matches!(kinds[..], [MeshWarning::Elements { line: 5, .. }, MeshWarning::Parts { others: 1, .. }]),
-        "{kinds:?}"
-    );
-}
-
-#[test]
-fn decks_that_cannot_be_read_are_refused_at_their_place() {
-    for (text, line, column, words) in [
-        ("a film\n", 1, 1, "no card"),
-        ("*KEYWORD\n*NODE\n       1\t0.0\n", 3, 9, "a tab"),
-        ("*KEYWORD\n*NODE\n         1       0.0       0.0       0.0\n", 3, 9, "the number of a node is missing"),
-        (
-            "*KEYWORD\n*NODE\n       1             1.0            one             0.0\n",
-            3,
-            37,
-            "y is not a number: `one`",
-        ),
-        ("*KEYWORD\n*NODE\n&first  \n", 3, 1, "`&first` is a parameter"),
-        ("*KEYWORD\n*NODE\n     1.5             1.0             1.0             0.0\n", 3, 6, "a whole number"),
-        ("*KEYWORD\n*NODE\n1,0,0,0\n1,0,0,1\n", 4, 1, "node 1 is already at another place"),
-        ("*KEYWORD\n*INCLUDE_TRANSFORM\nmesh.k\n", 2, 1, "*INCLUDE_TRANSFORM"),
-        ("*KEYWORD\n*ELEMENT_SHELL\n       1       1       1       2\n", 3, 33, "the number of a node is missing"),
-        (
-            "/NODE\n         1                 inf                 0.0                 0.0\n",
-            2,
-            28,
-            "x is not a number: `inf`",
-        ),
-        ("/NODE\n/SHELL/a\n", 2, 8, "the part is not a number: `A`"),
-        ("**\n*NODE, SYSTEM=C\n1, 1., 0., 0.\n", 2, 1, "the system C"),
-        ("**\n*NODE\n1, 1., 0., zero\n", 3, 12, "z is not a number: `zero`"),
-        ("**\n*NGEN\n1, 10, 1\n", 2, 1, "*NGEN changes the mesh"),
-        ("**\n*INSTANCE, NAME=A, PART=B\n1., 0., 0.\n", 3, 1, "an instance that is moved"),
-        ("**\n*INCLUDE\n", 2, 1, "INPUT is missing"),
-    ] {
-        let mistake = Reader::new(System::TMmS).read(text, 0).map(|_| ()).unwrap_err();
-        assert!(mistake.fault.to_string().contains(words), "{}: {text}", mistake.fault);
-        assert_eq!(mistake.place, Place { line, column }, "{text}");
-    }
-    let of = |text: &str, part: Option<&str>| {
-        let mut reader = Reader::new(System::TMmS);
-        reader.read(text, 0).unwrap();
-        reader.mesh(part).unwrap_err().mistake
-    };
-    let two = "*KEYWORD\n*ELEMENT_SHELL\n1,1,1,2,3,4\n2,2,1,2,3,4\n";
-    assert_eq!(of("*KEYWORD\n*NODE\n", None).fault, Fault::NoElements);
-    assert_eq!(of(two, None).fault, Fault::SeveralParts("1, 2".into()));
-    assert_eq!(of(two, Some("3")).fault, Fault::NoSuchPart { wanted: "3".into(), parts: "1, 2".into() });
-    let missing = of(two, Some("2"));
-    assert_eq!((missing.fault, missing.place.line), (Fault::NoNode(1), 4));
-}
-
-/// Pieces of decks in any order.
-const PIECES: [&str; 32] = [
-    "*KEYWORD\n",
-    "*NODE\n",
-    "*ELEMENT_SHELL\n",
-    "*ELEMENT_SHELL_THICKNESS\n",
-    "*PART\n",
-    "*INCLUDE\n",
-    "*END\n",
-    "*NODE+\n",
-    "*NODE %\n",
-    "/NODE\n",
-    "/SHELL/1\n",
-    "/SH3N/",
-    "/PART/1\n",
-    "#include ",
-    "**\n",
-    "*ELEMENT, TYPE=S4, ELSET=a\n",
-    "*ELEMENT, TYPE=",
-    "*NODE, NSET=",
-    "       1       1       1       2       3       4\n",
-    "1, 0., 0., 0.\n",
-    "2, 1.-1, 0., 0.\n",
-    "3, 0., 1., 0.\n",
-    "1, 1, 2, 3\n",
-    ",",
-    "\t",
-    "é",
-    "-",
-    "1e9999",
-    "&a",
-    "\r\n",
-    "9999999999999999999",
-    "\n",
-];
-
-proptest! {
-    #[test]
-    fn no_deck_panics(pieces in prop::collection::vec(prop::sample::select(&PIECES[..]), 0..40)) {
-        let text: String = pieces.concat();
-        let mut reader = Reader::new(System::TMmS);
-        if let Err(mistake) = reader.read(&text, 0) {
-            let line = text.lines().nth(mistake.place.line - 1).unwrap_or_default();
-            prop_assert!(mistake.place.column <= line.chars().count() + 50, "{mistake:?} in {text:?}");
-        }
-        if let Ok(mesh) = reader.mesh(None) {
-            let corners = mesh.quads.iter().flatten().chain(mesh.tris.iter().flatten());
-            prop_assert!(corners.copied().all(|corner| (corner as usize) < mesh.nodes.len()));
-        }
-    }
 }

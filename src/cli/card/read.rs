@@ -1,18 +1,17 @@
 //! `droptower card read`: a card of another solver as a material.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
 
-use super::misread;
 use super::request::system;
 use crate::argument::quantity;
 use crate::{Failure, Shared, findings, output, print_figures};
 use ::card::System;
-use ::card::read::{self, Reading};
-use base::diagnostic::{Diagnostic, shown_path};
+use ::card::read::{self, Mistake, Reading};
+use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::file;
 use base::finding::Finding;
 use base::units::Length;
@@ -98,4 +97,11 @@ fn check(material: &str) -> Result<(), Vec<Diagnostic>> {
     let draft = scratch.path().join("material.toml");
     fs::write(&draft, material).map_err(unwritten)?;
     model::check_material(&Document::read_material(&draft)?).map(|_| ())
+}
+
+/// A mistake in the `text` of a card, with its line.
+fn misread(path: &Path, text: &str, mistake: &Mistake) -> Diagnostic {
+    let line = text.lines().nth(mistake.place.line - 1).unwrap_or_default().to_owned();
+    let source = Source::excerpt(path, mistake.place.line, line);
+    Diagnostic::new(mistake.fault.to_string()).at(&Span::position(&source, 1, mistake.place.column))
 }

@@ -1,6 +1,5 @@
 //! Meshes of films: rectangles, circles and polygons, and meshes from files.
 
-pub mod export;
 pub mod import;
 pub mod quality;
 
