@@ -104,6 +104,11 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
         "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads",
     ),
     row(Kind::Finding, "card-approximated", "a law that a solver has not is refused"),
+    row(Kind::Finding, "deck-elements-not-read", "meshio converts meshes to .msh"),
+    row(Kind::Finding, "deck-implicit", "decks are written for LS-DYNA and OpenRadioss"),
+    row(Kind::Finding, "deck-no-friction", "decks are written for LS-DYNA and OpenRadioss"),
+    row(Kind::Finding, "deck-other-parts", "meshio converts meshes to .msh"),
+    row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
 ];
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.

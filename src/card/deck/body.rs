@@ -4,9 +4,8 @@ use std::f64::consts::PI;
 
 use super::Shape;
 
-/// Triangles around a body, and around one of a solver to which each of them costs much.
-pub(super) const FINE: usize = 96;
-pub(super) const COARSE: usize = 48;
+/// Triangles around a body.
+const SIDES: usize = 96;
 
 /// Share of the radius by which the mesh of a body is smaller where a penalty needs room.
 const INSET: f64 = 0.01;
@@ -31,28 +30,28 @@ impl Shape {
     }
 
     /// Largest distance of facets below it, m.
-    pub(super) fn facet_depth(self, sides: usize) -> f64 {
+    pub(super) fn facet_depth(self) -> f64 {
         // Along the diagonal of a facet at the equator.
-        self.radius() * (1.0 - (PI / sides as f64).cos().powi(2))
+        self.radius() * (1.0 - (PI / SIDES as f64).cos().powi(2))
     }
 
-    /// Its triangles, so many around it, grown by `beyond` (m) along its normals, about its centre.
-    pub(super) fn triangles(self, beyond: f64, sides: usize) -> Triangles {
-        let radius = self.radius() + beyond;
+    /// Its triangles, smaller by `inset` (m) along its normals, about its centre.
+    pub(super) fn triangles(self, inset: f64) -> Triangles {
+        let radius = self.radius() - inset;
         let half = match self {
             Shape::Sphere { .. } => 0.0,
             Shape::Capsule { length, .. } => 0.5 * length,
         };
         // Rings from the lower pole to the upper one; the shaft of a capsule lies between two of them.
-        let quarter = sides / 4;
+        let quarter = SIDES / 4;
         let angle = |ring: usize| 0.5 * PI * (ring as f64 / quarter as f64 - 1.0);
         let lower = (1..=quarter).map(|ring| (angle(ring), -half));
         let upper = (quarter..2 * quarter).map(|ring| (angle(ring), half));
         let rings: Vec<(f64, f64)> = lower.chain(upper.skip(usize::from(half == 0.0))).collect();
         let mut points = vec![[0.0, 0.0, -half - radius]];
         for (latitude, middle) in &rings {
-            points.extend((0..sides).map(|side| {
-                let longitude = 2.0 * PI * side as f64 / sides as f64;
+            points.extend((0..SIDES).map(|side| {
+                let longitude = 2.0 * PI * side as f64 / SIDES as f64;
                 let out = latitude.cos();
                 let [x, y, z] = [out * longitude.cos(), out * longitude.sin(), latitude.sin()].map(without_round_off);
                 [radius * x, radius * y, middle + radius * z]
@@ -60,9 +59,9 @@ impl Shape {
         }
         let top = points.len();
         points.push([0.0, 0.0, half + radius]);
-        let at = |ring: usize, side: usize| 1 + ring * sides + side % sides;
+        let at = |ring: usize, side: usize| 1 + ring * SIDES + side % SIDES;
         let mut corners = vec![];
-        for side in 0..sides {
+        for side in 0..SIDES {
             corners.push([0, at(0, side + 1), at(0, side)]);
             for ring in 1..rings.len() {
                 let [a, b, c, d] = [at(ring - 1, side), at(ring - 1, side + 1), at(ring, side + 1), at(ring, side)];
@@ -75,42 +74,9 @@ impl Shape {
 }
 
 impl Triangles {
-    /// The lower half, of it the part that film beside mirror planes can meet.
-    pub(super) fn lower(mut self, mirrored: [bool; 2]) -> Triangles {
-        let extent = |axis: usize| self.points.iter().map(|point| point[axis]).fold(0.0, f64::max);
-        // A little beyond the planes: contact is looked for with nodes on them.
-        let beyond = [0, 1].map(|axis| if mirrored[axis] { -0.25 * extent(axis) } else { f64::NEG_INFINITY });
-        let is_kept = |corners: &[usize; 3]| {
-            let middle =
-                [0, 1, 2].map(|axis| corners.iter().map(|corner| self.points[*corner][axis]).sum::<f64>() / 3.0);
-            middle[2] < 0.0 && middle[0] > beyond[0] && middle[1] > beyond[1]
-        };
-        let kept: Vec<[usize; 3]> = self.corners.iter().copied().filter(is_kept).collect();
-        let mut numbers = vec![usize::MAX; self.points.len()];
-        let mut points = vec![];
-        self.corners = kept;
-        for corner in self.corners.iter_mut().flatten() {
-            if numbers[*corner] == usize::MAX {
-                numbers[*corner] = points.len();
-                points.push(self.points[*corner]);
-            }
-            *corner = numbers[*corner];
-        }
-        Triangles { points, ..self }
-    }
-
     /// m².
     pub(super) fn area(&self) -> f64 {
         self.corners.iter().map(|corners| 0.5 * length(self.normal(corners))).sum()
-    }
-
-    /// m³.
-    pub(super) fn volume(&self) -> f64 {
-        let of = |corners: &[usize; 3]| {
-            let (normal, point) = (self.normal(corners), self.points[corners[0]]);
-            (0..3).map(|axis| normal[axis] * point[axis]).sum::<f64>() / 6.0
-        };
-        self.corners.iter().map(of).sum()
     }
 
     /// Twice the area of a triangle, along its normal.
@@ -146,9 +112,14 @@ mod tests {
                 4.0 / 3.0 * PI * 8e-6 + PI * 4e-5,
             ),
         ] {
-            let found = shape.triangles(0.0, FINE);
+            let found = shape.triangles(0.0);
+            let of_corners = |corners: &[usize; 3]| {
+                let (normal, point) = (found.normal(corners), found.points[corners[0]]);
+                (0..3).map(|axis| normal[axis] * point[axis]).sum::<f64>() / 6.0
+            };
+            let inside: f64 = found.corners.iter().map(of_corners).sum();
             assert!((found.area() / area - 1.0).abs() < 2e-3, "{} and {area}", found.area());
-            assert!((found.volume() / volume - 1.0).abs() < 3e-3, "{} and {volume}", found.volume());
+            assert!((inside / volume - 1.0).abs() < 3e-3, "{} and {volume}", inside);
             let edges: std::collections::HashSet<[usize; 2]> =
                 found.corners.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
             assert_eq!(edges.len(), 3 * found.corners.len());

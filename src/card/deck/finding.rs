@@ -87,23 +87,6 @@ findings! {
                 thin film cannot pass through it in a step";
             remedy "nothing: contact begins where it does in the test";
             message "meshes of impactors are {} mm below their surface, and contacts as much thicker", significant(1e3 * inset, 4);
-        Implicit {
-            stiffness: f64, "of the contact, Pa/m" => "stiffness_Pa_m";
-        } = "deck-implicit", Note;
-            meaning "membranes become solids in CalculiX, whose thickness bounds the explicit step; the deck is implicit, \
-                which damps waves in the film by its numbers";
-            remedy "compare the motion of the impactor, not waves in the film";
-            message "implicit, HHT with alpha -0.3; contact with the lower half of impactors by springs of {} Pa/m and dampers, both \
-                chosen by droptower",
-                significant(*stiffness, 4);
-        Rotation = "deck-rotation", Warning;
-            meaning "a free impactor turns in the test and not in the deck";
-            remedy "nothing for a ball that meets film without friction, which has no moment on it";
-            message "lost: rotation of free impactors";
-        NoFriction = "deck-no-friction", Warning;
-            meaning "friction between impactor and film is not in the deck";
-            remedy "compare with a scenario whose `friction` is zero";
-            message "lost: friction between impactors and film";
         Thickness = "deck-thickness", Note;
             meaning "shells of that solver keep their thickness unless they are told to change it";
             remedy "leave the option, which rubber and plastic film need";

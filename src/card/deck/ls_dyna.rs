@@ -5,7 +5,6 @@
 
 use membrane::material::Law;
 
-use super::body::FINE;
 use super::finding::DeckLoss;
 use super::mounting::shares;
 use super::{Body, Face, Scene};
@@ -28,7 +27,7 @@ const STATES: f64 = 100.0;
 /// The deck without its head.
 pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> String {
     let deck = scene.deck;
-    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth(FINE)).fold(0.0, f64::max);
+    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth()).fold(0.0, f64::max);
     let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
     losses.extend([DeckLoss::Facets { depth }, DeckLoss::Penalty { inset }, DeckLoss::NotRun { solver: "LS-DYNA" }]);
     let mut text = format!("*KEYWORD\n*TITLE\n{}\n", crate::title(deck.title));
@@ -169,7 +168,7 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     let cards =
         vec![("mid ro e pr n couple m alias", head), ("cmo con1 con2", constraints), ("lco/a1 a2 a3 v1 v2 v3", vec![])];
     text += &Keyword { name: "MAT_RIGID", title: None, cards }.text();
-    let surface = body.shape.triangles(-body.shape.inset(), FINE);
+    let surface = body.shape.triangles(body.shape.inset());
     let places = surface.points.iter().map(|point| [0, 1, 2].map(|axis| start[axis] + point[axis]));
     text += &nodes(scene, places, next[0]);
     let corners =

@@ -6,7 +6,6 @@
 //! the frame, while the bodies approach, and let go of when they reach it.
 
 mod body;
-mod calculix;
 mod finding;
 mod ls_dyna;
 mod mounting;
@@ -81,18 +80,6 @@ impl Face<'_> {
     pub fn thickness(&self) -> f64 {
         self.film.material.thickness * f64::from(self.layers)
     }
-
-    /// Mean length of the edges of elements without stress, m.
-    fn edge(&self) -> f64 {
-        let length = |[a, b]: [u32; 2]| {
-            let [a, b] = [a, b].map(|node| self.stress_free[node as usize]);
-            (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
-        };
-        let of_quads = self.quads.iter().flat_map(|&[a, b, c, d]| [[a, b], [b, c], [c, d], [d, a]]);
-        let of_tris = self.tris.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        let (sum, count) = of_quads.chain(of_tris).map(length).fold((0.0, 0.0), |(s, n), edge| (s + edge, n + 1.0));
-        sum / f64::max(count, 1.0)
-    }
 }
 
 /// A rigid body.
@@ -145,7 +132,7 @@ pub enum DeckRefusal {
         refusal: Refusal,
     },
     /// No deck is written for this solver.
-    #[error("no decks are written for {0}: for LS-DYNA, OpenRadioss and CalculiX they are")]
+    #[error("no decks are written for {0}: for LS-DYNA and OpenRadioss they are")]
     Target(&'static str),
     /// The solver names its units.
     #[error("OpenRadioss has no name for the units of {0}")]
@@ -162,7 +149,7 @@ pub struct File {
 }
 
 /// Names of all files that a deck can have.
-pub const FILES: [&str; 4] = ["film.k", "film_0000.rad", "film_0001.rad", "film.inp"];
+pub const FILES: [&str; 3] = ["film.k", "film_0000.rad", "film_0001.rad"];
 
 /// A deck as it is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -180,7 +167,7 @@ pub struct Written {
 /// # Errors
 /// [`DeckRefusal`].
 pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal> {
-    if !matches!(request.target, Target::LsDyna | Target::OpenRadioss | Target::CalculiX) {
+    if !matches!(request.target, Target::LsDyna | Target::OpenRadioss) {
         return Err(DeckRefusal::Target(request.target.name()));
     }
     let materials = Materials::of(deck, request)?;
@@ -208,10 +195,6 @@ pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal>
                 File { name: FILES[1], text: format!("#RADIOSS STARTER\n{head}{starter}") },
                 File { name: FILES[2], text: engine },
             ]
-        }
-        Target::CalculiX => {
-            let text = calculix::write(&scene, &mut losses);
-            vec![File { name: FILES[3], text: commented("** ", &scene, &losses, request.target) + &text }]
         }
         other => return Err(DeckRefusal::Target(other.name())),
     };

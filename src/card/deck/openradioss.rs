@@ -6,7 +6,6 @@
 
 use membrane::material::Law;
 
-use super::body::FINE;
 use super::finding::DeckLoss;
 use super::mounting::shares;
 use super::{Body, DeckRefusal, Face, Scene};
@@ -34,7 +33,7 @@ pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> Result
         System::LbfInS => return Err(DeckRefusal::Units(scene.system.name())),
     };
     let deck = scene.deck;
-    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth(FINE)).fold(0.0, f64::max);
+    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth()).fold(0.0, f64::max);
     let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
     losses.extend([
         DeckLoss::Facets { depth },
@@ -226,7 +225,7 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     let number = deck.faces.len() + place + 1;
     let material = (scene.materials.cards.len() + place + 1) as i64;
     let (start, inset) = (scene.start(body), body.shape.inset());
-    let surface = body.shape.triangles(-inset, FINE);
+    let surface = body.shape.triangles(inset);
     let main = next[0];
     let title = crate::title(&body.name);
     let mut text = part(number, &title, material);

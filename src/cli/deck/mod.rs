@@ -18,7 +18,7 @@ use scene::Test;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum DeckCommand {
-    /// Write a drop test as a deck of LS-DYNA, OpenRadioss or CalculiX
+    /// Write a drop test as a deck of LS-DYNA or OpenRadioss
     Write(WriteArgs),
 }
 
