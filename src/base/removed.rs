@@ -103,6 +103,8 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
         "deck read",
         "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads",
     ),
+    row(Kind::Key, "rupture.rate", "one `limit`, that of the rate of the test"),
+    row(Kind::Key, "rupture.triaxiality", "one `limit`, that of the state of stress under the impactor"),
     row(Kind::Finding, "card-approximated", "a law that a solver has not is refused"),
     row(Kind::Finding, "deck-elements-not-read", "meshio converts meshes to .msh"),
     row(Kind::Finding, "deck-implicit", "decks are written for LS-DYNA and OpenRadioss"),

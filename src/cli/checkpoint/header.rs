@@ -13,7 +13,7 @@ use study::evaluate::build_name;
 /// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's
 /// `Record`) gains, loses or moves a field or gives it another type or meaning: the file holds bare numbers, which
 /// another layout would misread, and builds of one version may differ.
-const MAGIC: &[u8; 24] = b"droptower checkpoint 07\n";
+const MAGIC: &[u8; 24] = b"droptower checkpoint 08\n";
 
 /// The message for a checkpoint of another layout.
 pub(super) const OTHER_LAYOUT: &str = "not a checkpoint of this build of droptower";

@@ -113,7 +113,7 @@ pub(super) trait ElementGroup: Send + Sync {
     fn go_on(&mut self, element: usize);
 
     /// Their rupture criterion.
-    fn rupture(&self) -> Option<&Rupture>;
+    fn rupture(&self) -> Option<Rupture>;
 
     /// Deletes the elements for whose nodes `wanted`. Their number.
     fn delete(&mut self, wanted: &dyn Fn(&[u32]) -> bool) -> usize;
@@ -305,8 +305,8 @@ where
         tearing.go_on([element / LANES, element % LANES]);
     }
 
-    fn rupture(&self) -> Option<&Rupture> {
-        self.elements.tearing.as_ref().map(|tearing| &*tearing.rupture)
+    fn rupture(&self) -> Option<Rupture> {
+        self.elements.tearing.as_ref().map(|tearing| tearing.rupture)
     }
 
     fn delete(&mut self, wanted: &dyn Fn(&[u32]) -> bool) -> usize {

@@ -89,7 +89,6 @@ impl Mount<'_> {
             let base = law.viscous().expect("laws of viscous film are checked");
             ViscousLaw::new(viscosity.clone(), base)
         });
-        let rupture = rupture.as_ref().map(|rupture| Arc::new(rupture.clone()));
         let blocks = nodes.len().div_ceil(LANES);
         // From the mesh alone, never from the number of threads: chunks decide the order of sums.
         let size = LANES * blocks.div_ceil(CHUNKS).clamp(BLOCKS[0], BLOCKS[1]);
@@ -110,8 +109,8 @@ impl Mount<'_> {
                 Some(thermal) => blocks.with_heating(*thermal),
                 None => blocks,
             };
-            self.groups.push(group(match &rupture {
-                Some(rupture) => blocks.with_rupture(Arc::clone(rupture)),
+            self.groups.push(group(match *rupture {
+                Some(rupture) => blocks.with_rupture(rupture),
                 None => blocks,
             }));
         }

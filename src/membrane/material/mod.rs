@@ -42,7 +42,7 @@ pub use plastic::{
     RateTableError, Voce,
 };
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
-pub use rupture::{Criterion, Limit, Rupture};
+pub use rupture::{Criterion, Rupture};
 pub(crate) use rupture::{Densities, Tear};
 pub use tension_field::TensionField;
 pub use thermal::Thermal;
@@ -402,7 +402,7 @@ impl Material {
         let Rupture { criterion, limit, .. } = self.rupture.as_ref()?;
         match criterion {
             Criterion::Break => None,
-            Criterion::Strain | Criterion::FibreStrain => Some([limit.smallest(); 2]),
+            Criterion::Strain | Criterion::FibreStrain => Some([*limit; 2]),
             Criterion::Stress | Criterion::Energy => Some([f64::INFINITY; 2]),
         }
     }

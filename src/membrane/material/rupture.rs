@@ -3,15 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lane::ln;
-
 /// When film starts to tear, and what a tear takes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rupture {
     /// The quantity that is compared with the limit.
     pub criterion: Criterion,
     /// The value at which an element starts to tear, in the unit of the criterion.
-    pub limit: Limit,
+    pub limit: f64,
     /// Fracture energy Γ, J per m² of cross-section of stress-free film; where it is zero, an element fails at once.
     pub fracture_energy: f64,
 }
@@ -29,56 +27,6 @@ pub enum Criterion {
     Stress,
     /// Energy stored and absorbed, J per m³ of stress-free film.
     Energy,
-}
-
-/// The value of a criterion at which film starts to tear.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Limit {
-    /// One value.
-    One(f64),
-    /// By the stress triaxiality: points (triaxiality, value), linear between and constant outside.
-    ByTriaxiality(Vec<[f64; 2]>),
-    /// By the strain rate: points (natural logarithm of the rate in 1/s, value), linear between and constant outside.
-    ByRate(Vec<[f64; 2]>),
-}
-
-impl Limit {
-    /// The smallest value that it has anywhere.
-    pub fn smallest(&self) -> f64 {
-        match self {
-            Limit::One(value) => *value,
-            Limit::ByTriaxiality(points) | Limit::ByRate(points) => {
-                points.iter().map(|[_, value]| *value).fold(f64::INFINITY, f64::min)
-            }
-        }
-    }
-
-    /// The largest value that it has anywhere.
-    pub fn largest(&self) -> f64 {
-        match self {
-            Limit::One(value) => *value,
-            Limit::ByTriaxiality(points) | Limit::ByRate(points) => {
-                points.iter().map(|[_, value]| *value).fold(f64::NEG_INFINITY, f64::max)
-            }
-        }
-    }
-
-    /// The value for this stress triaxiality and this strain rate (1/s).
-    pub(crate) fn value_at(&self, triaxiality: f64, rate: f64) -> f64 {
-        match self {
-            Limit::One(value) => *value,
-            Limit::ByTriaxiality(points) => interpolated(points, triaxiality),
-            Limit::ByRate(points) => interpolated(points, if rate > 0.0 { ln(rate) } else { f64::NEG_INFINITY }),
-        }
-    }
-}
-
-/// The value at `x` of lines through `points`, constant outside.
-fn interpolated(points: &[[f64; 2]], x: f64) -> f64 {
-    let after = points.partition_point(|[at, _]| *at <= x);
-    let Some(before) = after.checked_sub(1) else { return points[0][1] };
-    let [from, value] = points[before];
-    points.get(after).map_or(value, |[to, next]| value + (next - value) * (x - from) / (to - from))
 }
 
 /// Share of its fracture energy that an element has spent when the elements around it are at the tip.
@@ -108,8 +56,6 @@ pub(crate) struct Tear {
     pub stored: f64,
     /// Energy absorbed at the last position, J/m³.
     pub absorbed: f64,
-    /// Largest principal strain before the criterion was half way to its smallest limit, and the time since then, s.
-    pub half_way: [f64; 2],
     /// Distance of its middle from the line of the tear, along whose left side it is positive, m.
     pub offset: f64,
 }
@@ -123,31 +69,22 @@ pub(crate) struct Densities {
 
 impl Tear {
     /// Number of its variables.
-    pub(crate) const VARIABLES: usize = 10;
+    pub(crate) const VARIABLES: usize = 8;
 
     /// Film that does not tear.
-    pub(crate) const NONE: Tear = Tear {
-        share: 1.0,
-        next: 1.0,
-        spent: 0.0,
-        start: 0.0,
-        width: 0.0,
-        stored: 0.0,
-        absorbed: 0.0,
-        half_way: [0.0; 2],
-        offset: 0.0,
-    };
+    pub(crate) const NONE: Tear =
+        Tear { share: 1.0, next: 1.0, spent: 0.0, start: 0.0, width: 0.0, stored: 0.0, absorbed: 0.0, offset: 0.0 };
 
     /// Its variables, always in the same order.
     pub(crate) fn variables(&self) -> [f64; Tear::VARIABLES] {
-        let Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time], offset } = *self;
-        [share, next, spent, start, width, stored, absorbed, strain, time, offset]
+        let Tear { share, next, spent, start, width, stored, absorbed, offset } = *self;
+        [share, next, spent, start, width, stored, absorbed, offset]
     }
 
     /// Tear with these variables, in the order of [`Tear::variables`].
     pub(crate) fn of_variables(variables: [f64; Tear::VARIABLES]) -> Tear {
-        let [share, next, spent, start, width, stored, absorbed, strain, time, offset] = variables;
-        Tear { share, next, spent, start, width, stored, absorbed, half_way: [strain, time], offset }
+        let [share, next, spent, start, width, stored, absorbed, offset] = variables;
+        Tear { share, next, spent, start, width, stored, absorbed, offset }
     }
 
     /// Whether the element has started to tear.
@@ -188,12 +125,6 @@ impl Tear {
     /// Share b of the energy of equation 303 that is left.
     fn left(&self, fracture_energy: f64) -> f64 {
         1.0 - self.spent * self.width * (1.0 - REST) / fracture_energy
-    }
-
-    /// Strain rate since the criterion was half way to its smallest limit, at the strain `strain`, 1/s.
-    pub(crate) fn rate(&self, strain: f64) -> f64 {
-        let [from, elapsed] = self.half_way;
-        if elapsed > 0.0 { (strain - from) / elapsed } else { 0.0 }
     }
 
     /// Share of the area of its tear that is open, where it takes `fracture_energy` (J/m²).
@@ -389,18 +320,5 @@ mod tests {
         }
         let asked = fracture_energy / width;
         assert!((lost / asked - 1.0).abs() < 0.011, "{lost} J/m³ for {asked}");
-    }
-
-    #[test]
-    fn limits_by_triaxiality_and_by_rate() {
-        let by_triaxiality = Limit::ByTriaxiality(vec![[1.0 / 3.0, 1.2], [2.0 / 3.0, 0.8]]);
-        for (triaxiality, value) in [(0.0, 1.2), (0.5, 1.0), (2.0 / 3.0, 0.8), (0.7, 0.8)] {
-            assert!((by_triaxiality.value_at(triaxiality, 0.0) - value).abs() < 1e-12);
-        }
-        let by_rate = Limit::ByRate(vec![[ln(0.1), 1.0], [ln(10.0), 2.0]]);
-        for (rate, value) in [(0.0, 1.0), (0.1, 1.0), (1.0, 1.5), (10.0, 2.0), (1e3, 2.0)] {
-            assert!((by_rate.value_at(0.0, rate) - value).abs() < 1e-12);
-        }
-        assert_eq!((by_rate.smallest(), by_triaxiality.smallest()), (1.0, 0.8));
     }
 }

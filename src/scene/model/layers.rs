@@ -285,7 +285,7 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnost
             continue;
         }
         // A limit that is no limit has its own mistake.
-        if face.material.rupture.as_ref().is_some_and(|rupture| rupture.limit.largest() <= 0.0) {
+        if face.material.rupture.as_ref().is_some_and(|rupture| rupture.limit <= 0.0) {
             continue;
         }
         let ends = face.material.break_strains();
@@ -308,7 +308,7 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnost
 /// Why pre-strain tears film whose rupture criterion is a stress or an energy, if it surely does: every element would fail
 /// in the first step. Viscous film is left out, since its stress depends on how long it rested.
 fn torn(face: &Face) -> Option<String> {
-    let rupture = face.material.rupture.as_ref().filter(|_| face.material.viscosity.is_none())?;
+    let rupture = face.material.rupture.filter(|_| face.material.viscosity.is_none())?;
     let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
     let gradient = [[splat(md), splat(0.0), splat(0.0)], [splat(0.0), splat(td), splat(0.0)]];
     let (value, what, unit) = match rupture.criterion {
@@ -319,7 +319,7 @@ fn torn(face: &Face) -> Option<String> {
         Criterion::Energy => (face.material.law.virgin_energy(gradient), "energy", "J/m3"),
         Criterion::Strain | Criterion::FibreStrain | Criterion::Break => return None,
     };
-    let limit = rupture.limit.largest();
+    let limit = rupture.limit;
     let shown = |value| significant(value, 4);
     (face.prestrain != [0.0; 2] && value >= limit).then(|| {
         format!("pre-strain tears the film: its {what} is {} {unit}, the limit {} {unit}", shown(value), shown(limit))

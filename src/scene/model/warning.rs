@@ -93,7 +93,7 @@ fn rupture_limits(model: &Model) -> Vec<Warning> {
             Criterion::Energy => "J/m3",
             Criterion::Strain | Criterion::FibreStrain | Criterion::Break => return None,
         };
-        let limit = rupture.limit.smallest();
+        let limit = rupture.limit;
         (limit < LEAST_LIMIT).then_some(Warning::RuptureLimit { limit, unit })
     };
     let mut warnings: Vec<Warning> = model.faces.iter().filter_map(of_face).collect();

@@ -68,7 +68,7 @@ pub use post::Post;
 pub use reference::{Phase, Reference, Window};
 pub use resolved::{Assumption, assumptions, leaves};
 pub use round::Round;
-pub use rupture::{Level, RatePoint, Rupture, RuptureCriterion, TriaxialPoint};
+pub use rupture::{Level, Rupture, RuptureCriterion};
 pub use solver::Solver;
 pub use specimen::{Around, AroundChoice, Element, Meshing, Polygon, Shape, Specimen, Symmetry};
 pub use thermal::Thermal;

@@ -3,7 +3,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-use base::units::{EnergyPerArea, Pressure, Rate};
+use base::units::{EnergyPerArea, Pressure};
 
 /// When an element of film starts to tear, and the energy that its tear takes. In a fabric it takes the place of the break
 /// at the last strain of the curves, whose last slope then continues.
@@ -14,14 +14,6 @@ pub struct Rupture {
     /// The value at which an element starts to tear: of `strain` a number, of `stress` a stress, of `energy` an energy per
     /// volume. A fabric with the criterion `strain` may leave it out: each fibre set then has the last strain of its curve.
     pub limit: Option<Level>,
-    /// The limit by the stress triaxiality (uniaxial tension 0.333, equibiaxial 0.667): points of triaxiality and limit,
-    /// linear between and constant outside.
-    #[schemars(length(min = 2))]
-    pub triaxiality: Option<Vec<TriaxialPoint>>,
-    /// The limit by the strain rate since half of the smallest limit: points of rate and limit, linear in the logarithm of
-    /// the rate between and constant outside.
-    #[schemars(length(min = 2))]
-    pub rate: Option<Vec<RatePoint>>,
     /// Fracture energy: energy that a tear takes for its length and the thickness of the stress-free film. Left out, an
     /// element fails at once.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1.0, 1e6]))]
@@ -39,14 +31,6 @@ pub enum RuptureCriterion {
     /// Energy stored and absorbed for the volume of stress-free film.
     Energy,
 }
-
-/// A limit at a stress triaxiality.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct TriaxialPoint(#[schemars(range(min = -0.667, max = 0.667))] pub f64, pub Level);
-
-/// A limit at a strain rate.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct RatePoint(#[schemars(extend("exclusiveMinimum" = 0))] pub Rate, pub Level);
 
 /// A strain, or a stress or an energy per volume with its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

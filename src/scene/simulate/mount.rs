@@ -50,7 +50,7 @@ pub fn section(face: &Face, mass_scaling: f64) -> Section {
     Section {
         law: face.material.law.clone(),
         viscosity: face.material.viscosity.clone(),
-        rupture: face.material.rupture.clone(),
+        rupture: face.material.rupture,
         thermal: face.material.thermal,
         density: face.material.density * mass_scaling,
         thickness: face.material.thickness * f64::from(face.layers),

@@ -1,7 +1,5 @@
 //! Elements side by side, in blocks of lanes.
 
-use std::sync::Arc;
-
 use super::heating::Heating;
 use super::tearing::Tearing;
 use super::viscous::{MovedBlock, ViscousBlock, ViscousPoints};
@@ -342,7 +340,7 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     }
 
     /// These elements with a rupture criterion of their own.
-    pub(crate) fn with_rupture(self, rupture: Arc<Rupture>) -> Self {
+    pub(crate) fn with_rupture(self, rupture: Rupture) -> Self {
         let tearing = Tearing::new(rupture, self.blocks.iter().map(B::volume).collect());
         Blocks { tearing: Some(tearing), ..self }
     }

@@ -31,16 +31,13 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
         let (block, volume) = (&elements.blocks[b], elements.blocks[b].volume());
         gather(&elements.corners[b], position, &mut x);
         let metric = block.deformation(&x).metric();
-        let strains = strains(&metric);
-        // Once a block and only where a lane is close to its limit: it evaluates the law again.
-        let stress_at = || stress(elements, b, law, &x);
-        let values = values(&tearing.rupture, block, law, &metric, stress_at);
+        let values = values(&tearing.rupture, block, law, &metric, || stress(elements, b, law, &x));
         // Most blocks are far from a tear, and energies cost more than forces.
-        if values.is_some_and(|values| tearing.stays_whole(b, &values, &strains, dt)) {
+        if values.is_some_and(|values| tearing.stays_whole(b, &values)) {
             continue;
         }
+        let strains = strains(&metric);
         let energies = warm_energies(Width::best(), elements, b, law, &x);
-        let mut stress = None;
         for l in (0..L).filter(|l| volume[*l] > 0.0) {
             let mut tear = tearing.element_tear(b, l);
             let had_started = tear.has_started();
@@ -49,10 +46,9 @@ fn tear_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, co
             tearing.lost.energy.stored += volume[l] * lost.stored;
             tearing.lost.energy.absorbed += volume[l] * lost.absorbed;
             if dt > 0.0 && !tear.has_started() {
-                let mut stress = || *stress.get_or_insert_with(stress_at);
                 let value = values.map(|values| values[l]);
                 let element = Element { block, metric: metric.map(|c| c[l]), strain: strains[l], value, lane: l };
-                let starts = element.starts(&tearing.rupture, &mut tear, dt, &mut stress, tearing.is_beside_open(b, l));
+                let starts = element.starts(&tearing.rupture, &tear, tearing.is_beside_open(b, l));
                 if let Some(width) = starts {
                     tear.start(width);
                     tearing.lost.note_start(&tear, fracture_energy);
@@ -137,27 +133,15 @@ impl<B> Element<'_, B> {
     fn starts<const NODES: usize, const L: usize>(
         &self,
         rupture: &Rupture,
-        tear: &mut Tear,
-        dt: f64,
-        stress: &mut impl FnMut() -> [Lane<L>; 3],
+        tear: &Tear,
         beside_open: bool,
     ) -> Option<f64>
     where
         B: Block<NODES, L>,
     {
-        let mut stress = || stress().map(|s| s[self.lane]);
         let strain = self.strain;
         let value = self.value.unwrap_or(tear.stored + tear.absorbed);
-        let smallest = rupture.limit.smallest();
-        // The limit depends on the strain rate over the second half of the way: that of a single step is mostly that of
-        // waves.
-        if value >= 0.5 * smallest {
-            tear.half_way[1] += dt;
-        } else {
-            tear.half_way = [strain, 0.0];
-        }
-        let reaches =
-            value >= smallest && value >= rupture.limit.value_at(triaxiality(stress(), self.metric), tear.rate(strain));
+        let reaches = value >= rupture.limit;
         let energy = rupture.fracture_energy;
         // Film beside a tear may be compressed, which does not open it.
         let may_grow = beside_open && energy > 0.0 && strain > 0.0;
@@ -179,29 +163,12 @@ fn squared_stress([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> [f64;
     [a11 * s11 + a12 * s12, a21 * s12 + a22 * s22, a11 * s12 + a12 * s22]
 }
 
-/// Stress triaxiality, mean stress over von Mises' equivalent stress, of plane stress (theory.md, equation 301); that
-/// of uniaxial tension without stress.
-#[inline(always)]
-fn triaxiality([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> f64 {
-    let sum = s11 * c11 + s22 * c22 + 2.0 * s12 * c12;
-    let product = (s11 * s22 - s12 * s12) * (c11 * c22 - c12 * c12);
-    // Trace and determinant of the stress are those of S C, so neither principal stresses nor a rotation are needed; J
-    // drops out of the ratio.
-    let equivalent = (sum * sum - 3.0 * product).max(0.0).sqrt();
-    if equivalent > 0.0 { sum / (3.0 * equivalent) } else { 1.0 / 3.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn triaxiality_and_principal_stress_of_known_states() {
-        let cases =
-            [([2e6, 0.0, 0.0], 1.0 / 3.0), ([2e6, 2e6, 0.0], 2.0 / 3.0), ([2e6, 1e6, 0.0], 1.0 / 3.0_f64.sqrt())];
-        for (stress, expected) in cases {
-            assert!((triaxiality(stress, [1.0, 1.0, 0.0]) - expected).abs() < 1e-12);
-        }
+    fn principal_stress_of_a_stretch() {
         // S of a stretch λ along MD, with the engineering stress λ S.
         let (lambda, s) = (1.5, 3e6);
         assert!(

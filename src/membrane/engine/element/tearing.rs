@@ -1,7 +1,5 @@
 //! Tears of elements: their variables, beside the blocks (theory.md, section 25).
 
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
 use super::energy::ElementEnergy;
@@ -11,7 +9,7 @@ use crate::material::{Rupture, Tear};
 /// Rupture of elements and its variables, block by block.
 #[derive(Clone, Debug)]
 pub(crate) struct Tearing<const L: usize> {
-    pub rupture: Arc<Rupture>,
+    pub rupture: Rupture,
     /// The variables of [`Tear`]; of blocks far from a tear the energies are those of the last step near one.
     variables: Vec<[Lane<L>; Tear::VARIABLES]>,
     /// Which elements share a node with one that is open or deleted.
@@ -90,7 +88,7 @@ impl Torn {
 
 impl<const L: usize> Tearing<L> {
     /// Tears of film that is whole, in blocks with elements of these volumes (m³).
-    pub(crate) fn new(rupture: Arc<Rupture>, volumes: Vec<Lane<L>>) -> Tearing<L> {
+    pub(crate) fn new(rupture: Rupture, volumes: Vec<Lane<L>>) -> Tearing<L> {
         let variables = vec![Tear::NONE.variables().map(splat); volumes.len()];
         let beside_open = vec![[false; L]; volumes.len()];
         Tearing { rupture, variables, beside_open, lost: Lost::default(), volumes }
@@ -180,24 +178,15 @@ impl<const L: usize> Tearing<L> {
         self.beside_open[block][lane] = beside_open;
     }
 
-    /// Where no element of a block tears, is beside an open one, or reaches the smallest limit with its one of
-    /// `values`: goes on to the next position after `dt` (s) with these strains. Whether that is so.
+    /// Whether no element of a block tears, is beside an open one, or reaches the limit with its one of `values`.
     #[inline(always)]
-    pub(super) fn stays_whole(&mut self, block: usize, values: &Lane<L>, strains: &Lane<L>, dt: f64) -> bool {
-        let smallest = self.rupture.limit.smallest();
-        let [share, next, _, _, width, _, _, from, elapsed, _] = &mut self.variables[block];
+    pub(super) fn stays_whole(&self, block: usize, values: &Lane<L>) -> bool {
+        let [share, next, _, _, width, ..] = &self.variables[block];
         let mut is_whole = true;
         for l in 0..L {
-            let reaches = values[l] >= smallest;
+            let reaches = values[l] >= self.rupture.limit;
             let is_far = !reaches | (self.volumes[block][l] == 0.0);
             is_whole &= is_far & (width[l] == 0.0) & (share[l] == 1.0) & (next[l] == 1.0) & !self.beside_open[block][l];
-        }
-        if is_whole && dt > 0.0 {
-            for l in 0..L {
-                let is_half_way = values[l] >= 0.5 * smallest;
-                from[l] = if is_half_way { from[l] } else { strains[l] };
-                elapsed[l] = if is_half_way { elapsed[l] + dt } else { 0.0 };
-            }
         }
         is_whole
     }

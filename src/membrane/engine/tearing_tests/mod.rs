@@ -9,7 +9,7 @@ mod trousers;
 use nalgebra::Point3;
 
 use crate::engine::{Film, Mesh, Nodes, Section};
-use crate::material::{Criterion, Elastic, Law, Limit, Rupture};
+use crate::material::{Criterion, Elastic, Law, Rupture};
 
 /// Γ, J/m².
 const FRACTURE_ENERGY: f64 = 1370.0;
@@ -24,7 +24,7 @@ const THICKNESS: f64 = 1e-4;
 
 fn section() -> Section {
     let law = Law::Elastic(Elastic { young: YOUNG, poisson: POISSON });
-    let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.5), fracture_energy: FRACTURE_ENERGY };
+    let rupture = Rupture { criterion: Criterion::Strain, limit: 0.5, fracture_energy: FRACTURE_ENERGY };
     Section { rupture: Some(rupture), ..Section::new(law, 1000.0, THICKNESS) }
 }
 

@@ -4,7 +4,7 @@
 use super::mesh::Shape;
 use super::{POISSON, THICKNESS, YOUNG, section};
 use crate::engine::{Engine, Film, Jaw, Loads, Nodes, Section, Unobserved};
-use crate::material::{Criterion, Elastic, Hyperelastic, HyperelasticLaw, Law, Limit, Polynomial, Rupture};
+use crate::material::{Criterion, Elastic, Hyperelastic, HyperelasticLaw, Law, Polynomial, Rupture};
 
 /// A rectangle of film that is pulled along y.
 struct Pulled {
@@ -113,7 +113,7 @@ impl Strip {
     fn new(shape: Shape) -> Strip {
         let [energy, mu] = RUBBER;
         let law = HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::neo_hookean(mu), wrinkling: true });
-        let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(8.0), fracture_energy: energy };
+        let rupture = Rupture { criterion: Criterion::Strain, limit: 8.0, fracture_energy: energy };
         let section = Section {
             law: Law::Hyperelastic(law),
             rupture: Some(rupture),
@@ -246,7 +246,7 @@ fn a_tip_at_rest_starts_above_its_energy_alone() {
 fn centre_crack(shape: Shape, half: f64, by: f64) -> f64 {
     let (energy, length) = (1370.0, 0.2);
     let law = Law::Elastic(Elastic { young: YOUNG, poisson: POISSON });
-    let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.5), fracture_energy: energy };
+    let rupture = Rupture { criterion: Criterion::Strain, limit: 0.5, fracture_energy: energy };
     let section = Section { law, rupture: Some(rupture), thickness: THICKNESS, ..section() };
     let pi = std::f64::consts::PI;
     let stress = |half: f64| (YOUNG * energy / (pi * half / (pi * half / length).cos())).sqrt();

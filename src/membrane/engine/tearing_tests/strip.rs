@@ -6,7 +6,7 @@ use super::mesh::halves;
 use super::{FRACTURE_ENERGY, POISSON, THICKNESS, YOUNG, cells, section};
 use crate::engine::{Energies, Engine, Film, Jaw, Loads, Nodes, Section, Torn, Unobserved, View};
 use crate::material::{
-    Criterion, Elastic, FlowRate, Hardening, Hill, Law, Limit, Plastic, PronyTerm, Rupture, Viscosity, Voce,
+    Criterion, Elastic, FlowRate, Hardening, Hill, Law, Plastic, PronyTerm, Rupture, Viscosity, Voce,
 };
 
 /// Elements of a strip.
@@ -281,8 +281,7 @@ fn a_plastic_strip_takes_its_fracture_energy_besides_plastic_work() {
         let mut strip = Strip { most: 1.2, ..Strip::new(kind, 5e-3, lengths, 20.0) };
         let (hill, voce) = (Hill::default(), Hardening::Voce(VOCE));
         strip.section.law = Law::Plastic(Plastic::new(elastic.clone(), hill, voce, FlowRate::Independent));
-        strip.section.rupture =
-            Some(Rupture { criterion: Criterion::Energy, limit: Limit::One(limit), fracture_energy });
+        strip.section.rupture = Some(Rupture { criterion: Criterion::Energy, limit, fracture_energy });
         let outcome = strip.torn();
         let Outcome { torn, energies, plastic, imbalance, .. } = &outcome;
         // 13 columns of elements, of which one tears.

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use super::mesh::Shape;
 use super::section;
 use crate::engine::{Engine, Film, Jaw, Loads, Nodes, Section, Unobserved};
-use crate::material::{Criterion, Hyperelastic, HyperelasticLaw, Law, Limit, Polynomial, Rupture};
+use crate::material::{Criterion, Hyperelastic, HyperelasticLaw, Law, Polynomial, Rupture};
 
 /// What trousers show while their tear grows from 10 to 40 mm, in jerks of an element each.
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +109,7 @@ fn check(shape: Shape, [of_force, of_work]: [f64; 2]) {
     let law = HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::neo_hookean(mu), wrinkling: true });
     let rubber = Section {
         law: Law::Hyperelastic(law),
-        rupture: Some(Rupture { criterion: Criterion::Strain, limit: Limit::One(6.0), fracture_energy: energy }),
+        rupture: Some(Rupture { criterion: Criterion::Strain, limit: 6.0, fracture_energy: energy }),
         thickness,
         density: 930.0,
         ..section()

@@ -3,7 +3,7 @@
 use super::*;
 use crate::engine::ThreadPool;
 use crate::lane::Width;
-use crate::material::{Criterion, Limit};
+use crate::material::Criterion;
 
 /// A grid of quadrilaterals, `cells` along each direction, at `place` of shares between 0 and 1; closed where the last
 /// column is the first one again.
@@ -246,7 +246,7 @@ fn a_sheet_that_falls_edge_on_folds_on_itself() {
 /// some steps they come nearer than allowed (docs/limits.md).
 #[test]
 fn the_lips_of_a_tear_meet() {
-    let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.05), fracture_energy: 1e4 };
+    let rupture = Rupture { criterion: Criterion::Strain, limit: 0.05, fracture_energy: 1e4 };
     let scene = Scene {
         prestrain: 0.02,
         is_clamped: true,

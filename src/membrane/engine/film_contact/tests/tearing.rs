@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::engine::Torn;
-use crate::material::{Criterion, Limit};
+use crate::material::Criterion;
 
 /// Γ, J/m².
 const FRACTURE_ENERGY: f64 = 1e4;
@@ -10,12 +10,12 @@ const FRACTURE_ENERGY: f64 = 1e4;
 /// A sphere at 6 m/s on two clamped squares with meshes that do not fit, 10 mm apart, of which those marked may tear.
 fn tear(may_tear: [bool; 2], step_factor: f64) -> Run {
     let films = [(square(0.2, 20, 0.0), 0.01, [0.0; 3]), (square(0.2, 20, 0.3), 0.0, [0.0; 3])];
-    let rupture = Rupture { criterion: Criterion::Strain, limit: Limit::One(0.05), fracture_energy: FRACTURE_ENERGY };
+    let rupture = Rupture { criterion: Criterion::Strain, limit: 0.05, fracture_energy: FRACTURE_ENERGY };
     let scene = Scene {
         prestrain: 0.02,
         is_clamped: true,
         friction: 0.3,
-        rupture: may_tear.map(|may| may.then(|| rupture.clone())).to_vec(),
+        rupture: may_tear.map(|may| may.then_some(rupture)).to_vec(),
         sphere: Some((0.03, 6.0, 0.5)),
         loads: Loads { step_factor, ..Loads::default() },
         ..Scene::default()
