@@ -66,6 +66,19 @@ const REMOVED: &[Removed] = &[
         Kind::Key,
         "frame.springs.continuous",
         "`frame.springs.count` with a spring to each element of the edge is as even",
+        Kind::Command,
+        "card write --approximate",
+        "write for a solver that has the law, or fit one that the target has",
+    ),
+    row(
+        Kind::Command,
+        "deck read",
+        "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads",
+    ),
+    row(
+        Kind::Command,
+        "new material nylon-fabric",
+        "its values had no published source; `droptower new material fabric` is its law",
     ),
     row(
         Kind::Key,
@@ -103,6 +116,10 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
         "deck read",
         "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads",
     ),
+    row(Kind::Command, "schema cluster", NEW_SLURM),
+    row(Kind::Command, "sweep --cluster", NEW_SLURM),
+    row(Kind::Command, "sweep --on", NEW_SLURM),
+    row(Kind::Key, "cluster", NEW_SLURM),
     row(Kind::Key, "rupture.rate", "one `limit`, that of the rate of the test"),
     row(Kind::Key, "rupture.triaxiality", "one `limit`, that of the state of stress under the impactor"),
     row(Kind::Finding, "card-approximated", "a law that a solver has not is refused"),
@@ -112,6 +129,8 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Finding, "deck-other-parts", "meshio converts meshes to .msh"),
     row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
 ];
+
+const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.
 pub fn command(words: &[String]) -> Option<(&'static str, String)> {

@@ -13,7 +13,7 @@ findings! {
             message "lost: biaxial coupling of MD and TD";
         FromMemory {
             what: &'static str, "of the card" => "what";
-        } = "card-from-memory", Note;
+        } = "card-from-memory", Warning;
             meaning "a part of the card follows what is remembered of the solver's manual, not the manual";
             remedy "compare it with the manual before the card is used";
             message "from memory: {what}";

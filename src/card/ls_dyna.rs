@@ -1,7 +1,7 @@
 //! Cards of LS-DYNA: keywords with cards of eight fields.
 //!
 //! Fields as the keyword classes of pydyna name them (ansys/pydyna, `keyword_classes/auto/mat`). A field has 10 columns, or 20
-//! where a number needs them: the keyword then ends with `+`, which is LS-DYNA's long format of one keyword (from memory).
+//! where a number needs them: the keyword then ends with `+`, the long format of one keyword (pydyna, `lib/deck_loader.py`).
 
 use super::film::{
     FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, lost_hill, ogden_terms, shear_modulus, unloading,

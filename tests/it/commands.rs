@@ -52,6 +52,19 @@ fn a_material_is_checked_without_a_scenario() {
     assert_eq!(set.status.code(), Some(2));
 }
 
+/// A file with the table of a law alone is a material of which the rest is missing.
+#[test]
+fn the_table_of_any_law_makes_a_material() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for law in ["fabric", "elastic", "hyperelastic", "plastic"] {
+        let file = folder.path().join(format!("{law}.toml"));
+        std::fs::write(&file, format!("[{law}]\n")).expect("a file");
+        let output = droptower(&["check", file.to_str().expect("UTF-8")]);
+        let mistakes = String::from_utf8_lossy(&output.stderr);
+        assert!(mistakes.contains("missing key `density`") && !mistakes.contains("specimen"), "{mistakes}");
+    }
+}
+
 #[test]
 fn findings_are_printed_with_severity_and_code() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -93,7 +93,7 @@ findings! {
             message "shells change their thickness with the strain (ISTUPD = 1)";
         FromMemory {
             what: &'static str, "of the deck" => "what";
-        } = "deck-from-memory", Note;
+        } = "deck-from-memory", Warning;
             meaning "a part of the deck follows what is remembered of the solver's manual, not the manual";
             remedy "compare it with the manual before the deck is used";
             message "from memory: {what}";

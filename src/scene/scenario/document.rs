@@ -79,7 +79,8 @@ impl Document {
     /// Whether what was read as a scenario has the keys of a material and no specimen.
     pub fn is_material(&self) -> bool {
         let has = |key: &str| self.find(key).is_some();
-        !has("specimen") && ["density", "thickness", "fabric", "elastic", "hyperelastic"].into_iter().any(has)
+        let of_a_material = ["density", "thickness", "fabric", "elastic", "hyperelastic", "plastic"];
+        !has("specimen") && of_a_material.into_iter().any(has)
     }
 
     /// A copy of the scenario without the keys that `assignments` leave out, and with the others merged into it. Two
