@@ -128,9 +128,19 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Finding, "deck-no-friction", "decks are written for LS-DYNA and OpenRadioss"),
     row(Kind::Finding, "deck-other-parts", "meshio converts meshes to .msh"),
     row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
+    row(Kind::Function, "confidence.points", "it was an option of `profiles`, and `confidence` has none"),
+    row(Kind::Function, "profiles", PROFILES),
+    row(Kind::Finding, "continued-from-profile", PROFILES),
+    row(Kind::Finding, "lower-than-estimate", PROFILES),
+    row(Kind::Finding, "no-bound", PROFILES),
+    row(Kind::Finding, "open-interval", PROFILES),
+    row(Kind::Finding, "profile-failed", PROFILES),
 ];
 
 const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
+
+const PROFILES: &str =
+    "`confidence` has the intervals of the linear model, `posterior` of a calibration those without it";
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.
 pub fn command(words: &[String]) -> Option<(&'static str, String)> {

@@ -150,7 +150,6 @@ fn further_signals_make_multipliers_identifiable() {
     let cold = &rows(&summary, "six_from_one")[0];
     let off = ["k1_md", "ke_md", "ky_md", "k1_td", "ke_td", "ky_td"].map(|name| figure(cold, name).abs());
     assert!(off.into_iter().fold(0.0, f64::max) > 0.1 && figure(cold, "acceleration_error") < 0.03, "{cold}");
-    assert_eq!(rows(&summary, "profile_at_misfit").len(), 6);
 }
 
 /// With few evaluations: films with and without rate dependence are fitted to all tests.

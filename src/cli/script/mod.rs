@@ -223,7 +223,6 @@ fn run_script(
         shown.note_search(&event);
         match event {
             SearchEvent::Progress(_, progress) => print_line(&progress.to_string()),
-            SearchEvent::OpenPoints(open) => print_line(&format!("note: profiles: {open} points remain")),
             SearchEvent::Warning(warning) => print_line(&Message::Finding(&Finding::new(warning)).to_string()),
             SearchEvent::Followed(text) => print_line(text),
             SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),

@@ -320,13 +320,6 @@ impl Covariance {
         })
     }
 
-    /// Variance of each parameter over (JᵀJ)⁻¹.
-    pub(super) fn increases(&self) -> Vec<f64> {
-        let white = self.in_parameters(|i, j| if i == j { self.strength(i).powi(-2) } else { 0.0 });
-        let unit = self.unit_covariance();
-        (0..self.scale.len()).map(|index| self.variance * unit[(index, index)] / white[(index, index)]).collect()
-    }
-
     /// Largest over smallest singular value.
     pub(super) fn condition(&self) -> f64 {
         let smallest = self.singular[self.singular.len() - 1];

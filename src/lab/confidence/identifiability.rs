@@ -2,8 +2,7 @@
 //!
 //! Directions in the logarithms of the parameters are the right singular vectors of ∂r/∂ln x (Belsley, Kuh and Welsch,
 //! *Regression Diagnostics*, 1980). One without effect on the residuals is not identifiable; one with a wide interval of
-//! the linear model is poorly determined. Whether a parameter is practically identifiable is what its profile tells (Raue
-//! et al., Bioinformatics 25, 2009).
+//! the linear model is poorly determined.
 
 use nalgebra::DMatrix;
 

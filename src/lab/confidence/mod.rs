@@ -5,7 +5,6 @@
 mod covariance;
 mod estimate;
 mod identifiability;
-mod interval;
 mod linearization;
 mod noise;
 mod options;
@@ -14,7 +13,6 @@ mod warning;
 pub use covariance::CovarianceError;
 pub use estimate::{Confidence, ConfidenceError};
 pub use identifiability::Direction;
-pub use interval::Interval;
 pub use linearization::{Linearization, PartsError};
 pub use noise::{Colour, Misfit, Noise};
 pub use options::ConfidenceOptions;

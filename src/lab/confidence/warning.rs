@@ -19,8 +19,8 @@ findings! {
             factor: f64, "half-width of its interval of 95 %, as a factor" => "factor";
         } = "poorly-determined", Warning;
             meaning "the confidence interval of a combination of parameters reaches a factor of 1.5 in the linear \
-                model; whether it has an end at all is what profiles tell";
-            remedy "compute profiles; fix one parameter of the combination, or add signals or tests to the objective";
+                model";
+            remedy "fix one parameter of the combination, or add signals or tests to the objective";
             message "{combination} is poorly determined: in the linear model its interval of 95 % reaches a factor {}",
                 number::figure(*factor, 2);
         WeaklyIdentifiable {
@@ -65,7 +65,7 @@ findings! {
         OneSided { parameter: String, "the parameter" => "parameter" } = "one-sided", Warning;
             meaning "the derivative along a parameter is a one-sided difference, since the other side lies beyond a \
                 bound or failed";
-            remedy "move the bound, or use profiles for the interval of that parameter";
+            remedy "move the bound";
             message "the derivative along {parameter} is one-sided (bound or failed trial): its interval is valid on \
                 that side at best";
         NotAtMinimum {

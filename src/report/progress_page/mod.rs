@@ -83,14 +83,13 @@ pub struct StudyProgress {
     searches: Vec<Search>,
     sweep: Option<SweepRuns>,
     messages: Vec<String>,
-    open_points: Option<usize>,
 }
 
 impl StudyProgress {
     /// A study that begins now.
     pub fn new(call: StudyCall) -> StudyProgress {
         let (runs, searches, messages) = (Runs::default(), vec![], vec![]);
-        StudyProgress { call, state: StudyState::Running, runs, searches, sweep: None, messages, open_points: None }
+        StudyProgress { call, state: StudyState::Running, runs, searches, sweep: None, messages }
     }
 
     /// Sets what became of the study.
@@ -118,14 +117,10 @@ impl StudyProgress {
         match event {
             SearchEvent::Begun(start) => self.searches.push(Search::new(start)),
             SearchEvent::Trial(number, event) => self.with_search(*number, |search| search.note(event)),
-            SearchEvent::Ended(number) => {
-                self.open_points = None;
-                self.with_search(*number, |search| search.is_active = false);
-            }
+            SearchEvent::Ended(number) => self.with_search(*number, |search| search.is_active = false),
             SearchEvent::Progress(number, progress) => {
                 self.with_search(*number, |search| search.progress = Some((*progress).clone()));
             }
-            SearchEvent::OpenPoints(open) => self.open_points = Some(*open),
             SearchEvent::Followed(text) => self.note_message(text),
             SearchEvent::Warning(_) | SearchEvent::Finished(_) | SearchEvent::Correlation(_) => {}
         }
@@ -246,8 +241,7 @@ impl StudyProgress {
         let so_far = format!("{} {what} done in {}", counts.done + counts.failed, wall_time(elapsed));
         match &self.state {
             StudyState::Running => {
-                let open = self.open_points.map(|open| format!("{open} points of profiles without a value"));
-                [Some(so_far), open, self.remaining(elapsed)].into_iter().flatten().collect::<Vec<_>>().join(", ")
+                [Some(so_far), self.remaining(elapsed)].into_iter().flatten().collect::<Vec<_>>().join(", ")
             }
             StudyState::Stopping => format!("{so_far}; no {what} begin any more, and {} under way end", counts.running),
             StudyState::Stopped => format!("Stopped: {so_far}. The same command goes on from here."),

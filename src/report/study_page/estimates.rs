@@ -123,7 +123,7 @@ mod tests {
                 { "test": 8, "parameter": "k1", "value": 3.0, "lower_95": 2.9, "upper_95": null },
             ],
             "table_8": [{ "test": 8, "paper_k1": 3.1 }, { "test": "a", "paper_k1": 2.1 }],
-            "profiles": [{ "parameter": "k1", "value": 2.0, "f": 0.1 }],
+            "slopes": [{ "parameter": "k1", "value": 2.0, "f": 0.1 }],
         })));
         let [a, b] = &found[..] else { panic!("{found:?}") };
         assert_eq!((a.mark, a.half_width(), a.name().as_str()), (Some((2.1, "paper")), Some(0.5), "k1 of a"));

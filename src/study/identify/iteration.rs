@@ -92,8 +92,6 @@ pub enum StopReason {
     MaxEvaluations,
     /// The tolerances are met at a point on a bound.
     OnBound,
-    /// The tolerances are met, and a profile finds a point with a lower objective value.
-    LowerInProfile,
     /// Levenberg–Marquardt: a tolerance is below what rounding allows; its name in MINPACK.
     NoImprovement(&'static str),
     /// Levenberg–Marquardt: this quantity is not finite.
@@ -129,7 +127,6 @@ impl fmt::Display for StopReason {
             StopReason::MaxIterations => f.write_str("max_iterations was reached"),
             StopReason::MaxEvaluations => f.write_str("max_evaluations was reached"),
             StopReason::OnBound => f.write_str("the best point lies on a bound"),
-            StopReason::LowerInProfile => f.write_str("a profile finds a lower objective value"),
             StopReason::NoImprovement(tolerance) => write!(f, "no improvement is possible ({tolerance})"),
             StopReason::NotFinite(quantity) => write!(f, "{quantity} is not finite"),
             StopReason::Unavailable(quantity) => write!(f, "{quantity} unavailable"),

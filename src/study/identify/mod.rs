@@ -3,8 +3,8 @@
 //!
 //! [`minimize`] searches with one of three [methods](Method) from one or several starts. A [`TrialPool`] evaluates the
 //! trials of one or several searches in parallel, also speculatively, and writes them to a [`History`]; neither changes
-//! the result, to the bit. [`Confidence`](lab::confidence::Confidence) and [`profiles`] say how well the parameters
-//! are known. The bindings offer all of it to scripts.
+//! the result, to the bit. [`Confidence`](lab::confidence::Confidence) says how well the parameters are known. The
+//! bindings offer all of it to scripts.
 //!
 //! ```
 //! use droptower_study::identify::{Method, Problem, Search, SearchError, minimize, with_evaluator};
@@ -18,10 +18,10 @@
 
 mod bindings;
 mod bounds;
-mod confidence;
 mod convergence;
 mod error;
 mod iteration;
+mod linearization;
 mod method;
 mod objective;
 mod options;
@@ -36,13 +36,11 @@ mod warning;
 pub(crate) use bindings::{HostSearch, failure};
 pub use bindings::{REFERENCE, SearchEvent, SearchHost, SearchStart, register};
 pub use bounds::{Bounds, BoundsError, Side};
-pub use confidence::linearization::{LinearizationError, linearize_at_start, weigh_at_start};
-pub use confidence::profile::{Profile, ProfileError, ProfilePoint, profiles};
-pub use confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
 pub use convergence::{Labels, Phase, SignalLabel};
 pub use error::SearchError;
 pub(crate) use error::SearchFailure;
 pub use iteration::{Iteration, Step, StopReason};
+pub use linearization::{LinearizationError, linearize_at_start, weigh_at_start};
 pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
 pub use options::{Method, OnFailure, OptionsError, Search, Starts};
 pub use point::Point;

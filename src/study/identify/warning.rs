@@ -1,4 +1,4 @@
-//! Warnings of searches and profiles.
+//! Warnings of searches.
 
 use super::bounds::Side;
 use super::iteration::StopReason;
@@ -7,7 +7,7 @@ use base::findings;
 use base::number;
 
 findings! {
-    /// A warning about a search or a profile. `start` counts starts from zero.
+    /// A warning about a search. `start` counts starts from zero.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
         StartReplaced {
@@ -50,7 +50,7 @@ findings! {
                 \"keep\" for tests that rupture";
             message "{count} {} failed{} and counted as worst, the first at {first}: {cause}",
                 if *count == 1 { "trial" } else { "trials" }, if *retried { ", also when repeated," } else { "" };
-        NotConverged { reason: StopReason, "why it stopped" => "reason" } = "not-converged" as NOT_CONVERGED, Warning;
+        NotConverged { reason: StopReason, "why it stopped" => "reason" } = "not-converged", Warning;
             meaning "a search stopped before its tolerances were met";
             remedy "raise max_iterations and max_evaluations, or loosen tol_x and tol_f if the objective is rough";
             message "not converged: {reason}";
@@ -60,7 +60,7 @@ findings! {
             side: Side, "which bound" => "side";
             falls_beyond: Option<bool>, "whether the gradient points outwards, where it is known: a minimum within the \
                 bounds" => "falls_beyond";
-        } = "on-bound" as ON_BOUND, Warning;
+        } = "on-bound", Warning;
             meaning "the best point of a search lies on a bound: without it the minimum may lie beyond, so that the \
                 search counts as not converged. Levenberg-Marquardt tells by the gradient whether the objective still \
                 falls beyond the bound: the point is then the minimum within the bounds";
@@ -89,65 +89,6 @@ findings! {
                 data do not determine the unknowns";
             remedy "fix some unknowns, or add signals or tests to the objective";
             message "{count} of {starts} starts ended at the same value elsewhere: the minimum is not unique";
-        NoBound {
-            parameter: String, "the parameter" => "parameter";
-            side: Side, "which end of its interval is missing" => "side";
-            limit: f64, "the last point of the profile on that side" => "limit";
-        } = "no-bound", Warning;
-            meaning "the profile of a parameter has an open end: the objective does not rise to the threshold of 95 % \
-                on one side, and the parameter is not practically identifiable as far as the profile goes";
-            remedy "fix another parameter, or add signals or tests to the objective";
-            message "{parameter} has no {side} bound within {}: its profile rises by less than noise up to there, so \
-                that it is not practically identifiable in that range",
-                number::significant(*limit, 4);
-        OpenInterval {
-            parameter: String, "the parameter" => "parameter";
-            side: Side, "which end of its interval is missing" => "side";
-            limit: f64, "the first point without a value on that side" => "limit";
-        } = "open-interval", Warning;
-            meaning "trials failed along a parameter before the objective rose to the threshold of 95 %";
-            remedy "find out why these trials fail; the interval is open on that side";
-            message "{parameter} has no {side} bound before {}, where trials failed: its interval is open on that side",
-                number::significant(*limit, 4);
-        ProfileFailed {
-            parameter: String, "the parameter" => "parameter";
-            values: Vec<f64>, "its values at these points" => "values";
-        } = "profile-failed", Warning;
-            meaning "trials failed at some points of a profile";
-            remedy "find out why these trials fail; the profile has gaps there";
-            message "trials failed where {parameter} is fixed at {}", listed(values);
-        LowerThanEstimate {
-            parameter: String, "the parameter" => "parameter";
-            found: f64, "norm of the residuals there" => "found";
-            estimate: f64, "norm of the residuals at the estimate" => "estimate";
-            x: Point, "all parameters there" => "x";
-        } = "lower-than-estimate", Warning;
-            meaning "a profile finds a lower objective value than the estimate, also after three searches that \
-                continued from such a point: the search has not converged";
-            remedy "search again from the point that the warning gives, or from several starts; loosen tol_f if the \
-                objective is rough";
-            message "not converged: the profile of {parameter} finds {} instead of {} at {x}",
-                number::significant(*found, 5), number::significant(*estimate, 5);
-        Continued {
-            parameter: String, "the parameter" => "parameter";
-            found: f64, "norm of the residuals at the point of the profile" => "found";
-            estimate: f64, "norm of the residuals at the estimate" => "estimate";
-            x: Point, "the point of the profile" => "x";
-            continued: Option<f64>, "norm of the residuals at the end of the continued search; none where it has no \
-                value at its start" => "continued";
-        } = "continued-from-profile", Note;
-            meaning "a profile found a lower objective value than the estimate: the search continued from there, and \
-                the profiles are those about its result, or about the point itself where the search has no value \
-                beside it";
-            remedy "none is needed; several starts find out whether there are other minima";
-            message "the profile of {parameter} finds {} instead of {} at {x}: {}",
-                number::significant(*found, 5), number::significant(*estimate, 5), match continued {
-                    Some(end) if end < found => {
-                        format!("the search continued from there to {}", number::significant(*end, 5))
-                    }
-                    Some(_) => "the search continued from there and found no lower value".into(),
-                    None => "the search could not continue from there, the objective has no value at its start".into(),
-                };
         HistorySetAside {
             input: String, "the file that has changed" => "input";
             renamed: String, "the file with the trials so far" => "renamed";
@@ -181,8 +122,8 @@ mod tests {
     fn the_figures_of_a_warning_are_its_fields() {
         let warning = Warning::NotConverged { reason: StopReason::MaxEvaluations };
         assert_eq!(warning.figures()["reason"], "max_evaluations was reached");
-        let warning = Warning::NoBound { parameter: "k1".into(), side: Side::Lower, limit: 0.5 };
-        assert_eq!(Value::Object(warning.figures()), json!({ "parameter": "k1", "side": "lower", "limit": 0.5 }));
+        let warning = Warning::StartOnBound { start: 1, parameter: "k1".into(), side: Side::Lower };
+        assert_eq!(Value::Object(warning.figures()), json!({ "start": 1, "parameter": "k1", "side": "lower" }));
         let warning = Warning::FailedTrials {
             count: 2,
             retried: false,
@@ -190,21 +131,5 @@ mod tests {
             cause: "no".into(),
         };
         assert_eq!(warning.to_string(), "2 trials failed and counted as worst, the first at k1 = 1: no");
-    }
-
-    #[test]
-    fn a_search_that_could_not_continue_is_not_said_to_have() {
-        let text = |continued| {
-            let x = Point::new(&["k1".into()], &[1.0]);
-            Warning::Continued { parameter: "k1".into(), found: 0.5, estimate: 0.7, x, continued }.to_string()
-        };
-        let found = "the profile of k1 finds 0.5 instead of 0.7 at k1 = 1: ";
-        for (continued, expected) in [
-            (Some(0.3), "the search continued from there to 0.3"),
-            (Some(0.5), "the search continued from there and found no lower value"),
-            (None, "the search could not continue from there, the objective has no value at its start"),
-        ] {
-            assert_eq!(text(continued), format!("{found}{expected}"));
-        }
     }
 }

@@ -1,75 +1,65 @@
-//! `confidence` and `profiles`.
+//! `confidence`.
 
-use rhai::{Array, Dynamic, Engine, FnPtr, INT, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, FnPtr, Map, NativeCallContext};
 
 use super::host::SearchHost;
-use super::options::{self, ScriptSearch, count, unknown, word};
+use super::options::{self, ScriptSearch, unknown, unknown_option, word};
 use super::result;
-use crate::identify::confidence::profile::ProfileError;
-use crate::identify::confidence::refinement::{ProfileOptions, linearization};
+use crate::identify::linearization::{LinearizationError, linearize_at_start};
 use crate::script::{Entry, HostResult, number, refuse};
-use lab::confidence::Confidence;
-use lab::confidence::ConfidenceOptions;
-use lab::confidence::{Colour, Misfit};
+use lab::confidence::{Colour, Confidence, ConfidenceOptions, Misfit};
 use plot::Correlation;
 
 /// Options beside those of `minimize`.
-const OPTIONS: [&str; 7] = ["noise", "relative", "points", "parts", "misfit", "prior", "held"];
+const OPTIONS: [&str; 6] = ["noise", "relative", "parts", "misfit", "prior", "held"];
 
 /// Options of an assumed misfit.
 const MISFIT: [&str; 3] = ["error", "correlation", "interval"];
 
 const COLOURS: [(&str, Colour); 2] = [("coloured", Colour::Coloured), ("white", Colour::White)];
 
-/// Default and largest number of points of a profile on each side of the estimate.
-const POINTS: usize = 3;
-const MAX_POINTS: INT = 20;
-
-/// The arguments of `confidence` or `profiles`.
+/// The arguments of `confidence`.
 struct Request {
     /// A search that starts at the estimate.
     search: ScriptSearch,
-    options: ProfileOptions,
-    /// The result of `minimize`; none where the estimate is a list.
-    best: Map,
+    options: ConfidenceOptions,
+    /// Numbers of residuals of the parts that the residuals are joined from; none for one part.
+    parts: Option<Vec<usize>>,
 }
 
 impl Request {
     fn new(best: &Dynamic, options: &Map, call: FnPtr) -> HostResult<Request> {
         let known = || options::OPTIONS.into_iter().chain(OPTIONS);
         if let Some(other) = options.keys().find(|option| !known().any(|known| known == option.as_str())) {
-            return Err(unknown("option", other, known()));
+            return Err(unknown_option("confidence", other, known()));
         }
         let (own, others): (Map, Map) =
             options.clone().into_iter().partition(|(option, _)| OPTIONS.contains(&option.as_str()));
         let search = ScriptSearch::new("levenberg-marquardt", &estimate(best)?, &others, call)?;
         search.search.check().map_err(refuse)?;
-        let confidence = ConfidenceOptions::new(search.search.names.clone());
-        let options = ProfileOptions { confidence, points: POINTS, parts: None };
-        let best = best.read_lock::<Map>().map(|map| map.clone()).unwrap_or_default();
-        let unknowns = options.confidence.names.len();
-        let mut request = Request { search, options, best };
+        let options = ConfidenceOptions::new(search.search.names.clone());
+        let unknowns = options.names.len();
+        let mut request = Request { search, options, parts: None };
         for (option, value) in &own {
             match option.as_str() {
-                "noise" => request.options.confidence.colour = word(option, &value.to_string(), &COLOURS)?,
+                "noise" => request.options.colour = word(option, &value.to_string(), &COLOURS)?,
                 "relative" => {
                     let boolean = value.as_bool();
-                    request.options.confidence.relative =
+                    request.options.relative =
                         boolean.map_err(|found| refuse(format!("`relative` is true or false, not {found}")))?;
                 }
-                "parts" => request.options.parts = Some(parts(value)?),
+                "parts" => request.parts = Some(parts(value)?),
                 "misfit" if own.contains_key("noise") => {
                     return Err(refuse(
                         "`noise` has no effect beside `misfit`, which says what the noise is: leave one out",
                     ));
                 }
-                "misfit" => request.options.confidence.misfit = Some(misfits(value)?),
-                "prior" => request.options.confidence.prior = deviations(option, value, unknowns)?,
-                "held" => request.options.confidence.held = deviations(option, value, unknowns)?,
-                _ => request.options.points = count(value, "points", MAX_POINTS)?,
+                "misfit" => request.options.misfit = Some(misfits(value)?),
+                "prior" => request.options.prior = deviations(option, value, unknowns)?,
+                _ => request.options.held = deviations(option, value, unknowns)?,
             }
         }
-        let ConfidenceOptions { prior, held, .. } = &request.options.confidence;
+        let ConfidenceOptions { prior, held, .. } = &request.options;
         if prior.iter().zip(held).any(|(prior, held)| prior.is_some() && held.is_some()) {
             return Err(refuse(
                 "a parameter has a `prior` where it is fitted and is `held` where it is not: leave one out",
@@ -162,12 +152,14 @@ fn estimate(best: &Dynamic) -> HostResult<Array> {
 }
 
 fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
-    let confidences =
-        host.script_run::<_, ProfileError>(context, std::slice::from_ref(&request.search), |evaluator, _| {
-            let linearization = linearization(&request.search.search, &request.options, evaluator)?;
-            Ok(Confidence::from_linearization(&linearization, &request.options.confidence)?)
-        })?;
-    let confidence = first(confidences)?;
+    let confidence = host.linearized::<_, LinearizationError>(context, &request.search, |evaluator| {
+        let linearization = linearize_at_start(&request.search.search, evaluator)?;
+        let linearization = match &request.parts {
+            Some(parts) => linearization.joined_from(parts)?,
+            None => linearization,
+        };
+        Ok(Confidence::from_linearization(&linearization, &request.options)?)
+    })?;
     let title = match &request.search.labels.title {
         Some(title) => format!("Correlation: {title}"),
         None => "Correlation".into(),
@@ -176,48 +168,27 @@ fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request)
     Ok(result::of_confidence(&confidence))
 }
 
-fn profiles(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
-    let Request { search, options, best } = request;
-    if !options.confidence.prior.is_empty() || !options.confidence.held.is_empty() {
-        return Err(refuse(
-            "`prior` and `held` are options of `confidence`: for profiles, add (x - expected) / deviation to the residuals",
-        ));
-    }
-    let refinement = host.profiles(context, search, options)?;
-    let mut map = result::of_profiles(&refinement.profiles, &search.search.names);
-    map.insert("best".into(), result::of_refinement(&refinement, best, &search.search).into());
-    Ok(map)
-}
-
 fn plotted(confidence: &Confidence, title: String) -> Correlation {
     let correlation = &confidence.correlation;
     let rows = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
     Correlation { title, names: confidence.names.clone(), rows }
 }
 
-fn first<T>(results: Vec<T>) -> HostResult<T> {
-    results.into_iter().next().ok_or_else(|| refuse("the search has no result"))
-}
-
-/// Registers `confidence` and `profiles`.
+/// Registers `confidence`.
 pub(super) fn register(engine: &mut Engine, host: &SearchHost) {
-    type Function = fn(&SearchHost, &NativeCallContext, &Request) -> HostResult<Map>;
-    let functions: [(&str, Function); 2] = [("confidence", confidence), ("profiles", profiles)];
-    for (name, function) in functions {
-        let own = host.clone();
-        let with = move |context: NativeCallContext, best: Dynamic, options: Map, call: FnPtr| {
-            function(&own, &context, &Request::new(&best, &options, call)?)
-        };
-        engine.register_fn(name, with);
-        let own = host.clone();
-        let without = move |context: NativeCallContext, best: Dynamic, call: FnPtr| {
-            function(&own, &context, &Request::new(&best, &Map::new(), call)?)
-        };
-        engine.register_fn(name, without);
-    }
+    let own = host.clone();
+    let with = move |context: NativeCallContext, best: Dynamic, options: Map, call: FnPtr| {
+        confidence(&own, &context, &Request::new(&best, &options, call)?)
+    };
+    engine.register_fn("confidence", with);
+    let own = host.clone();
+    let without = move |context: NativeCallContext, best: Dynamic, call: FnPtr| {
+        confidence(&own, &context, &Request::new(&best, &Map::new(), call)?)
+    };
+    engine.register_fn("confidence", without);
 }
 
-/// The reference of `confidence` and `profiles`.
+/// The reference of `confidence`.
 pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "confidence(best, options, |x| residuals)",
@@ -236,25 +207,11 @@ pub(super) const ENTRIES: &[Entry] = &[
                         && c.table[1].parameter == "slope" && c.table[1].value == best.x[1]"#,
     },
     Entry {
-        call: "profiles(best, options, |x| residuals)",
-        gives: "the objective along each parameter, all others fitted again: #{ table, intervals, lower, upper, \
-            warnings, findings, best }; `table` has parameter, value, f and all parameters, `intervals` the ends of \
-            95 %, () where the objective does not rise enough, and why in the columns lower_note and upper_note. Two \
-            or three trials for each value. A profile that finds a lower value than the estimate continues the search \
-            from there, three times at most, and the profiles are those about its result; `best` is what `minimize` \
-            gave, or the result of the continued search",
-        example: r#"let read = [3.0, 2.2, 1.5, 1.2, 0.8, 0.6, 0.4, 0.3];
-                    let decay = |x| read.map(|y, i| x[0] * exp(-x[1] * i) - y);
-                    let best = minimize("levenberg-marquardt", [2.0, 0.2], decay);
-                    let p = profiles(best, #{ relative: true }, decay);
-                    p.table.len() == 14 && p.lower[1] < best.x[1] && p.upper[1] > best.x[1] && p.best.x == best.x"#,
-    },
-    Entry {
-        call: "#{ noise: \"coloured\" | \"white\", relative: false, points: 3, parts: [n1, n2, …] }",
-        gives: "further options of `confidence` and `profiles`: whether neighbouring residuals may be correlated; \
-            intervals symmetric in the logarithm, for multipliers; points of a profile on each side; lengths of the \
-            lists that the residuals are joined from, such as several signals (their sum is the number of residuals; \
-            one list otherwise): each part then has noise of its own size and correlation",
+        call: "#{ noise: \"coloured\" | \"white\", relative: false, parts: [n1, n2, …] }",
+        gives: "further options of `confidence`: whether neighbouring residuals may be correlated; intervals symmetric in the \
+            logarithm, for multipliers; lengths of the lists that the residuals are joined from, such as several \
+            signals (their sum is the number of residuals; one list otherwise): each part then has noise of its own \
+            size and correlation",
         example: r#"let c = confidence([2.0], #{ noise: "white", relative: true }, |x| [x[0] - 1.9, x[0] - 2.1]);
                     let joined = |x| [x[0] - 1.9, x[0] - 2.1] + [x[1] - 1.0, x[1] - 5.0];
                     let d = confidence([2.0, 3.0], #{ noise: "white", parts: [2, 2] }, joined);
@@ -279,8 +236,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         gives: "standard deviations of what is known of parameters besides the residuals, in their units; () for those that \
             the residuals alone determine. With `prior` these are fitted together with the others, about their values in \
             `best`; with `held` the fit held them at these values, as an objective holds the dimensions of a tower: the \
-            result is about the others, and `shift_table` has what one standard deviation of each changes them by. Of \
-            `confidence` only",
+            result is about the others, and `shift_table` has what one standard deviation of each changes them by",
         example: r#"let sum = |x| { let all = []; for i in 0..100 { all.push(x[0] + x[1]); } all };
                     let o = #{ misfit: #{ error: 1.0 }, prior: [(), 0.3] };
                     let c = confidence([2.0, 0.0], o, sum);
@@ -297,77 +253,22 @@ mod tests {
     use super::*;
     use crate::script::Limits;
 
-    /// The model is linear: the ends of the profiles are those of the covariance, each with the noise of its own part.
+    /// t(7) √(Σ y²/7/8), of Student's tables 2.3646.
     #[test]
-    fn profiles_of_joined_signals_have_the_intervals_of_the_covariance() {
+    fn joined_signals_have_the_noise_of_each_part() {
         let script = r#"
             let quiet = [0.1, -0.2, 0.1, 0.2, -0.1, -0.1, 0.1, -0.1];
             let loud = [3.0, 4.0, -1.0, -4.0, -3.0, -1.0, 1.0, 1.0];
             let means = |x| quiet.map(|y| x[0] - y) + loud.map(|y| x[1] - y);
-            let ends = |options| {
-                let p = profiles([0.0, 0.0], options, means);
-                let c = confidence([0.0, 0.0], options, means);
-                [p.upper[0], p.upper[1], c.upper[0], c.upper[1]]
-            };
-            ends.call(#{ noise: "white", parts: [8, 8] }) + ends.call(#{ noise: "white" })
+            let apart = confidence([0.0, 0.0], #{ noise: "white", parts: [8, 8] }, means);
+            apart.upper + confidence([0.0, 0.0], #{ noise: "white" }, means).upper
         "#;
         let found = test_engine(Limits::STUDY).eval::<Array>(script).unwrap();
         let found: Vec<f64> = found.iter().map(|end| end.as_float().unwrap()).collect();
-        let [along, along_loud, apart, apart_loud, joined, ..] = found[..] else { panic!("{found:?}") };
-        assert!((along / apart - 1.0).abs() < 1e-6 && (along_loud / apart_loud - 1.0).abs() < 1e-6, "{found:?}");
-        // t(7) √(Σ y²/7/8), of Student's tables 2.3646.
-        for (end, squares) in [(along, 0.14_f64), (along_loud, 54.0)] {
-            assert!((end / (2.3646 * (squares / 56.0).sqrt()) - 1.0).abs() < 1e-4, "{end}");
+        for (end, squares) in found.iter().zip([0.14_f64, 54.0]) {
+            assert!((end / (2.3646 * (squares / 56.0).sqrt()) - 1.0).abs() < 1e-4, "{found:?}");
         }
-        assert!(joined > 5.0 * along, "{found:?}");
-    }
-
-    /// The minimum of this objective is at (7, 1.5). A search from (9.9, 0.5) ends in another valley, on the bound of
-    /// k1.
-    const TWO_VALLEYS: &str = r#"
-        let flat = []; for i in 0..40 { flat.push(if i % 2 == 0 { 1 } else { -1 } / (40.0).sqrt()); }
-        let valley = |p, q, depth| [p, q] + flat.map(|sample| depth * sample);
-        let square = |r| r.reduce(|sum, r| sum + r * r, 0.0);
-        let misfit = |k| {
-            let deep = valley.call(3 * (k[0] - 7), k[1] - 1.5, 0.05);
-            let shallow = valley.call(0.3 * (12 - k[0]), 0.5 * (k[1] - 0.5), 2.0);
-            if square.call(deep) < square.call(shallow) { deep } else { shallow }
-        };
-        let o = #{ names: ["k1", "ke"], lower: [0.2, 0.2], upper: [10, 10], difference: 0.01 };
-        let best = minimize("levenberg-marquardt", [9.9, 0.5], o, misfit);
-    "#;
-
-    /// A search that ends on a bound has not converged; a profile that finds less continues it, and all that the script
-    /// gets is about the better point.
-    #[test]
-    fn a_profile_that_finds_less_continues_the_search() {
-        let text = TWO_VALLEYS.to_owned()
-            + r#"
-            let along = profiles(best, o + #{ relative: true, noise: "white" }, misfit);
-            let better = along.best;
-            [best, better, along]
-        "#;
-        let found = test_engine(Limits::STUDY).eval::<Array>(&text).unwrap();
-        let [best, better, along] = [0, 1, 2].map(|index: usize| found[index].clone().cast::<Map>());
-        let codes = |map: &Map| -> Vec<String> {
-            let findings = map["findings"].clone().cast::<Array>();
-            findings.iter().map(|found| found.clone().cast::<Map>()["code"].to_string()).collect()
-        };
-        let reason = |map: &Map| map["reason"].to_string();
-        let converged = |map: &Map| map["converged"].as_bool().unwrap();
-        assert_eq!((converged(&best), reason(&best).as_str()), (false, "the best point lies on a bound"));
-        assert_eq!(codes(&best), ["on-bound"]);
-        assert_eq!(
-            best["warnings"].clone().cast::<Array>()[0].to_string(),
-            "not converged: k1 = 10 lies on its upper bound, and the objective still falls beyond it"
-        );
-        let [k1, ke] = [0, 1].map(|index: usize| better["x"].clone().cast::<Array>()[index].as_float().unwrap());
-        assert!((k1 - 7.0).abs() < 1e-3 && (ke - 1.5).abs() < 1e-3, "{k1} {ke}");
-        assert!(converged(&better), "{}", reason(&better));
-        assert!(codes(&better).iter().all(|code| code == "continued-from-profile"), "{:?}", codes(&better));
-        assert!(better["history"].clone().cast::<Array>().len() > best["history"].clone().cast::<Array>().len());
-        let lower = codes(&along).contains(&"lower-than-estimate".to_owned());
-        assert!(!lower, "{:?}", codes(&along));
+        assert!(found[2] > 5.0 * found[0], "{found:?}");
     }
 
     #[test]
@@ -375,7 +276,6 @@ mod tests {
         let engine = test_engine(Limits::STUDY);
         for (text, expected) in [
             ("confidence([1.0], |x| x[0])", "the objective gave a number, and a confidence needs residuals"),
-            ("profiles([1.0], |x| x[0])", "the objective gave a number, and a confidence needs residuals"),
             ("confidence(1.0, |x| [x[0], 1])", "an estimate is what `minimize` gave, or a list x, not f64"),
             ("confidence(#{ y: 1 }, |x| [x[0], 1])", "an estimate is what `minimize` gave, or a list x, not map"),
             ("confidence([], |x| [1])", "a search needs 1 to 50 unknowns, the start has 0"),
@@ -384,7 +284,6 @@ mod tests {
                 "confidence([1], |x| if x[0] == 1 { [1, 2] } else { [1] })",
                 "the objective gave 1 residuals at [1.001], and 2 at the estimate",
             ),
-            ("profiles([1, 1], |x| if (x[0] - 1).abs() > 0.01 { [1] } else { [x[0], x[1], 2] })", "residuals at ["),
             ("confidence([1], |x| throw \"no\")", "the objective has no value at the estimate [1.0]: no"),
             (
                 "confidence([1], |x| if x[0] == 1 { [1, 2] } else { throw \"no\" })",
@@ -403,12 +302,12 @@ mod tests {
                 "confidence([1], #{ noise: \"pink\" }, |x| [x[0], 1])",
                 "unknown noise `pink` (there are coloured, white)",
             ),
-            ("profiles([1], #{ points: 0 }, |x| [x[0], 1])", "`points` is 0, which must be 1 to 20"),
+            ("confidence([1], #{ points: 3 }, |x| [x[0], 1])", "unknown option `points` (it was removed: "),
             (
                 "confidence([1], #{ parts: [1, 2] }, |x| [x[0], 1])",
                 "`parts` [1, 2] are 3 residuals together, and the objective gave 2: expected the lengths of the lists",
             ),
-            ("profiles([1], #{ parts: [] }, |x| [x[0], 1])", "`parts` [] are 0 residuals together"),
+            ("confidence([1], #{ parts: [] }, |x| [x[0], 1])", "`parts` [] are 0 residuals together"),
             (
                 "confidence([1], #{ parts: [0, 2] }, |x| [x[0], 1])",
                 "`parts` is a list of lengths, such as [400, 400], not [0, 2]",
@@ -445,7 +344,6 @@ mod tests {
                 "confidence([1], #{ prior: [0] }, |x| [x[0], 1])",
                 "a standard deviation of `prior` is 0, which must be above",
             ),
-            ("profiles([1], #{ prior: [1] }, |x| [x[0], 1])", "`prior` and `held` are options of `confidence`"),
             ("confidence([1], #{ held: [1] }, |x| [x[0], 1])", "all parameters are `held`"),
             (
                 "confidence([1, 2], #{ prior: [(), 1], held: [(), 1] }, |x| [x[0], x[1], 1])",

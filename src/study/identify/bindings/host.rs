@@ -11,13 +11,11 @@ use rhai::{EvalAltResult, NativeCallContext};
 
 use super::objective::{ScriptError, ScriptObjective};
 use super::options::ScriptSearch;
-use crate::identify::confidence::profile::ProfileError;
-use crate::identify::confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
 use crate::identify::convergence::{Labels, convergence_history};
 use crate::identify::error::{SearchError, SearchFailure};
 use crate::identify::iteration::Iteration;
 use crate::identify::objective::{FatalError, Objective};
-use crate::identify::options::{Search, Starts};
+use crate::identify::options::Search;
 use crate::identify::pool::history::{History, Identity};
 use crate::identify::pool::trial_pool::{Evaluator, PoolError, Problem, TrialEvent, TrialPool};
 use crate::identify::progress::{Progress, ProgressEstimator};
@@ -71,8 +69,6 @@ pub enum SearchEvent<'a> {
     Ended(usize),
     /// An iteration of the search of this number has ended.
     Progress(usize, &'a Progress),
-    /// So many points of profiles have no value yet.
-    OpenPoints(usize),
     /// The history of a search reports this.
     Warning(&'a Warning),
     /// A search has ended.
@@ -133,55 +129,17 @@ impl SearchHost {
         }))
     }
 
-    /// Profiles about the start of `search`, or about the result of searches that they continue.
-    pub(super) fn profiles(
+    /// What `job` finds of the objective of `search`.
+    pub(super) fn linearized<T: Send, E: SearchFailure + From<PoolError> + Send>(
         &self,
         context: &NativeCallContext,
         search: &ScriptSearch,
-        options: &ProfileOptions,
-    ) -> HostResult<Refinement> {
-        let own_number = self.searches.load(Ordering::Relaxed);
-        let ScriptSearch { search: from, labels, .. } = search;
-        let found =
-            self.script_run::<_, ProfileError>(context, std::slice::from_ref(search), |evaluator, session| {
-                let continued = Search { starts: Starts::One, ..from.clone() };
-                let mut progress = ProgressEstimator::new(&continued, labels.title.clone());
-                let mut observer = |event: ProfileEvent<'_>| match event {
-                    ProfileEvent::OpenPoints(open) => (self.observer)(SearchEvent::OpenPoints(open)),
-                    ProfileEvent::Iteration(at) => {
-                        (self.observer)(SearchEvent::Progress(own_number, &progress.update(at)));
-                    }
-                };
-                let refinement = Refinement::run(from, options, evaluator, &mut observer)?;
-                let title = |number: usize| {
-                    let title = labels.title.as_deref().unwrap_or("search");
-                    if number == 0 {
-                        format!("{title}, continued")
-                    } else {
-                        format!("{title}, continued {}", number + 1)
-                    }
-                };
-                let history = |(number, result): (usize, &SearchResult)| {
-                    convergence_history(result, title(number), &from.names, labels, session.is_all_virtual(), evaluator)
-                };
-                let histories: Vec<ConvergenceHistory> = refinement.continued.iter().enumerate().map(history).collect();
-                Ok((refinement, histories))
-            })?;
-        let (refinement, histories) = found.into_iter().next().ok_or_else(|| refuse("the profiles have no result"))?;
-        histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
-        Ok(refinement)
-    }
-
-    /// Runs `job` for each of `searches`, which have objectives of the script.
-    pub(super) fn script_run<T: Send, E: SearchFailure + From<PoolError> + Send>(
-        &self,
-        context: &NativeCallContext,
-        searches: &[ScriptSearch],
-        job: impl Fn(&Evaluator<'_, '_>, &Session) -> Result<T, E> + Sync,
-    ) -> HostResult<Vec<T>> {
-        self.with_objectives(context, searches, |session, searches| {
-            self.run(session, searches, |evaluator, _| job(evaluator, session))
-        })
+        job: impl Fn(&Evaluator<'_, '_>) -> Result<T, E> + Sync,
+    ) -> HostResult<T> {
+        let mut found = self.with_objectives(context, std::slice::from_ref(search), |session, searches| {
+            self.run(session, searches, |evaluator, _| job(evaluator))
+        })?;
+        found.pop().ok_or_else(|| refuse("the search has no result"))
     }
 
     /// What `run` finds of `searches` with their objectives; an error of the script has its position.

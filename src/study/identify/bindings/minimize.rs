@@ -258,7 +258,7 @@ mod tests {
             let script = Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), text).expect("a script");
             script.run(&engine, Scope::new()).map_err(|fault| (fault.line, fault.column, fault.message))
         };
-        for call in ["minimize(\"nelder-mead\", [0.5]", "confidence([0.5]", "profiles([0.5]"] {
+        for call in ["minimize(\"nelder-mead\", [0.5]", "confidence([0.5]"] {
             let text =
                 format!("let far = #{{ k: 1 }};\n{call}, |x| {{\n  [with(#{{ k: x[0] }}), 1, 2]\n}});\n#{{ k: 2 }};");
             assert_eq!(fault(&text), Err((3, 12, "`k` must be at least 1".into())), "{text}");

@@ -1,4 +1,4 @@
-//! Searches in scripts: `minimize`, `minimize_all`, `confidence` and `profiles`.
+//! Searches in scripts: `minimize`, `minimize_all` and `confidence`.
 
 mod confidence;
 mod host;
@@ -13,7 +13,7 @@ use crate::script::Chapter;
 pub(crate) use host::{HostSearch, failure};
 pub use host::{SearchEvent, SearchHost, SearchStart};
 
-/// Registers `minimize`, `minimize_all`, `confidence` and `profiles`, whose searches `host` runs.
+/// Registers `minimize`, `minimize_all` and `confidence`, whose searches `host` runs.
 pub fn register(engine: &mut Engine, host: &SearchHost) {
     minimize::register(engine, host);
     confidence::register(engine, host);

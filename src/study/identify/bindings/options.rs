@@ -8,6 +8,7 @@ use crate::identify::convergence::{Labels, SignalLabel};
 use crate::identify::options::{Method, OnFailure, OptionsError, Search, Starts};
 use crate::script::{HostResult, number, refuse};
 use base::diagnostic::closest;
+use base::removed;
 
 /// Largest limit of iterations or evaluations.
 const MAX_COUNT: INT = 100_000;
@@ -87,7 +88,7 @@ impl ScriptSearch {
                 "names" => search.names = list()?.iter().map(Dynamic::to_string).collect(),
                 "title" => labels.title = Some(text()?.to_string()),
                 "signals" => signals = list()?.iter().map(Dynamic::to_string).collect(),
-                other => return Err(unknown("option", other, OPTIONS)),
+                other => return Err(unknown_option("minimize", other, OPTIONS)),
             }
         }
         if search.names.len() != unknowns {
@@ -126,6 +127,19 @@ pub(super) fn unknown<'k>(
         None => format!("there are {}", known.into_iter().collect::<Vec<_>>().join(", ")),
     };
     refuse(format!("unknown {what} `{text}` ({hint})"))
+}
+
+/// The error for an option that `function` does not have.
+pub(super) fn unknown_option<'k>(
+    function: &str,
+    option: &str,
+    known: impl IntoIterator<Item = &'k str> + Clone,
+) -> Box<EvalAltResult> {
+    let gone = |function: &str| removed::function(&format!("{function}.{option}"));
+    match gone(function).or_else(|| gone("minimize")) {
+        Some(hint) => refuse(format!("unknown option `{option}` ({hint})")),
+        None => unknown("option", option, known),
+    }
 }
 
 /// An integer of 1 to `max`.

@@ -7,9 +7,9 @@ use crate::identify::error::SearchFailure;
 use crate::identify::objective::{Evaluation, ObjectiveValue};
 use crate::identify::options::{OnFailure, Search};
 use crate::identify::pool::trial_pool::{Evaluator, PoolError};
-use lab::confidence::{Linearization, PartsError};
+use lab::confidence::{ConfidenceError, Linearization, PartsError};
 
-/// Why there is no linearization.
+/// Why there is no linearization, or no confidence from it.
 #[derive(Debug, Error)]
 pub enum LinearizationError {
     /// There are no more trials.
@@ -51,6 +51,9 @@ pub enum LinearizationError {
     /// The lengths of the parts do not add up.
     #[error(transparent)]
     Parts(#[from] PartsError),
+    /// There are no confidence intervals.
+    #[error(transparent)]
+    Confidence(#[from] ConfidenceError),
     /// The trials on both sides of a parameter failed.
     #[error("the trials beside {parameter} failed, there is no derivative: at {x:?}: {cause}")]
     NoDerivative {
@@ -215,14 +218,14 @@ fn beside(x: &[f64], index: usize, step: f64) -> Vec<f64> {
 }
 
 /// Why a trial has no residuals.
-pub(super) struct Failed {
-    pub(super) cause: String,
+struct Failed {
+    cause: String,
     /// Whether a simulation failed numerically.
-    pub(super) numerical: bool,
+    numerical: bool,
 }
 
 /// Residuals, or why the trial failed.
-pub(super) fn residuals(found: Evaluation) -> Result<Result<Vec<f64>, Failed>, LinearizationError> {
+fn residuals(found: Evaluation) -> Result<Result<Vec<f64>, Failed>, LinearizationError> {
     match found {
         Evaluation::Value(ObjectiveValue::Residuals(residuals)) => Ok(Ok(residuals)),
         Evaluation::Value(ObjectiveValue::Scalar(_)) => Err(LinearizationError::NotResiduals),
