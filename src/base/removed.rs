@@ -129,13 +129,22 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Finding, "deck-other-parts", "meshio converts meshes to .msh"),
     row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
     row(Kind::Function, "confidence.points", "it was an option of `profiles`, and `confidence` has none"),
+    row(Kind::Function, "failure_probability.importance", IMPORTANCE),
+    row(Kind::Function, "indices", "`surrogate` has the Sobol' indices from fewer runs, `sweep` the main effects"),
     row(Kind::Function, "profiles", PROFILES),
+    row(Kind::Function, "screening", "`sweep` has the main effects of every input, `surrogate` their Sobol' indices"),
     row(Kind::Finding, "continued-from-profile", PROFILES),
     row(Kind::Finding, "lower-than-estimate", PROFILES),
     row(Kind::Finding, "no-bound", PROFILES),
+    row(Kind::Finding, "no-design-point", IMPORTANCE),
+    row(Kind::Finding, "one-sided-sample", IMPORTANCE),
+    row(Kind::Finding, "open-indices", "it was of `indices`; `surrogate` says how well it predicts as `q2`"),
     row(Kind::Finding, "open-interval", PROFILES),
     row(Kind::Finding, "profile-failed", PROFILES),
 ];
+
+const IMPORTANCE: &str =
+    "`failure_probability` has the methods \"subset\" and \"monte-carlo\", not importance sampling";
 
 const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
 

@@ -2,7 +2,7 @@
 //! droptower.
 //!
 //! [`distribution`] says how an input varies, [`design`] which points of the unit cube a study evaluates, and
-//! [`correlation`] couples them. [`screening`] and [`indices`] tell which inputs matter.
+//! [`correlation`] couples them. [`effects`] and [`surrogate`] tell which inputs matter.
 //!
 //! Every design and every estimate is decided by its seed, with the same bits on every machine: random numbers are of
 //! ChaCha8, elementary functions of `libm`, and no matrix product depends on the processor. Compiled and tested alone:
@@ -15,9 +15,11 @@ pub mod distribution;
 pub mod design;
 pub mod correlation;
 pub mod statistics;
-pub mod screening;
-pub mod indices;
+pub mod effects;
 pub mod surrogate;
 pub mod reliability;
 pub mod staircase;
 pub mod ensemble;
+
+#[cfg(test)]
+mod functions;

@@ -1,12 +1,10 @@
 //! Estimates from samples of equal weight, and how well they are known.
 
-use serde::{Deserialize, Serialize};
-
 use crate::normal;
 use crate::random::Stream;
 
 /// Confidence interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.
     pub low: f64,
@@ -42,7 +40,7 @@ pub(crate) fn normal_factor(confidence: f64) -> f64 {
 }
 
 /// An estimate and its interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The estimate.
     pub value: f64,

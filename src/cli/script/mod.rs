@@ -194,7 +194,7 @@ fn tell(line: &str, quiet: bool) {
 }
 
 /// Words of scripts that compute runs, which have a page from their beginning; others from their first run on.
-const RUNNING: [&str; 6] = ["simulate", "minimize", "sweep", "screening", "threshold", "calibrate"];
+const RUNNING: [&str; 5] = ["simulate", "minimize", "sweep", "threshold", "calibrate"];
 
 pub(super) fn unkept(error: &EvaluationError) -> Failure {
     Failure::output(Diagnostic::new(error.to_string()))

@@ -1,6 +1,6 @@
 //! Statistics of the table of a sweep: quantiles, probability of rupture, main effects.
 
-use uncertainty::indices::main_effects;
+use uncertainty::effects::main_effects;
 use uncertainty::statistics::{Bootstrap, Estimate, Interval, deviation, mean, quantiles, wilson};
 
 use serde::Serialize;

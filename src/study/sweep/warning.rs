@@ -1,4 +1,4 @@
-//! Warnings about what varies: values of a distribution with which the scenario cannot be run; indices and probabilities that
+//! Warnings about what varies: values of a distribution with which the scenario cannot be run; probabilities that
 //! the runs leave open; specimens that tell no distribution of the strength.
 
 use uncertainty::distribution::Distribution;
@@ -28,20 +28,6 @@ findings! {
             remedy "truncate the distribution to values that can be, as in `truncate = { low = 0 }`, or choose one \
                 that has no others, such as `lognormal` or `weibull` for what is above zero";
             message "{}", beyond.message(key);
-        OpenIndices {
-            figure: String, "figure of the runs" => "figure";
-            key: String, "path of the key whose index is known least" => "key";
-            width: Option<f64>, "from the lower to the upper end of its 95 % interval; none where it has no interval"
-                => ..width.map(|width| ("width", width));
-            blocks: usize, "blocks of runs" => "blocks";
-        } = "open-indices", Warning;
-            meaning "an interval of Sobol' indices is wider than 0.2, or an index has none: so few blocks of runs do not \
-                tell how much of the variance the key causes";
-            remedy "more blocks (the width falls with their square root), or `surrogate`, which needs fewer runs where the \
-                figure is smooth";
-            message "{figure}: the index of `{key}` {} after {blocks} blocks of runs",
-                width.map_or_else(|| "has no interval".to_owned(),
-                    |width| format!("is known to within {}", number::significant(width, 2)));
         NoStrengthFit {
             reason: ProbitError, "why there is none";
         } = "no-strength-fit", Note;
@@ -50,28 +36,6 @@ findings! {
             remedy "test further specimens, with steps between half and once the deviation of the strength, so that some hold at \
                 a level above one at which others fail";
             message "no distribution of the strength: {reason}";
-        NoDesignPoint {
-            figure: String, "figure of the runs" => "figure";
-            distance: f64, "distance of the place from the medians, standard deviations" => "distance";
-        } = "no-design-point", Warning;
-            meaning "the search for the design point of importance sampling did not converge: the runs are sampled where it \
-                stood, where failure and survival need not meet, and may miss most of either";
-            remedy "the method \"subset\" or \"monte-carlo\", which need no design point; a limit that the figure can reach";
-            message "{figure}: the search for the design point ended {} standard deviations from the medians without a point at \
-                the limit", number::significant(*distance, 2);
-        OneSided {
-            figure: String, "figure of the runs" => "figure";
-            fails: bool, "whether all samples fail";
-            samples: usize, "samples with an output" => "samples";
-            low: f64, "lower end of the 95 % interval" => "low";
-            high: f64, "upper end of the 95 % interval" => "high";
-        } = "one-sided-sample", Warning;
-            meaning "no sample about the design point fails, or none survives where failure is the rule: of the probability \
-                only a bound is known";
-            remedy "the method \"subset\" or \"monte-carlo\"; a limit that the figure can reach; more samples";
-            message "{figure}: of {samples} samples about the design point {}: the probability lies between {} and {}",
-                if *fails { "all fail" } else { "none fails" },
-                number::figure(*low, 2), number::figure(*high, 2);
         NotReached {
             figure: String, "figure of the runs" => "figure";
             levels: usize, "levels that were simulated" => "levels";

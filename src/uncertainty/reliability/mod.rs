@@ -4,21 +4,14 @@
 //! record them; all points of a batch are known before any of its outputs. Inputs of other distributions are reached by
 //! quantile(Φ(u)) (iso-probabilistic transformation; Rosenblatt 1952, Nataf 1962).
 
-mod form;
-mod importance;
-mod monte_carlo;
 mod subset;
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-pub use form::{DesignPoint, FormOptions, design_point};
-pub use importance::{importance_sampling, importance_sampling_at};
-pub use monte_carlo::monte_carlo;
 pub use subset::{SubsetOptions, SubsetResult, subset_simulation};
 
 use crate::random::Stream;
-use crate::statistics::{self, Interval};
+use crate::statistics::{self, Interval, wilson};
 
 /// Limit state: one output for every point of a batch in standard normal space, none for a run that failed to give one;
 /// a value that is no number counts as missing. Below zero is failure; zero itself is not, so that a figure equal to its limit is
@@ -48,20 +41,6 @@ pub enum ReliabilityError {
         /// Evaluations so far.
         evaluations: usize,
     },
-    /// The search for the design point needs an output that is missing.
-    #[error(
-        "the output is missing at a point that the search for the design point needs, after {evaluations} evaluations"
-    )]
-    Missing {
-        /// Evaluations so far.
-        evaluations: usize,
-    },
-    /// The limit state is the same all around a point.
-    #[error("the limit state has no gradient: no input changes it, after {evaluations} evaluations")]
-    Flat {
-        /// Evaluations so far.
-        evaluations: usize,
-    },
     /// A level of subset simulation cannot be divided into its chains.
     #[error("the samples of a level must be a positive multiple of {chain}, found {samples}")]
     Level {
@@ -81,14 +60,14 @@ pub enum ReliabilityError {
 }
 
 /// Probability of failure, how well it is known, and what it cost.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Probability {
     /// The estimate.
     pub value: f64,
-    /// Coefficient of variation of the estimate; none where no sample failed, or of a complement where none survived.
+    /// Coefficient of variation of the estimate; none where no sample failed.
     pub variation: Option<f64>,
-    /// Confidence interval; none where the method gives none.
-    pub interval: Option<Interval>,
+    /// Confidence interval.
+    pub interval: Interval,
     /// Points that were evaluated.
     pub evaluations: usize,
     /// Of these, points whose output is missing.
@@ -136,37 +115,53 @@ impl<'a, 'b> Counted<'a, 'b> {
         self.missing += outputs.iter().filter(|g| g.is_none()).count();
         Ok(outputs)
     }
-
-    /// Points and outputs of a sample in batches, as `each` takes them.
-    fn sample(
-        &mut self,
-        options: &SamplingOptions,
-        mut point: impl FnMut() -> Vec<f64>,
-        mut each: impl FnMut(&[f64], f64),
-    ) -> Result<(), ReliabilityError> {
-        if options.samples == 0 {
-            return Err(ReliabilityError::NoSamples);
-        }
-        let mut left = options.samples;
-        while left > 0 {
-            let batch: Vec<Vec<f64>> = (0..left.min(options.batch.max(1))).map(|_| point()).collect();
-            let outputs = self.evaluate(&batch)?;
-            left -= batch.len();
-            batch.iter().zip(outputs).filter_map(|(u, g)| Some((u, g?))).for_each(|(u, g)| each(u, g));
-        }
-        if self.missing == self.evaluations {
-            return Err(ReliabilityError::AllMissing { evaluations: self.evaluations });
-        }
-        Ok(())
-    }
 }
 
 fn normal_point(stream: &mut Stream, inputs: usize) -> Vec<f64> {
     (0..inputs).map(|_| stream.normal()).collect()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// Share of independent points that fail, with the interval by Wilson (1927), which also bounds the probability where
+/// none failed (crude Monte Carlo).
+///
+/// Points whose output is missing are left out and counted: where failure itself makes a run give no output, the
+/// estimate is low. A larger sample begins with the points of a smaller.
+///
+/// # Errors
+/// See [`ReliabilityError`].
+pub fn monte_carlo(
+    inputs: usize,
+    options: &SamplingOptions,
+    limit_state: &mut LimitState,
+) -> Result<Probability, ReliabilityError> {
+    if inputs == 0 {
+        return Err(ReliabilityError::NoInputs);
+    }
+    if options.samples == 0 {
+        return Err(ReliabilityError::NoSamples);
+    }
+    let mut stream = Stream::new(options.seed);
+    let mut counted = Counted::new(limit_state);
+    let mut failures = 0;
+    while counted.evaluations < options.samples {
+        let batch = (options.samples - counted.evaluations).min(options.batch.max(1));
+        let points: Vec<Vec<f64>> = (0..batch).map(|_| normal_point(&mut stream, inputs)).collect();
+        failures += counted.evaluate(&points)?.into_iter().flatten().filter(|g| *g < 0.0).count() as u64;
+    }
+    let Counted { evaluations, missing, .. } = counted;
+    if missing == evaluations {
+        return Err(ReliabilityError::AllMissing { evaluations });
+    }
+    let valid = (evaluations - missing) as u64;
+    let value = failures as f64 / valid as f64;
+    Ok(Probability {
+        value,
+        // √((1 − p)/(p n)) with p n = failures.
+        variation: (failures > 0).then(|| ((1.0 - value) / failures as f64).sqrt()),
+        interval: wilson(failures, valid, options.confidence),
+        evaluations,
+        missing,
+    })
 }
 
 /// Interval of an estimate whose logarithm is taken for normal: of a small probability neither end is negative.

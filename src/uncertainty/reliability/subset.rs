@@ -1,7 +1,5 @@
 //! Subset simulation: rare failure as a sequence of events that are not rare.
 
-use serde::{Deserialize, Serialize};
-
 use super::{Counted, LimitState, Probability, ReliabilityError, log_normal, normal_point};
 use crate::random::Stream;
 use crate::statistics::{Interval, wilson};
@@ -31,7 +29,7 @@ impl Default for SubsetOptions {
 }
 
 /// Probability of failure by subset simulation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SubsetResult {
     /// The probability. Its coefficient of variation is Au and Beck's upper bound (2001): levels that share the chains they grew
     /// from err together, and independence would have 75 to 90 % of 95 % intervals cover.
@@ -112,7 +110,7 @@ pub fn subset_simulation(
         value: if reached { value } else { 0.0 },
         variation: reached.then_some(variation),
         // All failure lies within the last level, whose probability bounds that of failure.
-        interval: Some(if reached { interval } else { Interval { low: 0.0, ..interval } }),
+        interval: if reached { interval } else { Interval { low: 0.0, ..interval } },
         evaluations: counted.evaluations,
         missing: counted.missing,
     };

@@ -1,6 +1,5 @@
 //! Reduction of a staircase by the formulas of Dixon and Mood.
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::likelihood::information;
@@ -19,7 +18,7 @@ pub enum ReductionError {
 }
 
 /// Result of a staircase.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Reduction {
     /// Level at which half of the specimens fail, in the unit of the level: the impact failure mass of a dart test.
     pub mean: f64,

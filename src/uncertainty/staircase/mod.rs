@@ -5,15 +5,13 @@ mod dixon_mood;
 mod likelihood;
 mod probit;
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use dixon_mood::{Reduction, ReductionError};
 pub use probit::{ProbitError, ProbitFit, probit};
 
 /// Outcome of the test of a specimen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
     /// It failed.
     Failed,
@@ -22,7 +20,7 @@ pub enum Outcome {
 }
 
 /// Specimens that were tested at one level.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Counts {
     /// Level, in its unit.
     pub level: f64,

@@ -1,6 +1,5 @@
 //! Maximum-likelihood fit of a normal strength to failures by level.
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Counts;
@@ -45,7 +44,7 @@ pub enum ProbitError {
 }
 
 /// Normal distribution of the strength: P(failure at x) = Φ((x − mean)/deviation).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ProbitFit {
     /// Level at which half fail, and its profile-likelihood interval, of which an end is infinite where the outcomes do
     /// not exclude that failures are as frequent at every level.

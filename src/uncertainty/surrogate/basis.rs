@@ -1,12 +1,9 @@
 //! Orthonormal polynomials of one and of several independent inputs.
 
-use serde::{Deserialize, Serialize};
-
 use crate::normal;
 
 /// Polynomials of one input, orthonormal under the distribution of their argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// Legendre, of the cumulative probability: for any distribution, best for bounded ones.
     Legendre,

@@ -10,7 +10,6 @@ mod output;
 mod pursuit;
 mod validation;
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::random::Stream;
@@ -111,7 +110,7 @@ const MOST_CANDIDATES: usize = 4000;
 /// Degrees without an improvement after which no higher one is tried.
 const DEGREES_TRIED: usize = 3;
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 struct Term {
     /// Inputs that take part and their degrees.
     degrees: Degrees,
@@ -119,7 +118,7 @@ struct Term {
 }
 
 /// Polynomial chaos of an output, at points of the open unit cube: cumulative probabilities of the inputs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surrogate {
     families: Vec<Family>,
     terms: Vec<Term>,

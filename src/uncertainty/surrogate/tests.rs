@@ -1,7 +1,7 @@
 use super::*;
 use crate::design::{Levels, Method, points};
 use crate::distribution::Distribution;
-use crate::indices::functions::{g, g_indices, ishigami, ishigami_indices};
+use crate::functions::{g, g_indices, ishigami, ishigami_indices};
 
 fn sample(inputs: usize, samples: usize, f: impl Fn(&[f64]) -> f64) -> (Vec<Vec<f64>>, Vec<Option<f64>>) {
     let points = points(Method::Sobol, &vec![Levels::Continuous; inputs], samples, 7).unwrap();
@@ -106,14 +106,6 @@ fn missing_outputs_are_left_out() {
     outputs.iter_mut().step_by(10).for_each(|output| *output = None);
     let model = Surrogate::fit(&[Family::Legendre; 3], &points, &outputs, &Options::default()).unwrap();
     assert!(worst(&model.first().unwrap(), &ishigami_indices().0) < 1e-3);
-}
-
-#[test]
-fn a_model_is_read_back_as_it_was_written() {
-    let (points, outputs) = sample(3, 60, |u| u[0] + u[1] * u[2]);
-    let model = Surrogate::fit(&[Family::Legendre; 3], &points, &outputs, &Options::default()).unwrap();
-    let read: Surrogate = serde_json::from_str(&serde_json::to_string(&model).unwrap()).unwrap();
-    assert_eq!(read.predict(&[0.1, 0.2, 0.3]), model.predict(&[0.1, 0.2, 0.3]));
 }
 
 #[test]

@@ -1,14 +1,12 @@
-//! Parts in common of the functions for scripts: the sweep of a study, and figures of its runs.
+//! Parts in common of the functions for scripts: the sweep of a study.
 
-use rhai::Dynamic;
 use serde_json::Value;
 
 use crate::evaluate::Evaluations;
 use crate::scenario_functions::Study;
-use crate::script::{HostResult, Options, Session, check_stop, from_json, refuse, to_json};
+use crate::script::{HostResult, Options, Session, check_stop, refuse, to_json};
 use crate::sweep::work::{Done, Stop, Work};
 use crate::sweep::{Sweep, SweepError, SweepResults};
-use scene::model;
 use scene::scenario::{Assignment, Document};
 
 /// The surroundings of a script's sweeps: kept evaluations and the session.
@@ -71,46 +69,4 @@ pub(super) fn whole(options: &Options<'_>, name: &str, default: usize) -> HostRe
     let Some(value) = options.map.get(name) else { return Ok(default) };
     let number = value.as_int().ok().and_then(|number| usize::try_from(number).ok()).filter(|number| *number > 0);
     number.ok_or_else(|| refuse(format!("expected a whole number above zero as {name}, found {value}")))
-}
-
-/// Points of the unit cube.
-pub(super) type Points = Vec<Vec<f64>>;
-
-/// The sweep of a study at points of the unit cube, whose number of coordinates is that of the keys that vary.
-pub(super) fn sweep_at(
-    study: &Study,
-    options: &Options<'_>,
-    places: &dyn Fn(usize) -> Result<Points, String>,
-) -> HostResult<(Sweep, Points)> {
-    let document = varied(study, options)?;
-    let variation = model::variation(&document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
-    let factors = variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors.len();
-    let points = places(factors).map_err(refuse)?;
-    Ok((Sweep::prepare_at(&document, &points).map_err(refused)?, points))
-}
-
-/// The keys that vary in a sweep, by their paths.
-pub(super) fn keys(sweep: &Sweep) -> impl Iterator<Item = String> + '_ {
-    sweep.variation().factors.iter().map(|factor| factor.path.clone())
-}
-
-/// The reduced figures of a sweep, by figure: of those in the option `figures`, or of all that vary.
-pub(super) fn reduced(
-    sweep: &Sweep,
-    options: &Options<'_>,
-    host: &Host<'_>,
-    of: impl Fn(&str, &[Option<f64>]) -> Result<Value, String>,
-) -> HostResult<Dynamic> {
-    let results = host.results(sweep)?;
-    let asked = options.map.get("figures").cloned().map(Dynamic::into_typed_array::<String>).transpose();
-    let asked = asked.map_err(|found| refuse(format!("expected a list of names as figures, found {found}")))?;
-    let varying = || results.effects.iter().map(|effects| effects.figure.clone()).collect();
-    let mut found = serde_json::Map::new();
-    for name in asked.unwrap_or_else(varying) {
-        let column = results.table.column(&name);
-        let column = column.ok_or_else(|| refuse(format!("the runs have no figure `{name}`")))?;
-        let value = of(&name, &column.values.numbers()).map_err(|error| refuse(format!("{name}: {error}")))?;
-        found.insert(name, value);
-    }
-    Ok(from_json(&Value::Object(found)))
 }

@@ -2,7 +2,7 @@
 
 mod common;
 mod reliability;
-mod sensitivity;
+mod surrogate;
 mod sweeping;
 
 use std::sync::Arc;
@@ -18,11 +18,9 @@ use common::Host;
 type Function = fn(&Study, &Options<'_>, &Host<'_>) -> HostResult<Dynamic>;
 
 /// Their names in scripts.
-const FUNCTIONS: [(&str, Function); 6] = [
+const FUNCTIONS: [(&str, Function); 4] = [
     ("sweep", sweeping::sweep),
-    ("screening", sensitivity::screening),
-    ("indices", sensitivity::indices),
-    ("surrogate", sensitivity::surrogate),
+    ("surrogate", surrogate::surrogate),
     ("failure_probability", reliability::failure_probability),
     ("staircase", reliability::staircase),
 ];
@@ -44,6 +42,6 @@ pub fn register(engine: &mut Engine, evaluations: &Arc<Evaluations>) {
 /// The reference of sweeps in scripts.
 pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "many runs (droptower script)", entries: sweeping::ENTRIES },
-    Chapter { title: "sensitivity (droptower script)", entries: sensitivity::ENTRIES },
+    Chapter { title: "sensitivity (droptower script)", entries: surrogate::ENTRIES },
     Chapter { title: "reliability (droptower script)", entries: reliability::ENTRIES },
 ];

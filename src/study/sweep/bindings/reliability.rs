@@ -5,17 +5,16 @@ use serde_json::{Value, json};
 use uncertainty::normal;
 use uncertainty::random::Stream;
 use uncertainty::reliability::{
-    FormOptions, Probability, ReliabilityError, SamplingOptions, SubsetOptions, design_point, importance_sampling_at,
-    monte_carlo, subset_simulation,
+    Probability, ReliabilityError, SamplingOptions, SubsetOptions, monte_carlo, subset_simulation,
 };
 use uncertainty::staircase::{Counts, Outcome, ProbitError, ProbitFit, Staircase, probit};
-use uncertainty::statistics::Interval;
 
 use super::common::{Host, assignment, refused, varied, whole};
 use crate::scenario_functions::Study;
 use crate::script::{Entry, HostResult, Options, Session, from_json, number, refuse, refuse_key};
 use crate::sweep::{Sweep, SweepError, Warning};
 use base::finding::Finding;
+use base::removed;
 use scene::model;
 use scene::scenario::Document;
 
@@ -69,45 +68,33 @@ pub(super) fn failure_probability(study: &Study, options: &Options<'_>, host: &H
     };
     let method = options.map.get("method").map_or_else(|| "subset".to_owned(), Dynamic::to_string);
     let sampling = SamplingOptions { samples, seed, confidence: CONFIDENCE, ..SamplingOptions::default() };
-    let mut warnings = vec![];
+    let mut warning = None;
     let found = match method.as_str() {
         "subset" => {
             let options = SubsetOptions { samples, seed, confidence: CONFIDENCE, ..SubsetOptions::default() };
             subset_simulation(inputs, &options, &mut limit_state).map(|found| {
                 if !found.reached {
-                    let below = found.probability.interval.map_or(1.0, |interval| interval.high);
+                    let below = found.probability.interval.high;
                     let (figure, levels) = (limit.figure.clone(), found.thresholds.len());
-                    warnings.push(Warning::NotReached { figure, levels, below });
+                    warning = Some(Warning::NotReached { figure, levels, below });
                 }
-                with(&found.probability, "thresholds", json!(found.thresholds))
+                let mut map = figures(&found.probability);
+                map["thresholds"] = json!(found.thresholds);
+                map
             })
         }
-        "monte-carlo" => monte_carlo(inputs, &sampling, &mut limit_state).map(|found| with(&found, "", Value::Null)),
-        "importance" => design_point(inputs, &FormOptions::default(), &mut limit_state).and_then(|at| {
-            let mut found = importance_sampling_at(&at, &sampling, &mut limit_state)?;
-            if !at.converged {
-                let distance = at.point.iter().map(|u| u * u).sum::<f64>().sqrt();
-                warnings.push(Warning::NoDesignPoint { figure: limit.figure.clone(), distance });
-            }
-            if let (None, Some(interval)) = (found.variation, found.interval) {
-                let (figure, samples) = (limit.figure.clone(), samples - found.missing);
-                let Interval { low, high } = interval;
-                warnings.push(Warning::OneSided { figure, fails: at.origin_fails, samples, low, high });
-            }
-            // A run is a run: those of the search for the design point, too.
-            found.evaluations += at.evaluations;
-            found.missing += at.missing;
-            let point = json!({ "index": at.index, "probability": at.probability, "direction": at.direction, "converged": at.converged });
-            Ok(with(&found, "design_point", point))
-        }),
-        other => return Err(refuse(format!("method is \"subset\", \"monte-carlo\" or \"importance\", not \"{other}\""))),
+        "monte-carlo" => monte_carlo(inputs, &sampling, &mut limit_state).map(|found| figures(&found)),
+        other => {
+            let message = format!("method is \"subset\" or \"monte-carlo\", not \"{other}\"");
+            return Err(refuse_key("method", &message, removed::function(&format!("failure_probability.{other}"))));
+        }
     };
     if let Some(error) = failed {
         return Err(error);
     }
-    host.session.report(warnings.iter().map(Finding::new));
+    host.session.report(warning.iter().map(Finding::new));
     found.map(|found| from_json(&found)).map_err(|error| match error {
-        ReliabilityError::NoProgress { .. } | ReliabilityError::Flat { .. } => {
+        ReliabilityError::NoProgress { .. } => {
             let hint = "a figure with few values, such as `ruptured`, takes method: \"monte-carlo\"";
             refuse_key("figure", &error.to_string(), Some(hint.into()))
         }
@@ -115,17 +102,13 @@ pub(super) fn failure_probability(study: &Study, options: &Options<'_>, host: &H
     })
 }
 
-/// A probability with one more entry.
-fn with(probability: &Probability, name: &str, more: Value) -> Value {
-    let Probability { value, variation, interval, evaluations, missing } = probability;
-    let interval = interval.map(|interval| [interval.low, interval.high]);
-    let mut found = json!({
-        "probability": value, "variation": variation, "interval": interval, "runs": evaluations, "missing": missing,
-    });
-    if !name.is_empty() {
-        found[name] = more;
-    }
-    found
+/// The figures of a probability.
+fn figures(found: &Probability) -> Value {
+    let Probability { value, variation, interval, evaluations, missing } = found;
+    json!({
+        "probability": value, "variation": variation, "interval": [interval.low, interval.high], "runs": evaluations,
+        "missing": missing,
+    })
 }
 
 /// The limit state at points of the standard normal space.
@@ -247,8 +230,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         gives: "the probability that a figure is above a limit (or `below`), a figure equal to it being neither: `probability`, its \
                 `interval` (95 %; of subset simulation a bound that covers at least 95 %) and coefficient of `variation` (of subset \
                 simulation at most), `runs`, `missing`. Methods: \"subset\" simulation (so many samples a level, 500 where none are \
-                given), \"monte-carlo\", \"importance\" sampling about the design point, whose search is among the `runs`. Where no \
-                run fails, the probability is 0 and the end of its interval a bound",
+                given), \"monte-carlo\". Where no run fails, the probability is 0 and the end of its interval a bound",
         example: "failure_probability(scenario(args.scenario).with(#{ \"loading.impact.duration\": \"1 ms\", \"specimen.mesh.size\": \"80 mm\", post: (), reference: () }), \
                   #{ figure: \"peak_displacement_m\", above: -4.1e-3, method: \"monte-carlo\", samples: 16, \
                   vary: #{ \"loading.impact.velocity\": #{ uniform: [4.0, 4.2] } } }).probability > 0.2",

@@ -1,4 +1,4 @@
-//! First-order indices from any sample.
+//! Main effects: which share of the variance of an output an input has alone, from any sample.
 
 use thiserror::Error;
 
@@ -96,7 +96,7 @@ fn correlation_ratio(indices: &[usize], bin: &[usize], outputs: &[f64], bins: us
 mod tests {
     use super::*;
     use crate::design::{Levels, Method, points};
-    use crate::indices::functions::{ishigami, ishigami_indices};
+    use crate::functions::{ishigami, ishigami_indices};
 
     #[test]
     fn a_given_sample_has_the_first_order_indices() {
