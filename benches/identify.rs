@@ -36,7 +36,7 @@ const HEAD: &str =
 const SCRIPT: &str = r#"
 let options = #{
     tol_x: 1e-4, tol_f: 1e-4, max_iterations: 400, max_evaluations: 800, difference: 0.01,
-    lower: [0.2, 0.2, 0.2], upper: [10, 10, 5], fallback: [[1.0, 1, 1]],
+    lower: [0.2, 0.2, 0.2], upper: [10, 10, 5],
 };
 let scaled = |test, k| test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: k[2] } });
 let objective = |place| {

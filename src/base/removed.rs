@@ -131,6 +131,9 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Function, "confidence.points", "it was an option of `profiles`, and `confidence` has none"),
     row(Kind::Function, "failure_probability.importance", IMPORTANCE),
     row(Kind::Function, "indices", "`surrogate` has the Sobol' indices from fewer runs, `sweep` the main effects"),
+    row(Kind::Function, "minimize.fallback", "choose a start that has a value, or give several as `starts`"),
+    row(Kind::Function, "minimize.on_failure", "a trial without a value counts as worse than all others"),
+    row(Kind::Function, "minimize.spread", "\"cma-es\" begins with a quarter of the range; narrow the bounds instead"),
     row(Kind::Function, "profiles", PROFILES),
     row(Kind::Function, "screening", "`sweep` has the main effects of every input, `surrogate` their Sobol' indices"),
     row(Kind::Finding, "continued-from-profile", PROFILES),
@@ -141,6 +144,7 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Finding, "open-indices", "it was of `indices`; `surrogate` says how well it predicts as `q2`"),
     row(Kind::Finding, "open-interval", PROFILES),
     row(Kind::Finding, "profile-failed", PROFILES),
+    row(Kind::Finding, "start-replaced", "a start without a value ends the search; choose another one"),
 ];
 
 const IMPORTANCE: &str =

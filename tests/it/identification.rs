@@ -223,7 +223,7 @@ fn engine_with(bench: &Bench, changes: &[&str], host: SearchHost) -> Engine {
 
 fn script(body: &str) -> String {
     format!(
-        "let test = scenario({:?});\nlet once = #{{ max_evaluations: 1, on_failure: \"worst\" }};\n{body}",
+        "let test = scenario({:?});\nlet once = #{{ max_evaluations: 1 }};\n{body}",
         shipped("scenarios/drop/1008.toml")
     )
 }
@@ -405,11 +405,6 @@ fn a_numerical_failure_is_no_error_of_the_script() {
     for (body, status) in [
         ("test.simulate()", 3),
         ("minimize(\"nelder-mead\", [1.0], |x| test.simulate().time.end())", 3),
-        (
-            "minimize(\"nelder-mead\", [1.0], #{ on_failure: \"stop\" }, |x| \
-             if x[0] == 1 { 1 } else { test.simulate().time.end() })",
-            3,
-        ),
         (
             "minimize(\"nelder-mead\", [1.0], #{ max_evaluations: 4 }, |x| if x[0] == 1 { 1 } else { test.simulate().time.end() })",
             0,

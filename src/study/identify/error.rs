@@ -22,27 +22,11 @@ pub enum SearchError {
         /// Whether a simulation failed numerically.
         numerical: bool,
     },
-    /// The objective has no value at a start nor at any fallback.
-    #[error("{start}; nor at any of {tried} fallback starts, the last of them {last:?}: {cause}")]
-    Fallback {
-        /// The error of the start.
-        start: Box<SearchError>,
-        /// Number of fallbacks.
-        tried: usize,
-        /// The last of them.
-        last: Vec<f64>,
-        /// Why its trial failed.
-        cause: String,
-    },
-    /// A trial failed, and the search stops at failures or cannot go on without it.
-    #[error("a trial failed at {x:?}: {cause}")]
-    Failed {
-        /// The point.
+    /// There is no derivative.
+    #[error("a trial failed at {x:?}: the trials on both sides failed, there is no derivative")]
+    NoDerivative {
+        /// The point of the second of them.
         x: Vec<f64>,
-        /// Why.
-        cause: String,
-        /// Whether a simulation failed numerically.
-        numerical: bool,
     },
     /// The method needs residuals.
     #[error(
@@ -85,16 +69,14 @@ pub(crate) trait SearchFailure: Error + 'static {
 impl SearchFailure for SearchError {
     fn is_numerical(&self) -> bool {
         match self {
-            SearchError::Start { numerical, .. } | SearchError::Failed { numerical, .. } => *numerical,
-            SearchError::Fallback { start, .. } => start.is_numerical(),
+            SearchError::Start { numerical, .. } => *numerical,
             _ => false,
         }
     }
 
     fn cause_of_trial(&self) -> Option<&str> {
         match self {
-            SearchError::Start { cause, .. } | SearchError::Failed { cause, .. } => Some(cause),
-            SearchError::Fallback { start, .. } => start.cause_of_trial(),
+            SearchError::Start { cause, .. } => Some(cause),
             _ => None,
         }
     }

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::identify::error::SearchFailure;
 use crate::identify::objective::{Evaluation, ObjectiveValue};
-use crate::identify::options::{OnFailure, Search};
+use crate::identify::options::Search;
 use crate::identify::pool::trial_pool::{Evaluator, PoolError};
 use lab::confidence::{ConfidenceError, Linearization, PartsError};
 
@@ -166,7 +166,6 @@ fn set_column(
         }
     }
     let slope = match (&slopes[..], failure) {
-        (_, Some(failure)) if search.on_failure == OnFailure::Stop => return Err(failure),
         ([(up, above), (down, below)], _) => {
             // The first order cancels: curvature over the step is left, or scatter.
             linearization.roughness = linearization.roughness.max((above + below).norm());

@@ -42,7 +42,7 @@ pub(crate) use error::SearchFailure;
 pub use iteration::{Iteration, Step, StopReason};
 pub use linearization::{LinearizationError, linearize_at_start, weigh_at_start};
 pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
-pub use options::{Method, OnFailure, OptionsError, Search, Starts};
+pub use options::{Method, OptionsError, Search, Starts};
 pub use point::Point;
 pub use pool::history::{History, HistoryError, Identity};
 pub use pool::trial_pool::{Evaluator, PoolError, Problem, TrialEvent, TrialPool, with_evaluator};

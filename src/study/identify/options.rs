@@ -25,18 +25,6 @@ impl Method {
     ];
 }
 
-/// The treatment of a trial without a value.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum OnFailure {
-    /// As worse than all others.
-    #[default]
-    Worst,
-    /// As the trial at x (1 + 10⁻⁶); as worst where that fails too.
-    Retry,
-    /// As an error of the search.
-    Stop,
-}
-
 /// Starts beside [`Search::start`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Starts {
@@ -76,14 +64,8 @@ pub struct Search {
     pub seed: u64,
     /// Further starts.
     pub starts: Starts,
-    /// Replacements of a start without a value: the first that has one.
-    pub fallback: Vec<Vec<f64>>,
-    /// The treatment of a trial without a value.
-    pub on_failure: OnFailure,
     /// Relative step of the differences of a Jacobian.
     pub difference: f64,
-    /// Initial standard deviation of CMA-ES: relative to an unknown without bounds, in u for one with bounds.
-    pub spread: f64,
 }
 
 /// Why the options of a search are invalid.
@@ -130,7 +112,7 @@ pub enum OptionsError {
     /// A start has the wrong number of entries.
     #[error("start {number} has {found} entries for {unknowns} unknowns")]
     Count {
-        /// The start, from one; fallbacks are counted behind the starts.
+        /// The start, from one.
         number: usize,
         /// Number of its entries.
         found: usize,
@@ -169,10 +151,7 @@ impl Search {
             bounds: Bounds::none(unknowns),
             seed: 1,
             starts: Starts::One,
-            fallback: vec![],
-            on_failure: OnFailure::Worst,
             difference: 1e-3,
-            spread: 0.25,
             names: unnamed(unknowns),
             start,
         }
@@ -195,10 +174,9 @@ impl Search {
                 return Err(OptionsError::Range { option, found, range: "zero or more" });
             }
         }
-        for (option, found) in [("difference", self.difference), ("spread", self.spread)] {
-            if !(found > 0.0 && found < 1.0) {
-                return Err(OptionsError::Range { option, found, range: "between 0 and 1" });
-            }
+        if !(self.difference > 0.0 && self.difference < 1.0) {
+            let (option, found) = ("difference", self.difference);
+            return Err(OptionsError::Range { option, found, range: "between 0 and 1" });
         }
         for (option, found) in [("max_iterations", self.max_iterations), ("max_evaluations", self.max_evaluations)] {
             if found == 0 {
@@ -222,7 +200,7 @@ impl Search {
             }
             Starts::Given(starts) | Starts::Lowest(_, starts) => starts,
         };
-        for (number, start) in std::iter::once(&self.start).chain(starts).chain(&self.fallback).enumerate() {
+        for (number, start) in std::iter::once(&self.start).chain(starts).enumerate() {
             if start.len() != unknowns {
                 return Err(OptionsError::Count { number: number + 1, found: start.len(), unknowns });
             }

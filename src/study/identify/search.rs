@@ -16,8 +16,7 @@ use super::warning::Warning;
 /// The result depends neither on the number of threads nor on trials in the history, to the bit.
 ///
 /// # Errors
-/// A start without a value, a failed trial where failures stop the search, a fatal error of the objective, or an
-/// objective that does not suit the method.
+/// A start without a value, a fatal error of the objective, or an objective that does not suit the method.
 pub fn minimize(
     search: &Search,
     evaluator: &Evaluator<'_, '_>,
@@ -31,16 +30,15 @@ pub fn minimize(
     for (number, start) in starts.into_iter().enumerate() {
         // Each start has its own count of trials and failures, so that its result does not depend on those before it.
         let trials = Trials::new(search, evaluator);
-        let (start, replaced) = match trials.beginning(start) {
+        match trials.at_start(&start) {
             // The first start is what the user wrote: without a value there the search has no base. Of the others, which are
             // drawn, one may fall where the model has none.
-            Err(error) if number > 0 && matches!(search.starts, Starts::Spread(_)) => {
-                left_out.push(starts::without_value(error)?);
+            Err(SearchError::Start { x, cause, .. }) if number > 0 && matches!(search.starts, Starts::Spread(_)) => {
+                left_out.push((x, cause));
                 continue;
             }
-            beginning => beginning?,
-        };
-        warnings.extend(replaced);
+            value => drop(value?),
+        }
         if let [(index, side), ..] = search.bounds.active(&start)[..] {
             warnings.push(Warning::StartOnBound { start: number, parameter: search.names[index].clone(), side });
         }
@@ -84,7 +82,6 @@ mod tests {
     use super::*;
     use crate::identify::bounds::{Bounds, Side};
     use crate::identify::objective::{Evaluation, Objective, ObjectiveValue};
-    use crate::identify::options::OnFailure;
     use crate::identify::point::unnamed;
     use crate::identify::pool::trial_pool::{Problem, with_evaluator};
 
@@ -93,8 +90,7 @@ mod tests {
     }
 
     fn found(search: &Search, objective: &dyn Objective, threads: usize) -> Result<SearchResult, SearchError> {
-        let problem = Problem { on_failure: search.on_failure, ..Problem::new(objective) };
-        with_evaluator(problem, threads, |evaluator| minimize(search, evaluator, &mut |_| {}))
+        with_evaluator(Problem::new(objective), threads, |evaluator| minimize(search, evaluator, &mut |_| {}))
     }
 
     #[test]
@@ -265,22 +261,6 @@ mod tests {
         assert!(best.best.converged && (best.best.x[0] - 1.4).abs() < 1e-3, "{best:?}");
     }
 
-    #[test]
-    fn a_failed_trial_is_repeated_or_ends_the_search() {
-        let hole = |x: &[f64]| if x[0] == 1.5 { f64::NAN } else { (x[0] - 1.0).powi(2) };
-        let search = |on_failure| Search {
-            on_failure,
-            starts: Starts::Given(vec![vec![1.5]]),
-            ..Search::new(Method::NelderMead, vec![2.0])
-        };
-        assert!(matches!(found(&search(OnFailure::Worst), &hole, 1), Err(SearchError::Start { .. })));
-        assert!(found(&search(OnFailure::Retry), &hole, 1).unwrap().warnings.is_empty());
-        let cliff = |x: &[f64]| if x[0] < 1.0 { f64::NAN } else { x[0] };
-        let stopped =
-            found(&Search { on_failure: OnFailure::Stop, ..Search::new(Method::NelderMead, vec![2.0]) }, &cliff, 4);
-        assert!(matches!(stopped, Err(SearchError::Failed { x, .. }) if x[0] < 1.0));
-    }
-
     /// Of the trials of one generation, which fail in any order, the same one is reported.
     #[test]
     fn the_first_failure_of_a_generation_does_not_depend_on_the_order_of_trials() {
@@ -290,35 +270,19 @@ mod tests {
             std::thread::sleep(std::time::Duration::from_micros(call * 7919 % 13 * 100));
             if x[0] < 2.2 { f64::NAN } else { x[0] + x[1].abs() }
         };
-        for on_failure in [OnFailure::Worst, OnFailure::Stop] {
-            let search = Search {
-                on_failure,
-                max_evaluations: 20,
-                starts: Starts::Given(vec![vec![2.3, 1.0]]),
-                ..Search::new(Method::CmaEs, vec![2.3, 1.0])
-            };
-            let reported = |threads| match found(&search, &half, threads) {
-                Ok(best) => best.warnings.iter().map(Warning::to_string).collect(),
-                Err(error) => vec![error.to_string()],
-            };
-            let one = reported(1);
-            assert!(one[0].contains("not finite"), "{one:?}");
-            for round in 0..20 {
-                assert_eq!(reported(1 + round % 4), one);
-            }
+        let search = Search {
+            max_evaluations: 20,
+            starts: Starts::Given(vec![vec![2.3, 1.0]]),
+            ..Search::new(Method::CmaEs, vec![2.3, 1.0])
+        };
+        let reported = |threads| -> Vec<String> {
+            found(&search, &half, threads).unwrap().warnings.iter().map(Warning::to_string).collect()
+        };
+        let one = reported(1);
+        assert!(one[0].contains("not finite"), "{one:?}");
+        for round in 0..20 {
+            assert_eq!(reported(1 + round % 4), one);
         }
-    }
-
-    #[test]
-    fn failed_fallback_starts_are_in_the_error() {
-        let half = |x: &[f64]| if x[0] < 0.5 { f64::NAN } else { x[0] };
-        let fallback = vec![vec![0.2], vec![0.3], vec![0.4]];
-        let search = Search { fallback, ..Search::new(Method::NelderMead, vec![0.1]) };
-        assert_eq!(
-            found(&search, &half, 2).unwrap_err().to_string(),
-            "the objective has no value at the start [0.1]: the objective is not finite; nor at any of 3 fallback \
-             starts, the last of them [0.4]: the objective is not finite"
-        );
     }
 
     /// The surrogate moves the simplex onto its bounds, where all points are cached.

@@ -2,7 +2,6 @@
 
 use uncertainty::design::{self, Levels};
 
-use super::error::SearchError;
 use super::objective::Evaluation;
 use super::options::{Search, Starts};
 use super::point::Point;
@@ -18,7 +17,7 @@ const DIFFERENT: f64 = 0.01;
 ///
 /// # Errors
 /// An evaluation is fatal.
-pub(super) fn all(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<(Vec<Vec<f64>>, usize), SearchError> {
+pub(super) fn all(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<(Vec<Vec<f64>>, usize), PoolError> {
     let (others, evaluations) = match &search.starts {
         Starts::One => (vec![], 0),
         Starts::Given(starts) => (starts.clone(), 0),
@@ -29,13 +28,13 @@ pub(super) fn all(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<(Vec
 }
 
 /// The `count` points with the lowest values; those without a value are none.
-fn lowest(points: &[Vec<f64>], count: usize, evaluator: &Evaluator<'_, '_>) -> Result<Vec<Vec<f64>>, SearchError> {
+fn lowest(points: &[Vec<f64>], count: usize, evaluator: &Evaluator<'_, '_>) -> Result<Vec<Vec<f64>>, PoolError> {
     let mut found: Vec<(f64, &Vec<f64>)> = Vec::new();
     for (x, evaluation) in points.iter().zip(evaluator.evaluate_all(points)?) {
         match evaluation {
             Evaluation::Value(value) => found.push((value.value(), x)),
             Evaluation::Failed { .. } => {}
-            Evaluation::Fatal(error) => return Err(PoolError::Fatal(error).into()),
+            Evaluation::Fatal(error) => return Err(PoolError::Fatal(error)),
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -51,18 +50,6 @@ fn spread(search: &Search, count: usize) -> Vec<Vec<f64>> {
         point.iter().zip(search.bounds.pairs()).map(|(u, [lower, upper])| lower + (upper - lower) * u).collect()
     };
     design.into_iter().map(within).collect()
-}
-
-/// A start without a value, and why its trial failed.
-///
-/// # Errors
-/// The search fails for another reason.
-pub(super) fn without_value(error: SearchError) -> Result<(Vec<f64>, String), SearchError> {
-    match error {
-        SearchError::Start { x, cause, .. } => Ok((x, cause)),
-        SearchError::Fallback { start, .. } => without_value(*start),
-        error => Err(error),
-    }
 }
 
 /// A warning where starts of `search` are left out.

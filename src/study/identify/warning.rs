@@ -10,14 +10,6 @@ findings! {
     /// A warning about a search. `start` counts starts from zero.
     #[derive(Clone, Debug, PartialEq)]
     pub enum Warning {
-        StartReplaced {
-            start: Point, "the start" => "start";
-            cause: String, "why its trial failed" => "cause";
-            fallback: Point, "the fallback" => "fallback";
-        } = "start-replaced", Note;
-            meaning "the objective has no value at a start of a search, which began at a fallback instead";
-            remedy "none is needed where the fallback is a good start; otherwise choose another start";
-            message "the objective has no value at the start {start}: {cause}; started from {fallback} instead";
         StartsLeftOut {
             count: usize, "how many" => "count";
             starts: usize, "number of starts" => "starts";
@@ -40,16 +32,14 @@ findings! {
             message "start {} lies on the {side} bound of {parameter}", start + 1;
         FailedTrials {
             count: usize, "how many" => "count";
-            retried: bool, "whether each was repeated at a point beside" => "retried";
             first: Point, "the first of them" => "first";
             cause: String, "why the first failed" => "cause";
         } = "failed-trials", Warning;
             meaning "trials of a search had no value: the objective threw, was not finite, or the film ruptured; they \
                 count as worse than all others";
-            remedy "tighten the bounds if many failed; use on_failure \"retry\" for a rough objective and on_rupture \
-                \"keep\" for tests that rupture";
-            message "{count} {} failed{} and counted as worst, the first at {first}: {cause}",
-                if *count == 1 { "trial" } else { "trials" }, if *retried { ", also when repeated," } else { "" };
+            remedy "tighten the bounds if many failed; use on_rupture \"keep\" for tests that rupture";
+            message "{count} {} failed and counted as worst, the first at {first}: {cause}",
+                if *count == 1 { "trial" } else { "trials" };
         NotConverged { reason: StopReason, "why it stopped" => "reason" } = "not-converged", Warning;
             meaning "a search stopped before its tolerances were met";
             remedy "raise max_iterations and max_evaluations, or loosen tol_x and tol_f if the objective is rough";
@@ -124,12 +114,7 @@ mod tests {
         assert_eq!(warning.figures()["reason"], "max_evaluations was reached");
         let warning = Warning::StartOnBound { start: 1, parameter: "k1".into(), side: Side::Lower };
         assert_eq!(Value::Object(warning.figures()), json!({ "start": 1, "parameter": "k1", "side": "lower" }));
-        let warning = Warning::FailedTrials {
-            count: 2,
-            retried: false,
-            first: Point::new(&["k1".into()], &[1.0]),
-            cause: "no".into(),
-        };
+        let warning = Warning::FailedTrials { count: 2, first: Point::new(&["k1".into()], &[1.0]), cause: "no".into() };
         assert_eq!(warning.to_string(), "2 trials failed and counted as worst, the first at k1 = 1: no");
     }
 }

@@ -196,8 +196,8 @@ pub(super) const ENTRIES: &[Entry] = &[
             residuals: #{ names, x, standard_errors, lower, upper, covariance, correlation, samples, \
             effective_samples, degrees_of_freedom, condition, warnings, findings, table, correlation_table }; \
             intervals of 95 %. Residuals may be correlated along the list. `warnings` name combinations that are not \
-            identifiable. Takes the options of `minimize`, of which names, bounds, difference and the rules for \
-            failed trials have an effect",
+            identifiable. Takes the options of `minimize`, of which names, bounds, difference and on_rupture \
+            have an effect",
         example: r#"let read = [3.1, 4.9, 7.0, 9.2, 10.9, 13.1];
                     let line = |x| read.map(|y, i| x[0] + x[1] * i - y);
                     let o = #{ names: ["offset", "slope"] };
@@ -288,10 +288,6 @@ mod tests {
             (
                 "confidence([1], |x| if x[0] == 1 { [1, 2] } else { throw \"no\" })",
                 "the trials beside x0 failed, there is no derivative: at [0.999]: no",
-            ),
-            (
-                "confidence([1], #{ on_failure: \"stop\" }, |x| if x[0] <= 1 { [x[0], 2] } else { throw \"no\" })",
-                "the trials beside x0 failed, there is no derivative: at [1.001]: no",
             ),
             (
                 "confidence([1], #{ relativ: true }, |x| [x[0], 1])",

@@ -195,11 +195,10 @@ impl SearchHost {
                 is_virtual: session.is_all_virtual(),
             }));
         }
-        let problems = searches.iter().zip(&mut histories).map(|(own, history)| Problem {
-            objective: own.objective,
-            on_failure: own.search.on_failure,
-            history: history.as_mut(),
-        });
+        let problems = searches
+            .iter()
+            .zip(&mut histories)
+            .map(|(own, history)| Problem { objective: own.objective, history: history.as_mut() });
         let pool = TrialPool::new(problems.collect(), rayon::current_num_threads()).with_stack(STACK);
         let pool = pool.with_observer(|number, event| (self.observer)(SearchEvent::Trial(begun + number, event)));
         Ok(pool.run(|evaluator, number| {

@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic, EvalAltResult, FnPtr, INT, Map};
 use super::objective::OnRupture;
 use crate::identify::bounds::Bounds;
 use crate::identify::convergence::{Labels, SignalLabel};
-use crate::identify::options::{Method, OnFailure, OptionsError, Search, Starts};
+use crate::identify::options::{Method, OptionsError, Search, Starts};
 use crate::script::{HostResult, number, refuse};
 use base::diagnostic::closest;
 use base::removed;
@@ -17,7 +17,7 @@ const MAX_COUNT: INT = 100_000;
 const MAX_LENGTH: usize = 200;
 
 /// Names of the options.
-pub(super) const OPTIONS: [&str; 16] = [
+pub(super) const OPTIONS: [&str; 13] = [
     "tol_x",
     "tol_f",
     "max_iterations",
@@ -26,18 +26,13 @@ pub(super) const OPTIONS: [&str; 16] = [
     "upper",
     "seed",
     "starts",
-    "fallback",
-    "on_failure",
     "on_rupture",
     "difference",
-    "spread",
     "names",
     "title",
     "signals",
 ];
 
-const ON_FAILURE: [(&str, OnFailure); 3] =
-    [("worst", OnFailure::Worst), ("retry", OnFailure::Retry), ("stop", OnFailure::Stop)];
 const ON_RUPTURE: [(&str, OnRupture); 2] = [("fail", OnRupture::Fail), ("keep", OnRupture::Keep)];
 
 /// A search of a script.
@@ -72,18 +67,13 @@ impl ScriptSearch {
                 "tol_x" => search.tol_x = number(value, option)?,
                 "tol_f" => search.tol_f = number(value, option)?,
                 "difference" => search.difference = number(value, option)?,
-                "spread" => search.spread = number(value, option)?,
                 "max_iterations" => search.max_iterations = count(value, option, MAX_COUNT)?,
                 "max_evaluations" => search.max_evaluations = count(value, option, MAX_COUNT)?,
                 "seed" => search.seed = whole(value, option)?.cast_unsigned(),
                 "lower" => sides[0] = Some(side(&list()?, f64::NEG_INFINITY, option)?),
                 "upper" => sides[1] = Some(side(&list()?, f64::INFINITY, option)?),
-                "starts" if value.is_array() => {
-                    search.starts = Starts::Given(points(&list()?, "a number or a list", option)?)
-                }
+                "starts" if value.is_array() => search.starts = Starts::Given(points(&list()?)?),
                 "starts" => search.starts = Starts::Spread(count(value, option, MAX_COUNT)?),
-                "fallback" => search.fallback = points(&list()?, "a list", option)?,
-                "on_failure" => search.on_failure = word(option, &text()?, &ON_FAILURE)?,
                 "on_rupture" => on_rupture = word(option, &text()?, &ON_RUPTURE)?,
                 "names" => search.names = list()?.iter().map(Dynamic::to_string).collect(),
                 "title" => labels.title = Some(text()?.to_string()),
@@ -162,10 +152,10 @@ fn side(list: &Array, none: f64, what: &str) -> HostResult<Vec<f64>> {
     list.iter().map(|item| if item.is_unit() { Ok(none) } else { number(item, what) }).collect()
 }
 
-fn points(list: &Array, kind: &str, option: &str) -> HostResult<Vec<Vec<f64>>> {
+fn points(list: &Array) -> HostResult<Vec<Vec<f64>>> {
     let point = |item: &Dynamic| match item.read_lock::<Array>() {
-        Some(point) => numbers(&point, option),
-        None => Err(refuse(format!("`{option}` is {kind} of lists, with {} in it", item.type_name()))),
+        Some(point) => numbers(&point, "starts"),
+        None => Err(refuse(format!("`starts` is a number or a list of lists, with {} in it", item.type_name()))),
     };
     list.iter().map(point).collect()
 }

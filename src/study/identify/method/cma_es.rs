@@ -14,6 +14,9 @@ use crate::identify::error::SearchError;
 use crate::identify::iteration::{Iteration, Step, StopReason};
 use crate::identify::result::StartResult;
 
+/// Initial standard deviation: relative to an unknown without bounds, in u for one with bounds.
+const DEVIATION: f64 = 0.25;
+
 /// Value of a failed trial. The method only ranks values.
 const WORST: f64 = 1e300;
 
@@ -48,7 +51,7 @@ pub(in crate::identify) fn search(
         }
     };
     let mean: Vec<f64> = origin.iter().zip(&scale).map(|(u, scale)| u / scale).collect();
-    let options = CMAESOptions::new(mean, search.spread)
+    let options = CMAESOptions::new(mean, DEVIATION)
         .seed(search.seed)
         .tol_fun(search.tol_f)
         .tol_fun_hist(search.tol_f)

@@ -242,12 +242,7 @@ impl LeastSquares<'_, '_, '_> {
         u[index] -= step;
         let x = self.x_of(&u);
         let value = self.state.borrow().context.trials.value(&x)?;
-        let failed = || SearchError::Failed {
-            x: x.clone(),
-            cause: "the trials on both sides failed, there is no derivative".into(),
-            numerical: false,
-        };
-        self.checked(&x, value)?.ok_or_else(failed)
+        self.checked(&x, value)?.ok_or(SearchError::NoDerivative { x })
     }
 
     /// The value; none, which stops the crate, where the search ends.

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::identify::error::SearchError;
 use crate::identify::iteration::Iteration;
 use crate::identify::objective::{Evaluation, ObjectiveValue};
-use crate::identify::options::{OnFailure, Search};
+use crate::identify::options::Search;
 use crate::identify::point::Point;
 use crate::identify::pool::trial_pool::{Evaluator, PoolError};
 use crate::identify::warning::Warning;
@@ -70,8 +70,7 @@ impl Failures {
     /// A warning if there are any.
     pub(in crate::identify) fn warning(self, search: &Search) -> Option<Warning> {
         let Failure { x, cause, .. } = self.first?;
-        let (first, retried) = (Point::new(&search.names, &x), search.on_failure == OnFailure::Retry);
-        Some(Warning::FailedTrials { count: self.count, retried, first, cause })
+        Some(Warning::FailedTrials { count: self.count, first: Point::new(&search.names, &x), cause })
     }
 }
 
@@ -80,33 +79,8 @@ impl<'c, 'a> Trials<'c, 'a> {
         Trials { search, evaluator, tally: Mutex::default() }
     }
 
-    /// The point at which the search from `start` begins: `start`, or the first fallback with a value and a warning.
-    pub(in crate::identify) fn beginning(&self, start: Vec<f64>) -> Result<(Vec<f64>, Option<Warning>), SearchError> {
-        let (start, cause, numerical) = match self.at_start(&start) {
-            Err(SearchError::Start { x, cause, numerical }) => (x, cause, numerical),
-            value => return value.map(|_| (start, None)),
-        };
-        let mut last = None;
-        for fallback in &self.search.fallback {
-            match self.at_start(fallback) {
-                Ok(_) => {
-                    let [start, named] = [&start, fallback].map(|x| Point::new(&self.search.names, x));
-                    return Ok((fallback.clone(), Some(Warning::StartReplaced { start, cause, fallback: named })));
-                }
-                Err(SearchError::Start { x, cause, .. }) => last = Some((x, cause)),
-                Err(error) => return Err(error),
-            }
-        }
-        let tried = self.search.fallback.len();
-        let refused = SearchError::Start { x: start, cause, numerical };
-        Err(match last {
-            Some((last, cause)) => SearchError::Fallback { start: Box::new(refused), tried, last, cause },
-            None => refused,
-        })
-    }
-
     /// The value at a start, without which a search has nothing to improve. Not counted: the method requests it again.
-    pub(super) fn at_start(&self, x: &[f64]) -> Result<ObjectiveValue, SearchError> {
+    pub(in crate::identify) fn at_start(&self, x: &[f64]) -> Result<ObjectiveValue, SearchError> {
         match self.evaluator.evaluate(x)? {
             Evaluation::Value(value) => Ok(value),
             Evaluation::Failed { cause, numerical } => Err(SearchError::Start { x: x.into(), cause, numerical }),
@@ -163,9 +137,6 @@ impl<'c, 'a> Trials<'c, 'a> {
         match evaluation {
             Evaluation::Value(value) => Ok(Some(value)),
             Evaluation::Fatal(error) => Err(PoolError::Fatal(error).into()),
-            Evaluation::Failed { cause, numerical } if self.search.on_failure == OnFailure::Stop => {
-                Err(SearchError::Failed { x: x.into(), cause, numerical })
-            }
             Evaluation::Failed { cause, .. } => {
                 tally.failures.push(Failure { before, x: x.into(), cause });
                 Ok(None)

@@ -16,12 +16,7 @@ use super::history::{History, HistoryError};
 use super::schedule::{Closed, RunningTrial, Schedule};
 use super::trial_cache::Point;
 use crate::identify::objective::{Evaluation, FatalError, Objective, Trial};
-use crate::identify::options::OnFailure;
 use crate::script::Compared;
-use base::cancellation::Cancellation;
-
-/// Relative distance of the point at which a failed trial is repeated.
-const RETRY_OFFSET: f64 = 1e-6;
 
 /// Stack of a thread of the pool, bytes, where nothing else is asked for.
 const STACK: usize = 8 << 20;
@@ -31,7 +26,7 @@ pub struct TrialPool<'a> {
     threads: usize,
     stack: usize,
     observer: Observer<'a>,
-    rules: Vec<Rule<'a>>,
+    objectives: Vec<&'a dyn Objective>,
     schedule: Mutex<Schedule<'a>>,
     changed: Condvar,
 }
@@ -71,8 +66,6 @@ pub enum TrialEvent<'a> {
 pub struct Problem<'a> {
     /// The objective.
     pub objective: &'a dyn Objective,
-    /// The treatment of a trial without a value.
-    pub on_failure: OnFailure,
     /// Holds known trials; others are appended.
     pub history: Option<&'a mut History>,
 }
@@ -102,11 +95,6 @@ pub enum PoolError {
     Closed,
 }
 
-struct Rule<'a> {
-    objective: &'a dyn Objective,
-    on_failure: OnFailure,
-}
-
 /// Ends a search when dropped, also where it panics; a search that failed ends those behind it.
 struct SearchGuard<'c, 'a> {
     evaluator: Evaluator<'c, 'a>,
@@ -116,7 +104,7 @@ struct SearchGuard<'c, 'a> {
 impl Drop for SearchGuard<'_, '_> {
     fn drop(&mut self) {
         let Evaluator { pool, number } = self.evaluator;
-        let behind = if self.succeeded { number + 1 } else { pool.rules.len() };
+        let behind = if self.succeeded { number + 1 } else { pool.objectives.len() };
         (number..behind).for_each(|search| pool.schedule().finish(search));
         pool.changed.notify_all();
     }
@@ -127,26 +115,32 @@ struct WorkerGuard<'c, 'a>(&'c TrialPool<'a>);
 
 impl Drop for WorkerGuard<'_, '_> {
     fn drop(&mut self) {
-        (0..self.0.rules.len()).for_each(|search| self.0.schedule().finish(search));
+        (0..self.0.objectives.len()).for_each(|search| self.0.schedule().finish(search));
         self.0.changed.notify_all();
     }
 }
 
 impl<'a> Problem<'a> {
-    /// `objective` without a history; a trial without a value counts as worst.
+    /// `objective` without a history.
     pub fn new(objective: &'a dyn Objective) -> Problem<'a> {
-        Problem { objective, on_failure: OnFailure::Worst, history: None }
+        Problem { objective, history: None }
     }
 }
 
 impl<'a> TrialPool<'a> {
     /// A pool of `threads` for `problems`, one for each search.
     pub fn new(problems: Vec<Problem<'a>>, threads: usize) -> TrialPool<'a> {
-        let rule = |problem: &Problem<'a>| Rule { objective: problem.objective, on_failure: problem.on_failure };
-        let rules = problems.iter().map(rule).collect();
+        let objectives = problems.iter().map(|problem| problem.objective).collect();
         let schedule = Schedule::new(problems.into_iter().map(|problem| problem.history));
         let (schedule, changed) = (Mutex::new(schedule), Condvar::new());
-        TrialPool { threads: threads.max(1), stack: STACK, observer: Box::new(|_, _| {}), rules, schedule, changed }
+        TrialPool {
+            threads: threads.max(1),
+            stack: STACK,
+            observer: Box::new(|_, _| {}),
+            objectives,
+            schedule,
+            changed,
+        }
     }
 
     /// The pool that tells `observer` of every trial, known ones first. No lock is held meanwhile.
@@ -183,9 +177,9 @@ impl<'a> TrialPool<'a> {
             scope.spawn_broadcast(|_, _| self.work());
             thread::scope(|threads| {
                 let others: Vec<_> =
-                    (1..self.rules.len()).map(|number| threads.spawn(move || run_one(number))).collect();
+                    (1..self.objectives.len()).map(|number| threads.spawn(move || run_one(number))).collect();
                 // The first search needs no thread of its own: this one would only wait for the others.
-                let first = (!self.rules.is_empty()).then(|| run_one(0));
+                let first = (!self.objectives.is_empty()).then(|| run_one(0));
                 let others = others.into_iter().map(|other| other.join().unwrap_or_else(|panic| resume_unwind(panic)));
                 first.into_iter().chain(others).collect::<Vec<_>>()
             })
@@ -214,17 +208,17 @@ impl<'a> TrialPool<'a> {
     fn work(&self) {
         let _guard = WorkerGuard(self);
         while let Some(running) = self.next() {
-            let rule = &self.rules[running.search];
+            let objective = self.objectives[running.search];
             let (search, x) = (running.search, running.point.x());
             let waiting = self.schedule().waiting(search);
             (self.observer)(search, TrialEvent::Begun { x: &x, waiting });
             let start = Instant::now();
-            let trial = rule.trial(&x, &running.cancellation);
+            let trial = objective.trial(&x, &running.cancellation);
             let seconds = start.elapsed().as_secs_f64();
             let ended = (!running.cancellation.is_cancelled()).then(|| trial.clone());
             let waiting = {
                 let mut schedule = self.schedule();
-                schedule.end(running, trial, seconds, rule.objective);
+                schedule.end(running, trial, seconds, objective);
                 schedule.waiting(search)
             };
             self.changed.notify_all();
@@ -325,22 +319,6 @@ impl Evaluator<'_, '_> {
     }
 }
 
-impl Rule<'_> {
-    fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
-        let trial = self.objective.trial(x, cancellation);
-        match trial.evaluation {
-            Evaluation::Failed { .. } if self.on_failure == OnFailure::Retry => {
-                let beside: Vec<f64> = x.iter().map(|x| x * (1.0 + RETRY_OFFSET)).collect();
-                match self.objective.trial(&beside, cancellation) {
-                    Trial { evaluation: Evaluation::Failed { .. }, .. } => trial,
-                    other => other,
-                }
-            }
-            _ => trial,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -352,6 +330,7 @@ mod tests {
 
     use super::*;
     use crate::identify::objective::ObjectiveValue;
+    use base::cancellation::Cancellation;
 
     /// The trial at 7 runs until it is cancelled, or for half a minute; the others wait until it has started.
     #[derive(Default)]
