@@ -128,6 +128,8 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Finding, "deck-no-friction", "decks are written for LS-DYNA and OpenRadioss"),
     row(Kind::Finding, "deck-other-parts", "meshio converts meshes to .msh"),
     row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
+    row(Kind::Function, "calibrate.features", DISTANCES),
+    row(Kind::Function, "calibrate.warping", DISTANCES),
     row(Kind::Function, "confidence.points", "it was an option of `profiles`, and `confidence` has none"),
     row(Kind::Function, "failure_probability.importance", IMPORTANCE),
     row(Kind::Function, "indices", "`surrogate` has the Sobol' indices from fewer runs, `sweep` the main effects"),
@@ -146,6 +148,8 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Finding, "profile-failed", PROFILES),
     row(Kind::Finding, "start-replaced", "a start without a value ends the search; choose another one"),
 ];
+
+const DISTANCES: &str = "`distance` is \"residuals\", \"error-norm\" or \"rating\"";
 
 const IMPORTANCE: &str =
     "`failure_probability` has the methods \"subset\" and \"monte-carlo\", not importance sampling";

@@ -263,9 +263,16 @@ fn mistakes_are_named_before_any_search() {
             "#{ tests: [own + #{ compare: \"forse\" }], parameters: #{ k: k } }",
             "no signal `forse` (did you mean `force`?)",
         ),
-        ("#{ tests: [own + #{ distance: \"far\" }], parameters: #{ k: k } }", "there is no distance `far`"),
         (
-            "#{ tests: [own + #{ distance: \"features\", noise: 0.1 }], parameters: #{ k: k } }",
+            "#{ tests: [own + #{ distance: \"far\" }], parameters: #{ k: k } }",
+            "there is no distance `far`; there are residuals, error-norm, rating",
+        ),
+        (
+            "#{ tests: [own + #{ distance: \"warping\" }], parameters: #{ k: k } }",
+            "distance `warping`; it was removed: ",
+        ),
+        (
+            "#{ tests: [own + #{ distance: \"error-norm\", noise: 0.1 }], parameters: #{ k: k } }",
             "`noise` has no effect here",
         ),
         ("#{ tests: [own], parameters: #{ k: k, l: k } }", "parameters `k` and `l` write the same key of one test"),

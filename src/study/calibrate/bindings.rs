@@ -492,7 +492,7 @@ const ENTRIES: &[Entry] = &[
                 or depth; `recordings` beside the [reference] of an impact are files or maps of signals; `own` names parameters that \
                 have a value of their own there; with `pull: \"strip\"` (or \"free\", \"held\") a coupon is pulled as by \
                 `scenario.pull` and not run, its recordings are curves, compared over strain; `distance` is \"residuals\", \
-                \"error-norm\", \"rating\", \"warping\" or \"features\"; of a drop `outcome` is \"held\", \"broke\" or an array of \
+                \"error-norm\" or \"rating\"; of a drop `outcome` is \"held\", \"broke\" or an array of \
                 them, a specimen each, `failure_mass` and `rupture_time` a string such as \"104 g\" or a map with its `error`. A parameter \
                 is #{ key, start, within, log, prior, tests, scatter }: one key or several that are tied, or a map of keys and what is \
                 written there, in which `{}` stands for the value, such as #{ \"layers.faces\": [\"0 mm\", \"-{}\"] }; bounds, a search along the \

@@ -147,11 +147,6 @@ impl ErrorModel {
         self.recorded.hypot(self.simulated)
     }
 
-    /// Length of the window along the abscissa.
-    pub(super) fn length(&self) -> f64 {
-        self.edges[self.edges.len() - 1] - self.edges[0]
-    }
-
     /// The middles of the bins, and the measured means there.
     pub(super) fn middles(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.edges.windows(2).zip(self.measured.iter()).map(|(edges, mean)| [0.5 * (edges[0] + edges[1]), *mean])

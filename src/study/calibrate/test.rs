@@ -342,10 +342,7 @@ impl Signal {
 
     /// What a simulated signal differs by from the recording, in coordinates whose errors are independent.
     pub(super) fn differences(&self, simulated: &Series) -> Result<Vec<f64>, String> {
-        let found = match self.distance.is_residuals() {
-            true => self.errors.rotated(simulated).map_err(|error| error.to_string()),
-            false => self.distance.numbers(&self.errors, &self.measured, simulated),
-        };
+        let found = self.distance.differences(&self.errors, &self.measured, simulated);
         found.map_err(|error| format!("{}: {error}", self.name))
     }
 
@@ -359,7 +356,7 @@ impl Signal {
     pub(super) fn variances(&self, share: f64) -> Vec<f64> {
         match self.distance.is_residuals() {
             true => self.errors.variances(share).collect(),
-            false => vec![1.0; self.distance.count()],
+            false => vec![1.0],
         }
     }
 
@@ -367,7 +364,7 @@ impl Signal {
     pub(super) fn plain_variances(&self, share: f64) -> Vec<f64> {
         match self.distance.is_residuals() {
             true => vec![self.errors.plain_variance(share); self.errors.bins()],
-            false => vec![1.0; self.distance.count()],
+            false => vec![1.0],
         }
     }
 
