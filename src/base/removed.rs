@@ -135,7 +135,11 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Function, "indices", "`surrogate` has the Sobol' indices from fewer runs, `sweep` the main effects"),
     row(Kind::Function, "minimize.fallback", "choose a start that has a value, or give several as `starts`"),
     row(Kind::Function, "minimize.on_failure", "a trial without a value counts as worse than all others"),
-    row(Kind::Function, "minimize.spread", "\"cma-es\" begins with a quarter of the range; narrow the bounds instead"),
+    row(
+        Kind::Function,
+        "minimize.spread",
+        "\"cma-es\" begins with a deviation of a quarter; narrow the bounds instead",
+    ),
     row(Kind::Function, "profiles", PROFILES),
     row(Kind::Function, "screening", "`sweep` has the main effects of every input, `surrogate` their Sobol' indices"),
     row(Kind::Finding, "continued-from-profile", PROFILES),

@@ -1,19 +1,16 @@
-//! Plots of a search: its objective, its unknowns, and its simulations as they converge to the target.
+//! Plots of a search: its objective, its unknowns, and its best simulations over the targets.
 
 use plot::{Axis, Curve, Plot, Scale, TIME};
-use study::script::{ConvergenceHistory, FitHistory, Improvement, Over};
-
-/// Most iterations whose curves one plot shows.
-const MOST_CURVES: usize = 8;
+use study::script::{ConvergenceHistory, Fit, Over};
 
 /// Objective and unknowns over iterations, then every fit; no objective and no unknowns of a search without iterations.
 pub(super) fn plots(convergence: &ConvergenceHistory) -> Vec<Plot> {
     let own = [objective(convergence), unknowns(convergence)].into_iter().filter(has_lines);
-    own.chain(convergence.fits.iter().map(|fit| chosen(convergence, fit))).collect()
+    own.chain(convergence.fits.iter().map(|fit| best(convergence, fit, "best"))).collect()
 }
 
 /// The reference of a fit alone.
-pub(super) fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
+pub(super) fn target(convergence: &ConvergenceHistory, fit: &Fit) -> Plot {
     let x = match fit.target.over {
         Over::Time => TIME,
         Over::Strain => "strain",
@@ -26,7 +23,7 @@ pub(super) fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot
 
 /// Factors from the values of a fit to the units of its axes. Signals over time are in the unit that the script
 /// computes them in, stresses over strain in Pa.
-fn factors(FitHistory { unit, target, .. }: &FitHistory) -> [f64; 2] {
+fn factors(Fit { unit, target, .. }: &Fit) -> [f64; 2] {
     match target.over {
         Over::Time | Over::Travel => [1e3, 1.0],
         Over::Strain => [1.0, unit.as_ref().map_or(1.0, |unit| 1.0 / unit.to_si(1.0))],
@@ -34,8 +31,8 @@ fn factors(FitHistory { unit, target, .. }: &FitHistory) -> [f64; 2] {
 }
 
 /// A simulation of the search, in the units of [`target`].
-pub(super) fn simulated(name: impl Into<String>, fit: &FitHistory, improvement: &Improvement) -> Curve {
-    Curve::line(name, points(fit, &improvement.values))
+pub(super) fn simulated(name: impl Into<String>, fit: &Fit) -> Curve {
+    Curve::line(name, points(fit, &fit.values))
 }
 
 /// Best values of the objective; one curve a start.
@@ -64,64 +61,38 @@ fn has_lines(plot: &Plot) -> bool {
     plot.curves.iter().any(|curve| curve.points.len() > 1)
 }
 
-/// The target and some of the simulations that reduced the objective.
-fn chosen(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
+/// The best simulation, by this name, over its target.
+pub(super) fn best(convergence: &ConvergenceHistory, fit: &Fit, name: &str) -> Plot {
     let mut plot = target(convergence, fit);
-    let chosen = by_steps(&fit.improvements);
-    let last = chosen.len() - 1;
-    let curves = chosen.iter().enumerate().map(|(place, improvement)| {
-        let iteration = improvement.at.iteration;
-        let name =
-            if place == last { format!("best, iteration {iteration}") } else { format!("iteration {iteration}") };
-        simulated(name, fit, improvement)
-    });
-    plot.curves = curves.chain(plot.curves).collect();
+    plot.curves.insert(0, simulated(name, fit));
     plot
 }
 
-/// The first, the best, and between them those that the objective reached by equal ratios, as far as there are.
-fn by_steps(improvements: &[Improvement]) -> Vec<&Improvement> {
-    let ([first, ..], [.., last]) = (improvements, improvements) else { return vec![] };
-    let share = |step: usize| step as f64 / (MOST_CURVES - 1) as f64;
-    let reached = |step: usize| {
-        let wanted = first.at.f * (last.at.f / first.at.f).powf(share(step));
-        improvements.iter().find(|improvement| improvement.at.f <= wanted)
-    };
-    let between = (1..MOST_CURVES - 1).filter_map(reached);
-    let mut chosen: Vec<&Improvement> = std::iter::once(first).chain(between).chain([last]).collect();
-    chosen.dedup_by_key(|improvement| improvement.at.iteration);
-    chosen
-}
-
-fn points(fit: &FitHistory, values: &[f32]) -> Vec<[f64; 2]> {
+fn points(fit: &Fit, values: &[f32]) -> Vec<[f64; 2]> {
     let [x, y] = factors(fit);
     fit.target.places.iter().zip(values).map(|(place, value)| [f64::from(*place) * x, f64::from(*value) * y]).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use base::units::Unit;
     use study::script::{Iterate, Target};
 
     fn search(objectives: &[f64]) -> ConvergenceHistory {
-        let target = Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] });
+        let target = Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] };
         let at = |place: usize| Iterate { iteration: place + 1, f: objectives[place], x: vec![objectives[place]] };
-        let improvement = |place: usize| Improvement { at: at(place), values: vec![0.0, objectives[place] as f32] };
-        let improvements = (0..objectives.len()).map(improvement).collect();
         ConvergenceHistory {
             continues: false,
             title: "1008".into(),
             unknowns: vec!["k1".into()],
             objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],
             history: (0..objectives.len()).map(at).collect(),
-            fits: vec![FitHistory {
+            fits: vec![Fit {
                 quantity: "acceleration".into(),
                 unit: Unit::parse("m/s²").ok(),
                 target,
-                improvements,
+                values: vec![0.0, 2.0],
             }],
             is_virtual: false,
         }
@@ -137,19 +108,19 @@ mod tests {
         assert_eq!((curves.title.as_str(), curves.x.label.as_str()), ("1008: acceleration", "time (ms)"));
         assert_eq!(curves.y.label, "acceleration (m/s²)");
         let names: Vec<&str> = curves.curves.iter().map(|curve| curve.name.as_str()).collect();
-        assert_eq!((names.len(), names[0], names[7], names[8]), (9, "iteration 1", "best, iteration 60", "reference"));
+        assert_eq!(names, ["best", "reference"]);
         let [time, value] = curves.curves[0].points[1];
         assert!((time - 50.0).abs() < 1e-5 && value == 2.0);
     }
 
     #[test]
     fn stresses_have_the_unit_that_their_axis_names() {
-        let target = Arc::new(Target { over: Over::Strain, places: vec![0.0, 0.5], values: vec![0.0, 8e6] });
+        let target = Target { over: Over::Strain, places: vec![0.0, 0.5], values: vec![0.0, 8e6] };
         for (symbol, expected) in
             [("MPa", ("stress (MPa)", 8.0)), ("kPa", ("stress (kPa)", 8e3)), ("Pa", ("stress (Pa)", 8e6))]
         {
             let (quantity, unit) = ("stress".into(), Unit::parse(symbol).ok());
-            let fit = FitHistory { quantity, unit, target: Arc::clone(&target), improvements: vec![] };
+            let fit = Fit { quantity, unit, target: target.clone(), values: vec![] };
             let plot = super::target(&ConvergenceHistory { is_virtual: true, ..search(&[1.0]) }, &fit);
             assert_eq!((plot.y.label.as_str(), plot.curves[0].points[1][1]), expected);
             assert_eq!(plot.curves[0].name, "reference (virtual)");
@@ -157,11 +128,10 @@ mod tests {
     }
 
     #[test]
-    fn a_search_that_stays_where_it_began_has_one_curve() {
+    fn a_search_that_stays_where_it_began_has_curves_alone() {
         let found = plots(&search(&[0.0]));
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].curves.len(), 2);
-        let signs = plots(&search(&[1.0, -1.0]));
-        assert_eq!((signs[0].y.scale, signs[2].curves.len()), (Scale::Linear, 3));
+        assert_eq!(plots(&search(&[1.0, -1.0]))[0].y.scale, Scale::Linear);
     }
 }

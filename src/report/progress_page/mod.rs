@@ -393,7 +393,7 @@ pub fn ended_page(name: &str, report: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use study::identify::{Labels, ObjectiveValue, Phase, SearchStart, Trial, TrialEvent};
+    use study::identify::{Labels, ObjectiveValue, Phase, SearchStart, TrialEvent};
     use study::store::evaluations::Key;
 
     fn progress() -> StudyProgress {
@@ -443,9 +443,8 @@ mod tests {
             let start = SearchStart { number, function, labels: &labels, unknowns: &unknowns, is_virtual };
             progress.note_search(&SearchEvent::Begun(start));
             for (x, f) in [(1.0, 3.0), (2.0, 0.25 + number as f64)] {
-                let trial = ObjectiveValue::Scalar(f).into();
-                let trial = Trial { evaluation: trial, compared: vec![] };
-                progress.note_search(&SearchEvent::Trial(number, TrialEvent::Known { x: &[x], trial: &trial }));
+                let evaluation = &ObjectiveValue::Scalar(f).into();
+                progress.note_search(&SearchEvent::Trial(number, TrialEvent::Known { x: &[x], evaluation }));
             }
             if number == 0 {
                 progress.note_search(&SearchEvent::Ended(number));

@@ -2,7 +2,7 @@
 
 use plot::{Axis as PlotAxis, Curve, Plot, Scale};
 use study::identify::{Evaluation, Labels, Progress, SearchStart, TrialEvent};
-use study::script::{Compared, ConvergenceHistory, FitHistory, Improvement, Iterate};
+use study::script::{Compared, ConvergenceHistory, Fit};
 
 use super::super::convergence::{simulated, target};
 use super::points::{Axis, Points};
@@ -28,7 +28,7 @@ pub(super) struct Search {
     counts: Counts,
     pub(super) causes: Causes,
     running: Vec<Vec<f64>>,
-    fits: Vec<Fit>,
+    fits: Vec<Curves>,
     /// Its last iteration.
     pub(super) progress: Option<Progress>,
 }
@@ -57,10 +57,9 @@ pub(super) struct Best {
 
 /// A reference, and the simulated curves that are compared with it.
 #[derive(Clone, Debug)]
-struct Fit {
-    history: FitHistory,
-    best: Vec<f32>,
-    current: Vec<f32>,
+struct Curves {
+    current: Fit,
+    best: Option<Fit>,
 }
 
 impl Search {
@@ -85,9 +84,9 @@ impl Search {
     /// Takes note of a trial.
     pub(super) fn note(&mut self, event: &TrialEvent<'_>) {
         match event {
-            TrialEvent::Known { x, trial } => {
+            TrialEvent::Known { x, evaluation } => {
                 self.counts.known += 1;
-                self.end(x, trial);
+                self.end(x, evaluation, &[]);
             }
             TrialEvent::Begun { x, waiting } => {
                 self.counts.waiting = *waiting;
@@ -99,14 +98,14 @@ impl Search {
                     self.running.swap_remove(place);
                 }
                 if let Some(trial) = trial {
-                    self.end(x, trial);
+                    self.end(x, &trial.evaluation, &trial.compared);
                 }
             }
         }
     }
 
-    fn end(&mut self, x: &[f64], trial: &study::identify::Trial) {
-        let f = match &trial.evaluation {
+    fn end(&mut self, x: &[f64], evaluation: &Evaluation, compared: &[Compared]) {
+        let f = match evaluation {
             Evaluation::Value(value) => Some(value.value()),
             Evaluation::Failed { cause, .. } => {
                 self.causes.add(cause);
@@ -121,8 +120,8 @@ impl Search {
         if let Some(f) = f.filter(|_| is_better) {
             self.best = Some(Best { number, x: x.to_vec(), f });
         }
-        self.compare(&trial.compared, is_better);
-        let errors = trial.compared.iter().map(relative_error).collect();
+        self.compare(compared, is_better);
+        let errors = compared.iter().map(relative_error).collect();
         if self.trials.len() == MOST_TRIALS && is_better {
             // The last one makes room.
             self.trials.pop();
@@ -134,17 +133,19 @@ impl Search {
 
     /// Takes note of the curves of the last trial.
     fn compare(&mut self, compared: &[Compared], is_better: bool) {
-        for (index, Compared { target, values }) in compared.iter().enumerate() {
+        for (index, compared) in compared.iter().enumerate() {
+            let current = self.labels.fit(index, compared.clone());
             if index == self.fits.len() {
-                let history = self.labels.fit(index, target);
-                self.fits.push(Fit { history, best: vec![], current: vec![] });
+                self.fits.push(Curves { current: current.clone(), best: None });
             }
             // An objective that chooses its reference by its unknowns has no curves.
-            let Some(fit) = self.fits.get_mut(index).filter(|fit| fit.history.target == *target) else { continue };
-            fit.current.clone_from(values);
+            let Some(own) = self.fits.get_mut(index).filter(|own| own.current.target == current.target) else {
+                continue;
+            };
             if is_better {
-                fit.best.clone_from(values);
+                own.best = Some(current.clone());
             }
+            own.current = current;
         }
     }
 
@@ -187,7 +188,7 @@ impl Search {
         self.fits.iter().map(|fit| self.curves(fit)).chain(self.errors()).collect()
     }
 
-    fn curves(&self, fit: &Fit) -> Plot {
+    fn curves(&self, Curves { current, best }: &Curves) -> Plot {
         let titled = ConvergenceHistory {
             title: self.title(),
             continues: false,
@@ -197,13 +198,9 @@ impl Search {
             fits: vec![],
             is_virtual: self.is_virtual,
         };
-        let curve = |(name, values): (&str, &Vec<f32>)| {
-            let at = Iterate { iteration: 0, f: 0.0, x: vec![] };
-            simulated(name, &fit.history, &Improvement { at, values: values.clone() })
-        };
-        let own = [("best so far", &fit.best), ("current", &fit.current)].into_iter();
-        let mut plot = target(&titled, &fit.history);
-        plot.curves.splice(..0, own.filter(|(_, values)| !values.is_empty()).map(curve));
+        let own = [best.as_ref().map(|best| simulated("best so far", best)), Some(simulated("current", current))];
+        let mut plot = target(&titled, current);
+        plot.curves.splice(..0, own.into_iter().flatten());
         plot
     }
 
@@ -232,9 +229,9 @@ impl Search {
 
     /// The trials in the space of the unknowns; with several tests, the error of each.
     pub(super) fn points(&self) -> Points {
-        let tests: &[Fit] = if self.fits.len() > 1 { &self.fits } else { &[] };
+        let tests: &[Curves] = if self.fits.len() > 1 { &self.fits } else { &[] };
         let of_test =
-            |(place, fit): (usize, &Fit)| Axis::outcome(format!("error {}: {}", place + 1, fit.history.quantity));
+            |(place, own): (usize, &Curves)| Axis::outcome(format!("error {}: {}", place + 1, own.current.quantity));
         let inputs = self.unknowns.iter().map(Axis::input);
         let axes = inputs.chain([Axis::outcome("error")]).chain(tests.iter().enumerate().map(of_test));
         let row = |trial: &Trial| {
@@ -266,15 +263,13 @@ fn relative_error(Compared { target, values }: &Compared) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use study::identify::{ObjectiveValue, SignalLabel};
     use study::script::{Over, Target};
 
-    fn trial(f: f64, compared: &[(&Arc<Target>, [f32; 2])]) -> study::identify::Trial {
+    fn trial(f: f64, compared: &[(&Target, [f32; 2])]) -> study::identify::Trial {
         let compared =
-            compared.iter().map(|(target, values)| Compared { target: Arc::clone(target), values: values.to_vec() });
+            compared.iter().map(|(target, values)| Compared { target: (*target).clone(), values: values.to_vec() });
         study::identify::Trial { evaluation: ObjectiveValue::Scalar(f).into(), compared: compared.collect() }
     }
 
@@ -293,7 +288,7 @@ mod tests {
 
     #[test]
     fn a_search_shows_its_reference_its_best_and_its_current_curve() {
-        let target = |last| Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, last] });
+        let target = |last| Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, last] };
         let (first, second) = (target(10.0), target(2.0));
         let mut search = search();
         for (f, height) in [(0.5, 5.0), (0.1, 9.0), (0.3, 13.0)] {
@@ -319,7 +314,7 @@ mod tests {
     #[test]
     fn trials_that_were_known_or_failed_are_told_apart() {
         let mut search = search();
-        search.note(&TrialEvent::Known { x: &[1.0, 1.0], trial: &trial(1.0, &[]) });
+        search.note(&TrialEvent::Known { x: &[1.0, 1.0], evaluation: &trial(1.0, &[]).evaluation });
         let failed = study::identify::Trial::from(Evaluation::failed("the film broke"));
         search.note(&TrialEvent::Begun { x: &[2.0, 1.0], waiting: 3 });
         search.note(&TrialEvent::Ended { x: &[2.0, 1.0], trial: Some(&failed), waiting: 2 });

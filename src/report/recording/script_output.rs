@@ -7,7 +7,7 @@ use super::{Approach, Iteration, StudyRecording};
 use crate::convergence::{objective, simulated, target};
 use crate::{StudyPage, markdown};
 use plot::{Correlation, Curve, Plot, TIME};
-use study::script::{ConvergenceHistory, FitHistory, Iterate, Row, ScriptOutput};
+use study::script::{ConvergenceHistory, Fit, Iterate, Row, ScriptOutput};
 
 impl StudyRecording {
     /// A recording of the study that its page shows.
@@ -53,7 +53,7 @@ fn rows(Correlation { names, rows, .. }: &Correlation) -> Vec<Row> {
     names.iter().zip(rows).map(row).collect()
 }
 
-/// The convergence to each target of a search; without a target, its objective and its unknowns.
+/// The best of a search over each target; without a target, its objective and its unknowns.
 fn approaches(search: &ConvergenceHistory) -> Vec<Approach> {
     if search.fits.is_empty() {
         return vec![without_target(search)];
@@ -61,15 +61,14 @@ fn approaches(search: &ConvergenceHistory) -> Vec<Approach> {
     search.fits.iter().map(|fit| approach(search, fit)).collect()
 }
 
-fn approach(search: &ConvergenceHistory, fit: &FitHistory) -> Approach {
+fn approach(search: &ConvergenceHistory, fit: &Fit) -> Approach {
     let name = match search.fits.as_slice() {
         [_] => search.title.clone(),
         _ => format!("{}, {}", search.title, fit.label()),
     };
-    let curves = |improvement| vec![simulated("simulated", fit, improvement)];
-    let iterations = fit.improvements.iter();
-    let iterations = iterations.map(|improvement| iteration(search, &improvement.at, curves(improvement)));
-    Approach { name, target: target(search, fit), iterations: iterations.collect() }
+    let curves = || vec![simulated("simulated", fit)];
+    let iterations = search.history.last().map(|best| iteration(search, best, curves()));
+    Approach { name, target: target(search, fit), iterations: iterations.into_iter().collect() }
 }
 
 fn without_target(search: &ConvergenceHistory) -> Approach {

@@ -6,7 +6,7 @@ use super::estimates::Estimate;
 use base::written::{Reading, digits, figure};
 use plot::{Plot, thinned};
 use serde_json::Value;
-use study::script::{ConvergenceHistory, FitHistory, Row, ScriptOutput};
+use study::script::{self, ConvergenceHistory, Row, ScriptOutput};
 
 /// Most curves that are shown over those measured.
 const MOST_FITS: usize = 24;
@@ -20,7 +20,7 @@ const MOST_CARDS: usize = 8;
 /// The best curve of a search and the one that it was to meet.
 struct Fit<'a> {
     search: &'a ConvergenceHistory,
-    fit: &'a FitHistory,
+    fit: &'a script::Fit,
     /// Root mean square of the difference over that of the measured curve.
     error: f64,
 }
@@ -41,10 +41,9 @@ fn fits(output: &ScriptOutput) -> Vec<Fit<'_>> {
 }
 
 fn search_fits(search: &ConvergenceHistory) -> impl Iterator<Item = Fit<'_>> {
-    let error = |fit: &FitHistory| {
-        let best = &fit.improvements.last()?.values;
+    let error = |fit: &script::Fit| {
         let square = |value: f32| f64::from(value).powi(2);
-        let pairs = || best.iter().zip(&fit.target.values);
+        let pairs = || fit.values.iter().zip(&fit.target.values);
         let difference: f64 = pairs().map(|(found, wanted)| square(found - wanted)).sum();
         let whole: f64 = pairs().map(|(_, wanted)| square(*wanted)).sum();
         (whole > 0.0).then(|| (difference / whole).sqrt())
@@ -113,9 +112,7 @@ fn known(estimates: &[Estimate]) -> Option<String> {
 /// Identified curves over those measured, small and side by side (HTML).
 pub(super) fn curves(output: &ScriptOutput) -> String {
     let plot = |fit: &Fit| {
-        let mut plot = convergence::target(fit.search, fit.fit);
-        let best = fit.fit.improvements.last().map(|best| convergence::simulated("identified", fit.fit, best));
-        plot.curves = best.into_iter().chain(plot.curves).collect();
+        let plot = convergence::best(fit.search, fit.fit, "identified");
         Plot { title: format!("{}: {} % apart", fit.name(), digits(100.0 * fit.error)), ..plot }
     };
     let plots: Vec<Plot> = fits(output).iter().take(MOST_FITS).map(plot).collect();

@@ -1,18 +1,12 @@
 //! The convergence history of a search, thinned for plots.
 
-use std::sync::Arc;
-
 use super::iteration::Iteration;
-use super::pool::trial_pool::Evaluator;
 use super::result::{SearchResult, StartResult};
-use crate::script::{ConvergenceHistory, FitHistory, Improvement, Iterate, Over, Target};
+use crate::script::{Compared, ConvergenceHistory, Fit, Iterate, Over};
 use base::units::{Pressure, Unit};
 
 /// Largest number of iterations in a plot.
 const MAX_ITERATIONS: usize = 500;
-
-/// Largest number of improvements whose curves are stored.
-const MAX_IMPROVEMENTS: usize = 200;
 
 /// Title of a search, and names of its signals.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,10 +45,10 @@ impl Labels {
         self.phase.as_ref().is_some_and(|phase| phase.number > 0)
     }
 
-    /// The fit, without improvements, to the reference that the objective compares with as number `index`.
-    pub fn fit(&self, index: usize, target: &Arc<Target>) -> FitHistory {
+    /// The curve that the objective compares with its reference as number `index`.
+    pub fn fit(&self, index: usize, Compared { target, values }: Compared) -> Fit {
         let SignalLabel { quantity, unit } = SignalLabel::for_signal(self, index, target.over);
-        FitHistory { quantity, unit, target: Arc::clone(target), improvements: vec![] }
+        Fit { quantity, unit, target, values }
     }
 }
 
@@ -97,15 +91,15 @@ impl SignalLabel {
     }
 }
 
-/// The convergence history of `result` over unknowns with these `names`; the curves that its objective compared come
-/// from `evaluator`, and `is_virtual` says whether all references are virtual recordings.
+/// The convergence history of `result` over unknowns with these `names`; the objective compared these curves
+/// at its best point, and `is_virtual` says whether all references are virtual recordings.
 pub(crate) fn convergence_history(
     result: &SearchResult,
     title: String,
     names: &[String],
     labels: &Labels,
     is_virtual: bool,
-    evaluator: &Evaluator<'_, '_>,
+    compared: Vec<Compared>,
 ) -> ConvergenceHistory {
     let objective = |start: &StartResult| thinned(&start.history, MAX_ITERATIONS).map(|i| (i.iteration, i.f)).collect();
     ConvergenceHistory {
@@ -114,45 +108,13 @@ pub(crate) fn convergence_history(
         unknowns: names.to_vec(),
         objectives: result.starts.iter().map(objective).collect(),
         history: thinned(&result.best.history, MAX_ITERATIONS).map(iterate).collect(),
-        fits: fits(&result.best, labels, evaluator),
+        fits: compared.into_iter().enumerate().map(|(index, compared)| labels.fit(index, compared)).collect(),
         is_virtual,
     }
 }
 
 fn iterate(Iteration { iteration, f, x, .. }: &Iteration) -> Iterate {
     Iterate { iteration: *iteration, f: *f, x: x.clone() }
-}
-
-/// The curves of the improvements of one start, one fit history for each reference.
-fn fits(result: &StartResult, labels: &Labels, evaluator: &Evaluator<'_, '_>) -> Vec<FitHistory> {
-    let better: Vec<&Iteration> = improvements(&result.history);
-    let mut fits: Vec<FitHistory> = Vec::new();
-    for iteration in thinned(&better, MAX_IMPROVEMENTS) {
-        for (index, compared) in evaluator.compared(&iteration.x).into_iter().enumerate() {
-            let improvement = Improvement { at: iterate(iteration), values: compared.values };
-            match fits.get_mut(index) {
-                // An objective that chooses its reference by its unknowns has no fit history.
-                Some(fit) if fit.target == compared.target => fit.improvements.push(improvement),
-                Some(_) => {}
-                None => {
-                    let fit = labels.fit(index, &compared.target);
-                    fits.push(FitHistory { improvements: vec![improvement], ..fit });
-                }
-            }
-        }
-    }
-    fits
-}
-
-/// The first iteration, and each one that is better than all before it.
-fn improvements(history: &[Iteration]) -> Vec<&Iteration> {
-    let mut least = f64::INFINITY;
-    let is_better = |iteration: &&Iteration| {
-        let better = iteration.f < least;
-        least = least.min(iteration.f);
-        better
-    };
-    history.iter().filter(is_better).collect()
 }
 
 /// At most `max` of the items, evenly from the first on, and the last.

@@ -40,7 +40,7 @@ where
     }
 }
 
-/// One trial as the trial cache and the history store it.
+/// One trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
     /// The outcome.

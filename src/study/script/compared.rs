@@ -1,9 +1,5 @@
 //! Comparisons of an objective with its references, thinned for plots.
 
-use std::sync::Arc;
-
-use serde::{Deserialize, Serialize};
-
 use lab::experiment::coupon::Curve;
 use lab::signal::Series;
 use plot::outline;
@@ -12,8 +8,7 @@ use plot::outline;
 const MOST_SAMPLES: usize = 200;
 
 /// The abscissa of a comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
     /// Time, s.
     Time,
@@ -38,7 +33,7 @@ pub struct Target {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared {
     /// The reference.
-    pub target: Arc<Target>,
+    pub target: Target,
     /// Simulated values; NaN where there is none.
     pub values: Vec<f32>,
 }
@@ -73,7 +68,7 @@ impl Compared {
         let values = samples.iter().map(|[place, _]| found(*place).unwrap_or(f64::NAN) as f32).collect();
         let places = samples.iter().map(|[place, _]| *place as f32).collect();
         let target = Target { over, places, values: samples.iter().map(|[_, value]| *value as f32).collect() };
-        Compared { target: Arc::new(target), values }
+        Compared { target, values }
     }
 }
 

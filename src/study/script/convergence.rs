@@ -1,6 +1,4 @@
-//! The convergence history of a search: its iterates, and the fits at improvements.
-
-use std::sync::Arc;
+//! The convergence history of a search: its iterates, and the curves at the best of them.
 
 use super::Target;
 use base::units::Unit;
@@ -18,45 +16,37 @@ pub struct ConvergenceHistory {
     pub objectives: Vec<Vec<(usize, f64)>>,
     /// The iterates of the best start.
     pub history: Vec<Iterate>,
-    /// The fits to the references that the objective compares with, at the improvements of the best start.
-    pub fits: Vec<FitHistory>,
+    /// The fits to the references that the objective compares with, at the best point.
+    pub fits: Vec<Fit>,
     /// Whether all references are virtual recordings.
     pub is_virtual: bool,
 }
 
 impl ConvergenceHistory {
-    /// This phase of a search behind those `before` it: iterations are counted on, and curves approach the same references from
-    /// the first start on. Objective values are of this phase alone, since each weighs its signals in its own way.
+    /// This phase of a search behind those `before` it: iterations are counted on. Objective values are of this phase alone, since each weighs its signals in its own way.
     pub(super) fn behind(mut self, before: ConvergenceHistory) -> ConvergenceHistory {
         let offset = before.history.last().map_or(0, |at| at.iteration);
         self.history.iter_mut().for_each(|at| at.iteration += offset);
         self.objectives.iter_mut().flatten().for_each(|(iteration, _)| *iteration += offset);
-        self.fits.iter_mut().flat_map(|fit| &mut fit.improvements).for_each(|own| own.at.iteration += offset);
         self.history.splice(..0, before.history);
-        for (fit, before) in self.fits.iter_mut().zip(before.fits) {
-            // Stages may compare with other references.
-            if fit.target == before.target {
-                fit.improvements.splice(..0, before.improvements);
-            }
-        }
         ConvergenceHistory { continues: before.continues, ..self }
     }
 }
 
-/// Simulated curves that approach one reference.
+/// A simulated curve and its reference.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FitHistory {
+pub struct Fit {
     /// The quantity of the curves, such as `acceleration`.
     pub quantity: String,
     /// Its unit, where one is known; a curve over strain is shown in it.
     pub unit: Option<Unit>,
     /// The reference.
-    pub target: Arc<Target>,
-    /// By iteration; the first is the start, the last the best.
-    pub improvements: Vec<Improvement>,
+    pub target: Target,
+    /// Simulated values at the abscissae of the reference.
+    pub values: Vec<f32>,
 }
 
-impl FitHistory {
+impl Fit {
     /// Quantity and unit, such as `acceleration (m/s²)`.
     pub fn label(&self) -> String {
         self.unit
@@ -74,13 +64,4 @@ pub struct Iterate {
     pub f: f64,
     /// Values of the unknowns.
     pub x: Vec<f64>,
-}
-
-/// An iterate with a lower objective value than all before it, and its simulated curve.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Improvement {
-    /// The iterate.
-    pub at: Iterate,
-    /// Simulated values at the abscissae of the reference.
-    pub values: Vec<f32>,
 }

@@ -29,7 +29,7 @@ mod warning;
 pub use about::{About, Declared, Kind, argument_value};
 pub use arguments::Arguments;
 pub use compared::{Compared, Over, Target};
-pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
+pub use convergence::{ConvergenceHistory, Fit, Iterate};
 pub use fault::{
     Fault, HostResult, at_key, cause, is_numerical, key_mistake, numerical_failure, refuse, refuse_key, refused_key,
     thrown,

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use rayon::prelude::*;
 use rhai::{EvalAltResult, NativeCallContext};
 
 use super::objective::{ScriptError, ScriptObjective};
@@ -22,7 +23,7 @@ use crate::identify::progress::{Progress, ProgressEstimator};
 use crate::identify::result::SearchResult;
 use crate::identify::search::minimize;
 use crate::identify::warning::Warning;
-use crate::script::{ConvergenceHistory, HostResult, STACK, Session, numerical_failure, refuse};
+use crate::script::{Compared, ConvergenceHistory, HostResult, STACK, Session, numerical_failure, refuse};
 use plot::Correlation;
 
 /// Runs the searches of a script: their histories go to one folder, their events to one observer. Cheap to clone.
@@ -116,16 +117,20 @@ impl SearchHost {
             let mut observer = |iteration: &Iteration| {
                 (self.observer)(SearchEvent::Progress(begun + number, &progress.update(iteration)));
             };
-            let result = minimize(search, evaluator, &mut observer)?;
-            let title = labels.common_title(begun + number);
-            let history =
-                convergence_history(&result, title, &search.names, labels, session.is_all_virtual(), evaluator);
-            Ok::<_, SearchError>((result, history))
+            minimize(search, evaluator, &mut observer)
         })?;
-        Ok(results.map(|found| {
-            let (results, histories): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-            histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
-            results
+        Ok(results.inspect(|results| {
+            // The curves at the best points, each of one more trial: of all others they would be most of what is stored.
+            let curves = |(result, own): (&SearchResult, &HostSearch<'_>)| {
+                own.objective.trial(&result.best.x, session.cancellation()).compared
+            };
+            let compared: Vec<Vec<Compared>> = results.par_iter().zip(searches).map(curves).collect();
+            for (number, ((result, own), compared)) in results.iter().zip(searches).zip(compared).enumerate() {
+                let title = own.labels.common_title(begun + number);
+                let (names, is_virtual) = (&own.search.names, session.is_all_virtual());
+                let history = convergence_history(result, title, names, own.labels, is_virtual, compared);
+                (self.observer)(SearchEvent::Finished(&history));
+            }
         }))
     }
 

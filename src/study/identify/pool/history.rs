@@ -8,15 +8,14 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
-use super::trial_record::{self, CurveRecord, Record};
-use crate::identify::objective::{Evaluation, Trial};
+use super::trial_record::Record;
+use crate::identify::objective::Evaluation;
 use crate::identify::warning::Warning;
-use crate::script::{self, Compared, Target};
+use crate::script;
 use base::file::{self, Digest, checksum};
 
 /// The identity of a search: all that determines the values of the trials of a script, beside the files that it reads
@@ -34,9 +33,7 @@ pub struct Identity {
 pub struct History {
     path: PathBuf,
     file: File,
-    trials: Vec<(Vec<f64>, Trial)>,
-    /// References that trials were compared with, in the order of the file.
-    targets: Vec<Arc<Target>>,
+    trials: Vec<(Vec<f64>, Evaluation)>,
     inputs: BTreeMap<PathBuf, String>,
     /// Warnings of opening the file.
     warnings: Vec<Warning>,
@@ -119,9 +116,7 @@ impl History {
         file::refuse_link(path).map_err(failed)?;
         let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         match file.try_lock() {
-            Ok(()) => {
-                Ok(History { path: path.into(), file, trials: vec![], targets: vec![], inputs, warnings: vec![] })
-            }
+            Ok(()) => Ok(History { path: path.into(), file, trials: vec![], inputs, warnings: vec![] }),
             Err(TryLockError::WouldBlock) => Err(HistoryError::Locked { path: path.into() }),
             Err(TryLockError::Error(source)) => Err(failed(source)),
         }
@@ -138,39 +133,17 @@ impl History {
     }
 
     /// The trials in the file when it was opened, each with its point.
-    pub fn trials(&self) -> &[(Vec<f64>, Trial)] {
+    pub fn trials(&self) -> &[(Vec<f64>, Evaluation)] {
         &self.trials
     }
 
-    /// The references that these were compared with.
-    pub fn targets(&self) -> &[Arc<Target>] {
-        &self.targets
-    }
-
-    /// Appends the trial at `x`, which took `seconds`; a fatal error is not stored.
+    /// Appends the outcome at `x`, which took `seconds`; a fatal error is not stored.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn add(&mut self, x: &[f64], trial: &Trial, seconds: f64) -> Result<(), HistoryError> {
+    pub fn add(&mut self, x: &[f64], found: &Evaluation, seconds: f64) -> Result<(), HistoryError> {
         // A mistake in the script is corrected before the search is resumed, and its trial repeated.
-        if matches!(trial.evaluation, Evaluation::Fatal(_)) {
-            return Ok(());
-        }
-        let compared = trial.compared.iter().map(|one| self.curve(one)).collect::<Result<_, _>>()?;
-        let record = Record::of_trial(x, &trial.evaluation, seconds, compared);
-        record.map_or(Ok(()), |record| self.add_record(&record))
-    }
-
-    /// A simulated curve; a new reference is appended before it.
-    fn curve(&mut self, Compared { target, values }: &Compared) -> Result<CurveRecord, HistoryError> {
-        // By its content too: after a restart, an equal reference is another allocation.
-        let known = self.targets.iter().position(|other| Arc::ptr_eq(other, target) || other == target);
-        let number = known.unwrap_or(self.targets.len());
-        if known.is_none() {
-            self.add_record(&Record::of_target(number, target))?;
-            self.targets.push(Arc::clone(target));
-        }
-        Ok(CurveRecord::new(number, values))
+        Record::of_trial(x, found, seconds).map_or(Ok(()), |record| self.add_record(&record))
     }
 
     /// Appends the files that are not yet in the history, each with a description of its content.
@@ -224,14 +197,7 @@ impl History {
             let damaged = || HistoryError::Damaged { path: self.path.clone(), line: index + 2 };
             match serde_json::from_str(line).map_err(|_| damaged())? {
                 Record::Input { input, content } => drop(self.inputs.insert(input, content)),
-                Record::Target { target, over, places, values } => {
-                    let read = trial_record::target(over, &places, &values).filter(|_| target == self.targets.len());
-                    self.targets.push(Arc::new(read.ok_or_else(damaged)?));
-                }
-                trial => {
-                    let trial = trial.trial(&self.targets).ok_or_else(damaged)?;
-                    self.trials.push(trial);
-                }
+                trial => self.trials.push(trial.trial().ok_or_else(damaged)?),
             }
         }
         Ok(())
@@ -276,40 +242,30 @@ fn set_aside(path: &Path) -> io::Result<PathBuf> {
 mod tests {
     use super::*;
     use crate::identify::objective::ObjectiveValue;
-    use crate::script::Over;
 
     fn open(folder: &Path) -> Result<History, HistoryError> {
         History::open(folder, &Identity::default(), 1, BTreeMap::new())
     }
 
-    fn trials() -> Vec<(Vec<f64>, Trial)> {
-        let target = |last| Arc::new(Target { over: Over::Time, places: vec![0.0, 0.1], values: vec![1.0, last] });
-        let compared = |last, values: [f32; 2]| Compared { target: target(last), values: values.into() };
-        let with_curves = |evaluation, compared| Trial { evaluation, compared };
+    fn trials() -> Vec<(Vec<f64>, Evaluation)> {
         let residuals = Evaluation::Value(ObjectiveValue::Residuals(vec![0.1 + 0.2, -7.5]));
         vec![
-            (
-                vec![0.1, 1.0 / 3.0],
-                with_curves(
-                    Evaluation::Value(ObjectiveValue::Scalar(std::f64::consts::PI)),
-                    vec![compared(f32::NAN, [0.3, f32::NAN]), compared(2.0, [1e-30, 7.0])],
-                ),
-            ),
-            (vec![-0.0, 5e-324], with_curves(residuals, vec![compared(2.0, [0.1, 0.2])])),
-            (vec![1.0, 2.0], Evaluation::failed("the film broke").into()),
-            (vec![1.0, 3.0], Evaluation::Failed { cause: "not a number".into(), numerical: true }.into()),
+            (vec![0.1, 1.0 / 3.0], Evaluation::Value(ObjectiveValue::Scalar(std::f64::consts::PI))),
+            (vec![-0.0, 5e-324], residuals),
+            (vec![1.0, 2.0], Evaluation::failed("the film broke")),
+            (vec![1.0, 3.0], Evaluation::Failed { cause: "not a number".into(), numerical: true }),
         ]
     }
 
     fn written(folder: &Path) -> PathBuf {
         let mut history = open(folder).unwrap();
-        for (x, trial) in trials() {
-            history.add(&x, &trial, 0.25).unwrap();
+        for (x, found) in trials() {
+            history.add(&x, &found, 0.25).unwrap();
         }
         history.path().into()
     }
 
-    fn bits(trials: &[(Vec<f64>, Trial)]) -> String {
+    fn bits(trials: &[(Vec<f64>, Evaluation)]) -> String {
         format!("{trials:?}")
     }
 
@@ -336,25 +292,13 @@ mod tests {
     }
 
     #[test]
-    fn trials_without_curves_of_older_versions_are_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = written(folder.path());
-        let text = fs::read_to_string(&path).unwrap();
-        let old: String =
-            text.lines().filter(|line| !line.contains("target")).map(|line| format!("{line}\n")).collect();
-        fs::write(&path, old).unwrap();
-        assert_eq!(bits(open(folder.path()).unwrap().trials()), bits(&trials()[2..]));
-    }
-
-    #[test]
     fn a_damaged_line_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = written(folder.path());
         let text = fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         let no_bits = r#"{"x":[1],"f":1,"seconds":1,"bits":"AAAA"}"#;
-        let no_target = lines[3].replace("\"target\":0", "\"target\":7");
-        for (wrong, line) in [("{}", 3), ("nonsense", 2), (no_bits, 4), (&no_target, 4)] {
+        for (wrong, line) in [("{}", 3), ("nonsense", 2), (no_bits, 4)] {
             let mut lines = lines.clone();
             lines[line - 1] = wrong;
             fs::write(&path, lines.join("\n") + "\n").unwrap();

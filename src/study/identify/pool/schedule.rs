@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::history::{History, HistoryError};
 use super::trial_cache::{Point, TrialCache};
-use crate::identify::objective::{Evaluation, Objective, Trial};
+use crate::identify::objective::{Evaluation, Objective};
 use base::cancellation::Cancellation;
 
 /// The schedule of all searches of a pool.
@@ -111,7 +111,7 @@ impl<'a> Schedule<'a> {
     }
 
     /// A running trial has ended; its outcome counts unless it was cancelled.
-    pub(super) fn end(&mut self, running: RunningTrial, trial: Trial, seconds: f64, objective: &dyn Objective) {
+    pub(super) fn end(&mut self, running: RunningTrial, found: Evaluation, seconds: f64, objective: &dyn Objective) {
         let RunningTrial { search, point, cancellation } = running;
         // By the cancellation, not the point: a cancelled trial may still run beside a new one of its point.
         self.running.retain(|other| !other.cancellation.is(&cancellation));
@@ -120,7 +120,7 @@ impl<'a> Schedule<'a> {
         }
         let state = &mut self.searches[search];
         state.awaited.retain(|other| *other != point);
-        if let Err(error) = state.cache.insert(point, trial, seconds, objective) {
+        if let Err(error) = state.cache.insert(point, found, seconds, objective) {
             state.error.get_or_insert(error);
         }
     }

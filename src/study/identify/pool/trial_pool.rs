@@ -16,7 +16,6 @@ use super::history::{History, HistoryError};
 use super::schedule::{Closed, RunningTrial, Schedule};
 use super::trial_cache::Point;
 use crate::identify::objective::{Evaluation, FatalError, Objective, Trial};
-use crate::script::Compared;
 
 /// Stack of a thread of the pool, bytes, where nothing else is asked for.
 const STACK: usize = 8 << 20;
@@ -42,7 +41,7 @@ pub enum TrialEvent<'a> {
         /// The point.
         x: &'a [f64],
         /// The outcome.
-        trial: &'a Trial,
+        evaluation: &'a Evaluation,
     },
     /// A thread has started it.
     Begun {
@@ -194,7 +193,7 @@ impl<'a> TrialPool<'a> {
     ) -> Result<T, E> {
         let evaluator = Evaluator { pool: self, number };
         let known = self.schedule().cache(number).known();
-        known.iter().for_each(|(x, trial)| (self.observer)(number, TrialEvent::Known { x, trial }));
+        known.iter().for_each(|(x, evaluation)| (self.observer)(number, TrialEvent::Known { x, evaluation }));
         let mut guard = SearchGuard { evaluator, succeeded: false };
         let result = search(&evaluator, number);
         // The search itself saw only that it was closed; the error of its history is the cause.
@@ -218,7 +217,7 @@ impl<'a> TrialPool<'a> {
             let ended = (!running.cancellation.is_cancelled()).then(|| trial.clone());
             let waiting = {
                 let mut schedule = self.schedule();
-                schedule.end(running, trial, seconds, objective);
+                schedule.end(running, trial.evaluation, seconds, objective);
                 schedule.waiting(search)
             };
             self.changed.notify_all();
@@ -301,13 +300,6 @@ impl Evaluator<'_, '_> {
     /// The outcome at `x` if it is known by now.
     pub fn cached(&self, x: &[f64]) -> Option<Evaluation> {
         self.pool.schedule().cache(self.number).evaluation(&Point::new(x))
-    }
-
-    /// The curves that were compared with references at `x`, if they are known by now.
-    pub fn compared(&self, x: &[f64]) -> Vec<Compared> {
-        let schedule = self.pool.schedule();
-        let trial = schedule.cache(self.number).get(&Point::new(x));
-        trial.map_or_else(Vec::new, |trial| trial.compared.clone())
     }
 
     /// Replaces the speculative points: those that may be requested next, the most probable first. Running trials at

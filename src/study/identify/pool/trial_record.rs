@@ -1,14 +1,12 @@
 //! The lines of a history file after its first.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use serde::{Deserialize, Serialize};
 
-use crate::identify::objective::{Evaluation, ObjectiveValue, Trial};
-use crate::script::{Compared, Over, Target};
+use crate::identify::objective::{Evaluation, ObjectiveValue};
 
 /// One line.
 #[derive(Debug, Serialize, Deserialize)]
@@ -33,40 +31,14 @@ pub(super) enum Record {
         /// Whether the objective value is residuals.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         residuals: bool,
-        /// Simulated curves that were compared with references.
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        compared: Vec<CurveRecord>,
     },
     /// A file that a trial was the first to read, and a description of its content.
     Input { input: PathBuf, content: String },
-    /// A reference that the next trial is the first to be compared with.
-    Target {
-        /// Its number, from zero.
-        target: usize,
-        /// The quantity of its abscissae.
-        over: Over,
-        /// Its abscissae, little-endian floats in base64.
-        places: String,
-        /// Its values, likewise.
-        values: String,
-    },
-}
-
-/// A simulated curve: number of its reference, from zero, and values, little-endian floats in base64.
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct CurveRecord {
-    target: usize,
-    values: String,
 }
 
 impl Record {
-    /// The record of a trial at `x` whose curves are `compared`; none of a fatal error.
-    pub(super) fn of_trial(
-        x: &[f64],
-        evaluation: &Evaluation,
-        seconds: f64,
-        compared: Vec<CurveRecord>,
-    ) -> Option<Record> {
+    /// The record of a trial at `x`; none of a fatal error.
+    pub(super) fn of_trial(x: &[f64], evaluation: &Evaluation, seconds: f64) -> Option<Record> {
         let (values, failed, residuals) = match evaluation {
             Evaluation::Value(ObjectiveValue::Scalar(value)) => (vec![*value], None, false),
             Evaluation::Value(ObjectiveValue::Residuals(residuals)) => (residuals.clone(), None, true),
@@ -80,18 +52,12 @@ impl Record {
         };
         let bytes: Vec<u8> = x.iter().chain(&values).flat_map(|value| value.to_le_bytes()).collect();
         let bits = BASE64_STANDARD.encode(bytes);
-        Some(Record::Trial { x: x.into(), f, failed, numerical, seconds, bits, residuals, compared })
+        Some(Record::Trial { x: x.into(), f, failed, numerical, seconds, bits, residuals })
     }
 
-    /// The record of reference `number`.
-    pub(super) fn of_target(number: usize, target: &Target) -> Record {
-        let (places, values) = (packed(&target.places), packed(&target.values));
-        Record::Target { target: number, over: target.over, places, values }
-    }
-
-    /// The point and the trial of a record of a trial; none where it is damaged.
-    pub(super) fn trial(self, targets: &[Arc<Target>]) -> Option<(Vec<f64>, Trial)> {
-        let Record::Trial { x, failed, numerical, bits, residuals, compared, .. } = self else {
+    /// The point and the outcome of a record of a trial; none where it is damaged.
+    pub(super) fn trial(self) -> Option<(Vec<f64>, Evaluation)> {
+        let Record::Trial { x, failed, numerical, bits, residuals, .. } = self else {
             return None;
         };
         let bytes = BASE64_STANDARD.decode(bits).ok()?;
@@ -104,36 +70,6 @@ impl Record {
             (None, [value]) => Evaluation::Value(ObjectiveValue::Scalar(*value)),
             _ => return None,
         };
-        let compared = compared.into_iter().map(|curve| curve.compared(targets));
-        Some((numbers[..x.len()].into(), Trial { evaluation, compared: compared.collect::<Option<_>>()? }))
+        Some((numbers[..x.len()].into(), evaluation))
     }
-}
-
-impl CurveRecord {
-    /// The record of a curve over reference `target`.
-    pub(super) fn new(target: usize, values: &[f32]) -> CurveRecord {
-        CurveRecord { target, values: packed(values) }
-    }
-
-    fn compared(self, targets: &[Arc<Target>]) -> Option<Compared> {
-        let target = targets.get(self.target)?;
-        let values = unpacked(&self.values).filter(|values| values.len() == target.places.len())?;
-        Some(Compared { target: Arc::clone(target), values })
-    }
-}
-
-/// The reference of a record; none where it is damaged.
-pub(super) fn target(over: Over, places: &str, values: &str) -> Option<Target> {
-    Some(Target { over, places: unpacked(places)?, values: unpacked(values)? })
-}
-
-fn packed(values: &[f32]) -> String {
-    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-    BASE64_STANDARD.encode(bytes)
-}
-
-fn unpacked(text: &str) -> Option<Vec<f32>> {
-    let bytes = BASE64_STANDARD.decode(text).ok()?;
-    let (values, rest) = bytes.as_chunks::<4>();
-    rest.is_empty().then(|| values.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect())
 }
