@@ -587,6 +587,6 @@ const ENTRIES: &[Entry] = &[
     Entry {
         call: "calibration.page()",
         gives: "adds plots to the results: each test as measured and as calibrated, and what was asked of the result",
-        example: calibrated!(r#"found.page(); true"#),
+        example: calibrated!(r#"found.page()"#),
     },
 ];

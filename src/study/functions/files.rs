@@ -100,17 +100,17 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "write_csv(name, [column name, …], [signal or list, …])",
         gives: "a file among the results with one row per value; the times of a signal are `signal.time()`",
-        example: r#"write_csv("curves/md.csv", ["strain", "stress_Pa"], [[0, 0.26], [0, 8.4e6]]); true"#,
+        example: r#"write_csv("curves/md.csv", ["strain", "stress_Pa"], [[0, 0.26], [0, 8.4e6]])"#,
     },
     Entry {
         call: "write_csv(name, names, columns, [comment, …])",
         gives: "the same below lines of comments, which begin with `#`",
-        example: r#"write_csv("md.csv", ["force_N"], [signal([0, 1], [0, 2.5])], ["virtual"]); true"#,
+        example: r#"write_csv("md.csv", ["force_N"], [signal([0, 1], [0, 2.5])], ["virtual"])"#,
     },
     Entry {
         call: "write_text(name, text)",
         gives: "a text file among the results: .csv, .json, .md, .obj, .svg, .toml or .txt",
-        example: r#"write_text("material.toml", "density = 915"); true"#,
+        example: r#"write_text("material.toml", "density = 915")"#,
     },
 ];
 

@@ -227,23 +227,23 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "plot(title, #{ name: signal, … })",
         gives: "a plot in report and recording: signals over time in ms; the title labels the y axis",
-        example: r#"plot("acceleration (m/s²)", #{ measured: signal([0, 0.1], [0, 150]), raw: signal([0, 0.1], [3, 149]) }); true"#,
+        example: r#"plot("acceleration (m/s²)", #{ measured: signal([0, 0.1], [0, 150]), raw: signal([0, 0.1], [3, 149]) })"#,
     },
     Entry {
         call: "plot(title, #{ x, y, log_x, log_y, window: [from, to], window_name }, curves)",
         gives: "the same with labels of the axes, logarithmic axes, and a marked window of x (s where signals are shown)",
         example: r#"let read = signal([0, 0.1], [0, 150]);
-                    plot("Braking", #{ y: "acceleration (m/s²)", window: [0, 0.05], window_name: "loading" }, read); true"#,
+                    plot("Braking", #{ y: "acceleration (m/s²)", window: [0, 0.05], window_name: "loading" }, read)"#,
     },
     Entry {
         call: "plot(title, #{ polar: true, x, y }, curves)",
         gives: "a polar diagram: pairs [angles, radii], angles in degrees from the right, counterclockwise",
-        example: r#"plot("Modulus", #{ polar: true, x: "angle from MD", y: "modulus (MPa)" }, [[0, 90, 180], [50, 30, 50]]); true"#,
+        example: r#"plot("Modulus", #{ polar: true, x: "angle from MD", y: "modulus (MPa)" }, [[0, 90, 180], [50, 30, 50]])"#,
     },
     Entry {
         call: "plot(title, #{ …, picture: \"name.svg\" }, curves)",
         gives: "the same, and its picture as a file among the results",
-        example: r#"plot("MD", #{ picture: "pictures/md.svg" }, curve([0, 0.26], [0, 8.4e6])); true"#,
+        example: r#"plot("MD", #{ picture: "pictures/md.svg" }, curve([0, 0.26], [0, 8.4e6]))"#,
     },
     Entry {
         call: "#{ name: signal | curve | [xs, ys] }",
@@ -251,14 +251,14 @@ pub const ENTRIES: &[Entry] = &[
                 units of the axes in `x` and `y`",
         example: r#"plot("MD", #{ film: curve([0, 0.26], [0, 8.4e6]) });
                     let travel = signal([0, 0.1], [0, -0.17]); let force = signal([0, 0.1], [0, 1500]);
-                    plot("Loop", #{ x: "travel (mm)", y: "force (N)" }, [travel * -1000, force]); true"#,
+                    plot("Loop", #{ x: "travel (mm)", y: "force (N)" }, [travel * -1000, force])"#,
     },
     Entry {
         call: "[#{ name, curve, look: \"line\" | \"dashed\" | \"points\" }, …]",
         gives: "curves in this order; dashed is meant for references",
         example: r#"let law = curve([0, 0.26, 0.84], [0, 8.4e6, 20e6]);
                     plot("Yield points of MD", [#{ name: "mean", curve: law },
-                        #{ name: "yield points", curve: [[0.26, 0.84], [8.4, 20]], look: "points" }]); true"#,
+                        #{ name: "yield points", curve: [[0.26, 0.84], [8.4, 20]], look: "points" }])"#,
     },
 ];
 

@@ -112,7 +112,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "read_recording(path)",
         gives: "the recording in a file (any format of `droptower explain formats`), values in SI; the path is relative to the working directory",
-        example: "read_recording(args.recording).names().len() > 0",
+        example: "read_recording(args.recording).names() == [\"acceleration\"]",
     },
     Entry {
         call: "read_recording(path, #{ time, columns, units })",

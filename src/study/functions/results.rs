@@ -64,34 +64,34 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "measure(name, value)",
         gives: "adds a figure to the summary; its name has letters, digits and _",
-        example: r#"measure("stopping_distance_m", 0.17); true"#,
+        example: r#"measure("stopping_distance_m", 0.17)"#,
     },
     Entry {
         call: "table(name, rows)",
         gives: "adds a table to the summary; rows are a map or a list of maps; columns in alphabetical order",
-        example: r#"table("coefficients", #{ k1: 2.75, ke: 3.41 }); true"#,
+        example: r#"table("coefficients", #{ k1: 2.75, ke: 3.41 })"#,
     },
     Entry {
         call: "table(name, columns, rows)",
         gives: "the same with the columns in the order given",
-        example: r#"table("tests", ["test", "k1"], [#{ k1: 2.75, test: 1008 }]); true"#,
+        example: r#"table("tests", ["test", "k1"], [#{ k1: 2.75, test: 1008 }])"#,
     },
     Entry {
         call: "log(text)",
         gives: "a line for terminal and report; `print` does the same",
-        example: r#"log("loading took " + 57 + " ms"); print("done"); true"#,
+        example: r#"log("loading took " + 57 + " ms"); print("done")"#,
     },
     Entry {
         call: "warn(code, text)",
         gives: "a warning for terminal, report, recording and summary (`findings`, `warnings`); the code names its kind: \
                 lower-case words joined by hyphens",
-        example: r#"let peak = 812.0; if peak > 500 { warn("hard-impact", `the peak of ${peak} m/s² exceeds 500 m/s²`); } true"#,
+        example: r#"let peak = 812.0; if peak > 500 { warn("hard-impact", `the peak of ${peak} m/s² exceeds 500 m/s²`); }"#,
     },
     Entry {
         call: "warn(finding)",
         gives: "the same with a finding of a search, or another map with `code`, `severity` (\"note\" or \"warning\"), \
                 `message` and figures",
-        example: r#"warn(#{ code: "hard-impact", severity: "note", message: "the peak exceeds 500 m/s²", peak_m_s2: 812.0 }); true"#,
+        example: r#"warn(#{ code: "hard-impact", severity: "note", message: "the peak exceeds 500 m/s²", peak_m_s2: 812.0 })"#,
     },
 ];
 

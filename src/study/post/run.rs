@@ -238,7 +238,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "run.energies.<column>, run.energies.names()",
         gives: "the terms of the energy audit, J",
-        example: "run.energies.names().len() > 0",
+        example: r#""sum_J" in run.energies.names() && run.energies.sum_J.len() > 1"#,
     },
     Entry {
         call: "run.field.rms, .largest, .relative, .points, .compared",
@@ -250,7 +250,8 @@ pub const ENTRIES: &[Entry] = &[
         call: "run.field.residuals(), run.field.residuals(deviation), run.field.relative_residuals()",
         gives: "a list for a search, x, y and z of every point and time: simulated less measured displacement (m), that over \
                 the standard deviation of the measurement (m), or such that their norm is the relative error",
-        example: "run.field == () || run.field.residuals(1e-5).len() == 3 * run.field.points",
+        example: r#"let field = scenario("scenarios/inflation/field.toml").simulate().field;
+                    field.residuals(1e-5).len() == 3 * field.points && run.field == ()"#,
     },
     Entry {
         call: "run.summary.<figure>",

@@ -508,7 +508,7 @@ pub const ENTRIES: &[Entry] = &[
         gives: "the recording it is compared with (acceleration through the run's filter; the energy absorption of a raw \
                 one, and the figures of its reduction as of `reduce_drop`, else ()) and the window of the errors, s",
         example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 \
-                  && t.reference.energy_absorption != 1",
+                  && t.reference.energy_absorption == ()",
     },
     Entry {
         call: "scenario.reference.field",
