@@ -26,11 +26,21 @@ const fn row(kind: Kind, name: &'static str, instead: &'static str) -> Removed {
     Removed { kind, name, instead }
 }
 
+const DISTANCES: &str = "`distance` is \"residuals\", \"error-norm\" or \"rating\"";
+const IMPORTANCE: &str = "`failure_probability` has the methods \"subset\" and \"monte-carlo\", not importance sampling";
+const MASTER: &str = "the program of a DMA makes the master curve, which --relaxation fits; `shift` of a material states its law";
 const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
+const PLASTIC: &str = "`calibrate` fits plastic film to coupons: scripts/plastic-coupons.rhai";
+const PROFILES: &str = "`confidence` has the intervals of the linear model, `posterior` of a calibration those without it";
 
 /// A row a line, by kind, then by name.
 #[rustfmt::skip]
 const REMOVED: &[Removed] = &[
+    row(Kind::Command, "--parquet", "the tables are written as CSV, which pandas, Polars and R read"),
+    row(Kind::Command, "--vtkhdf", "`--vtu` writes the same states and arrays, which ParaView opens as film.pvd"),
+    row(Kind::Command, "card check", "`pull` in a script has the stresses of one element, `card write` its card"),
+    row(Kind::Command, "card write --approximate", "write for a solver that has the law, or fit one that the target has"),
+    row(Kind::Command, "deck read", "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads"),
     row(Kind::Command, "digitize", "WebPlotDigitizer reads curves out of pictures; put a line such as `time_s,force_N` on top of its CSV file"),
     row(Kind::Command, "new figure", "WebPlotDigitizer reads curves out of pictures"),
     row(Kind::Command, "new material nylon-fabric", "its values had no published source; `droptower new material fabric` is its law"),
@@ -40,60 +50,11 @@ const REMOVED: &[Removed] = &[
     row(Kind::Command, "schema figure", "WebPlotDigitizer reads curves out of pictures"),
     row(Kind::Command, "script --profile", "`print` in the script shows where it is"),
     row(Kind::Command, "script --trace", "`print` in the script shows where it is"),
+    row(Kind::Command, "signal convert .mme", "write a table: -o FILE.csv; ISO-MME is still read"),
+    row(Kind::Command, "signal convert .zip", "write a table: -o FILE.csv; zipped ISO-MME is still read"),
     row(Kind::Command, "store why", "`droptower run --resume` names the keys that differ from those of a checkpoint"),
     row(Kind::Command, "sweep --cluster", NEW_SLURM),
     row(Kind::Command, "sweep --on", NEW_SLURM),
-    row(Kind::Command, "watch --no-page", "`watch` serves no page; report.html in the folder of the run is the page"),
-    row(Kind::Command, "watch --port", "open report.html in the folder of the run, and reload it"),
-    row(Kind::Key, "cluster", NEW_SLURM),
-    row(Kind::Finding, "colour-elsewhere", "it belonged to `digitize`"),
-    row(Kind::Finding, "curve-interrupted", "it belonged to `digitize`"),
-    row(Kind::Finding, "curve-short", "it belonged to `digitize`"),
-const MASTER: &str =
-    "the program of a DMA makes the master curve, which --relaxation fits; `shift` of a material states its law";
-const PLASTIC: &str = "`calibrate` fits plastic film to coupons: scripts/plastic-coupons.rhai";
-
-/// Rows are listed by kind, then by name.
-const REMOVED: &[Removed] = &[
-    row(Kind::Command, "card check", "`pull` in a script has the stresses of one element, `card write` its card"),
-    row(
-        Kind::Key,
-        "specimen.bending",
-        "film is a membrane; docs/limits.md says from which thickness on bending matters",
-    ),
-    row(Kind::Key, "frame.springs.compression", "springs are slack where they are shorter than without force"),
-    row(
-        Kind::Key,
-        "frame.springs.continuous",
-        "`frame.springs.count` with a spring to each element of the edge is as even",
-        Kind::Command,
-        "card write --approximate",
-        "write for a solver that has the law, or fit one that the target has",
-    ),
-    row(
-        Kind::Command,
-        "deck read",
-        "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads",
-    ),
-    row(
-        Kind::Command,
-        "new material nylon-fabric",
-        "its values had no published source; `droptower new material fabric` is its law",
-    ),
-    row(
-        Kind::Key,
-        "frame.springs.curve",
-        "springs are linear: give a `stiffness`, that of the curve at the forces of the test",
-    ),
-    row(Kind::Key, "frame.springs.damping", "springs are linear and without loss; `specimen.damping` damps film"),
-    row(Kind::Key, "frame.springs.mass", "springs have no mass"),
-    row(Kind::Key, "frame.springs.spacing", "give their number on the whole film, `frame.springs.count`"),
-    row(Kind::Key, "fabric.wrinkling", "slack fibres carry no stress; `elastic` and `hyperelastic` film wrinkles"),
-    row(Kind::Finding, "deck-bending", "film is a membrane here, too"),
-    row(Kind::Finding, "springs-beyond-curve", "springs of the frame are linear"),
-    row(Kind::Finding, "springs-collapsed", "springs of the frame do not push"),
-    row(Kind::Command, "signal convert .mme", "write a table: -o FILE.csv; ISO-MME is still read"),
-    row(Kind::Command, "signal convert .zip", "write a table: -o FILE.csv; zipped ISO-MME is still read"),
     row(Kind::Command, "tensile fit --directions", PLASTIC),
     row(Kind::Command, "tensile fit --offset", PLASTIC),
     row(Kind::Command, "tensile fit --reference", MASTER),
@@ -102,32 +63,19 @@ const REMOVED: &[Removed] = &[
     row(Kind::Command, "tensile fit --window", PLASTIC),
     row(Kind::Command, "tensile fit plastic:table", PLASTIC),
     row(Kind::Command, "tensile fit plastic:voce", PLASTIC),
-    row(Kind::Finding, "hardening-scatters", PLASTIC),
-    row(Kind::Finding, "unloading-not-measured", PLASTIC),
-    row(Kind::Finding, "yield-ratio-assumed", PLASTIC),
-];
-
-const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
-        "card write --approximate",
-        "write for a solver that has the law, or fit one that the target has",
-    ),
-    row(
-        Kind::Command,
-        "deck read",
-        "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads",
-    ),
-    row(Kind::Command, "schema cluster", NEW_SLURM),
-    row(Kind::Command, "sweep --cluster", NEW_SLURM),
-    row(Kind::Command, "sweep --on", NEW_SLURM),
+    row(Kind::Command, "watch --no-page", "`watch` serves no page; report.html in the folder of the run is the page"),
+    row(Kind::Command, "watch --port", "open report.html in the folder of the run, and reload it"),
     row(Kind::Key, "cluster", NEW_SLURM),
+    row(Kind::Key, "fabric.wrinkling", "slack fibres carry no stress; `elastic` and `hyperelastic` film wrinkles"),
+    row(Kind::Key, "frame.springs.compression", "springs are slack where they are shorter than without force"),
+    row(Kind::Key, "frame.springs.continuous", "`frame.springs.count` with a spring to each element of the edge is as even"),
+    row(Kind::Key, "frame.springs.curve", "springs are linear: give a `stiffness`, that of the curve at the forces of the test"),
+    row(Kind::Key, "frame.springs.damping", "springs are linear and without loss; `specimen.damping` damps film"),
+    row(Kind::Key, "frame.springs.mass", "springs have no mass"),
+    row(Kind::Key, "frame.springs.spacing", "give their number on the whole film, `frame.springs.count`"),
     row(Kind::Key, "rupture.rate", "one `limit`, that of the rate of the test"),
     row(Kind::Key, "rupture.triaxiality", "one `limit`, that of the state of stress under the impactor"),
-    row(Kind::Finding, "card-approximated", "a law that a solver has not is refused"),
-    row(Kind::Finding, "deck-elements-not-read", "meshio converts meshes to .msh"),
-    row(Kind::Finding, "deck-implicit", "decks are written for LS-DYNA and OpenRadioss"),
-    row(Kind::Finding, "deck-no-friction", "decks are written for LS-DYNA and OpenRadioss"),
-    row(Kind::Finding, "deck-other-parts", "meshio converts meshes to .msh"),
-    row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
+    row(Kind::Key, "specimen.bending", "film is a membrane; docs/limits.md says from which thickness on bending matters"),
     row(Kind::Function, "calibrate.features", DISTANCES),
     row(Kind::Function, "calibrate.warping", DISTANCES),
     row(Kind::Function, "confidence.points", "it was an option of `profiles`, and `confidence` has none"),
@@ -135,14 +83,22 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Function, "indices", "`surrogate` has the Sobol' indices from fewer runs, `sweep` the main effects"),
     row(Kind::Function, "minimize.fallback", "choose a start that has a value, or give several as `starts`"),
     row(Kind::Function, "minimize.on_failure", "a trial without a value counts as worse than all others"),
-    row(
-        Kind::Function,
-        "minimize.spread",
-        "\"cma-es\" begins with a deviation of a quarter; narrow the bounds instead",
-    ),
+    row(Kind::Function, "minimize.spread", "\"cma-es\" begins with a deviation of a quarter; narrow the bounds instead"),
+    row(Kind::Function, "plot.polar", "a plot of pairs [angles, values] shows values over the angle"),
     row(Kind::Function, "profiles", PROFILES),
     row(Kind::Function, "screening", "`sweep` has the main effects of every input, `surrogate` their Sobol' indices"),
+    row(Kind::Finding, "card-approximated", "a law that a solver has not is refused"),
+    row(Kind::Finding, "colour-elsewhere", "it belonged to `digitize`"),
     row(Kind::Finding, "continued-from-profile", PROFILES),
+    row(Kind::Finding, "curve-interrupted", "it belonged to `digitize`"),
+    row(Kind::Finding, "curve-short", "it belonged to `digitize`"),
+    row(Kind::Finding, "deck-bending", "film is a membrane here, too"),
+    row(Kind::Finding, "deck-elements-not-read", "meshio converts meshes to .msh"),
+    row(Kind::Finding, "deck-implicit", "decks are written for LS-DYNA and OpenRadioss"),
+    row(Kind::Finding, "deck-no-friction", "decks are written for LS-DYNA and OpenRadioss"),
+    row(Kind::Finding, "deck-other-parts", "meshio converts meshes to .msh"),
+    row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
+    row(Kind::Finding, "hardening-scatters", PLASTIC),
     row(Kind::Finding, "lower-than-estimate", PROFILES),
     row(Kind::Finding, "no-bound", PROFILES),
     row(Kind::Finding, "no-design-point", IMPORTANCE),
@@ -150,18 +106,12 @@ const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and
     row(Kind::Finding, "open-indices", "it was of `indices`; `surrogate` says how well it predicts as `q2`"),
     row(Kind::Finding, "open-interval", PROFILES),
     row(Kind::Finding, "profile-failed", PROFILES),
+    row(Kind::Finding, "springs-beyond-curve", "springs of the frame are linear"),
+    row(Kind::Finding, "springs-collapsed", "springs of the frame do not push"),
     row(Kind::Finding, "start-replaced", "a start without a value ends the search; choose another one"),
+    row(Kind::Finding, "unloading-not-measured", PLASTIC),
+    row(Kind::Finding, "yield-ratio-assumed", PLASTIC),
 ];
-
-const DISTANCES: &str = "`distance` is \"residuals\", \"error-norm\" or \"rating\"";
-
-const IMPORTANCE: &str =
-    "`failure_probability` has the methods \"subset\" and \"monte-carlo\", not importance sampling";
-
-const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
-
-const PROFILES: &str =
-    "`confidence` has the intervals of the linear model, `posterior` of a calibration those without it";
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.
 pub fn command(words: &[String]) -> Option<(&'static str, String)> {
