@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::html::{escape, table};
+use super::html::{escape, table_of_numbers};
 use super::{RunPage, drawn};
 use base::number::{duration, significant};
 use plot::viridis::viridis;
@@ -115,7 +115,7 @@ fn rows(field: &FieldComparison) -> String {
             state.norms.largest().map_or(String::new(), |largest| significant(largest * 1e3, DIGITS)),
         ]
     };
-    let rows = table("rows", &header, &field.states.iter().map(row).collect::<Vec<_>>());
+    let rows = table_of_numbers(0, &header, &field.states.iter().map(row).collect::<Vec<_>>());
     format!("<details>\n<summary>Errors at each time</summary>\n{rows}</details>\n")
 }
 

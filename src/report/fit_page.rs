@@ -27,6 +27,8 @@ pub struct FitPage<'a> {
 pub struct FitTable {
     /// Heading.
     pub title: &'static str,
+    /// How many columns at the left are text; the others are numbers.
+    pub texts: usize,
     /// Names of the columns.
     pub columns: Vec<String>,
     /// Cells.
@@ -35,7 +37,9 @@ pub struct FitTable {
 
 /// The page of a fit.
 pub fn fit_page(fit: &FitPage<'_>) -> String {
-    let table = |table: &FitTable| html::section(table.title, &html::table("rows", &table.columns, &table.rows));
+    let table = |table: &FitTable| {
+        html::section(table.title, &html::table_of_numbers(table.texts, &table.columns, &table.rows))
+    };
     let matrix = fit.correlation.as_ref().map(|one| html::matrix(&one.title, &one.names, &one.rows));
     let body = [
         format!("<h1>{}</h1>\n", escape(fit.title)),

@@ -172,27 +172,28 @@ pub(super) fn section(heading: &str, content: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{content}</section>\n", escape(heading))
 }
 
-/// A table with a header; all cells are text, columns of numbers are aligned to the right.
-pub(super) fn table(class: &str, header: &[String], rows: &[Vec<String>]) -> String {
+/// A table of text, with a header unless that is empty.
+pub(super) fn table(header: &[String], rows: &[Vec<String>]) -> String {
+    table_of_numbers(usize::MAX, header, rows)
+}
+
+/// A table whose first columns, `texts` of them, are text; the others are numbers, which are aligned to the right.
+pub(super) fn table_of_numbers(texts: usize, header: &[String], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let column = |at: usize| rows.iter().filter_map(move |row| row.get(at)).filter(|cell| !cell.is_empty());
-    let is_number = |at: usize| column(at).next().is_some() && column(at).all(|cell| cell.parse::<f64>().is_ok());
-    let numbers: Vec<bool> = (0..width).map(is_number).collect();
-    let mut html = format!("<div class=\"scroll\"><table class=\"{class}\">\n");
+    let mut html = String::from("<div class=\"scroll\"><table class=\"rows\">\n");
     if !header.is_empty() {
-        html += &row(header, "th", " scope=\"col\"", &numbers);
+        html += &row(header, "th", " scope=\"col\"", texts);
     }
-    rows.iter().for_each(|cells| html += &row(cells, "td", "", &numbers));
+    rows.iter().for_each(|cells| html += &row(cells, "td", "", texts));
     html + "</table></div>\n"
 }
 
-fn row(cells: &[String], tag: &str, scope: &str, numbers: &[bool]) -> String {
+fn row(cells: &[String], tag: &str, scope: &str, texts: usize) -> String {
     let mut html = String::from("<tr>");
     for (at, cell) in cells.iter().enumerate() {
-        let class = if numbers.get(at) == Some(&true) { " class=\"number\"" } else { "" };
+        let class = if at >= texts { " class=\"number\"" } else { "" };
         let _ = write!(html, "<{tag}{scope}{class}>{}</{tag}>", escape(cell));
     }
     html + "</tr>\n"
@@ -295,10 +296,11 @@ mod tests {
 
     #[test]
     fn numbers_are_aligned_to_the_right_and_text_is_escaped() {
-        let rows = [vec!["<a>".to_owned(), "-1.5e-3".into()], vec!["2".into(), String::new()]];
-        let html = table("rows", &["name", "value"].map(String::from), &rows);
+        let rows = [vec!["<a>".to_owned(), "-1.5e-3".into()], vec!["1008".into(), String::new()]];
+        let html = table_of_numbers(1, &["name", "value"].map(String::from), &rows);
         assert!(html.contains("<th scope=\"col\">name</th><th scope=\"col\" class=\"number\">value</th>"), "{html}");
         assert!(html.contains("<td>&lt;a&gt;</td><td class=\"number\">-1.5e-3</td>"), "{html}");
+        assert!(html.contains("<td>1008</td>"), "a name of digits is a name: {html}");
     }
 
     #[test]

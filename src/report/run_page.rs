@@ -112,7 +112,7 @@ fn audit(run: &RunPage) -> String {
         [(face + 1).to_string(), mesh.elements.to_string()].into_iter().chain(numbers).collect()
     };
     let meshes: Vec<Vec<String>> = audit.meshes.iter().enumerate().map(row).collect();
-    let meshes = html::table("rows", &header.map(String::from), &meshes);
+    let meshes = html::table_of_numbers(0, &header.map(String::from), &meshes);
     [drawn::side_by_side([energies, rates]), format!("<h3>Worst elements of each face</h3>\n{meshes}")].concat()
 }
 
@@ -161,7 +161,7 @@ fn reduced(drop: &Figures) -> String {
     ];
     let rows: Vec<Vec<String>> = rows.into_iter().flatten().collect();
     let head = ["the recording", "value", "interval of 95 % by the time constant"].map(String::from);
-    html::table("rows", &head, &rows)
+    html::table(&head, &rows)
 }
 
 /// The files of the run folder with their content; those that are not of the run were written by the script.
@@ -174,7 +174,7 @@ fn files(run: &RunPage) -> String {
     if !snapshots.is_empty() {
         rows.push(vec![format!("{SNAPSHOTS}/"), format!("{} snapshots for ParaView", snapshots.len())]);
     }
-    html::table("rows", &["file", "what it holds"].map(String::from), &rows)
+    html::table(&["file", "what it holds"].map(String::from), &rows)
 }
 
 /// The values that the scenario assumes, each with its comment.

@@ -51,7 +51,7 @@ pub(super) fn sections(output: &ScriptOutput, most: usize, fold: Fold) -> String
         html::section("Correlations", &correlations),
         html::section(
             "Files of the script",
-            &html::table("rows", &["file", "rows", "bytes"].map(String::from), &files(output)),
+            &html::table_of_numbers(1, &["file", "rows", "bytes"].map(String::from), &files(output)),
         ),
     ];
     let tables: String = match fold {

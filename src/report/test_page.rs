@@ -67,5 +67,5 @@ fn all(verdicts: &[Verdict]) -> String {
         vec![verdict.name.clone(), became.into(), time_taken(verdict.seconds)]
     };
     let header = ["test", "verdict", "time"].map(String::from);
-    html::table("rows", &header, &verdicts.iter().map(row).collect::<Vec<_>>())
+    html::table(&header, &verdicts.iter().map(row).collect::<Vec<_>>())
 }

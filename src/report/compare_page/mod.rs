@@ -43,7 +43,7 @@ pub fn compare_page(comparison: &RunComparison, outside: Option<&[Outside]>) -> 
             &folded("of each run", &distances(&differences::shown_errors(comparison, &head("signal")))),
         ),
         html::section("Further figures", &folded("those that are equal, and the cost", &others)),
-        html::section("Runs", &html::table("rows", &header_of_runs(), &runs(comparison))),
+        html::section("Runs", &html::table(&header_of_runs(), &runs(comparison))),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(&title, &body.concat())
@@ -54,7 +54,7 @@ fn bounds(outside: &[Outside]) -> String {
         let within = differences.is_empty().then(|| vec![run.clone(), "within the bounds".into()]);
         within.into_iter().chain(differences.iter().map(|difference| vec![run.clone(), difference.to_string()]))
     });
-    html::table("rows", &["run", "verdict"].map(String::from), &rows.collect::<Vec<_>>())
+    html::table(&["run", "verdict"].map(String::from), &rows.collect::<Vec<_>>())
 }
 
 fn header_of_runs() -> Vec<String> {

@@ -76,10 +76,10 @@ fn one(page: &DropPage<'_>, test: &DropTest) -> String {
             Ok(_) => html::section("Impact", &drawn::medium(&plots)),
             Err(_) => html::section("Laser", &drawn::figures(&plots)),
         },
-        html::section(heading, &html::table("rows", &[], &rows)),
+        html::section(heading, &html::table(&[], &rows)),
         html::findings(Vec::new(), &test.findings),
         html::section("Comments of the file", &html::list(&comments(test))),
-        html::section("What was reduced", &html::table("rows", &[], &origin(test))),
+        html::section("What was reduced", &html::table(&[], &origin(test))),
         html::section("Run it again", &html::verbatim(page.command)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
@@ -125,5 +125,5 @@ fn origins(names: &[String], tests: &[DropTest]) -> String {
     };
     let header = ["recording", "path", "SHA-256"].map(String::from);
     let rows: Vec<Vec<String>> = names.iter().zip(tests).map(row).collect();
-    folded("files and their checksums", &html::table("rows", &header, &rows))
+    folded("files and their checksums", &html::table(&header, &rows))
 }

@@ -70,7 +70,7 @@ fn run(call: &Map<String, Value>) -> String {
         other => cell(other),
     };
     let rows = call.iter().map(|(name, value)| vec![name.clone(), written(value)]);
-    html::table("rows", &[], &rows.filter(|row| !row[1].is_empty()).collect::<Vec<_>>())
+    html::table(&[], &rows.filter(|row| !row[1].is_empty()).collect::<Vec<_>>())
 }
 
 fn argument((name, value): (&String, &Value)) -> String {

@@ -38,7 +38,7 @@ fn coefficients(fit: &LawFit) -> FitTable {
         vec![one.name.clone(), unit.into(), shown(Some(one.value)), shown(one.standard_error), shown(low), shown(high)]
     });
     let columns = columns(["coefficient", "unit", "value", "standard error", "95 %: from", "to"]);
-    FitTable { title: "Coefficients", columns, rows: rows.collect() }
+    FitTable { title: "Coefficients", texts: 2, columns, rows: rows.collect() }
 }
 
 fn tests(fit: &LawFit) -> FitTable {
@@ -70,7 +70,7 @@ fn tests(fit: &LawFit) -> FitTable {
         "largest error (MPa)",
         "at stretch",
     ]);
-    FitTable { title: "Tests", columns, rows }
+    FitTable { title: "Tests", texts: 3, columns, rows }
 }
 
 /// Stress over stretch of tests in tension, fitted over measured stress of biaxial ones, and the residuals of all.

@@ -29,8 +29,8 @@ fn tables(fit: &PronyFit) -> Vec<FitTable> {
     let figures = figures.map(|(name, value)| vec![name.to_owned(), value]).into();
     let terms = fit.prony.terms.iter().map(|term| vec![figure(term.share, 5), plain(rounded(term.time, 5))]);
     vec![
-        FitTable { title: "Figures", columns: columns(["figure", "value"]), rows: figures },
-        FitTable { title: "Terms", columns: columns(["share", "time (s)"]), rows: terms.collect() },
+        FitTable { title: "Figures", texts: 1, columns: columns(["figure", "value"]), rows: figures },
+        FitTable { title: "Terms", texts: 0, columns: columns(["share", "time (s)"]), rows: terms.collect() },
     ]
 }
 
