@@ -88,7 +88,7 @@ def main(droptower, folder):
         early = subprocess.run(["sh", "sweep.sbatch"], cwd=sweep.folder, env=sweep.environment, capture_output=True, text=True, check=False)
         if early.returncode != 1 or "runs are not done" not in early.stderr:
             raise SystemExit(f"merged too early: exit status {early.returncode}\n{early.stderr}")
-        print(f"merged too early: {early.stderr.splitlines()[0]}")
+        print(next(line for line in early.stderr.splitlines() if "runs are not done" in line))
         slurm.start_node()
         wait(lambda: slurm.tasks(), "the task of the lost node is started again", told)
         print("the task of the lost node was started again")
