@@ -45,7 +45,7 @@ pub(super) struct SweepArgs {
     /// Also write the run folders of these runs: worst:3, all, or numbers (4,17)
     #[arg(long, value_name = "WHICH")]
     pub keep: Option<String>,
-    /// Figure by which runs are ranked: the largest value is the worst
+    /// Figure by which runs are ranked: the largest is the worst, of figures such as a depth by size
     #[arg(long, value_name = "FIGURE")]
     pub figure: Option<String>,
     #[command(flatten)]

@@ -9,7 +9,7 @@ use super::{keys, signed_percent};
 use base::written::{Reading, digits};
 use scene::scenario::grammar;
 use study::post::comparison::{ComparedFigure, ComparedKey, ComparedSignal};
-use study::post::{RunComparison, is_key_figure};
+use study::post::{RunComparison, is_result};
 
 /// Most differences that the sentence names, and that are drawn of a run.
 const MOST_NAMED: usize = 3;
@@ -38,10 +38,9 @@ impl Difference<'_> {
     }
 }
 
-/// The figures by which runs are judged that differ in a run, the largest difference first. Errors are shares already,
-/// and the balance tells of the computation.
+/// The figures by which runs are judged that differ in a run, the largest difference first.
 fn judged(comparison: &RunComparison, run: usize) -> Vec<Difference<'_>> {
-    let is_judged = |figure: &&ComparedFigure| is_key_figure(&figure.name) && !figure.name.ends_with("_error");
+    let is_judged = |figure: &&ComparedFigure| is_result(&figure.name);
     let of = |figure| Some(Difference { figure, share: ComparedFigure::difference(figure, run)? });
     let mut all: Vec<Difference> = comparison.figures.iter().filter(is_judged).filter_map(of).collect();
     all.retain(|difference| difference.share.abs() >= LEAST_DIFFERENCE);

@@ -7,7 +7,7 @@ use base::written::Reading;
 use scene::model::{Factor, Input};
 use scene::scenario::grammar;
 use study::evaluate::Evaluation;
-use study::post::{is_of_script, is_result};
+use study::post::{badness, is_of_script, is_result};
 use study::sweep::Sweep;
 
 use super::points::{Axis, Points};
@@ -27,7 +27,7 @@ pub(super) struct SweepRuns {
     rows: BTreeMap<usize, Row>,
     /// Runs that have figures, those that are not among the rows included.
     finished: usize,
-    /// Place and value of the run with the largest value of that figure.
+    /// Place and value of the run that is worst by that figure.
     worst: Option<(usize, f64)>,
 }
 
@@ -59,7 +59,7 @@ impl SweepRuns {
         self.finished += 1;
         if let Some(value) =
             evaluation.figures.iter().find(|(name, _)| *name == self.ranked).and_then(|(_, figure)| figure.number())
-            && self.worst.is_none_or(|(_, worst)| value > worst)
+            && self.worst.is_none_or(|(_, worst)| badness(&self.ranked, value) > badness(&self.ranked, worst))
         {
             self.worst = Some((place, value));
         }
@@ -86,7 +86,7 @@ impl SweepRuns {
         ranges.into_iter().take(MOST_FIGURES).map(|(name, _)| name.clone()).collect()
     }
 
-    /// The run with the largest value of the figure by which runs are ranked: number, words, and the value as it is read.
+    /// The run that is worst by the figure by which runs are ranked: number, words, and the value as it is read.
     pub(super) fn worst(&self) -> Option<(usize, String, String)> {
         let (place, value) = self.worst?;
         let (words, reading) = Reading::of_name(&self.ranked, value);
@@ -186,6 +186,12 @@ mod tests {
         assert_eq!(rounded(&points.rows[1])[..3], [12.0, 1.0, 1.0]);
         assert_eq!(runs.worst(), Some((4, "peak force".into(), "2 N".into())));
         assert_eq!(points.all, 2);
+        // The deepest run, although its displacement is the smallest number.
+        let mut deep =
+            SweepRuns { ranked: "peak_displacement_m".into(), rows: BTreeMap::new(), worst: None, ..runs.clone() };
+        deep.add(7, inputs(12e-6, "a.toml"), &evaluation(1.0, None));
+        deep.add(3, inputs(10e-6, "b.toml"), &evaluation(2.0, None));
+        assert_eq!(deep.worst(), Some((4, "peak displacement".into(), "\u{2212}200 mm".into())));
         // Runs that are drawn no more still count.
         for place in 10..MOST_RUNS + 10 {
             runs.rows.insert(place, (inputs(12e-6, "a.toml"), vec![]));

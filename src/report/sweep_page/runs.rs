@@ -37,7 +37,7 @@ pub(super) fn worst(page: &SweepPage, columns: &Columns) -> String {
         return items;
     }
     let note = format!(
-        "Worst by {}, the largest value first; --keep worst:{WORST} in the command of the sweep writes their folders too.",
+        "Worst by {}, the largest first; --keep worst:{WORST} in the command of the sweep writes their folders too.",
         page.figure
     );
     format!("<ol class=\"worst\">\n{items}</ol>\n<p class=\"note\">{}</p>\n", escape(&note))

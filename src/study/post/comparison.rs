@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
-use super::figures::SUMMARY;
+use super::headline::is_key_figure;
 use super::warning::VIRTUAL_REFERENCE;
 use super::{COST, HEADER, Warning};
 use crate::store::StoredRun;
@@ -73,38 +73,6 @@ pub struct ComparedSignal {
 
 /// Name of the column of runs in tables.
 const RUN: &str = "run";
-
-/// Figures that are shown even where all runs agree.
-const KEY: [&str; 14] = [
-    "peak_acceleration_m_s2",
-    "peak_displacement_m",
-    "rebound_velocity_m_s",
-    "energy_absorption",
-    "peak_force_N",
-    "peak_stress_Pa",
-    "strain_at_break",
-    "final_depth_m",
-    "final_deflection_m",
-    "final_volume_m3",
-    "burst_pressure_Pa",
-    "field_rms_m",
-    BALANCE,
-    "ruptured",
-];
-
-/// The key figure that tells of the computation, not of the film.
-const BALANCE: &str = "energy_balance_error";
-
-/// Whether a figure is one by which films are judged: a key figure that does not tell of the computation.
-pub fn is_result(name: &str) -> bool {
-    is_key_figure(name) && name != BALANCE
-}
-
-/// Whether a figure is one by which runs are judged, also of one of several impactors, with its name before.
-pub fn is_key_figure(name: &str) -> bool {
-    let is_of = |key: &&str| name.strip_suffix(*key).is_some_and(|name| name.ends_with('_'));
-    KEY.contains(&name) || !SUMMARY.contains(&name) && KEY.iter().any(is_of)
-}
 
 impl RunComparison {
     /// Compares `runs`; of the signals only those that `wanted` names, or all where it is empty.

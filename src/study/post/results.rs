@@ -130,15 +130,6 @@ impl Results {
     }
 }
 
-/// The figure by which runs of `model` are ranked where none is named.
-pub fn ranking_figure(model: &Model) -> &'static str {
-    match model.loading.test() {
-        Test::Impact => "peak_acceleration_m_s2",
-        Test::Stretch | Test::Indent { .. } => "peak_force_N",
-        Test::Inflation => "peak_deflection_m",
-    }
-}
-
 fn header(model: &Model) -> Map<String, Value> {
     let values = [json!(model.name), json!(model.title), json!(env!("CARGO_PKG_VERSION"))];
     HEADER.map(String::from).into_iter().zip(values).collect()

@@ -6,7 +6,7 @@ use super::statistics::{self, Effects, Quantiles};
 use super::table::Table;
 use super::{Done, Sweep, warnings};
 use crate::evaluate::{EvaluationError, Evaluations, is_cost};
-use crate::post::{is_of_script, is_result};
+use crate::post::{badness, is_of_script, is_result};
 use crate::script::RunFindings;
 use base::finding::Finding;
 use base::table::{Column, Values};
@@ -116,13 +116,13 @@ impl SweepResults {
         ordered.take(most).collect()
     }
 
-    /// The runs with the largest values of a figure, from zero, the largest first; failed runs come before all, those without
+    /// The runs that are worst by a figure ([`badness`]), from zero, the worst first; failed runs come before all, those without
     /// the figure after them.
     pub fn worst(&self, figure: &str, count: usize) -> Vec<usize> {
         let values = self.table.column(figure).map(|column| column.values.numbers()).unwrap_or_default();
         let of = |row: usize| match self.table.failure(row) {
             Some(_) => f64::INFINITY,
-            None => values.get(row).copied().flatten().unwrap_or(f64::NEG_INFINITY),
+            None => values.get(row).copied().flatten().map_or(f64::NEG_INFINITY, |value| badness(figure, value)),
         };
         let mut rows: Vec<usize> = (0..self.table.rows()).collect();
         rows.sort_by(|a, b| of(*b).total_cmp(&of(*a)).then(a.cmp(b)));
@@ -134,13 +134,13 @@ impl SweepResults {
 mod tests {
     use super::*;
 
-    fn results(values: [Option<f64>; 5], failed: usize) -> SweepResults {
+    fn results(figure: &str, values: [Option<f64>; 5], failed: usize) -> SweepResults {
         let column = |name: &str, values| Column { name: name.into(), values };
         let failure = (0..5).map(|row| (row == failed).then(|| "lost".to_owned())).collect();
         let columns = vec![
             column("run", Values::Numbers((1..=5).map(|run| Some(f64::from(run))).collect())),
             column("status", Values::Texts(vec![None; 5])),
-            column("depth_m", Values::Numbers(values.to_vec())),
+            column(figure, Values::Numbers(values.to_vec())),
             column("failure", Values::Texts(failure)),
         ];
         let table = Table { columns, inputs: 0, figures: 1 };
@@ -159,9 +159,11 @@ mod tests {
 
     #[test]
     fn the_worst_runs_are_those_with_the_largest_values() {
-        let found = results([Some(-3.0), Some(1.0), None, Some(0.5), Some(2.0)], 3);
+        let found = results("depth_m", [Some(-3.0), Some(1.0), None, Some(0.5), Some(2.0)], 3);
         assert_eq!(found.worst("depth_m", 5), [3, 4, 1, 0, 2]);
-        let negative = results([Some(-1.0), Some(-3.0), Some(-2.0), Some(-4.0), None], 4);
-        assert_eq!(negative.worst("depth_m", 3), [4, 0, 2]);
+        let negative =
+            |figure| results(figure, [Some(-1.0), Some(-3.0), Some(-2.0), Some(-4.0), None], 4).worst(figure, 3);
+        assert_eq!(negative("own_margin"), [4, 0, 2]);
+        assert_eq!(negative("peak_displacement_m"), [4, 3, 1], "the deepest");
     }
 }

@@ -1,0 +1,176 @@
+//! The figures by which runs are judged, compared and ranked, and that pages begin with.
+
+use super::figures::{SUMMARY, is_of_script};
+use base::units::STANDARD_GRAVITY;
+use scene::model::Model;
+use scene::model::loading::Test;
+
+/// A figure of `summary.json` that a person asks for first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Headline {
+    /// The test that has it; none of a figure of every test.
+    pub test: Option<TestKind>,
+    /// Its name in the summary; of several impactors it begins with theirs.
+    pub name: &'static str,
+    /// What it is called where it is shown.
+    pub words: &'static str,
+    /// From the summary's unit to the one shown.
+    pub factor: f64,
+    /// The unit shown.
+    pub unit: &'static str,
+    /// The figure that says at which time, strain or depth it was.
+    pub at: Option<&'static str>,
+    /// Whether films are judged by it; the others tell of the computation, of a reference, or what the test was.
+    pub judges: bool,
+}
+
+/// What is done to the film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TestKind {
+    /// An impact.
+    Impact,
+    /// A stretch.
+    Stretch,
+    /// An indentation.
+    Indent,
+    /// An inflation.
+    Inflation,
+}
+
+type Shown = (f64, &'static str);
+
+const fn other(test: Option<TestKind>, name: &'static str, words: &'static str, (factor, unit): Shown) -> Headline {
+    Headline { test, name, words, factor, unit, at: None, judges: false }
+}
+
+const fn result(test: Option<TestKind>, name: &'static str, words: &'static str, shown: Shown) -> Headline {
+    Headline { judges: true, ..other(test, name, words, shown) }
+}
+
+const fn at(at: &'static str, headline: Headline) -> Headline {
+    Headline { at: Some(at), ..headline }
+}
+
+const IMPACT: Option<TestKind> = Some(TestKind::Impact);
+const STRETCH: Option<TestKind> = Some(TestKind::Stretch);
+const INDENT: Option<TestKind> = Some(TestKind::Indent);
+const INFLATION: Option<TestKind> = Some(TestKind::Inflation);
+const EVERY: Option<TestKind> = None;
+
+const G: Shown = (1.0 / STANDARD_GRAVITY, "g");
+const MM: Shown = (1e3, "mm");
+const N: Shown = (1.0, "N");
+const KPA: Shown = (1e-3, "kPa");
+const PERCENT: Shown = (100.0, "%");
+
+/// All of them, in the order of pages; the first of a test is the one by which its runs are ranked.
+pub const HEADLINES: [Headline; 25] = [
+    at("time_of_peak_acceleration_s", result(IMPACT, "peak_acceleration_m_s2", "peak deceleration", G)),
+    at("time_of_peak_displacement_s", result(IMPACT, "peak_displacement_m", "lowest point", MM)),
+    result(IMPACT, "energy_absorption", "energy absorbed", PERCENT),
+    at("time_of_rebound_s", result(IMPACT, "rebound_velocity_m_s", "rebound velocity", (1.0, "m/s"))),
+    other(IMPACT, "acceleration_error", "acceleration error E_a", PERCENT),
+    other(IMPACT, "displacement_error", "displacement error E_d", PERCENT),
+    result(STRETCH, "peak_force_N", "peak force", N),
+    at("strain_at_peak_stress", result(STRETCH, "peak_stress_Pa", "peak stress", (1e-6, "MPa"))),
+    result(STRETCH, "strain_at_break", "strain at break", PERCENT),
+    other(STRETCH, "final_strain", "final strain", PERCENT),
+    at("depth_at_peak_force_m", result(INDENT, "peak_force_N", "peak force", N)),
+    result(INDENT, "work_J", "work", (1.0, "J")),
+    result(INDENT, "depth_at_break_m", "depth at break", MM),
+    result(INDENT, "final_depth_m", "final depth", MM),
+    result(INFLATION, "peak_deflection_m", "largest deflection", MM),
+    result(INFLATION, "final_deflection_m", "deflection", MM),
+    result(INFLATION, "final_volume_m3", "volume", (1e3, "l")),
+    result(INFLATION, "peak_pressure_Pa", "peak pressure", KPA),
+    result(INFLATION, "burst_pressure_Pa", "burst pressure", KPA),
+    other(INFLATION, "settling", "settled within", PERCENT),
+    other(EVERY, "energy_balance_error", "energy balance error", PERCENT),
+    result(EVERY, "torn_length_m", "torn", MM),
+    result(EVERY, "warming_K", "warmed up by", (1.0, "K")),
+    result(EVERY, "field_rms_m", "field error, rms", MM),
+    other(EVERY, "field_error", "field error", PERCENT),
+];
+
+/// Whether the film held: a headline without a number.
+const RUPTURED: &str = "ruptured";
+
+impl TestKind {
+    /// That of a run of `model`.
+    pub fn of(model: &Model) -> TestKind {
+        match model.loading.test() {
+            Test::Impact => TestKind::Impact,
+            Test::Stretch => TestKind::Stretch,
+            Test::Indent { .. } => TestKind::Indent,
+            Test::Inflation => TestKind::Inflation,
+        }
+    }
+
+    /// Its own headlines.
+    pub fn headlines(self) -> impl Iterator<Item = &'static Headline> {
+        HEADLINES.iter().filter(move |headline| headline.test == Some(self))
+    }
+}
+
+/// The figure by which runs of `model` are ranked where none is named.
+pub fn ranking_figure(model: &Model) -> &'static str {
+    TestKind::of(model).headlines().next().map_or(RUPTURED, |first| first.name)
+}
+
+/// How bad a value of a figure is where runs are ranked by it: its size, since a depth may be negative; of a figure that a post
+/// script measures, the value as it is.
+pub fn badness(figure: &str, value: f64) -> f64 {
+    if is_of_script(figure) { value } else { value.abs() }
+}
+
+/// Whether a figure is one by which films are judged, also of one of several impactors, with its name before.
+pub fn is_result(name: &str) -> bool {
+    find(name).any(|headline| headline.judges) || is_meant(name, RUPTURED)
+}
+
+/// Whether a figure is shown even where all runs agree.
+pub(super) fn is_key_figure(name: &str) -> bool {
+    find(name).next().is_some() || is_meant(name, RUPTURED)
+}
+
+fn find(name: &str) -> impl Iterator<Item = &'static Headline> {
+    HEADLINES.iter().filter(move |headline| is_meant(name, headline.name))
+}
+
+fn is_meant(name: &str, headline: &str) -> bool {
+    let is_of_body = || name.strip_suffix(headline).is_some_and(|name| name.ends_with('_'));
+    name == headline || !SUMMARY.contains(&name) && is_of_body()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_headline_is_a_figure_of_its_test() {
+        for Headline { name, test, .. } in HEADLINES {
+            assert!(SUMMARY.contains(&name), "{name}");
+            assert!(test.is_some_and(|test| test.headlines().any(|own| own.name == name)) || test.is_none(), "{name}");
+        }
+        assert!(SUMMARY.contains(&RUPTURED));
+    }
+
+    #[test]
+    fn results_tell_of_the_film() {
+        for name in ["work_J", "peak_pressure_Pa", "peak_deflection_m", "head_peak_displacement_m", "ruptured"] {
+            assert!(is_result(name) && is_key_figure(name), "{name}");
+        }
+        for name in ["energy_balance_error", "acceleration_error", "settling"] {
+            assert!(!is_result(name) && is_key_figure(name), "{name}");
+        }
+        for name in ["film_energy_absorption", "elements", "my_share"] {
+            assert!(!is_result(name) && !is_key_figure(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_deep_run_is_worse_than_a_shallow_one() {
+        assert!(badness("peak_displacement_m", -0.3) > badness("peak_displacement_m", -0.1));
+        assert!(badness("overshoot", -0.3) < badness("overshoot", -0.1), "a script's figure has its own sign");
+    }
+}
