@@ -17,8 +17,8 @@ use thiserror::Error;
 use crate::number;
 
 pub(crate) use table::ladder;
-pub use table::printed;
-pub use unit::{STANDARD_GRAVITY, Unit, UnknownUnit};
+pub use table::{STANDARD_GRAVITY, printed};
+pub use unit::{Unit, UnknownUnit};
 
 /// Powers of metre, kilogram, second, radian, kelvin and mole.
 type Powers = [i8; 6];

@@ -701,11 +701,11 @@ fn a_plastic_law_is_found_again_from_its_coupons() {
                 recordings: truth.with(set).pull(strains, #{{ across: "strip" }}) }});
         }}
         let key = |name, start| #{{ key: `specimen.material.plastic.${{name}}`, start: start, within: [0.1 * start, 10 * start], log: true }};
-        let study = calibrate(#{{ tests: tests, discrepancy: 0.01, starts: 1, parameters: #{{
+        let found = calibrate(#{{ tests: tests, discrepancy: 0.01, starts: 1, parameters: #{{
             young: key.call("young", 1.6e8), first: key.call("hardening.voce.yield", 6e6),
             saturation: key.call("hardening.voce.saturation", 15e6), rate: key.call("hardening.voce.rate", 8.0),
             r22: key.call("hill.r22", 1.0), r12: key.call("hill.r12", 1.0) }} }});
-        ["young", "first", "saturation", "rate", "r22", "r12"].map(|name| study.x[name])"#
+        ["young", "first", "saturation", "rate", "r22", "r12"].map(|name| found.x[name])"#
     );
     let (found, _) = run(&text).unwrap_or_else(|error| panic!("{error}"));
     let found = found.into_array().unwrap().into_iter().map(|item| item.as_float().expect("a number"));

@@ -6,8 +6,10 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use super::unit::STANDARD_GRAVITY;
 use super::{Powers, parse_unit, scale};
+
+/// Standard gravity, m/s² (3rd CGPM, 1901; exact).
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Pound, kg (international pound, 1959; exact).
 const POUND: f64 = 0.453_592_37;

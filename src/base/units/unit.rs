@@ -2,11 +2,8 @@
 
 use thiserror::Error;
 
-use super::table::ENDS;
+use super::table::{ENDS, STANDARD_GRAVITY};
 use super::{DIMENSIONS, Dimension, Powers, parse_unit, scale};
-
-/// Standard gravity, m/s² (3rd CGPM, 1901; exact).
-pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
 const ACCELERATION: Powers = [1, 0, -2, 0, 0, 0];
 

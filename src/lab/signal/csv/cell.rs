@@ -176,7 +176,7 @@ mod tests {
             (Separator::Tab, "0\t\t 1", &[("0", 0), ("", 2), ("1", 4)]),
             (Separator::Blanks, "   0.5  1\t2 ", &[("0.5", 3), ("1", 8), ("2", 10)]),
             (Separator::Comma, "\"a", &[("\"a", 0)]),
-            (Separator::Semicolon, "\"a \"\"b; c\"\"\";2", &[("a \"b; c\"", 0), ("2", 15)]),
+            (Separator::Semicolon, "\"a \"\"b; c\"\"\";2", &[("a \"b; c\"", 0), ("2", 13)]),
             (Separator::Comma, "\"\",\"\"\"\",1", &[("", 0), ("\"", 3), ("1", 8)]),
             (Separator::Comma, "", &[("", 0)]),
             (Separator::Blanks, " ", &[]),

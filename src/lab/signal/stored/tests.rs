@@ -51,7 +51,7 @@ fn check(format: &str) {
     }
 }
 
-/// Files of up to a kilobyte that are cut at every byte, and of which every byte is another, are read or refused; longer ones at some
+/// Files of up to 400 bytes that are cut at every byte, and of which every byte is another, are read or refused; longer ones at some
 /// 80 places.
 fn damage(format: &str) {
     let scratch = tempfile::tempdir().unwrap();
@@ -59,7 +59,7 @@ fn damage(format: &str) {
     {
         let bytes = fs::read(entry.path()).unwrap();
         let path = scratch.path().join(entry.file_name());
-        let step = if bytes.len() <= 1024 { 1 } else { bytes.len() / 80 };
+        let step = if bytes.len() <= 400 { 1 } else { 1 + bytes.len() / 80 };
         for place in (0..bytes.len()).step_by(step) {
             let mut other = bytes.clone();
             other[place] ^= 0xff;
