@@ -7,7 +7,8 @@ use clap::{ArgGroup, Args};
 use crate::argument::{number, quantity};
 use crate::signal::input::FileArgs;
 use base::units::{Density, Length};
-use lab::experiment::law_fit::{LawChoice, TestKind, Weighting};
+use lab::experiment::law_fit::hyperelastic::Energy;
+use lab::experiment::law_fit::{TestKind, Weighting};
 use lab::experiment::material_file::fitted::FilmKeys;
 
 /// Number of terms of a Prony series where none is given.
@@ -22,7 +23,7 @@ pub(crate) struct FitArgs {
     pub data: Vec<String>,
     /// The law: neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent or ogden:N
     #[arg(long, value_name = "LAW")]
-    pub law: Option<LawChoice>,
+    pub law: Option<Energy>,
     /// Fit a Prony series to a relaxation modulus
     #[arg(long)]
     pub relaxation: bool,

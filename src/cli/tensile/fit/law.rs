@@ -12,13 +12,12 @@ use crate::{Failure, Shared, print_figures};
 use base::diagnostic::Diagnostic;
 use base::finding::Finding;
 use lab::experiment::Warning;
-use lab::experiment::law_fit::{
-    DataSet, FitError, FitOptions, LawChoice, StressReader, StressReadingError, TestKind, fit_law,
-};
+use lab::experiment::law_fit::hyperelastic::Energy;
+use lab::experiment::law_fit::{DataSet, FitError, FitOptions, StressReader, StressReadingError, TestKind, fit_law};
 use lab::experiment::material_file::fitted::law_text;
 use lab::signal::file::ChannelSelection;
 
-pub(super) fn run(law: LawChoice, args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(law: Energy, args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     let places = Places::from_args(args)?;
     let data = paths(&args.data)?;
     let kinds = one_each(&args.test, data.len(), "kinds of tests", "--test")?;

@@ -1,11 +1,8 @@
 //! Fits of film laws to measured stresses: which laws there are, the tests that they are fitted to, and the fit.
 //!
-//! A family of laws is one module with an arm in [`LawChoice`] and in [`fit_law`]; tests, weights, figures, intervals
-//! and findings are common to all.
+//! Laws are energies of rubber-like film ([`hyperelastic`]).
 
-mod choice;
 mod data_set;
-mod fit;
 pub mod hyperelastic;
 mod intervals;
 mod options;
@@ -16,9 +13,8 @@ mod test_kind;
 mod warning;
 mod weighting;
 
-pub use choice::{LawChoice, LawChoiceError};
 pub use data_set::{BiaxialPoint, DataError, DataSet, Measured, range};
-pub use fit::fit_law;
+pub use hyperelastic::fit_law;
 pub use options::{FitError, FitOptions};
 pub use quality::Quality;
 pub use reading::{StressFault, StressReader, StressReadingError};

@@ -1,6 +1,7 @@
 //! A fitted law, with what is known of its coefficients and how well it follows each test.
 
-use super::{DataSet, LawChoice, Quality, Warning, Weighting};
+use super::hyperelastic::Energy;
+use super::{DataSet, Quality, Warning, Weighting};
 use crate::confidence::Confidence;
 use base::finding::Finding;
 use membrane::material::{Law, Tension};
@@ -9,7 +10,7 @@ use membrane::material::{Law, Tension};
 #[derive(Clone, Debug)]
 pub struct LawFit {
     /// Which law; of Ogden's with the terms that are left.
-    pub choice: LawChoice,
+    pub choice: Energy,
     /// The law itself, as runs use it.
     pub law: Law,
     /// Its coefficients in the order of their names.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::experiment::law_fit::hyperelastic::Energy;
-use crate::experiment::law_fit::{Coefficient, LawChoice, LawFit, TestFit};
+use crate::experiment::law_fit::{Coefficient, LawFit, TestFit};
 use crate::experiment::relaxation::PronyFit;
 use base::finding::Finding;
 use base::number::{plain, rounded, significant};
@@ -60,7 +60,7 @@ pub fn law_text(fit: &LawFit, film: &FilmKeys) -> String {
     let findings = fit.warnings.iter().map(Finding::new).filter(Finding::is_warning);
     text.extend(findings.map(|finding| format!("# {finding}\n")));
     text.push_str(&film.lines());
-    text.push_str(&table(fit));
+    text.push_str(&hyperelastic(fit.choice, &fit.coefficients));
     text
 }
 
@@ -87,12 +87,6 @@ fn described(test: &TestFit) -> String {
 }
 
 /// The table of the law.
-fn table(fit: &LawFit) -> String {
-    match fit.choice {
-        LawChoice::Hyperelastic(energy) => hyperelastic(energy, &fit.coefficients),
-    }
-}
-
 fn hyperelastic(energy: Energy, coefficients: &[Coefficient]) -> String {
     let mut text = format!("\n[hyperelastic]\nlaw = \"{}\"\n", energy.law());
     if let Energy::Ogden { .. } = energy {

@@ -1,8 +1,10 @@
 //! Which energy is fitted.
 
 use std::fmt;
+use std::str::FromStr;
 
 use membrane::material::Ogden;
+use thiserror::Error;
 
 /// An energy of rubber-like film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,22 +30,6 @@ impl Energy {
     /// The words of all energies.
     pub const WORDS: &'static str =
         "neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent or ogden:N with 1 to 6 terms";
-
-    /// The energy of a word; `ogden` alone has three terms.
-    pub fn named(word: &str) -> Option<Energy> {
-        Some(match word {
-            "neo-hookean" => Energy::NeoHookean,
-            "compressible-neo-hookean" => Energy::CompressibleNeoHookean,
-            "mooney-rivlin" => Energy::MooneyRivlin,
-            "yeoh" => Energy::Yeoh,
-            "gent" => Energy::Gent,
-            "ogden" => Energy::Ogden { terms: 3 },
-            other => {
-                let terms = other.strip_prefix("ogden:")?.parse().ok()?;
-                (1..=Ogden::TERMS).contains(&terms).then_some(Energy::Ogden { terms })?
-            }
-        })
-    }
 
     /// Its name in a material file.
     pub fn law(self) -> &'static str {
@@ -81,11 +67,57 @@ impl Energy {
     }
 }
 
+/// Why a word is not a law that can be fitted.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`{word}` is not a law that can be fitted: expected {}", Energy::WORDS)]
+pub struct EnergyError {
+    /// As it was written.
+    pub word: String,
+}
+
+/// `ogden` alone has three terms.
+impl FromStr for Energy {
+    type Err = EnergyError;
+
+    fn from_str(word: &str) -> Result<Energy, EnergyError> {
+        let unknown = || EnergyError { word: word.into() };
+        Ok(match word {
+            "neo-hookean" => Energy::NeoHookean,
+            "compressible-neo-hookean" => Energy::CompressibleNeoHookean,
+            "mooney-rivlin" => Energy::MooneyRivlin,
+            "yeoh" => Energy::Yeoh,
+            "gent" => Energy::Gent,
+            "ogden" => Energy::Ogden { terms: 3 },
+            other => {
+                let terms = other.strip_prefix("ogden:").and_then(|terms| terms.parse().ok()).ok_or_else(unknown)?;
+                (1..=Ogden::TERMS).contains(&terms).then_some(Energy::Ogden { terms }).ok_or_else(unknown)?
+            }
+        })
+    }
+}
+
 impl fmt::Display for Energy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Energy::Ogden { terms } => write!(f, "ogden:{terms}"),
             other => f.write_str(other.law()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_laws() {
+        for word in ["neo-hookean", "compressible-neo-hookean", "mooney-rivlin", "yeoh", "gent", "ogden:1", "ogden:6"] {
+            assert_eq!(word.parse::<Energy>().map(|law| law.to_string()).as_deref(), Ok(word));
+        }
+        assert_eq!("ogden".parse::<Energy>().map(|law| law.to_string()).as_deref(), Ok("ogden:3"));
+        for word in ["", "ogden:0", "ogden:7", "ogden:", "yeoh:3", "Ogden:3 "] {
+            let error = word.parse::<Energy>().expect_err(word).to_string();
+            assert!(error.contains("is not a law that can be fitted: expected neo-hookean, "), "{error}");
         }
     }
 }

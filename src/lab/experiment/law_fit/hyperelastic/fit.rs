@@ -6,7 +6,7 @@ use super::stresses::{curve, stresses};
 use crate::experiment::descent::descend;
 use crate::experiment::law_fit::intervals::intervals;
 use crate::experiment::law_fit::{
-    Coefficient, DataSet, FitError, FitOptions, LawChoice, LawFit, Measured, Quality, TestFit, TestKind, Warning, range,
+    Coefficient, DataSet, FitError, FitOptions, LawFit, Measured, Quality, TestFit, TestKind, Warning, range,
 };
 use membrane::material::{HyperelasticLaw, Law, Tension};
 
@@ -38,13 +38,19 @@ struct Minimum {
     stability: Stability,
 }
 
-/// Fits `energy` to the `sets`.
-pub(in crate::experiment::law_fit) fn fit(
+/// Fits `energy` to the `sets` and predicts the stresses of `predicted`.
+pub fn fit_law(
     energy: Energy,
     sets: &[DataSet],
     predicted: &[DataSet],
     options: &FitOptions,
 ) -> Result<LawFit, FitError> {
+    if !sets.iter().any(|set| set.weight > 0.0) {
+        return Err(FitError::NoData);
+    }
+    if let Some(stretch) = options.stable_to.filter(|stretch| !(stretch.is_finite() && *stretch > 1.0)) {
+        return Err(FitError::StableTo(stretch));
+    }
     let factors = options.weighting.factors(sets);
     let (samples, unknowns) = (factors.iter().filter(|factor| **factor > 0.0).count(), energy.names(usize::MAX).len());
     if samples <= unknowns {
@@ -85,8 +91,8 @@ pub(in crate::experiment::law_fit) fn fit(
     };
     Ok(LawFit {
         choice: match energy {
-            Energy::Ogden { .. } => LawChoice::Hyperelastic(Energy::Ogden { terms: names.len() / 2 }),
-            other => LawChoice::Hyperelastic(other),
+            Energy::Ogden { .. } => Energy::Ogden { terms: names.len() / 2 },
+            other => other,
         },
         coefficients: Coefficient::all(names, &best.coefficients, Energy::is_modulus, confidence.as_ref()),
         law: Law::Hyperelastic(best.law.clone()),

@@ -12,5 +12,5 @@ mod stresses;
 #[cfg(test)]
 mod tests;
 
-pub use energy::Energy;
-pub(super) use fit::fit;
+pub use energy::{Energy, EnergyError};
+pub use fit::fit_law;
