@@ -455,12 +455,7 @@ fn a_search_that_ends_early_is_told_by_the_posterior() {
 
 /// Five coupons, each of film of another thickness, with noise that counts: the posterior of mean and deviation of the specimens
 /// is that of the normal hierarchy, by quadrature, whether the search finds one thickness for all or one for each.
-#[test]
-fn a_hierarchy_has_the_posterior_of_its_closed_form() {
-    ["[]", r#"["thickness"]"#].into_iter().for_each(a_hierarchy_with_own);
-}
-
-fn a_hierarchy_with_own(own: &str) {
+fn a_hierarchy_has_the_posterior_of_its_closed_form(own: &str) {
     const TRUTHS: [f64; 5] = [11.0, 11.8, 12.6, 13.3, 11.5];
     let text = r#"
         let tests = [];
@@ -497,6 +492,12 @@ fn a_hierarchy_with_own(own: &str) {
     assert!((found[3] - first).abs() < 0.1 * errors[0], "{found:?}: {first}");
     assert_eq!((found[5], found[6]), (7.0, 7.0), "mean, deviation and five specimens, all converged: {found:?}");
 }
+
+thorough::cases!(a_hierarchy_has_the_posterior_of_its_closed_form {
+    one_for_each: r#"["thickness"]"#;
+} thorough {
+    one_for_all: "[]";
+});
 
 /// A parameter that is both break strains: specimens differ along MD and TD, in what is likely and in what is predicted.
 #[test]

@@ -7,17 +7,11 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::sync::Mutex;
-use std::thread;
-use std::time::{Duration, Instant};
 
 use serde::Deserialize;
 use serde_json::Value as Json;
 
-use crate::workbench::{command, root};
-
-/// Wall time within which each case ends: on two busy processors none takes a tenth of it.
-const LIMIT: Duration = Duration::from_secs(60);
+use crate::workbench::{await_of, command, imbalance, root};
 
 /// Largest error of the energy balance without a finding.
 const BALANCE: f64 = 0.01;
@@ -67,13 +61,10 @@ struct Ended {
     error: String,
 }
 
-fn cases() -> Vec<Case> {
-    let files = glob::glob("tests/it/sick/*.toml").expect("a good pattern").flatten();
-    let read = |path: PathBuf| {
-        let text = fs::read_to_string(&path).expect("cases");
-        toml::from_str::<Cases>(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display())).case
-    };
-    files.flat_map(read).collect()
+fn cases(file: &str) -> Vec<Case> {
+    let path = root().join(format!("tests/it/sick/{file}.toml"));
+    let text = fs::read_to_string(&path).expect("cases");
+    toml::from_str::<Cases>(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display())).case
 }
 
 /// Runs `case` in `folder`.
@@ -91,21 +82,16 @@ fn run(case: &Case, folder: &Path) -> Result<Ended, String> {
         .stderr(File::create(&error).expect("a file"))
         .spawn()
         .expect("the binary starts");
-    let begin = Instant::now();
     let errors = || fs::read_to_string(&error).unwrap_or_default();
-    loop {
-        if let Some(status) = child.try_wait().expect("a status") {
-            let status = Some(status.code().ok_or_else(|| format!("ended by {status}"))?);
-            return Ok(Ended { folder: folder.to_owned(), status, error: errors() });
-        }
-        let is_forecast = matches!(case.gives, Gives::Forecast(_)) && errors().contains("will take about");
-        if is_forecast || begin.elapsed() > LIMIT {
-            child.kill().and_then(|()| child.wait()).expect("a child");
-            let ended = Ended { folder: folder.to_owned(), status: None, error: errors() };
-            return if is_forecast { Ok(ended) } else { Err(format!("takes more than {LIMIT:?}: {}", ended.error)) };
-        }
-        thread::sleep(Duration::from_millis(10));
-    }
+    let has_forecast = || matches!(case.gives, Gives::Forecast(_)) && errors().contains("will take about");
+    let status = if await_of(&mut child, has_forecast) {
+        child.kill().and_then(|()| child.wait()).expect("a child");
+        None
+    } else {
+        let status = child.wait().expect("a status");
+        Some(status.code().ok_or_else(|| format!("ended by {status}"))?)
+    };
+    Ok(Ended { folder: folder.to_owned(), status, error: errors() })
 }
 
 /// What is wrong with how a case ended.
@@ -219,48 +205,34 @@ fn complete(out: &Path) -> Result<(), String> {
     if error < BALANCE || is_told { Ok(()) } else { Err(format!("the balance is off by {error} in silence")) }
 }
 
-/// Error of the energy balance from the table alone: the largest change of the sum over the energy in play, which is that
-/// exchanged between the terms and at least a fiftieth of the impactors' at the start.
-fn imbalance(energies: &[(String, Vec<f64>)]) -> f64 {
-    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-    let changes = |values: &[f64]| -> Vec<f64> { values.iter().map(|value| (value - values[0]).abs()).collect() };
-    let (mut gap, mut launched, mut magnitude) = (0.0, 0.0, 0.0);
-    let mut exchanged = vec![0.0; energies.first().map_or(0, |(_, values)| values.len())];
-    for (name, values) in energies.iter().filter(|(_, values)| !values.is_empty()) {
-        match name.as_str() {
-            "time_s" => continue,
-            "sum_J" => gap = largest(&mut changes(values).into_iter()),
-            _ => {
-                exchanged.iter_mut().zip(changes(values)).for_each(|(sum, change)| *sum += 0.5 * change);
-                magnitude = largest(&mut values.iter().map(|value| value.abs())).max(magnitude);
-            }
-        }
-        if name == "kinetic_impactor_J" {
-            launched = values[0];
+/// Every case of a file ends as it says.
+fn every_sick_scenario_ends_as_its_case_says(file: &str) {
+    let mut wrong = vec![];
+    let cases = cases(file);
+    for case in &cases {
+        let folder = tempfile::tempdir().expect("a folder");
+        if let Err(why) = run(case, folder.path()).and_then(|ended| judge(&case.gives, &ended)) {
+            wrong.push(format!("{}: {why}", case.name));
         }
     }
-    let in_play = largest(&mut exchanged.into_iter()).max(0.02 * launched).max(1e-12 * magnitude);
-    if gap == 0.0 { 0.0 } else { gap / in_play }
+    assert!(wrong.is_empty(), "{} of {} cases:\n{}", wrong.len(), cases.len(), wrong.join("\n"));
 }
 
+const FILES: [&str; 5] = ["bodies", "films", "laws", "loadings", "meshes"];
+
+thorough::cases!(every_sick_scenario_ends_as_its_case_says {
+    bodies: "bodies";
+    films: "films";
+    laws: "laws";
+    loadings: "loadings";
+    meshes: "meshes";
+});
+
 #[test]
-fn every_sick_scenario_ends_as_its_case_says() {
-    let cases = cases();
+fn cases_have_names_of_their_own() {
+    assert_eq!(glob::glob("tests/it/sick/*.toml").expect("a good pattern").count(), FILES.len());
+    let cases: Vec<Case> = FILES.into_iter().flat_map(cases).collect();
     let names: BTreeSet<&str> = cases.iter().map(|case| case.name.as_str()).collect();
     assert!(cases.len() >= 60 && names.len() == cases.len(), "{} cases, {} names", cases.len(), names.len());
     assert!(!cases.iter().any(|case| matches!(case.gives, Gives::Healthy(false) | Gives::Forecast(false))));
-    let (next, wrong) = (Mutex::new(cases.iter()), Mutex::new(vec![]));
-    let work = || {
-        loop {
-            let Some(case) = next.lock().expect("no panic").next() else { break };
-            let folder = tempfile::tempdir().expect("a folder");
-            if let Err(why) = run(case, folder.path()).and_then(|ended| judge(&case.gives, &ended)) {
-                wrong.lock().expect("no panic").push(format!("{}: {why}", case.name));
-            }
-        }
-    };
-    let threads = thread::available_parallelism().map_or(1, usize::from);
-    thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
-    let wrong = wrong.into_inner().expect("no panic");
-    assert!(wrong.is_empty(), "{} of {} cases:\n{}", wrong.len(), cases.len(), wrong.join("\n"));
 }

@@ -149,54 +149,62 @@ fn puncture_tests_give_force_travel_and_energy() {
 
 /// The bisected mass parts darts that the film holds from those that break it, and the staircase finds it within a
 /// step.
-#[test]
-fn the_failure_mass_of_a_dart_is_found() {
+fn the_failure_mass_of_a_dart_is_found(kind: &str) {
     let folder = tempfile::tempdir().expect("a folder");
-    for kind in ["d1709-a", "d1709-b"] {
-        let coarse = "specimen.mesh.size=8mm";
-        let path = format!("{kind}.toml");
-        printed(&droptower(folder.path(), &["new", kind, &path]));
-        let search =
-            ["script", "failure-mass.rhai", "--scenario", &path, "--set", coarse, "--arg", "scatter=0", "--force"];
-        printed(&droptower(folder.path(), &search));
-        let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
-        let summary: Json = serde_json::from_slice(&summary).expect("JSON");
-        let mass = figure(&summary, "threshold_mass_kg");
-        for (share, broke) in [(0.98, false), (1.02, true)] {
-            let dart = format!("impactor.mass={}", share * mass);
-            let output = droptower(folder.path(), &["run", &path, "--set", coarse, "--set", &dart, "--json"]);
-            let runs: Json = serde_json::from_str(&printed(&output)).expect("JSON");
-            assert!(runs.to_string().contains(&format!("\"ruptured\":{broke}")), "{kind} at {share}: {runs}");
-        }
-        close(figure(&summary, "failure_mass_kg"), mass, 0.08);
-        assert_eq!(summary["tables"]["drops"].as_array().map(Vec::len), Some(20));
-        // Specimens that are alike tell no deviation, and why; what no coupon tells moves the mass all the same.
-        assert!(summary["probit_mass_kg"].is_null() && summary["failure_mass_deviation_kg"].is_null(), "{summary}");
-        let findings = summary["findings"].as_array().expect("findings");
-        assert!(findings.iter().any(|finding| finding["code"] == "no-strength-fit"), "{summary}");
-        let [low, high] = ["threshold_low_kg", "threshold_high_kg"].map(|name| figure(&summary, name));
-        assert!(low < 0.8 * mass && high > 1.3 * mass, "{kind}: {low} and {high} kg about {mass} kg");
-        let rows = summary["tables"]["range"].as_array().expect("a range");
-        let row = |change: &str| {
-            let of = |row: &&Json| row["change"].as_str().is_some_and(|text| text.starts_with(change));
-            let row = rows.iter().find(of).unwrap_or_else(|| panic!("{change}: {summary}"));
-            1e-3 * row["mass_g"].as_f64().expect("a mass")
-        };
-        assert_eq!(rows.len(), 7);
-        for (lower, higher) in [
-            ("friction of the dart 0 ", "as in the scenario"),
-            ("break strain times 0.7", "as in the scenario"),
-            ("softened by its own heat", "as in the scenario"),
-            ("as in the scenario", "friction of the dart 0.5"),
-            ("as in the scenario", "break strain times 1.76"),
-            ("as in the scenario", "MD and TD coupled"),
-        ] {
-            assert!(row(lower) < 0.98 * row(higher), "{kind}: {lower} {}, {higher} {}", row(lower), row(higher));
-        }
-        let ends = ["low", "high"].map(|end| rows.iter().find(|row| row["end"] == end).expect("an end"));
-        close(1e-3 * ends[0]["mass_g"].as_f64().expect("a mass"), low, 1e-9);
-        close(1e-3 * ends[1]["mass_g"].as_f64().expect("a mass"), high, 1e-9);
+    let coarse = "specimen.mesh.size=8mm";
+    let path = format!("{kind}.toml");
+    printed(&droptower(folder.path(), &["new", kind, &path]));
+    let search = ["script", "failure-mass.rhai", "--scenario", &path, "--set", coarse, "--arg", "scatter=0", "--force"];
+    printed(&droptower(folder.path(), &search));
+    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
+    let summary: Json = serde_json::from_slice(&summary).expect("JSON");
+    let mass = figure(&summary, "threshold_mass_kg");
+    for (share, broke) in [(0.98, false), (1.02, true)] {
+        let dart = format!("impactor.mass={}", share * mass);
+        let output = droptower(folder.path(), &["run", &path, "--set", coarse, "--set", &dart, "--json"]);
+        let runs: Json = serde_json::from_str(&printed(&output)).expect("JSON");
+        assert!(runs.to_string().contains(&format!("\"ruptured\":{broke}")), "{kind} at {share}: {runs}");
     }
+    close(figure(&summary, "failure_mass_kg"), mass, 0.08);
+    assert_eq!(summary["tables"]["drops"].as_array().map(Vec::len), Some(20));
+    // Specimens that are alike tell no deviation, and why; what no coupon tells moves the mass all the same.
+    assert!(summary["probit_mass_kg"].is_null() && summary["failure_mass_deviation_kg"].is_null(), "{summary}");
+    let findings = summary["findings"].as_array().expect("findings");
+    assert!(findings.iter().any(|finding| finding["code"] == "no-strength-fit"), "{summary}");
+    let [low, high] = ["threshold_low_kg", "threshold_high_kg"].map(|name| figure(&summary, name));
+    assert!(low < 0.8 * mass && high > 1.3 * mass, "{kind}: {low} and {high} kg about {mass} kg");
+    let rows = summary["tables"]["range"].as_array().expect("a range");
+    let row = |change: &str| {
+        let of = |row: &&Json| row["change"].as_str().is_some_and(|text| text.starts_with(change));
+        let row = rows.iter().find(of).unwrap_or_else(|| panic!("{change}: {summary}"));
+        1e-3 * row["mass_g"].as_f64().expect("a mass")
+    };
+    assert_eq!(rows.len(), 7);
+    for (lower, higher) in [
+        ("friction of the dart 0 ", "as in the scenario"),
+        ("break strain times 0.7", "as in the scenario"),
+        ("softened by its own heat", "as in the scenario"),
+        ("as in the scenario", "friction of the dart 0.5"),
+        ("as in the scenario", "break strain times 1.76"),
+        ("as in the scenario", "MD and TD coupled"),
+    ] {
+        assert!(row(lower) < 0.98 * row(higher), "{kind}: {lower} {}, {higher} {}", row(lower), row(higher));
+    }
+    let ends = ["low", "high"].map(|end| rows.iter().find(|row| row["end"] == end).expect("an end"));
+    close(1e-3 * ends[0]["mass_g"].as_f64().expect("a mass"), low, 1e-9);
+    close(1e-3 * ends[1]["mass_g"].as_f64().expect("a mass"), high, 1e-9);
+}
+
+thorough::cases!(the_failure_mass_of_a_dart_is_found {
+    d1709_a: "d1709-a";
+} thorough {
+    d1709_b: "d1709-b";
+});
+
+#[test]
+fn the_failure_mass_of_scattered_specimens_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    printed(&droptower(folder.path(), &["new", "d1709-a", "d1709-a.toml"]));
     let scattered = ["script", "failure-mass.rhai", "--scenario", "d1709-a.toml", "--arg", "range=0", "--force"];
     printed(&droptower(folder.path(), &[&scattered[..], &["--set", "specimen.mesh.size=8mm"]].concat()));
     let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");

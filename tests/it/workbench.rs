@@ -3,7 +3,9 @@
 use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use droptower::signal::{Annotations, ReadOptions, file, resample};
 use droptower::units::Unit;
@@ -31,6 +33,26 @@ pub fn command(folder: &Path, arguments: &[&str]) -> Command {
 /// What the program leaves when started in `folder`.
 pub fn droptower(folder: &Path, arguments: &[&str]) -> Output {
     command(folder, arguments).output().expect("the binary starts")
+}
+
+/// Waits until something holds of what a program does; whether it did before the program ended. A machine may be as slow as
+/// it likes: only a program that hangs is given up, after a quarter of an hour.
+pub fn await_of(program: &mut Child, mut holds: impl FnMut() -> bool) -> bool {
+    let begin = Instant::now();
+    loop {
+        let has_ended = program.try_wait().expect("a state").is_some();
+        if holds() {
+            return true;
+        }
+        if has_ended {
+            return false;
+        }
+        if begin.elapsed() > Duration::from_secs(900) {
+            program.kill().expect("killed");
+            panic!("the program neither ends nor does what is waited for");
+        }
+        thread::sleep(Duration::from_millis(1));
+    }
 }
 
 /// Its standard error.
@@ -98,6 +120,30 @@ pub fn lay_down(folder: &Path, files: &[(String, Vec<u8>)]) -> PathBuf {
 /// Asserts that two numbers agree within a share.
 pub fn close(found: f64, expected: f64, relative: f64) {
     assert!((found - expected).abs() <= relative * expected.abs(), "{found} instead of {expected}");
+}
+
+/// Error of the energy balance from the table alone: the largest change of the sum over the energy in play, which is that
+/// exchanged between the terms and at least a fiftieth of the impactors' at the start.
+pub fn imbalance(energies: &[(String, Vec<f64>)]) -> f64 {
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let changes = |values: &[f64]| -> Vec<f64> { values.iter().map(|value| (value - values[0]).abs()).collect() };
+    let (mut gap, mut launched, mut magnitude) = (0.0, 0.0, 0.0);
+    let mut exchanged = vec![0.0; energies.first().map_or(0, |(_, values)| values.len())];
+    for (name, values) in energies.iter().filter(|(_, values)| !values.is_empty()) {
+        match name.as_str() {
+            "time_s" => continue,
+            "sum_J" => gap = largest(&mut changes(values).into_iter()),
+            _ => {
+                exchanged.iter_mut().zip(changes(values)).for_each(|(sum, change)| *sum += 0.5 * change);
+                magnitude = largest(&mut values.iter().map(|value| value.abs())).max(magnitude);
+            }
+        }
+        if name == "kinetic_impactor_J" {
+            launched = values[0];
+        }
+    }
+    let in_play = largest(&mut exchanged.into_iter()).max(0.02 * launched).max(1e-12 * magnitude);
+    if gap == 0.0 { 0.0 } else { gap / in_play }
 }
 
 /// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full

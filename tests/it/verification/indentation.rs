@@ -49,9 +49,8 @@ fn off(outcome: &Outcome, exact: &Shape, mounted: f64) -> f64 {
 #[test]
 fn force_and_shape_are_those_of_the_membrane_of_revolution() {
     let mut claims = Claims::of("indentation");
-    for (element, film) in
-        [("quad4", TAUT), ("quad4-full", TAUT), ("tri3", TAUT), ("quad4", WRINKLED), ("tri3", WRINKLED)]
-    {
+    let films = [("quad4", TAUT), ("tri3", WRINKLED), ("quad4-full", TAUT), ("tri3", TAUT), ("quad4", WRINKLED)];
+    for (element, film) in thorough::first(2, films) {
         let what = |claim: &str| format!("{element}, {}, {claim}", if film.wrinkling { "wrinkled" } else { "taut" });
         let prestrain = if film.wrinkling { SLACK } else { 0.0 };
         let outcome = run(&written(&format!(

@@ -72,7 +72,7 @@ fn of_largest_force(n: f64, across: Across) -> f64 {
 #[test]
 fn the_largest_force_is_at_swifts_strain() {
     let mut claims = Claims::of("instability, one element");
-    for n in [0.1, 0.2, 0.3] {
+    for n in thorough::first(1, [0.2, 0.1, 0.3]) {
         for (name, across) in
             [("uniaxial", Across::Free), ("plane strain", Across::Held), ("equibiaxial", Across::Equal)]
         {
@@ -90,7 +90,7 @@ fn the_largest_force_is_at_swifts_strain() {
 fn a_strip_localises_beyond_swifts_strain_and_says_so() {
     let mut claims = Claims::of("instability, strip");
     let [length, width] = [0.04, 0.005];
-    for n in [0.1, 0.2_f64] {
+    for n in thorough::first(1, [0.2_f64, 0.1]) {
         // With the elastic strain e = σ/E, σ is largest as dσ/dε = σ: p = n (1 − e), ε = p + e.
         let elastic = STRENGTH * n.powf(n) / YOUNG;
         let (even, swift) = ((n * (1.0 - elastic) + elastic).exp_m1(), n.exp_m1());

@@ -6,6 +6,7 @@ use droptower::material::{Law, MembraneLaw};
 use droptower::mesh::Mesh;
 use droptower::model::Model;
 use droptower::simulate;
+use thorough::thorough;
 
 use super::scene::build;
 use super::tower::shipped;
@@ -45,53 +46,58 @@ fn collect(value: &serde_json::Value, bits: &mut Vec<u64>) {
     }
 }
 
-#[test]
-fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
-    let drop = |changes: &[&str]| shipped("drop/1008.toml", changes);
-    let free = ["specimen.symmetry=none", "impactor.guide=free", "impactor.friction=0.1", "specimen.mesh.size=20mm"];
-    // Fine enough for several ranges of nodes and pieces of the neighbour list, with the second face in reach at once.
-    let fine = ["specimen.symmetry=none", "specimen.mesh.size=5mm", "layers.faces=[0.0, -1e-4]"];
-    let cases = [
-        (small(), 400),
-        (drop(&free), 400),
-        (drop(&fine), 60),
-        (drop(&[&fine[..2], &["layers.faces=[0.0, -2e-3]", "contact.film=true", "specimen.damping=50"]].concat()), 150),
-        (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=tri3"]), 400),
-        (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=quad4-full", "specimen.damping=50"]), 400),
-        (drop(&["specimen.mesh.size=20mm", "specimen.material.fabric.biaxial=0.79"]), 400),
-        (drop(&["specimen.mesh.size=20mm", PRONY, "specimen.rest=1 ms"]), 400),
-        // So coarse that there is face contact.
-        (drop(&["specimen.mesh.size=50mm"]), 1500),
-        (shipped("../tests/golden/indent-disc/scenario.toml", &[]), 400),
-        (drop(&["specimen.mesh.size=20mm", THERMAL]), 400),
-        (drop(&["specimen.mesh.size=20mm", SPRINGS]), 400),
-        // Two bodies that meet after 5 ms.
-        (
-            shipped(
-                "../tests/golden/two-impactors/scenario.toml",
-                &["impactor.1.at=1ms", "impactor.1.position=[0.035, 0, 0.08]"],
-            ),
-            500,
-        ),
-        (shipped("../tests/golden/inflation-square/scenario.toml", &[]), 400),
-        (shipped("../tests/golden/inflation-rubber/scenario.toml", &[]), 400),
-        (shipped("../tests/golden/inflation-square/scenario.toml", &[PRONY]), 400),
-        // Until film under the dart flows.
-        (shipped("../tests/golden/drop-plastic/scenario.toml", &["specimen.symmetry=none"]), 900),
-        // Until the tear runs.
-        (shipped("../tests/golden/stretch-tear/scenario.toml", &[]), 1800),
-    ];
-    for (case, (model, steps)) in cases.iter().enumerate() {
-        let expected = after(model, ThreadPool::new(1).at_width(Width::Baseline), *steps);
-        assert!(expected.len() > 300 && expected.iter().any(|bits| f64::from_bits(*bits) < 0.0), "case {case}");
-        for threads in [1, 2, 3] {
-            for width in Width::available() {
-                let found = after(model, ThreadPool::new(threads).at_width(width), *steps);
-                assert!(found == expected, "case {case}: {threads} threads, {width:?}");
-            }
-        }
+/// Compares one thread without vector instructions with three with the widest, or with each number at each width.
+fn a_step_has_the_same_bits(model: Model, steps: usize) {
+    let expected = after(&model, ThreadPool::new(1).at_width(Width::Baseline), steps);
+    assert!(expected.len() > 300 && expected.iter().any(|bits| f64::from_bits(*bits) < 0.0));
+    let widths: Vec<Width> = Width::available().collect();
+    let compared: Vec<(usize, Width)> = if thorough() {
+        [1, 2, 3].into_iter().flat_map(|threads| widths.iter().map(move |width| (threads, *width))).collect()
+    } else {
+        widths.last().map(|width| (3, *width)).into_iter().collect()
+    };
+    for (threads, width) in compared {
+        let found = after(&model, ThreadPool::new(threads).at_width(width), steps);
+        assert!(found == expected, "{threads} threads, {width:?}");
     }
 }
+
+fn golden(case: &str, changes: &[&str]) -> Model {
+    shipped(&format!("../tests/golden/{case}/scenario.toml"), changes)
+}
+
+/// The drop test 1008 on a mesh of this size (mm).
+fn drop_on(size: u32, changes: &[&str]) -> Model {
+    shipped("drop/1008.toml", &[&[format!("specimen.mesh.size={size}mm").as_str()], changes].concat())
+}
+
+const WHOLE: &str = "specimen.symmetry=none";
+
+thorough::cases!(a_step_has_the_same_bits {
+    quarter: small(), 400;
+    free_impactor: drop_on(20, &[WHOLE, "impactor.guide=free", "impactor.friction=0.1"]), 400;
+    // Fine enough for several ranges of nodes and pieces of the neighbour list, with the second face in reach at once.
+    fine: drop_on(5, &[WHOLE, "layers.faces=[0.0, -1e-4]"]), 60;
+    film_in_contact: drop_on(5, &[WHOLE, "layers.faces=[0.0, -2e-3]", "contact.film=true", "specimen.damping=50"]), 150;
+    triangles: drop_on(20, &["specimen.mesh.element=tri3"]), 400;
+    full_integration: drop_on(20, &["specimen.mesh.element=quad4-full", "specimen.damping=50"]), 400;
+    biaxial: drop_on(20, &["specimen.material.fabric.biaxial=0.79"]), 400;
+    viscous: drop_on(20, &[PRONY, "specimen.rest=1 ms"]), 400;
+    // So coarse that there is face contact.
+    coarse: drop_on(50, &[]), 1500;
+    indentation: golden("indent-disc", &[]), 400;
+    warm: drop_on(20, &[THERMAL]), 400;
+    springs: drop_on(20, &[SPRINGS]), 400;
+    // They meet after 5 ms.
+    two_impactors: golden("two-impactors", &["impactor.1.at=1ms", "impactor.1.position=[0.035, 0, 0.08]"]), 500;
+    inflation: golden("inflation-square", &[]), 400;
+    rubber: golden("inflation-rubber", &[]), 400;
+    viscous_inflation: golden("inflation-square", &[PRONY]), 400;
+    // Until film under the dart flows.
+    plastic: golden("drop-plastic", &[WHOLE]), 900;
+    // Until the tear runs.
+    tear: golden("stretch-tear", &[]), 1800;
+});
 
 /// Elements that share no node, so that each node has the force of one element.
 fn apart(mesh: &Mesh) -> Mesh {

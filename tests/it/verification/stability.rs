@@ -115,7 +115,7 @@ fn the_frequency_of_shipped_elements_is_below_its_bound() {
 #[test]
 fn peaks_do_not_depend_on_the_time_step() {
     let mut claims = Claims::of("step halved");
-    for test in ["1008", "1009", "1010", "1509", "1510"] {
+    for test in thorough::first(1, ["1008", "1009", "1010", "1509", "1510"]) {
         let [whole, half] = ["1", "0.5"].map(|factor| {
             let changes = ["loading.impact.duration=70ms", "output.frames=1", &format!("solver.step_factor={factor}")];
             peaks(&impact(&shipped(&format!("drop/{test}.toml"), &changes)))

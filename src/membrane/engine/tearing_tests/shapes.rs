@@ -170,76 +170,100 @@ fn stored(strain: f64) -> f64 {
     0.5 * RUBBER[1] * (stretch * stretch + stretch.powi(-2) - 2.0)
 }
 
-/// Elements of 5 mm, long and short along the tear, uneven and skewed, in a mesh that is turned by so many degrees.
-fn shapes(turned: f64) -> Vec<Shape> {
-    let size = 5e-3;
-    let even = [[size, size], [2.0 * size, size], [size, 2.0 * size]].map(|edges| Shape::even(edges, turned));
-    let square = even[0];
-    [&even[..], &[Shape { uneven: 0.2, ..square }, Shape { skew: 0.4, ..square }]].concat()
+/// Elements of 5 mm, in a mesh that is turned by so many degrees.
+const fn square(turned: f64) -> Shape {
+    Shape::even([5e-3; 2], turned)
+}
+
+const fn uneven(turned: f64) -> Shape {
+    Shape { uneven: 0.2, ..square(turned) }
+}
+
+const fn skewed(turned: f64) -> Shape {
+    Shape { skew: 0.4, ..square(turned) }
+}
+
+const fn triangles(turned: f64) -> Shape {
+    Shape { triangles: true, ..square(turned) }
+}
+
+/// Long along the tear.
+const fn long(turned: f64) -> Shape {
+    Shape { edges: [1e-2, 5e-3], ..square(turned) }
+}
+
+/// Short along the tear.
+const fn short(turned: f64) -> Shape {
+    Shape { edges: [5e-3, 1e-2], ..square(turned) }
 }
 
 /// Pulls the rubber at 0.5/s: whether the tear starts where W H is Γ, within 5 %, and has grown by 60 mm before W H/Γ is
 /// 1.06.
-fn tears_at_its_energy(shapes: &[Shape]) {
-    for shape in shapes {
-        let strip = Strip::new(*shape);
-        let (moments, _) = strip.pulled(LENGTHS[0], LENGTHS[1], [FROM, 0.5], 100.0).torn(60e-3, 1.1);
-        let [start, grown] = moments.map(|moment| moment.map_or(f64::NAN, |moment| strip.energy(moment.strain)));
-        println!(
-            "{shape:?}, {:.4} for {:.3} m: starts at W H/Γ {start:.3}, grown by 60 mm at {grown:.3}",
-            strip.stores, strip.height
-        );
-        assert!((start - 1.0).abs() < 0.05, "{shape:?}: starts at {start}");
-        assert!(grown >= start && grown < 1.06, "{shape:?}: grown at {grown}");
-    }
+fn a_wide_strip_of_rubber_tears_at_its_energy(shape: Shape) {
+    let strip = Strip::new(shape);
+    let (moments, _) = strip.pulled(LENGTHS[0], LENGTHS[1], [FROM, 0.5], 100.0).torn(60e-3, 1.1);
+    let [start, grown] = moments.map(|moment| moment.map_or(f64::NAN, |moment| strip.energy(moment.strain)));
+    println!(
+        "{shape:?}, {:.4} for {:.3} m: starts at W H/Γ {start:.3}, grown by 60 mm at {grown:.3}",
+        strip.stores, strip.height
+    );
+    assert!((start - 1.0).abs() < 0.05, "{shape:?}: starts at {start}");
+    assert!(grown >= start && grown < 1.06, "{shape:?}: grown at {grown}");
 }
 
-#[test]
-fn a_wide_strip_of_rubber_tears_at_its_energy_on_elements_of_any_shape() {
-    tears_at_its_energy(&shapes(0.0));
-}
-
-#[test]
-fn a_wide_strip_of_rubber_tears_at_its_energy_on_a_mesh_that_is_turned() {
-    tears_at_its_energy(&shapes(22.5));
-}
-
-#[test]
-fn a_wide_strip_of_rubber_tears_at_its_energy_along_diagonals() {
-    tears_at_its_energy(&shapes(45.0));
-}
-
-#[test]
-fn a_wide_strip_of_rubber_tears_at_its_energy_on_triangles() {
-    let even = |turned| Shape { triangles: true, ..Shape::even([5e-3; 2], turned) };
-    let uneven = |turned| Shape { uneven: 0.2, ..even(turned) };
-    tears_at_its_energy(&[even(0.0), even(22.5), even(45.0), uneven(-22.5), uneven(45.0)]);
-}
+thorough::cases!(a_wide_strip_of_rubber_tears_at_its_energy {
+    squares: square(0.0);
+    of_triangles: triangles(0.0);
+} thorough {
+    of_long: long(0.0);
+    of_short: short(0.0);
+    of_uneven: uneven(0.0);
+    of_skewed: skewed(0.0);
+    squares_turned: square(22.5);
+    long_turned: long(22.5);
+    short_turned: short(22.5);
+    uneven_turned: uneven(22.5);
+    skewed_turned: skewed(22.5);
+    squares_along_diagonals: square(45.0);
+    long_along_diagonals: long(45.0);
+    short_along_diagonals: short(45.0);
+    uneven_along_diagonals: uneven(45.0);
+    skewed_along_diagonals: skewed(45.0);
+    triangles_turned: triangles(22.5);
+    triangles_along_diagonals: triangles(45.0);
+    uneven_triangles_turned: Shape { uneven: 0.2, ..triangles(-22.5) };
+    uneven_triangles_along_diagonals: Shape { uneven: 0.2, ..triangles(45.0) };
+});
 
 /// A strip that rests with 1.15 Γ tears without being pulled on, and one with 0.85 Γ does not.
-#[test]
-fn a_tip_at_rest_starts_above_its_energy_alone() {
-    for turned in [0.0, 22.5, 45.0] {
-        let strip = Strip::new(Shape::even([5e-3; 2], turned));
-        for (share, tears) in [(1.15, true), (0.85, false)] {
-            let (mut low, mut high) = (0.0, 2.0);
-            while high - low > 1e-9 {
-                let middle = 0.5 * (low + high);
-                if strip.energy(middle) < share { low = middle } else { high = middle }
-            }
-            // Damped so much that film around the cut does not swing beyond its state of rest.
-            let (mut engine, ..) = strip.pulled(LENGTHS[0], LENGTHS[1], [high, 0.0], 2000.0).mounted();
-            let mut torn = 0.0;
-            // Film that has torn by an element and more is not followed to its end.
-            while engine.time() < 0.3 && torn <= 10e-3 {
-                (0..20).for_each(|_| assert!(engine.step(&mut Unobserved).is_ok()));
-                torn = engine.read_step(|view| view.torn().unwrap().length).unwrap();
-            }
-            println!("turned by {turned}°, {share} Γ: torn by {:.1} mm", 1e3 * torn);
-            assert!(if tears { torn > 10e-3 } else { torn == 0.0 }, "turned by {turned}°, {share} Γ: {torn} m");
-        }
+fn a_tip_at_rest_starts_above_its_energy_alone(turned: f64, share: f64, tears: bool) {
+    let strip = Strip::new(square(turned));
+    let (mut low, mut high) = (0.0, 2.0);
+    while high - low > 1e-9 {
+        let middle = 0.5 * (low + high);
+        if strip.energy(middle) < share { low = middle } else { high = middle }
     }
+    // Damped so much that film around the cut does not swing beyond its state of rest.
+    let (mut engine, ..) = strip.pulled(LENGTHS[0], LENGTHS[1], [high, 0.0], 2000.0).mounted();
+    let mut torn = 0.0;
+    // Film that has torn by an element and more is not followed to its end.
+    while engine.time() < 0.3 && torn <= 10e-3 {
+        (0..20).for_each(|_| assert!(engine.step(&mut Unobserved).is_ok()));
+        torn = engine.read_step(|view| view.torn().unwrap().length).unwrap();
+    }
+    println!("turned by {turned}°, {share} Γ: torn by {:.1} mm", 1e3 * torn);
+    assert!(if tears { torn > 10e-3 } else { torn == 0.0 }, "turned by {turned}°, {share} Γ: {torn} m");
 }
+
+thorough::cases!(a_tip_at_rest_starts_above_its_energy_alone {
+    above: 0.0, 1.15, true;
+    below: 0.0, 0.85, false;
+} thorough {
+    above_turned: 22.5, 1.15, true;
+    below_turned: 22.5, 0.85, false;
+    above_along_diagonals: 45.0, 1.15, true;
+    below_along_diagonals: 45.0, 0.85, false;
+});
 
 /// Stress at which a crack in a wide plate grows, over that of G = π σ² a/E sec(π a/L) with half the length a of the cut in
 /// whole elements.
@@ -258,25 +282,27 @@ fn centre_crack(shape: Shape, half: f64, by: f64) -> f64 {
     grown.expect("a tear").stress / stress(0.5 * cut)
 }
 
-#[test]
-fn a_crack_in_the_middle_of_a_plate_grows_at_its_stress() {
-    for turned in [0.0, 22.5, 45.0] {
-        let square = Shape::even([5e-3; 2], turned);
-        for shape in [square, Shape { uneven: 0.2, ..square }, Shape { triangles: true, ..square }] {
-            let ratio = centre_crack(shape, 0.0275, 10e-3);
-            println!("{shape:?}: stress over that of the crack {ratio:.3}");
-            assert!((ratio - 1.0).abs() < 0.1, "{shape:?}: {ratio}");
-        }
-    }
+/// From cuts as short as one element on.
+fn a_crack_in_the_middle_of_a_plate_grows_at_its_stress(shape: Shape, half: f64, by: f64) {
+    let ratio = centre_crack(shape, half, by);
+    println!("{shape:?}, {half} m: stress over that of the crack {ratio:.3}");
+    assert!((ratio - 1.0).abs() < 0.1, "{shape:?}, {half} m: {ratio}");
 }
 
-/// Of cuts as short as one element and more.
-#[test]
-fn a_short_crack_grows_at_its_stress() {
-    let square = Shape::even([5e-3; 2], 0.0);
-    for elements in 1..6 {
-        let ratio = centre_crack(square, 2.5e-3 * f64::from(elements), 1e-3);
-        println!("{elements} elements: stress over that of the crack {ratio:.3}");
-        assert!((ratio - 1.0).abs() < 0.1, "{elements} elements: {ratio}");
-    }
-}
+thorough::cases!(a_crack_in_the_middle_of_a_plate_grows_at_its_stress {
+    squares: square(0.0), 0.0275, 10e-3;
+    of_triangles: triangles(0.0), 0.0275, 10e-3;
+    one_element: square(0.0), 2.5e-3, 1e-3;
+} thorough {
+    of_uneven: uneven(0.0), 0.0275, 10e-3;
+    squares_turned: square(22.5), 0.0275, 10e-3;
+    uneven_turned: uneven(22.5), 0.0275, 10e-3;
+    triangles_turned: triangles(22.5), 0.0275, 10e-3;
+    squares_along_diagonals: square(45.0), 0.0275, 10e-3;
+    uneven_along_diagonals: uneven(45.0), 0.0275, 10e-3;
+    triangles_along_diagonals: triangles(45.0), 0.0275, 10e-3;
+    two_elements: square(0.0), 5e-3, 1e-3;
+    three_elements: square(0.0), 7.5e-3, 1e-3;
+    four_elements: square(0.0), 10e-3, 1e-3;
+    five_elements: square(0.0), 12.5e-3, 1e-3;
+});

@@ -104,7 +104,7 @@ const LENGTHS: [f64; 3] = [60e-3, 90e-3, 100e-3];
 
 /// Compares the force on trousers of rubber, the work that they release and the energy that the tear takes with (306), within
 /// these shares.
-fn check(shape: Shape, [of_force, of_work]: [f64; 2]) {
+fn the_force_on_torn_trousers_is_that_of_the_fracture_energy(shape: Shape, [of_force, of_work]: [f64; 2]) {
     let ([mu, energy], thickness) = (RUBBER, 5e-4);
     let law = HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::neo_hookean(mu), wrinkling: true });
     let rubber = Section {
@@ -123,21 +123,46 @@ fn check(shape: Shape, [of_force, of_work]: [f64; 2]) {
     assert!(spent.abs() < 0.05 && torn.imbalance < 0.01, "{shape:?}: {torn:?}");
 }
 
-#[test]
-fn the_force_on_torn_trousers_is_that_of_the_fracture_energy() {
-    let [width, ..] = LENGTHS;
-    for columns in [13.0, 25.0] {
-        check(Shape::even([width / columns; 2], 0.0), [0.05; 2]);
-    }
+/// Width of elements in trousers with so many columns of them.
+const fn columns(count: f64) -> Shape {
+    Shape::even([LENGTHS[0] / count; 2], 0.0)
 }
 
-/// Of uneven triangles along one diagonal the tear forks.
-#[test]
-fn the_force_on_torn_trousers_of_any_mesh() {
-    for turned in [0.0, 22.5, 45.0, -22.5, -45.0] {
-        for (triangles, uneven, of_force) in [(false, 0.0, 0.1), (true, 0.0, 0.1), (false, 0.2, 0.1), (true, 0.2, 0.12)]
-        {
-            check(Shape { triangles, uneven, ..Shape::even([5e-3; 2], turned) }, [of_force, 0.1]);
-        }
-    }
+const fn turned(turned: f64) -> Shape {
+    Shape::even([5e-3; 2], turned)
 }
+
+const fn triangles(shape: Shape) -> Shape {
+    Shape { triangles: true, ..shape }
+}
+
+const fn uneven(shape: Shape) -> Shape {
+    Shape { uneven: 0.2, ..shape }
+}
+
+// Of uneven triangles along one diagonal the tear forks.
+thorough::cases!(the_force_on_torn_trousers_is_that_of_the_fracture_energy {
+    squares: columns(13.0), [0.05; 2];
+    triangles_turned: triangles(turned(22.5)), [0.1; 2];
+} thorough {
+    small_squares: columns(25.0), [0.05; 2];
+    squares_of_5_mm: turned(0.0), [0.1; 2];
+    of_triangles: triangles(turned(0.0)), [0.1; 2];
+    of_uneven: uneven(turned(0.0)), [0.1; 2];
+    uneven_triangles: uneven(triangles(turned(0.0))), [0.12, 0.1];
+    squares_turned: turned(22.5), [0.1; 2];
+    uneven_turned: uneven(turned(22.5)), [0.1; 2];
+    uneven_triangles_turned: uneven(triangles(turned(22.5))), [0.12, 0.1];
+    squares_along_diagonals: turned(45.0), [0.1; 2];
+    triangles_along_diagonals: triangles(turned(45.0)), [0.1; 2];
+    uneven_along_diagonals: uneven(turned(45.0)), [0.1; 2];
+    uneven_triangles_along_diagonals: uneven(triangles(turned(45.0))), [0.12, 0.1];
+    squares_turned_back: turned(-22.5), [0.1; 2];
+    triangles_turned_back: triangles(turned(-22.5)), [0.1; 2];
+    uneven_turned_back: uneven(turned(-22.5)), [0.1; 2];
+    uneven_triangles_turned_back: uneven(triangles(turned(-22.5))), [0.12, 0.1];
+    squares_along_other_diagonals: turned(-45.0), [0.1; 2];
+    triangles_along_other_diagonals: triangles(turned(-45.0)), [0.1; 2];
+    uneven_along_other_diagonals: uneven(turned(-45.0)), [0.1; 2];
+    uneven_triangles_along_other_diagonals: uneven(triangles(turned(-45.0))), [0.12, 0.1];
+});

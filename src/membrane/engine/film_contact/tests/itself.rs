@@ -188,7 +188,7 @@ fn bits_depend_on_neither_threads_nor_width_nor_a_restart() {
 
 #[test]
 fn a_tube_that_is_pressed_flat_meets_itself() {
-    for (skew, friction) in [(0.0, 0.0), (0.0, 0.3), (0.13, 0.3)] {
+    for (skew, friction) in thorough::first(1, [(0.13, 0.3), (0.0, 0.0), (0.0, 0.3)]) {
         let (film, nodes) = tube(skew);
         let course = free(film, nodes, friction, 0.5).course(0.016, 20);
         course.check(40, LEAST, course.start);
@@ -288,27 +288,34 @@ impl Wrap {
     }
 }
 
-#[test]
-fn a_sheet_that_wraps_around_a_ball_does_not_cross_itself() {
-    for (speed, step_factor) in [(4.0, 1.0), (4.0, 0.5), (6.0, 0.5)] {
-        let course = Wrap { thickness: 3e-4, speed, friction: 0.4, step_factor }.course();
-        assert_eq!((course.crossings, course.lost, course.unresolved[0]), (0, 0, 0), "{course:?}");
-        assert!(course.distance > 0.0 && course.pressed > 50 && course.error < 2e-3 * course.start, "{course:?}");
+fn a_sheet_that_wraps_around_a_ball_does_not_cross_itself(speed: f64, step_factor: f64) {
+    let course = Wrap { thickness: 3e-4, speed, friction: 0.4, step_factor }.course();
+    assert_eq!((course.crossings, course.lost, course.unresolved[0]), (0, 0, 0), "{course:?}");
+    assert!(course.distance > 0.0 && course.pressed > 50 && course.error < 2e-3 * course.start, "{course:?}");
+}
+
+thorough::cases!(a_sheet_that_wraps_around_a_ball_does_not_cross_itself {
+    slow: 4.0, 1.0;
+} thorough {
+    slow_with_half_the_step: 4.0, 0.5;
+    fast_with_half_the_step: 6.0, 0.5;
+});
+
+/// 24 of them.
+fn no_variant_of_a_sheet_around_a_ball_crosses_itself(step_factor: f64, speed: f64) {
+    for (thickness, friction) in [(2e-4, 0.4), (3e-4, 0.4), (5e-4, 0.4), (3e-4, 0.0)] {
+        println!("{thickness} m, {speed} m/s, friction {friction}, steps {step_factor}:");
+        let course = Wrap { thickness, speed, friction, step_factor }.course();
+        assert_eq!((course.crossings, course.lost), (0, 0), "{course:?}");
+        assert!(course.distance > 0.1 * thickness && course.error < 2.5e-3 * course.start, "{course:?}");
     }
 }
 
-/// 24 variants of it.
-#[test]
-#[ignore = "minutes; its command is in docs/verification.md"]
-fn no_variant_of_a_sheet_around_a_ball_crosses_itself() {
-    for step_factor in [1.0, 0.5] {
-        for speed in [4.0, 6.0, 8.0] {
-            for (thickness, friction) in [(2e-4, 0.4), (3e-4, 0.4), (5e-4, 0.4), (3e-4, 0.0)] {
-                println!("{thickness} m, {speed} m/s, friction {friction}, steps {step_factor}:");
-                let course = Wrap { thickness, speed, friction, step_factor }.course();
-                assert_eq!((course.crossings, course.lost), (0, 0), "{course:?}");
-                assert!(course.distance > 0.1 * thickness && course.error < 2.5e-3 * course.start, "{course:?}");
-            }
-        }
-    }
-}
+thorough::cases!(no_variant_of_a_sheet_around_a_ball_crosses_itself {} thorough {
+    at_4_m_s: 1.0, 4.0;
+    at_6_m_s: 1.0, 6.0;
+    at_8_m_s: 1.0, 8.0;
+    at_4_m_s_with_half_the_step: 0.5, 4.0;
+    at_6_m_s_with_half_the_step: 0.5, 6.0;
+    at_8_m_s_with_half_the_step: 0.5, 8.0;
+});

@@ -23,8 +23,8 @@ fn tear(may_tear: [bool; 2], step_factor: f64) -> Run {
     scene.with(&films)
 }
 
-/// Central differences err by the square of the step where elements lose their forces in a few steps.
-fn check(may_tear: [bool; 2], step_factor: f64) {
+/// Each face that tears takes its energy. Central differences err by the square of the step where elements lose their forces in a few steps.
+fn a_face_that_tears_does_not_cross_the_other(may_tear: [bool; 2], step_factor: f64) {
     let mut run = tear(may_tear, step_factor);
     let start = run.after(1);
     let (mut error, mut lowest) = (0.0_f64, f64::INFINITY);
@@ -63,26 +63,14 @@ fn crossed(step_factor: f64) -> (usize, u64) {
     (most, lost)
 }
 
-/// With a step in which torn edges of both do not pass each other: see below.
-#[test]
-fn two_faces_that_tear_take_their_energy() {
-    check([true, true], 0.7);
-}
-
 /// A known limit: with some steps, torn edges of two faces that meet edge to edge pass each other, of which the run knows
 /// only that contact was lost. With which ones depends on round-off: where none pass here, nothing has to be lost.
 #[test]
-fn torn_edges_that_pass_each_other_are_reported_as_lost() {
-    let (most, lost) = crossed(0.6);
-    assert!(most <= 12 && (most == 0 || lost > 0), "{most} {lost}");
-}
-
-#[test]
-#[ignore = "two minutes; measures a known limit (docs/limits.md, which has its command)"]
 fn torn_edges_pass_each_other_with_some_steps_and_are_reported_as_lost() {
     let mut count = 0;
-    for step_factor in [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.25] {
-        let (most, lost) = crossed(step_factor);
+    let steps = if thorough::thorough() { &[1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.25][..] } else { &[0.6] };
+    for step_factor in steps {
+        let (most, lost) = crossed(*step_factor);
         assert!(most <= 12 && (most == 0 || lost > 0), "{step_factor}: {most} {lost}");
         count += usize::from(most > 0);
     }
@@ -90,12 +78,10 @@ fn torn_edges_pass_each_other_with_some_steps_and_are_reported_as_lost() {
     assert!(count <= 6, "{count} of nine cross");
 }
 
-#[test]
-fn a_face_that_tears_does_not_cross_the_one_below() {
-    check([true, false], 0.5);
-}
-
-#[test]
-fn a_face_that_tears_does_not_cross_the_one_above() {
-    check([false, true], 0.5);
-}
+// With a step in which torn edges of two faces do not pass each other.
+thorough::cases!(a_face_that_tears_does_not_cross_the_other {
+    both: [true, true], 0.7;
+    upper: [true, false], 0.5;
+} thorough {
+    lower: [false, true], 0.5;
+});
