@@ -27,11 +27,14 @@ const fn row(kind: Kind, name: &'static str, instead: &'static str) -> Removed {
 }
 
 const DISTANCES: &str = "`distance` is \"residuals\", \"error-norm\" or \"rating\"";
-const IMPORTANCE: &str = "`failure_probability` has the methods \"subset\" and \"monte-carlo\", not importance sampling";
-const MASTER: &str = "the program of a DMA makes the master curve, which --relaxation fits; `shift` of a material states its law";
+const IMPORTANCE: &str =
+    "`failure_probability` has the methods \"subset\" and \"monte-carlo\", not importance sampling";
+const MASTER: &str =
+    "the program of a DMA makes the master curve, which --relaxation fits; `shift` of a material states its law";
 const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
 const PLASTIC: &str = "`calibrate` fits plastic film to coupons: scripts/plastic-coupons.rhai";
-const PROFILES: &str = "`confidence` has the intervals of the linear model, `posterior` of a calibration those without it";
+const PROFILES: &str =
+    "`confidence` has the intervals of the linear model, `posterior` of a calibration those without it";
 
 /// A row a line, by kind, then by name.
 #[rustfmt::skip]
