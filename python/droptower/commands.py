@@ -25,7 +25,6 @@ def run(
     out: PathLike | None = None,
     vtu: bool = False,
     vtkhdf: bool = False,
-    parquet: bool = False,
     force: bool = False,
     threads: int | None = None,
     quiet: bool = True,
@@ -34,10 +33,10 @@ def run(
 
     `set` changes keys: numbers (SI), texts with units ("12 um"), lists, dictionaries. `unset` leaves keys out. Results
     go to `out`, or to runs/<name of the scenario>; `vtu` also writes the states of the film (`Run.states`),
-    `vtkhdf` those in one file for ParaView, `parquet` every table as Apache Parquet.
+    `vtkhdf` those in one file for ParaView.
     """
     arguments = ["run", _path(scenario), *_changes(set, unset), *_options(out, force, threads)]
-    wanted = {"--vtu": vtu, "--vtkhdf": vtkhdf, "--parquet": parquet}
+    wanted = {"--vtu": vtu, "--vtkhdf": vtkhdf}
     arguments += [option for option, is_wanted in wanted.items() if is_wanted]
     summary = json.loads(call([*arguments, "--json"], quiet=quiet))
     return Run(_place(out, summary["scenario"]))

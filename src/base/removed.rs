@@ -54,6 +54,7 @@ const REMOVED: &[Removed] = &[
     row(Kind::Command, "script --profile", "`print` in the script shows where it is"),
     row(Kind::Command, "script --trace", "`print` in the script shows where it is"),
     row(Kind::Command, "signal convert .mme", "write a table: -o FILE.csv; ISO-MME is still read"),
+    row(Kind::Command, "signal convert .parquet", "write a table: -o FILE.csv, which pandas, Polars and R read"),
     row(Kind::Command, "signal convert .zip", "write a table: -o FILE.csv; zipped ISO-MME is still read"),
     row(Kind::Command, "store why", "`droptower run --resume` names the keys that differ from those of a checkpoint"),
     row(Kind::Command, "sweep --cluster", NEW_SLURM),

@@ -31,9 +31,6 @@ pub(super) struct CompareArgs {
     /// Bounds for signals, figures and findings (as in expect.toml): a run that is outside fails, exit status 1
     #[arg(long, value_name = "FILE")]
     pub within: Option<PathBuf>,
-    /// Also write the signals and the figures of all runs as Apache Parquet: signals.parquet, figures.parquet
-    #[arg(long)]
-    pub parquet: bool,
     /// Print every figure, also where all runs agree
     #[arg(long)]
     pub all: bool,
@@ -50,7 +47,7 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     summary.insert(run_files::WORKING_FOLDER.into(), store::path_from(&args.out, Path::new(".")).into());
     summary.extend(outside.as_deref().map(|outside| ("outside".to_owned(), json!(outside))));
     let stored = Draft::begin(&args.out, Origin::of_comparison(&args.runs), args.force).and_then(|draft| {
-        let files = folder::fill_comparison(&draft, &comparison, &summary, outside.as_deref(), args.parquet)?;
+        let files = folder::fill_comparison(&draft, &comparison, &summary, outside.as_deref())?;
         Ok((draft.publish()?, files))
     });
     let (place, files) = stored.map_err(|error| Failure::output(storing(&error)))?;

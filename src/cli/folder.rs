@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use super::formats::Formats;
-use base::table::{self, Column};
+use base::table;
 use lab::signal::{Recording, csv};
 use report::vtu::VtuError;
 use report::{self, RunPage, StudyPage, SweepPage, compare_page, vtkhdf, vtu};
@@ -34,16 +34,13 @@ pub(super) struct Contents<'a> {
 /// Writes all files of a run into the draft, by as many threads as there are, and gives their names.
 pub(super) fn fill<'a>(draft: &'a Draft, contents: &'a Contents<'a>) -> Result<Vec<String>, StoreError> {
     let Contents { model, outcome, results, scenario, script, failure, formats } = *contents;
-    let mut files = Files::new(draft, formats.parquet);
+    let mut files = Files::new(draft);
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
     files.later(run_files::SIGNALS, || recording(signals));
     files.later(run_files::ENERGIES, || recording(&outcome.energies));
-    files.parquet_later(run_files::SIGNALS_PARQUET, || signals.columns());
-    files.parquet_later(run_files::ENERGIES_PARQUET, || outcome.energies.columns());
     if let Some(field) = results.and_then(|results| results.field.as_ref()) {
         let failed = |error| StoreError::write(draft.path().join(run_files::FIELD), error);
         files.later(run_files::FIELD, move || table::to_csv(&field.columns()).map_err(failed));
-        files.parquet_later(run_files::FIELD_PARQUET, || field.columns());
     }
     if let Some(results) = results {
         files.later(run_files::SUMMARY, || json(&results.summary(model)));
@@ -75,9 +72,8 @@ pub(super) fn fill_study(
     draft: &Draft,
     study: &StudyPage,
     summary: &Map<String, Value>,
-    parquet: bool,
 ) -> Result<Vec<String>, StoreError> {
-    let mut files = Files::new(draft, parquet);
+    let mut files = Files::new(draft);
     files.write(run_files::SUMMARY, json(summary)?)?;
     files.script_output(study.output)?;
     #[cfg(feature = "rerun")]
@@ -92,7 +88,7 @@ pub(super) fn fill_tests(
     verdicts: &[Verdict],
     summary: &Map<String, Value>,
 ) -> Result<Vec<String>, StoreError> {
-    let mut files = Files::new(draft, false);
+    let mut files = Files::new(draft);
     files.write(run_files::SUMMARY, json(summary)?)?;
     files.write(run_files::REPORT, report::test_page(verdicts).into_bytes())?;
     files.written()
@@ -100,13 +96,12 @@ pub(super) fn fill_tests(
 
 /// Writes all files of a sweep into the draft and gives their names.
 pub(super) fn fill_sweep(draft: &Draft, page: &SweepPage, scenario: &str) -> Result<Vec<String>, StoreError> {
-    let mut files = Files::new(draft, false);
+    let mut files = Files::new(draft);
     let columns = &page.results.table.columns;
     let failed = |name: &'static str| move |error| StoreError::write(draft.path().join(name), error);
     files.write(run_files::SUMMARY, json(page.summary)?)?;
     files.write(run_files::SCENARIO, scenario.as_bytes().to_vec())?;
     files.write(run_files::TABLE, table::to_csv(columns).map_err(failed(run_files::TABLE))?)?;
-    files.write(run_files::PARQUET, table::to_parquet(columns, &[]).map_err(failed(run_files::PARQUET))?)?;
     files.write(run_files::REPORT, report::sweep_page(page).into_bytes())?;
     files.written()
 }
@@ -117,12 +112,9 @@ pub(super) fn fill_comparison(
     comparison: &RunComparison,
     summary: &Map<String, Value>,
     outside: Option<&[Outside]>,
-    parquet: bool,
 ) -> Result<Vec<String>, StoreError> {
-    let mut files = Files::new(draft, parquet);
+    let mut files = Files::new(draft);
     files.write(run_files::SUMMARY, json(summary)?)?;
-    files.parquet(run_files::SIGNALS_PARQUET, || comparison.signal_columns())?;
-    files.parquet(run_files::FIGURES_PARQUET, || comparison.figure_columns())?;
     #[cfg(feature = "rerun")]
     files.comparison(comparison)?;
     files.write(run_files::REPORT, compare_page::compare_page(comparison, outside).into_bytes())?;
@@ -135,13 +127,11 @@ struct Files<'a> {
     names: Vec<String>,
     /// What writes the files that are written later.
     later: Vec<Box<dyn FnOnce() -> Result<(), StoreError> + Send + 'a>>,
-    /// Whether tables are also written as Apache Parquet.
-    parquet: bool,
 }
 
 impl<'a> Files<'a> {
-    fn new(draft: &'a Draft, parquet: bool) -> Files<'a> {
-        Files { draft, names: Vec::new(), later: Vec::new(), parquet }
+    fn new(draft: &'a Draft) -> Files<'a> {
+        Files { draft, names: Vec::new(), later: Vec::new() }
     }
 
     /// Writes what is to be written later, by as many threads as there are; the names of all files.
@@ -219,31 +209,11 @@ impl<'a> Files<'a> {
         Ok(())
     }
 
-    /// Writes a table as Apache Parquet, where that is asked for.
-    fn parquet(&mut self, name: &str, columns: impl FnOnce() -> Vec<Column>) -> Result<(), StoreError> {
-        if !self.parquet {
-            return Ok(());
-        }
-        let content = table::to_parquet(&columns(), &[]);
-        self.write(name, content.map_err(|error| StoreError::write(self.draft.path().join(name), error))?)
-    }
-
-    /// The same of a table that is made while others are.
-    fn parquet_later(&mut self, name: &'static str, columns: impl FnOnce() -> Vec<Column> + Send + 'a) {
-        let draft = self.draft;
-        if self.parquet {
-            self.later(name, move || {
-                table::to_parquet(&columns(), &[]).map_err(|error| StoreError::write(draft.path().join(name), error))
-            });
-        }
-    }
-
     fn script_output(&mut self, output: &ScriptOutput) -> Result<(), StoreError> {
         for (name, rows) in &output.tables {
             let file = format!("{}/{name}.csv", run_files::TABLES);
             let content = rows_as_csv(rows).map_err(|error| StoreError::write(self.draft.path().join(&file), error))?;
             self.write(&file, content)?;
-            self.parquet(&format!("{}/{name}.parquet", run_files::TABLES), || columns_of(rows))?;
         }
         for file in output.files.iter() {
             self.write(&file.name, file.content.clone().into_bytes())?;
@@ -264,15 +234,6 @@ pub(super) fn json(summary: &Map<String, Value>) -> Result<Vec<u8>, StoreError> 
     let mut text = text.map_err(|error| StoreError::write(run_files::SUMMARY, error.into()))?;
     text.push(b'\n');
     Ok(text)
-}
-
-/// The columns of rows.
-fn columns_of(rows: &[Row]) -> Vec<Column> {
-    let column = |name: String| {
-        let values: Vec<Option<&Value>> = rows.iter().map(|row| row.get(&name)).collect();
-        Column::of_json(name, &values)
-    };
-    report::columns(rows).into_iter().map(column).collect()
 }
 
 /// Rows under the names of all their columns.

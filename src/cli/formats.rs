@@ -11,9 +11,6 @@ pub(super) struct Formats {
     /// Also write the snapshots for ParaView, all of them in one file: film.vtkhdf, impactor.vtkhdf, frame.vtkhdf and springs.vtkhdf
     #[arg(long)]
     pub vtkhdf: bool,
-    /// Also write every table as Apache Parquet, for pandas, Polars and R
-    #[arg(long)]
-    pub parquet: bool,
 }
 
 impl Formats {

@@ -55,7 +55,7 @@ fn coefficients_and_motion_are_found_again() {
 
     let scale = |fibre: &str, k1: f64| format!("specimen.material.fabric.{fibre}.scale={{ k1 = {k1} }}");
     let (md, td) = (scale("md", md), scale("td", td));
-    let run = ["run", &scenario, "--set", COARSE, "--set", &md, "--set", &td, "--out", "run", "--parquet", "--quiet"];
+    let run = ["run", &scenario, "--set", COARSE, "--set", &md, "--set", &td, "--out", "run", "--quiet"];
     printed(&droptower(folder.path(), &run));
     let read = |name: &str| fs::read_to_string(folder.path().join("run").join(name)).expect("a text");
     let summary: Json = serde_json::from_str(&read("summary.json")).expect("JSON");
@@ -80,7 +80,6 @@ fn coefficients_and_motion_are_found_again() {
     assert!(rows.starts_with("time_s,x_m,y_m,z_m,u_m,v_m,w_m,simulated_u_m,simulated_v_m,simulated_w_m,error_m\n"));
     let page = read("report.html");
     assert_eq!(page.matches("<figure class=\"map\">").count(), 4);
-    assert!(folder.path().join("run/field.parquet").is_file());
 }
 
 #[test]

@@ -28,7 +28,6 @@ mod links;
 mod mesh;
 mod paper_study;
 mod paraview;
-mod parquet;
 mod picture;
 #[cfg(feature = "rerun")]
 mod playback;

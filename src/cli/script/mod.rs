@@ -56,9 +56,6 @@ pub(super) struct ScriptArgs {
     /// Replace results of another scenario or script in the same folder
     #[arg(long)]
     pub force: bool,
-    /// Also write every table as Apache Parquet, for pandas, Polars and R
-    #[arg(long)]
-    pub parquet: bool,
     #[command(flatten)]
     pub farm: ShardArgs,
     /// Folder of the evaluations that are never computed twice
@@ -423,7 +420,7 @@ fn store_results(run: &ScriptRun, args: &ScriptArgs, place: &Path, origin: Origi
     let draft = Draft::begin(place, origin, args.force)?;
     let modules: Vec<(&str, &str)> = program.modules().map(|(name, source)| (name, &*source.text)).collect();
     let page = StudyPage { name, call, output, script: program.text(), modules: &modules };
-    let files = folder::fill_study(&draft, &page, &summary(run), args.parquet)?;
+    let files = folder::fill_study(&draft, &page, &summary(run))?;
     draft.publish()?;
     Ok(files)
 }

@@ -8,11 +8,10 @@ use serde::Serialize;
 use super::input::FileArgs;
 use super::output;
 use super::remarks::Remarks;
-use crate::output::{check, ends_in, write};
+use crate::output::ends_in;
 use crate::{Failure, Shared, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::removed;
-use base::table;
 use lab::signal::file::ChannelSelection;
 use lab::signal::{Annotations, MeasuredChannel, Measurement, Recording};
 
@@ -25,34 +24,12 @@ pub(crate) struct ConvertArgs {
     pub column: Vec<String>,
     #[command(flatten)]
     pub file: FileArgs,
-    /// A table (.csv, .parquet); values in SI
+    /// A table (.csv); values in SI
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Replace the table where it exists
     #[arg(long)]
     pub force: bool,
-}
-
-/// The format that a recording is converted to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Format {
-    Table,
-    /// A table in Apache Parquet.
-    Parquet,
-}
-
-impl Format {
-    /// By the ending of the file.
-    fn from_path(out: &Path) -> Result<Format, Diagnostic> {
-        let endings = [("csv", Format::Table), ("parquet", Format::Parquet)];
-        let found = endings.into_iter().find(|(ending, _)| ends_in(out, ending)).map(|(_, format)| format);
-        found.ok_or_else(|| {
-            let mistake = Diagnostic::new(format!("{} ends in none of .csv and .parquet", shown_path(out)));
-            let ending = format!(".{}", out.extension().unwrap_or_default().to_string_lossy());
-            let gone = removed::command(&["signal".into(), "convert".into(), ending]);
-            mistake.hint(gone.map_or("the ending names the format".into(), |(_, instead)| instead))
-        })
-    }
 }
 
 /// The channels that were written.
@@ -76,23 +53,19 @@ pub(super) fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
 }
 
 fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
-    let format = Format::from_path(&args.out)?;
-    match format {
-        Format::Table => output::check_table(&args.out, &args.path, args.force)?,
-        Format::Parquet => check(&args.out, "parquet", Some(&args.path), Some(args.force))?,
+    if !ends_in(&args.out, "csv") {
+        let ending = format!(".{}", args.out.extension().unwrap_or_default().to_string_lossy());
+        let gone = removed::command(&["signal".into(), "convert".into(), ending]);
+        let mistake = Diagnostic::new(format!("{} does not end in .csv", shown_path(&args.out)));
+        return Err(mistake.hint(gone.map_or("name it .csv".into(), |(_, instead)| instead)).into());
     }
+    output::check_table(&args.out, &args.path, args.force)?;
     let channels = match &args.column[..] {
         [] => ChannelSelection::All,
         names => ChannelSelection::Named(names.to_vec()),
     };
     let found = args.file.read(&args.path, channels)?;
-    match format {
-        Format::Table => output::write_csv(&args.out, &comments(&found), &shared_axis(&found, &args.path)?)?,
-        Format::Parquet => {
-            let columns = shared_axis(&found, &args.path)?.columns();
-            write(&args.out, |out| out.write_all(&table::to_parquet(&columns, &comments(&found))?))?;
-        }
-    }
+    output::write_csv(&args.out, &comments(&found), &shared_axis(&found, &args.path)?)?;
     Ok(Converted {
         path: shown_path(&args.path),
         out: shown_path(&args.out),

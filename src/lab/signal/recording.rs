@@ -3,9 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::Series;
-use super::column_name::TIME;
-use base::number::clean_time;
-use base::table::Column;
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,13 +37,6 @@ impl Recording {
     /// Bytes of its numbers.
     pub fn size(&self) -> usize {
         size_of::<f64>() * (self.time.len() + self.channels.iter().map(|channel| channel.values.len()).sum::<usize>())
-    }
-
-    /// The columns of its table: those of [`csv::write`](super::csv::write), the same numbers.
-    pub fn columns(&self) -> Vec<Column> {
-        let time = Column::of_numbers(TIME, self.time.iter().copied().map(clean_time));
-        let channel = |channel: &Channel| Column::of_numbers(&channel.name, channel.values.iter().copied());
-        std::iter::once(time).chain(self.channels.iter().map(channel)).collect()
     }
 
     /// Puts `channel` behind the one called `before`, or last where there is none.

@@ -10,9 +10,8 @@ use super::warning::VIRTUAL_REFERENCE;
 use super::{COST, HEADER, Warning};
 use crate::store::StoredRun;
 use base::finding::Finding;
-use base::table::{Column, Values};
 use lab::signal::norm::relative_error;
-use lab::signal::{Annotations, Series, column, csv};
+use lab::signal::{Annotations, Series, column};
 use scene::scenario;
 
 /// Several runs, compared with the first of them.
@@ -71,8 +70,6 @@ pub struct ComparedSignal {
     pub errors: Vec<Option<f64>>,
 }
 
-/// Name of the column of runs in tables.
-const RUN: &str = "run";
 
 impl RunComparison {
     /// Compares `runs`; of the signals only those that `wanted` names, or all where it is empty.
@@ -107,35 +104,6 @@ impl RunComparison {
     /// All other figures.
     pub fn other_figures(&self) -> impl Iterator<Item = &ComparedFigure> {
         self.figures.iter().filter(|figure| !figure.is_key())
-    }
-
-    /// The signals as one table, the rows of a run under those of the run before: `run`, `time_s`, and a column a signal.
-    pub fn signal_columns(&self) -> Vec<Column> {
-        let times: Vec<&[f64]> = (0..self.runs.len())
-            .map(|run| self.signals.iter().find_map(|signal| signal.series[run].as_ref()).map_or(&[][..], Series::time))
-            .collect();
-        let name = |(run, times): (&ComparedRun, &&[f64])| vec![Some(run.name.clone()); times.len()];
-        let names = self.runs.iter().zip(&times).flat_map(name).collect();
-        let signal = |signal: &ComparedSignal| {
-            let of_run = |(series, times): (&Option<Series>, &&[f64])| match series {
-                Some(series) => series.values().to_vec(),
-                None => vec![f64::NAN; times.len()],
-            };
-            Column::of_numbers(&signal.column, signal.series.iter().zip(&times).flat_map(of_run))
-        };
-        let time = Column::of_numbers(csv::TIME, times.iter().flat_map(|times| times.iter().copied()));
-        let runs = Column { name: RUN.into(), values: Values::Texts(names) };
-        [runs, time].into_iter().chain(self.signals.iter().map(signal)).collect()
-    }
-
-    /// The figures as a table, a row a run: `run`, and a column a figure.
-    pub fn figure_columns(&self) -> Vec<Column> {
-        let names = self.runs.iter().map(|run| Some(run.name.clone())).collect();
-        let figure = |figure: &ComparedFigure| {
-            Column::of_json(&figure.name, &figure.values.iter().map(Option::as_ref).collect::<Vec<_>>())
-        };
-        let runs = Column { name: RUN.into(), values: Values::Texts(names) };
-        std::iter::once(runs).chain(self.figures.iter().map(figure)).collect()
     }
 
     /// The content of `summary.json` of the comparison.

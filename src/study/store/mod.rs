@@ -388,7 +388,7 @@ fn listed(folder: &Path) -> HashSet<String> {
         .as_object()
         .into_iter()
         .flatten()
-        .flat_map(|(name, _)| ["csv", "parquet"].map(|ending| format!("{}/{name}.{ending}", run_files::TABLES)));
+        .map(|(name, _)| format!("{}/{name}.csv", run_files::TABLES));
     let files = summary["files"].as_array().into_iter().flatten().filter_map(|name| Some(name.as_str()?.to_owned()));
     tables.chain(files).collect()
 }

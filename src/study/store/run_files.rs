@@ -7,16 +7,8 @@ pub(super) const MOST_BYTES: u64 = 1 << 30;
 pub const SIGNALS: &str = "signals.csv";
 /// The energy audit over time.
 pub const ENERGIES: &str = "energies.csv";
-/// [`SIGNALS`] as Apache Parquet; of a comparison, those of all runs.
-pub const SIGNALS_PARQUET: &str = "signals.parquet";
-/// [`ENERGIES`] as Apache Parquet.
-pub const ENERGIES_PARQUET: &str = "energies.parquet";
-/// The figures of the runs of a comparison.
-pub const FIGURES_PARQUET: &str = "figures.parquet";
 /// Measured and simulated displacements of the points of a field.
 pub const FIELD: &str = "field.csv";
-/// [`FIELD`] as Apache Parquet.
-pub const FIELD_PARQUET: &str = "field.parquet";
 /// The figures and findings.
 pub const SUMMARY: &str = "summary.json";
 /// The resolved scenario.
@@ -43,8 +35,6 @@ pub const FRAME_STATES: &str = "frame.vtkhdf";
 pub const SPRINGS_STATES: &str = "springs.vtkhdf";
 /// Inputs and outputs of the runs of a sweep.
 pub const TABLE: &str = "table.csv";
-/// Inputs and outputs of the runs of a sweep for Polars, pandas, R and others.
-pub const PARQUET: &str = "table.parquet";
 /// The page.
 pub const REPORT: &str = "report.html";
 /// Why a run failed.
@@ -60,14 +50,10 @@ pub const WORKING_FOLDER: &str = "folder";
 
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
-pub const RUN_FILES: [(&str, &str); 23] = [
+pub const RUN_FILES: [(&str, &str); 18] = [
     (SIGNALS, "all channels over time, SI"),
     (ENERGIES, "the energy audit over time"),
-    (SIGNALS_PARQUET, "the channels for Polars, pandas and R"),
-    (ENERGIES_PARQUET, "the energy audit for Polars, pandas and R"),
     (FIELD, "measured and simulated displacements of the points of the field"),
-    (FIELD_PARQUET, "the same for Polars, pandas and R"),
-    (FIGURES_PARQUET, "the figures of each run for Polars, pandas and R"),
     (SUMMARY, "the figures, for other programs"),
     (SCENARIO, "the scenario with everything that it takes from elsewhere"),
     (POST_SCRIPT, "the script that added figures"),
@@ -81,7 +67,6 @@ pub const RUN_FILES: [(&str, &str); 23] = [
     (FRAME_STATES, "the frame's bars in all snapshots for ParaView"),
     (SPRINGS_STATES, "the frame's springs in all snapshots for ParaView"),
     (TABLE, "inputs and figures of the runs of a sweep"),
-    (PARQUET, "the same for Polars, pandas and R"),
     (REPORT, "this page"),
     (FAILURE, "why the run failed"),
 ];

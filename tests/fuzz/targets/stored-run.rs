@@ -16,8 +16,7 @@ fuzz_target!(|input: &[u8]| {
         Ok(run) => {
             let other = StoredRun { place: "other".into(), ..run.clone() };
             let comparison = RunComparison::from_runs(&[run, other], &[]);
-            let columns = (comparison.signal_columns(), comparison.figure_columns());
-            drop((comparison.title(), columns, comparison.summary()));
+            drop((comparison.title(), comparison.summary()));
         }
         Err(error) => drop(error.to_string()),
     });

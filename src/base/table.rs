@@ -1,12 +1,8 @@
-//! Tables as values: named columns of numbers, Booleans or strings with gaps, as CSV and as Apache Parquet.
-
-mod parquet;
+//! Tables as values: named columns of numbers, Booleans or strings with gaps, as CSV.
 
 use std::io;
 
 use serde_json::Value;
-
-pub use parquet::to_parquet;
 
 /// A column, with a value or nothing in every row.
 #[derive(Clone, Debug, PartialEq)]
