@@ -24,7 +24,6 @@ def run(
     unset: Iterable[str] = (),
     out: PathLike | None = None,
     vtu: bool = False,
-    vtkhdf: bool = False,
     force: bool = False,
     threads: int | None = None,
     quiet: bool = True,
@@ -32,12 +31,11 @@ def run(
     """Runs a scenario.
 
     `set` changes keys: numbers (SI), texts with units ("12 um"), lists, dictionaries. `unset` leaves keys out. Results
-    go to `out`, or to runs/<name of the scenario>; `vtu` also writes the states of the film (`Run.states`),
-    `vtkhdf` those in one file for ParaView.
+    go to `out`, or to runs/<name of the scenario>; `vtu` also writes the states of the film (`Run.states`).
     """
     arguments = ["run", _path(scenario), *_changes(set, unset), *_options(out, force, threads)]
-    wanted = {"--vtu": vtu, "--vtkhdf": vtkhdf}
-    arguments += [option for option, is_wanted in wanted.items() if is_wanted]
+    if vtu:
+        arguments.append("--vtu")
     summary = json.loads(call([*arguments, "--json"], quiet=quiet))
     return Run(_place(out, summary["scenario"]))
 

@@ -53,11 +53,6 @@ def test_states_are_arrays(scene: Path) -> None:
         _ = droptower.run(scene, out="plain").states
 
 
-def test_states_in_another_format(scene: Path) -> None:
-    run = droptower.run(scene, vtkhdf=True, out="other")
-    assert (run.path / "film.vtkhdf").read_bytes().startswith(b"\x89HDF")
-
-
 def test_a_state_without_film_has_no_elements(scene: Path) -> None:
     stretch = Path(__file__).resolve().parents[2] / "scenarios/stretch/md-0.2.toml"
     fibres = {"curve": [[0.3, "8 MPa"]]}

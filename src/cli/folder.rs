@@ -5,11 +5,10 @@ use std::io;
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 
-use super::formats::Formats;
 use base::table;
 use lab::signal::{Recording, csv};
 use report::vtu::VtuError;
-use report::{self, RunPage, StudyPage, SweepPage, compare_page, vtkhdf, vtu};
+use report::{self, RunPage, StudyPage, SweepPage, compare_page, vtu};
 use scene::expectation::{Outside, Verdict};
 use scene::model::Model;
 use scene::simulate::Outcome;
@@ -27,13 +26,13 @@ pub(super) struct Contents<'a> {
     /// Text of the post script that `scenario` reads as [`run_files::POST_SCRIPT`].
     pub script: Option<&'a str>,
     pub failure: Option<&'a str>,
-    /// The formats that are written besides.
-    pub formats: Formats,
+    /// Whether snapshots are also written for ParaView.
+    pub vtu: bool,
 }
 
 /// Writes all files of a run into the draft, by as many threads as there are, and gives their names.
 pub(super) fn fill<'a>(draft: &'a Draft, contents: &'a Contents<'a>) -> Result<Vec<String>, StoreError> {
-    let Contents { model, outcome, results, scenario, script, failure, formats } = *contents;
+    let Contents { model, outcome, results, scenario, script, failure, vtu } = *contents;
     let mut files = Files::new(draft);
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
     files.later(run_files::SIGNALS, || recording(signals));
@@ -48,11 +47,8 @@ pub(super) fn fill<'a>(draft: &'a Draft, contents: &'a Contents<'a>) -> Result<V
         #[cfg(feature = "rerun")]
         files.recording(contents, results);
     }
-    if formats.vtu {
+    if vtu {
         files.snapshots(vtu::files(model, outcome))?;
-    }
-    if formats.vtkhdf {
-        files.snapshots(vtkhdf::files(model, outcome))?;
     }
     files.write(run_files::SCENARIO, scenario.as_bytes().to_vec())?;
     if let Some(text) = script {

@@ -23,7 +23,6 @@ mod findings;
 mod folder;
 mod given;
 mod forecast;
-mod formats;
 mod functions;
 mod list;
 mod man;

@@ -10,7 +10,6 @@ use super::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
 use super::faults::{evaluating, storing};
 use super::folder::{self, Contents};
 use super::forecast::Forecast;
-use super::formats::Formats;
 use super::live::{self, Show, Viewer};
 use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
@@ -56,8 +55,9 @@ pub(super) struct RunArgs {
     /// Vector instructions of the kernels; left out, the widest that the processor has. Results are the same to the bit
     #[arg(long, value_name = "WIDTH")]
     pub width: Option<WidthChoice>,
-    #[command(flatten)]
-    pub formats: Formats,
+    /// Also write the snapshots for ParaView: film.pvd, impactor.pvd, frame.pvd (the bars) and springs.pvd, with strain, stress and thickness
+    #[arg(long)]
+    pub vtu: bool,
 }
 
 /// Vector instructions that a run may have.
@@ -96,8 +96,8 @@ struct Job {
     place: PathBuf,
     /// Its checkpoints, if it has any.
     writer: Option<CheckpointWriter>,
-    /// The formats that are written besides.
-    formats: Formats,
+    /// Whether snapshots are also written for ParaView.
+    vtu: bool,
     /// Whether results of another scenario are replaced.
     force: bool,
     /// Its vector instructions, where they are chosen.
@@ -205,14 +205,14 @@ fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
     let left =
         |(checked, folder): (Checked, PathBuf)| checkpoint::Warning::Complete { run: checked.model.name, folder };
     let complete = complete.into_iter().map(left).collect();
-    let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.formats.need_detail() };
+    let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for (checked, place) in rest {
         match CheckpointWriter::new(policy, &checked, &place) {
             Ok(writer) => {
                 let cancellation = Cancellation::default();
-                let (formats, force) = (args.formats, args.force);
-                jobs.push(Job { checked, place, writer, formats, force, width, cancellation });
+                let (vtu, force) = (args.vtu, args.force);
+                jobs.push(Job { checked, place, writer, vtu, force, width, cancellation });
             }
             Err(mistake) => mistakes.push(mistake),
         }
@@ -272,7 +272,7 @@ struct Unfinished<'a> {
 impl Job {
     /// A run without checkpoints, whatever is in its folder.
     fn plain(checked: Checked, place: PathBuf, cancellation: Cancellation) -> Job {
-        Job { checked, place, writer: None, formats: Formats::default(), force: true, width: None, cancellation }
+        Job { checked, place, writer: None, vtu: false, force: true, width: None, cancellation }
     }
 
     fn run(&self, bar: &Bar, index: usize, viewer: Option<&Viewer>) -> Done {
@@ -342,7 +342,7 @@ impl Job {
             on_snapshot,
             cancellation,
             width: self.width,
-            detailed: self.formats.need_detail(),
+            detailed: self.vtu,
             ..RunOptions::default()
         };
         let outcome = simulate::run_with(model, options, &mut progress);
@@ -421,15 +421,7 @@ impl Job {
     /// What is stored of a run, without results.
     fn contents<'a>(&'a self, outcome: &'a Outcome, scenario: &'a str) -> Contents<'a> {
         let Checked { model, plan, .. } = &self.checked;
-        Contents {
-            model,
-            outcome,
-            results: None,
-            scenario,
-            script: plan.script(),
-            failure: None,
-            formats: self.formats,
-        }
+        Contents { model, outcome, results: None, scenario, script: plan.script(), failure: None, vtu: self.vtu }
     }
 
     fn origin(&self) -> Origin {

@@ -27,7 +27,6 @@ mod progress_page;
 mod study_page;
 mod sweep_page;
 mod test_page;
-pub mod vtkhdf;
 pub mod vtu;
 
 pub use compare_page::compare_page;

@@ -231,7 +231,6 @@ def kill_conversion(desk, kills):
     no_leftovers(desk, *arguments)
 
 
-
 # Disks and folders
 
 

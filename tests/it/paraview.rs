@@ -261,17 +261,14 @@ fn film_without_springs_has_no_series_of_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = |name: &str, more: &[&str]| {
         let scenario = root().join(name).display().to_string();
-        printed(&droptower(
-            folder.path(),
-            &[&["run", &scenario, "--vtu", "--vtkhdf", "--out", "results"], more].concat(),
-        ));
+        printed(&droptower(folder.path(), &[&["run", &scenario, "--vtu", "--out", "results"], more].concat()));
     };
     let there = |name: &str| folder.path().join("results").join(name).exists();
     run("scenarios/trampoline/bed.toml", &BED);
-    assert!(there("springs.pvd") && there("springs.vtkhdf") && there("vtu/springs_0000.vtu"));
+    assert!(there("springs.pvd") && there("vtu/springs_0000.vtu"));
     // What was written is ours: it is replaced by the next run.
     run("scenarios/drop/1008.toml", &[&["--force"], &QUICK[..]].concat());
-    assert!(!there("springs.pvd") && !there("springs.vtkhdf") && !there("vtu/springs_0000.vtu"));
+    assert!(!there("springs.pvd") && !there("vtu/springs_0000.vtu"));
 }
 
 #[test]
@@ -318,60 +315,4 @@ fn an_impactor_is_written_though_its_file_was_deleted() {
     let mut sorted = names.clone();
     sorted.sort_unstable_by_key(|name| (name.contains("impactor"), name.ends_with(".pvd"), name.to_string()));
     assert_eq!(names, sorted, "however many threads wrote them");
-}
-
-/// The numbers of a data set of the file for ParaView.
-fn stored(file: &hdf5_pure::File, name: &str) -> Vec<f64> {
-    file.dataset(&format!("VTKHDF/{name}")).expect("a data set").read_f64().expect("numbers")
-}
-
-#[test]
-fn one_file_holds_the_states_of_the_series_and_an_unchanged_mesh_once() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| root().join(name).display().to_string();
-    let (drop, stretch) = (path("scenarios/drop/1008.toml"), path("scenarios/stretch/md-0.2.toml"));
-    // Oblique fibres are strained alike, so that both sets break and no element is left.
-    let [md, td] = ["md", "td"].map(|set| format!("specimen.material.fabric.{set}={{ curve = [[0.3, 8e6]] }}"));
-    let changes = ["loading.stretch.direction=45 deg", "loading.stretch.until=0.6", "output.frames=8", &md, &td];
-    let rupture: Vec<&str> = changes.iter().flat_map(|change| ["--set", change]).collect();
-    let bed = path("scenarios/trampoline/bed.toml");
-    for (scenario, changes, out, parts, meshes) in [
-        (&drop, &QUICK[..], "drop", &["film", "impactor"][..], 1),
-        (&bed, &BED, "bed", &["film", "springs", "impactor"], 1),
-        (&stretch, &rupture, "rupture", &["film"], 2),
-    ] {
-        let formats = ["run", scenario.as_str(), "--vtu", "--vtkhdf", "--out", out];
-        printed(&droptower(folder.path(), &[&formats[..], changes].concat()));
-        for name in parts {
-            let file = hdf5_pure::File::open(folder.path().join(out).join(format!("{name}.vtkhdf"))).expect("HDF5");
-            let attributes = file.group("VTKHDF").expect("the root").attrs().expect("attributes");
-            let kind = hdf5_pure::AttrValue::AsciiString("UnstructuredGrid".into());
-            assert_eq!(attributes.get("Type"), Some(&kind));
-            let series = states(&folder.path().join(out), &format!("{name}.pvd"));
-            let times: Vec<f64> = series.iter().map(|(time, _)| *time).collect();
-            assert_eq!(stored(&file, "Steps/Values"), times);
-            assert_eq!(stored(&file, "NumberOfCells").len(), meshes, "{out}/{name}");
-            let points = stored(&file, "Points");
-            for (state, (_, grid)) in series.iter().enumerate() {
-                let first = |data: &str| stored(&file, &format!("Steps/{data}"))[state] as usize;
-                let expected: Vec<f64> = grid.points.cast_into().expect("points");
-                assert_eq!(points[3 * first("PointOffsets")..][..expected.len()], expected);
-                let cells = stored(&file, "NumberOfCells")[first("PartOffsets")] as usize;
-                assert_eq!(cells, grid.cells.num_cells());
-                for attribute in &grid.data.cell {
-                    let name = attribute.name();
-                    let expected = array(&grid.data.cell, name);
-                    let components = expected.len() / cells;
-                    let from = components * first(&format!("CellDataOffsets/{name}"));
-                    let found = &stored(&file, &format!("CellData/{name}"))[from..][..expected.len()];
-                    let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-                    assert_eq!(bits(found), bits(&expected), "{out}/{name} in state {state}");
-                }
-            }
-        }
-        // What was written is ours: it is replaced by the next run, without it.
-        let plain = ["run", scenario.as_str(), "--out", out];
-        printed(&droptower(folder.path(), &[&plain[..], changes].concat()));
-        assert!(!folder.path().join(out).join("film.vtkhdf").exists());
-    }
 }

@@ -62,9 +62,6 @@ pub enum VtuError {
     /// A collection cannot be written as XML.
     #[error("PVD: {0}")]
     Collection(#[from] quick_xml::Error),
-    /// A data set cannot be written as HDF5.
-    #[error("VTKHDF: {0}")]
-    Hdf(#[from] hdf5_pure::Error),
     /// The snapshots lack their detail.
     #[error("the snapshots have no stresses: the run was made without detail")]
     NoDetail,
@@ -83,7 +80,7 @@ pub struct File {
 type Triangulation = (Vec<nalgebra::Point3<f64>>, Vec<[u32; 3]>);
 
 /// Points and cells with their arrays.
-pub(super) struct Grid {
+struct Grid {
     pub points: Vec<[f32; 3]>,
     /// Ends of lines, and corners of triangles and quadrilaterals.
     pub cells: Vec<Vec<u64>>,
@@ -96,21 +93,14 @@ type OfSnapshot<'a> = dyn Fn(&Snapshot) -> Result<Grid, VtuError> + Send + Sync 
 
 /// A part of the scene with files of its own: the film, the springs on which it hangs, the impactors or the bars of a
 /// frame.
-pub(super) struct Part<'a> {
+struct Part<'a> {
     /// `film`, `springs`, `impactor`, `frame`.
-    pub name: &'static str,
+    name: &'static str,
     grid: Box<OfSnapshot<'a>>,
 }
 
-impl Part<'_> {
-    /// Its points and cells in a snapshot.
-    pub fn grid(&self, snapshot: &Snapshot) -> Result<Grid, VtuError> {
-        (self.grid)(snapshot)
-    }
-}
-
 /// The parts of a run that are written.
-pub(super) fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>> {
+fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>> {
     let film = Part { name: "film", grid: Box::new(move |snapshot| film::grid(model, outcome, snapshot)) };
     let has_springs = outcome.films.iter().any(|film| !film.springs.is_empty());
     let springs =
@@ -142,7 +132,7 @@ fn series<'a>(part: Part<'a>, snapshots: &'a [Snapshot]) -> impl ParallelIterato
     let name = part.name;
     let place = move |state: usize| format!("{SNAPSHOTS}/{name}_{state:04}.vtu");
     let state = move |(number, snapshot): (usize, &Snapshot)| {
-        Ok(File { name: place(number), content: part.grid(snapshot).and_then(unstructured)? })
+        Ok(File { name: place(number), content: (part.grid)(snapshot).and_then(unstructured)? })
     };
     let collected = move |()| {
         let times = snapshots.iter().enumerate().map(|(number, snapshot)| (place(number), snapshot.time));

@@ -25,14 +25,6 @@ pub const IMPACTOR_SERIES: &str = "impactor.pvd";
 pub const FRAME_SERIES: &str = "frame.pvd";
 /// Collection of the snapshots of the frame's springs for ParaView.
 pub const SPRINGS_SERIES: &str = "springs.pvd";
-/// The film in all snapshots, for ParaView.
-pub const FILM_STATES: &str = "film.vtkhdf";
-/// The impactors in all snapshots, for ParaView.
-pub const IMPACTOR_STATES: &str = "impactor.vtkhdf";
-/// The frame's bars in all snapshots, for ParaView.
-pub const FRAME_STATES: &str = "frame.vtkhdf";
-/// The frame's springs in all snapshots, for ParaView.
-pub const SPRINGS_STATES: &str = "springs.vtkhdf";
 /// Inputs and outputs of the runs of a sweep.
 pub const TABLE: &str = "table.csv";
 /// The page.
@@ -50,7 +42,7 @@ pub const WORKING_FOLDER: &str = "folder";
 
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
-pub const RUN_FILES: [(&str, &str); 18] = [
+pub const RUN_FILES: [(&str, &str); 14] = [
     (SIGNALS, "all channels over time, SI"),
     (ENERGIES, "the energy audit over time"),
     (FIELD, "measured and simulated displacements of the points of the field"),
@@ -62,10 +54,6 @@ pub const RUN_FILES: [(&str, &str); 18] = [
     (IMPACTOR_SERIES, "the impactors for ParaView"),
     (FRAME_SERIES, "the frame's bars for ParaView"),
     (SPRINGS_SERIES, "the frame's springs for ParaView"),
-    (FILM_STATES, "the film in all snapshots for ParaView"),
-    (IMPACTOR_STATES, "the impactors in all snapshots for ParaView"),
-    (FRAME_STATES, "the frame's bars in all snapshots for ParaView"),
-    (SPRINGS_STATES, "the frame's springs in all snapshots for ParaView"),
     (TABLE, "inputs and figures of the runs of a sweep"),
     (REPORT, "this page"),
     (FAILURE, "why the run failed"),
