@@ -1,6 +1,6 @@
 //! Diagrams as text: curves of dots in the characters of braille.
 
-use super::{Axis, Curve, Frame, Plot, Scale};
+use super::{Axis, Plot, Scale};
 use base::number;
 
 /// Dots of a character, across and down.
@@ -19,33 +19,17 @@ const DIGITS: usize = 4;
 /// The plot in `size` characters across and down, without the texts beside and below; all curves look alike. A mark is a
 /// dotted line with its label below the axis. Empty where no curve has a point.
 pub fn braille(plot: &Plot, size: [usize; 2]) -> String {
-    if plot.frame == Frame::Polar {
-        // A dot is about as wide as it is high.
-        let dots = (size[0] * ACROSS).min(size[1] * DOWN);
-        let size = [dots / ACROSS, dots / DOWN].map(|count| count.max(1));
-        let plane = plot.in_plane();
-        let of = |curve: &Curve| curve.points.iter().map(|p| plane.has_place(p).then_some(*p)).collect();
-        let placed: Vec<Vec<Option<[f64; 2]>>> = plane.curves.iter().map(of).collect();
-        // One scale for both axes, about the origin: what is twice as stiff one way is twice as long.
-        let reach = placed.iter().flatten().flatten().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
-        return if reach > 0.0 { drawn(&plane, &placed, [[-reach, reach]; 2], size) } else { String::new() };
-    }
     let curves = plot.curves.iter().map(|curve| &curve.points);
     let placed: Vec<Vec<Option<[f64; 2]>>> = curves
         .map(|points| {
             points.iter().map(|p| plot.has_place(p).then(|| [on(&plot.x, p[0]), on(&plot.y, p[1])])).collect()
         })
         .collect();
-    let Some(ranges) = ranges(placed.iter().flatten().flatten()) else { return String::new() };
-    drawn(plot, &placed, ranges, size)
-}
-
-/// The plot whose curves have these places, within these ranges of x and y.
-fn drawn(plot: &Plot, placed: &[Vec<Option<[f64; 2]>>], [x, y]: [[f64; 2]; 2], size: [usize; 2]) -> String {
+    let Some([x, y]) = ranges(placed.iter().flatten().flatten()) else { return String::new() };
     let mut canvas = Canvas::new(size);
     let dots = [(size[0] * ACROSS - 1) as f64, (size[1] * DOWN - 1) as f64];
     let dot = |[a, b]: [f64; 2]| [share(a, x) * dots[0], (1.0 - share(b, y)) * dots[1]];
-    for points in placed {
+    for points in &placed {
         for (place, point) in points.iter().enumerate() {
             let Some(point) = point.map(dot) else { continue };
             let before = place.checked_sub(1).and_then(|before| points[before]).map_or(point, dot);

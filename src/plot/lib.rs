@@ -3,31 +3,12 @@
 
 mod braille;
 mod picture;
-mod polar;
 mod style;
 pub mod viridis;
 
 pub use braille::braille;
-pub use picture::ticks;
-pub use polar::{around, polar_figure};
+pub use picture::{svg, svg_in, ticks};
 pub use style::Style;
-
-/// The plot as SVG: axes or rings with ticks, curves, the marked window, and a legend of more than one curve below; points
-/// without a place on the axes interrupt a curve.
-pub fn svg(plot: &Plot) -> String {
-    match plot.frame {
-        Frame::Rectangular => picture::svg(plot),
-        Frame::Polar => polar::svg(plot),
-    }
-}
-
-/// The plot as SVG in the size and font of paper, its legend within the height.
-pub fn svg_in(plot: &Plot, style: &Style) -> String {
-    match plot.frame {
-        Frame::Rectangular => picture::svg_in(plot, style),
-        Frame::Polar => polar::svg_in(plot, style),
-    }
-}
 
 /// Label of an axis of time.
 pub const TIME: &str = "time (ms)";
@@ -47,19 +28,6 @@ pub struct Plot {
     pub window: Option<Window>,
     /// Places on the x axis that are marked, in their order; those beyond the curves are not drawn.
     pub marks: Vec<Mark>,
-    /// How points become places.
-    pub frame: Frame,
-}
-
-/// How x and y of a plot become places.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Frame {
-    /// Along two axes.
-    #[default]
-    Rectangular,
-    /// x is an angle (degrees, counterclockwise from the right), y a radius, zero in the middle; window and marks are not
-    /// drawn, and both scales are linear.
-    Polar,
 }
 
 /// Quantity and scale of an axis.
@@ -154,31 +122,12 @@ impl Plot {
     /// A plot over linear axes without marks.
     pub fn new(title: impl Into<String>, [x, y]: [&str; 2], curves: Vec<Curve>) -> Plot {
         let (x, y) = (Axis::linear(x), Axis::linear(y));
-        Plot { title: title.into(), x, y, curves, window: None, marks: vec![], frame: Frame::Rectangular }
-    }
-
-    /// A polar diagram; `x` names the angle, `y` the radius.
-    pub fn polar(title: impl Into<String>, labels: [&str; 2], curves: Vec<Curve>) -> Plot {
-        Plot { frame: Frame::Polar, ..Plot::new(title, labels, curves) }
-    }
-
-    /// The plot over rectangular axes, where a polar one becomes the plane in which it is drawn.
-    pub fn in_plane(&self) -> Plot {
-        if self.frame == Frame::Rectangular {
-            return self.clone();
-        }
-        let curve = |curve: &Curve| Curve {
-            points: curve.points.iter().map(|point| polar::in_plane(*point)).collect(),
-            ..curve.clone()
-        };
-        let [x, y] = ["along the angle 0", "across it"].map(|words| Axis::linear(format!("{} {words}", self.y.label)));
-        Plot { x, y, curves: self.curves.iter().map(curve).collect(), frame: Frame::Rectangular, ..self.clone() }
+        Plot { title: title.into(), x, y, curves, window: None, marks: vec![] }
     }
 
     /// Whether a point can be drawn on the axes.
     pub fn has_place(&self, [x, y]: &[f64; 2]) -> bool {
-        let has_radius = self.frame == Frame::Rectangular || *y >= 0.0;
-        has_radius && self.x.has_place(*x) && self.y.has_place(*y)
+        self.x.has_place(*x) && self.y.has_place(*y)
     }
 }
 

@@ -45,7 +45,7 @@ const GRID: RGBColor = RGBColor(0xdb, 0xdf, 0xe3);
 const WINDOW: RGBColor = RGBColor(0xee, 0xf2, 0xe4);
 
 /// Colours of curves in their order, those of the pages on white.
-pub(super) const COLOURS: [RGBColor; 8] = [
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0x1f, 0x77, 0xb4),
     RGBColor(0xd9, 0x48, 0x0f),
     RGBColor(0x2b, 0x8a, 0x3e),
@@ -135,7 +135,8 @@ impl Layout<'_> {
     }
 }
 
-/// A plot over two axes as SVG, with a legend of more than one curve below. Coordinates have a tenth of a pixel.
+/// The plot as SVG: axes with ticks, curves, the marked window, and a legend of more than one curve below; points without a place on
+/// the axes interrupt a curve. Coordinates have a tenth of a pixel.
 pub fn svg(plot: &Plot) -> String {
     let letters = 12 * UNITS;
     let layout = Layout { size: SIZE, letters, family: "sans-serif", line: 2 * UNITS as u32, has_title: true };
@@ -145,7 +146,7 @@ pub fn svg(plot: &Plot) -> String {
     sized(drawn, [SIZE[0], height], [SIZE[0], height].map(|side| (side / UNITS).to_string()))
 }
 
-/// A plot over two axes in the size and font of paper. Coordinates have a hundredth of a point.
+/// The plot as SVG in the size and font of paper, its legend within the height. Coordinates have a hundredth of a point.
 pub fn svg_in(plot: &Plot, style: &Style) -> String {
     let units = |length: f64| (length * UNITS_OF_POINT).round() as i32;
     let size = [style.width, style.height].map(units);

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::html::{data, escape};
 use base::number::{rounded, significant};
-use plot::{Axis, Curve, Frame, Look, Mark, Plot, Scale, polar_figure};
+use plot::{Axis, Curve, Look, Mark, Plot, Scale};
 use study::post::Histogram;
 
 /// Most points of one curve; a longer one is reduced to the extremes of its intervals.
@@ -79,9 +79,6 @@ const LEAST_SHARE: f64 = 1e-3;
 /// Class of the figures that the page's script draws.
 pub(super) const PLOT: &str = "plot";
 
-/// Class of polar diagrams, which the page holds as they are drawn.
-pub(super) const POLAR: &str = "polar";
-
 fn block(plot: &Plot, filled: bool) -> String {
     let shown = |point: &&[f64; 2]| plot.has_place(point);
     if !plot.curves.iter().any(|curve| curve.points.iter().any(|point| shown(&point))) {
@@ -90,13 +87,6 @@ fn block(plot: &Plot, filled: bool) -> String {
     let title = escape(&plot.title);
     let words = escape(&description(plot));
     let data = data(&contents(plot, filled));
-    if plot.frame == Frame::Polar {
-        let drawn = polar_figure(plot);
-        return format!(
-            "<figure class=\"{POLAR}\">\n<h3>{title}</h3>\n{drawn}{data}<figcaption class=\"unseen\">{words}</figcaption>\n\
-             </figure>\n"
-        );
-    }
     format!(
         "<figure class=\"{PLOT}\">\n<h3>{title}</h3>\n{data}<figcaption class=\"unseen\">{words}</figcaption>\n\
          </figure>\n"
@@ -153,7 +143,6 @@ fn contents(plot: &Plot, filled: bool) -> Value {
         "window": plot.window.as_ref().map(|window| json!({ "words": window.label, "range": window.range })),
         "marks": plot.marks.iter().map(mark).collect::<Vec<_>>(),
         "filled": filled,
-        "polar": plot.frame == Frame::Polar,
         "curves": plot.curves.iter().map(&mut curve).collect::<Vec<_>>(),
     })
 }

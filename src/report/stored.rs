@@ -9,12 +9,12 @@ use serde::Deserialize;
 use serde_json::Value;
 use thiserror::Error;
 
-use super::drawn::{PLOT, POLAR};
+use super::drawn::PLOT;
 use super::film::{self, FilmError};
 use super::html;
 use super::run_scene::RunScene;
 use base::file::{self, FileError};
-use plot::{Axis, Curve, Frame, Look, Mark, Plot, Scale, Window};
+use plot::{Axis, Curve, Look, Mark, Plot, Scale, Window};
 use study::store::run_files;
 
 /// Longest page that is read, bytes.
@@ -107,9 +107,7 @@ impl StoredPage {
             return Err(StoredPageError::NotAPage { path });
         };
         let figures = text.split("<figure class=\"").skip(1);
-        let is_plot = |figure: &&str| {
-            [PLOT, POLAR].iter().any(|class| figure.strip_prefix(*class).is_some_and(|rest| rest.starts_with("\">")))
-        };
+        let is_plot = |figure: &&str| figure.strip_prefix(PLOT).is_some_and(|rest| rest.starts_with("\">"));
         let plots = figures.filter(is_plot).filter_map(titled_block).map(|(title, block)| {
             let plot = |block: &str| Ok(PlotData::deserialize(&serde_json::from_str::<Value>(block)?)?.plot(&title));
             plot(block).map_err(|source| StoredPageError::Plot { path: path.clone(), title: title.clone(), source })
@@ -151,8 +149,6 @@ struct PlotData {
     window: Option<WindowData>,
     #[serde(default)]
     marks: Vec<MarkData>,
-    #[serde(default)]
-    polar: bool,
     curves: Vec<CurveData>,
 }
 
@@ -225,8 +221,7 @@ impl PlotData {
         let curves = self.curves.iter().zip(abscissae).map(curve).collect();
         let window = self.window.map(|WindowData { words, range }| Window { label: words, range });
         let marks = self.marks.into_iter().map(|MarkData { words, at }| Mark { label: words, at }).collect();
-        let frame = if self.polar { Frame::Polar } else { Frame::Rectangular };
-        Plot { title: title.to_owned(), x: axis(self.x), y: axis(self.y), curves, window, marks, frame }
+        Plot { title: title.to_owned(), x: axis(self.x), y: axis(self.y), curves, window, marks }
     }
 }
 
@@ -257,9 +252,6 @@ mod tests {
         let [found] = plots.as_slice() else { panic!("one plot") };
         // NaN differs from itself.
         assert_eq!(format!("{found:?}"), format!("{written:?}"));
-        let polar = Plot::polar("P", ["angle", "modulus (MPa)"], vec![Curve::line("law", [[0.0, 1.0], [90.0, 2.0]])]);
-        let page = html::page("t", &format!("{}<footer>droptower 1</footer>", drawn::figure(&polar)));
-        assert_eq!(stored(&page).expect("a page").plots, [polar]);
     }
 
     #[test]

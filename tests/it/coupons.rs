@@ -611,7 +611,7 @@ fn a_calibration_of_all_coupons_follows_their_means() {
         assert!(error < 0.01, "{row}");
     }
     let page = fs::read_to_string(out.join("report.html")).expect("a page");
-    assert!(page.matches("<figure class=\"polar\">").count() == 4, "a diagram of the modulus and three of the force");
+    assert!(page.matches(" over the angle</h3>").count() == 4, "a plot of the modulus and three of the force");
 }
 
 /// Coupons at seven angles are read with their angles from the header, and the virtual ones can be made again.

@@ -14,7 +14,6 @@ pub(super) fn diagrams<'a>(
 
 /// A plot at the entity `path`.
 pub(super) fn diagram(path: String, plot: &Plot) -> Diagram {
-    let plot = &plot.in_plane();
     Diagram {
         path,
         title: plot.title.clone(),

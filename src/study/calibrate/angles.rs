@@ -19,7 +19,7 @@ use crate::script::{HostResult, Options, Row, Session, number, refuse};
 use base::number::significant;
 use lab::experiment::coupon::{Curve, Direction, WINDOW};
 use lab::signal::Series;
-use plot::{Look, Plot, around};
+use plot::{Look, Plot};
 use scene::model::Loading;
 use scene::simulate::{Across, section_between_jaws};
 
@@ -30,7 +30,7 @@ const STEP: usize = 5;
 /// Error up to which an angle follows the law.
 const USUAL_TOLERANCE: f64 = 0.05;
 /// Label of the angle in diagrams.
-const ANGLE: &str = "angle from MD";
+const ANGLE: &str = "angle from MD (°)";
 
 /// Options of `angles`.
 pub(super) const OPTIONS: [&str; 3] = ["strains", "modulus", "tolerance"];
@@ -354,12 +354,10 @@ impl Law {
         Ok(Law { name, angles, moduli, forces: asked.strains.iter().map(force).collect() })
     }
 
-    /// The whole turn, closed.
+    /// Half a turn, after which the values come again.
     fn curve(&self, values: &[f64]) -> plot::Curve {
-        let half: Vec<[f64; 2]> = self.angles.iter().zip(values).map(|(angle, value)| [*angle, *value]).collect();
-        let mut points = around(&half);
-        points.extend(half.first().map(|[_, value]| [360.0, *value]));
-        plot::Curve::line(self.name, points)
+        let again = values.first().map(|value| [180.0, *value]);
+        plot::Curve::line(self.name, self.angles.iter().zip(values).map(|(angle, value)| [*angle, *value]).chain(again))
     }
 }
 
@@ -380,7 +378,7 @@ fn drawn<'l>(
 fn modulus_plot(asked: &Asked, coupons: &[Coupon<'_>], laws: &[Law]) -> Plot {
     let of = |series: &Series, _: f64| modulus(series, asked.modulus).map(|slope| 1e-6 * slope);
     let curves = drawn(laws, |law| &law.moduli, coupons, &of);
-    Plot::polar("Modulus over the angle", [ANGLE, "modulus (MPa)"], curves)
+    Plot::new("Modulus over the angle", [ANGLE, "modulus (MPa)"], curves)
 }
 
 fn force_plot(asked: &Asked, coupons: &[Coupon<'_>], laws: &[Law], place: usize) -> Plot {
@@ -388,16 +386,15 @@ fn force_plot(asked: &Asked, coupons: &[Coupon<'_>], laws: &[Law], place: usize)
     let of = |series: &Series, section: f64| series.value_at(strain).map(|stress| stress * section);
     let curves = drawn(laws, |law| &law.forces[place], coupons, &of);
     let title = format!("Force at {} % over the angle", significant(100.0 * strain, 3));
-    Plot::polar(title, [ANGLE, "force (N)"], curves)
+    Plot::new(title, [ANGLE, "force (N)"], curves)
 }
 
-/// The coupons as points, each at its angle and behind it.
+/// The coupons as points, each at its angle.
 fn measured(coupons: &[Coupon<'_>], value: &dyn Fn(&Series, f64) -> Option<f64>) -> plot::Curve {
     let points = coupons.iter().flat_map(|coupon| {
         let angle = coupon.direction.degrees();
         let values = coupon.test.signals.iter().filter_map(|signal| value(&signal.measured, coupon.section));
         values.map(move |own| [angle, own]).collect::<Vec<_>>()
     });
-    let points = around(&points.collect::<Vec<_>>());
-    plot::Curve { name: "coupons".into(), points, look: Look::Points }
+    plot::Curve { name: "coupons".into(), points: points.collect(), look: Look::Points }
 }

@@ -572,7 +572,7 @@ const ENTRIES: &[Entry] = &[
     Entry {
         call: "calibration.angles(), calibration.angles(#{ strains, modulus: [from, to], tolerance })",
         gives: "of tests with `pull`, coupons at several angles to MD: rows of modulus and force, measured and of the law, with the \
-                error in the fit, when left out, and when the law is fitted to 0, 45 and 90 degrees alone; polar diagrams; a \
+                error in the fit, when left out, and when the law is fitted to 0, 45 and 90 degrees alone; plots over the angle; a \
                 finding where the angles between do not follow within `tolerance` (0.05)",
         example: r#"let element = scenario("scenarios/stretch/single-element.toml");
                     let strains = []; for i in 0..=60 { strains.push(0.005 * i); }

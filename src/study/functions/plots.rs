@@ -6,7 +6,7 @@ use super::files::Column;
 use crate::script::{Entry, File, HostResult, Options, OutputCollector, refuse, window};
 use lab::experiment::coupon;
 use lab::signal::Series;
-use plot::{self, Axis, Curve, Frame, Look, Plot, Scale, TIME, Window};
+use plot::{self, Axis, Curve, Look, Plot, Scale, TIME, Window};
 
 /// Least and most points of one curve; a longer one is thinned, with its extremes preserved.
 const CURVE_POINTS: [usize; 2] = [200, 2_000];
@@ -57,34 +57,14 @@ struct Axes {
 
 fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
     let options = Options { of: "plot", map: options };
-    options.check(&["x", "y", "log_x", "log_y", "window", "window_name", "picture", "polar"])?;
+    options.check(&["x", "y", "log_x", "log_y", "window", "window_name", "picture"])?;
     let given = given(title, curves)?;
     let Axes { x, y, factors } = axes(title, &options, &given)?;
     let [least, most] = CURVE_POINTS;
     let points = (PLOT_POINTS / given.len().max(1)).clamp(least, most);
     let curves = given.iter().map(|given| given.drawn(factors).thinned(points)).collect();
     let window = marked(&options, factors[0])?;
-    let frame = match options.boolean("polar", false)? {
-        false => Frame::Rectangular,
-        true if options.map.contains_key("window_name")
-            || window.is_some()
-            || [&x, &y].iter().any(|axis| axis.scale == Scale::Logarithmic) =>
-        {
-            return Err(refuse("a polar diagram has neither a window nor logarithmic axes"));
-        }
-        true => {
-            if let Some(other) = given.iter().find(|given| !matches!(given.shape, Shape::Pair(_))) {
-                let name = &other.name;
-                return Err(refuse(format!("`{name}`: a polar diagram takes pairs of angles (degrees) and radii")));
-            }
-            let all = || given.iter().flat_map(|given| given.drawn(factors).points);
-            if let Some([angle, radius]) = all().find(|[_, radius]| *radius < 0.0) {
-                return Err(refuse(format!("the radius {radius} at {angle} degrees is below zero")));
-            }
-            Frame::Polar
-        }
-    };
-    Ok(Plot { x, y, window, frame, ..Plot::new(title, ["", ""], curves) })
+    Ok(Plot { x, y, window, ..Plot::new(title, ["", ""], curves) })
 }
 
 /// The curves with their names; a single curve takes the title.
@@ -236,11 +216,6 @@ pub const ENTRIES: &[Entry] = &[
                     plot("Braking", #{ y: "acceleration (m/s²)", window: [0, 0.05], window_name: "loading" }, read)"#,
     },
     Entry {
-        call: "plot(title, #{ polar: true, x, y }, curves)",
-        gives: "a polar diagram: pairs [angles, radii], angles in degrees from the right, counterclockwise",
-        example: r#"plot("Modulus", #{ polar: true, x: "angle from MD", y: "modulus (MPa)" }, [[0, 90, 180], [50, 30, 50]])"#,
-    },
-    Entry {
         call: "plot(title, #{ …, picture: \"name.svg\" }, curves)",
         gives: "the same, and its picture as a file among the results",
         example: r#"plot("MD", #{ picture: "pictures/md.svg" }, curve([0, 0.26], [0, 8.4e6]))"#,
@@ -334,20 +309,8 @@ mod tests {
             ("plot(\"a\", #{ x: \"time\" }, signal([0], [1]))", "`time` has no unit at its end: add (ms) or (s)"),
             ("plot(\"a\", #{ z: \"time\" }, signal([0], [1]))", "plot has no option `z`; it takes x, y, log_x"),
             (
-                "plot(\"a\", #{ polar: true, x: \"angle\", log_y: true }, [[0, 90], [1, 2]])",
-                "a polar diagram has neither a window nor logarithmic axes",
-            ),
-            (
-                "plot(\"a\", #{ polar: true, x: \"x\", y: \"y\", window_name: \"w\" }, [[0, 90], [1, 2]])",
-                "neither a window nor",
-            ),
-            (
-                "plot(\"a\", #{ polar: true, x: \"x\", y: \"y\" }, [[0, 90], [1, -2]])",
-                "the radius -2 at 90 degrees is below zero",
-            ),
-            (
-                "plot(\"a\", #{ polar: true }, signal([0, 1], [1, 2]))",
-                "a polar diagram takes pairs of angles (degrees) and radii",
+                "plot(\"a\", #{ polar: true, x: \"angle\" }, [[0, 90], [1, 2]])",
+                "plot has no option `polar`; it takes x, y, log_x",
             ),
             ("plot(\"a\", #{ log_y: 1 }, signal([0], [1]))", "log_y is true or false"),
             ("plot(\"a\", #{ window: 3 }, signal([0], [1]))", "expected a window [from, to]"),
