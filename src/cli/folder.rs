@@ -72,8 +72,6 @@ pub(super) fn fill_study(
     let mut files = Files::new(draft);
     files.write(run_files::SUMMARY, json(summary)?)?;
     files.script_output(study.output)?;
-    #[cfg(feature = "rerun")]
-    files.study_recording(study)?;
     files.write(run_files::REPORT, report::study_page(study).into_bytes())?;
     files.written()
 }
@@ -111,8 +109,6 @@ pub(super) fn fill_comparison(
 ) -> Result<Vec<String>, StoreError> {
     let mut files = Files::new(draft);
     files.write(run_files::SUMMARY, json(summary)?)?;
-    #[cfg(feature = "rerun")]
-    files.comparison(comparison)?;
     files.write(run_files::REPORT, compare_page::compare_page(comparison, outside).into_bytes())?;
     files.written()
 }
@@ -168,24 +164,6 @@ impl<'a> Files<'a> {
                 .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))
         }));
         self.names.push(run_files::RECORDING.into());
-    }
-
-    #[cfg(feature = "rerun")]
-    fn study_recording(&mut self, study: &StudyPage) -> Result<(), StoreError> {
-        let path = self.draft.path().join(run_files::RECORDING);
-        report::recording::write_study(&path, study)
-            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
-        self.names.push(run_files::RECORDING.into());
-        Ok(())
-    }
-
-    #[cfg(feature = "rerun")]
-    fn comparison(&mut self, comparison: &RunComparison) -> Result<(), StoreError> {
-        let path = self.draft.path().join(run_files::RECORDING);
-        report::recording::write_comparison(&path, comparison)
-            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
-        self.names.push(run_files::RECORDING.into());
-        Ok(())
     }
 
     /// Writes files for ParaView, by as many threads as there are.

@@ -14,7 +14,7 @@ use study::store::run_files;
 
 #[derive(Debug, Args)]
 pub(super) struct ViewArgs {
-    /// Folders of runs and studies, or recordings
+    /// Folders of runs, or recordings
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
     /// The viewer's program [default: $DROPTOWER_VIEWER, else `rerun` on the PATH or beside droptower]
@@ -52,6 +52,10 @@ fn recording(run: &Path) -> Result<PathBuf, Diagnostic> {
         return absolute(&recording);
     }
     let mistake = Diagnostic::new(format!("{} holds no recording.rrd", shown_path(run)));
+    let page = run.join(run_files::REPORT);
+    if page.is_file() && !run.join(run_files::SIGNALS).exists() {
+        return Err(mistake.hint(format!("only runs have one; the page is {}", shown_path(&page))));
+    }
     Err(mistake.hint("runs that failed too early have none, nor do those of a build without the feature `rerun`"))
 }
 

@@ -36,7 +36,7 @@ pub(super) fn simulated(name: impl Into<String>, fit: &Fit) -> Curve {
 }
 
 /// Best values of the objective; one curve a start.
-pub(super) fn objective(ConvergenceHistory { title, objectives, .. }: &ConvergenceHistory) -> Plot {
+fn objective(ConvergenceHistory { title, objectives, .. }: &ConvergenceHistory) -> Plot {
     let name = |start: usize| if objectives.len() == 1 { "objective".into() } else { format!("start {}", start + 1) };
     let curve = |(start, history): (usize, &Vec<(usize, f64)>)| {
         Curve::line(name(start), history.iter().map(|(iteration, f)| [*iteration as f64, *f]))

@@ -21,10 +21,13 @@ const LONG: Duration = Duration::from_secs(900);
 fn a_run_without_a_recording_is_refused_with_a_hint() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("empty")).expect("a folder");
+    fs::create_dir(folder.path().join("study")).expect("a folder");
+    fs::write(folder.path().join("study/report.html"), "").expect("a file");
     fs::write(folder.path().join("recording.rrd"), "").expect("a file");
     for (arguments, expected) in [
         (&["view", "nowhere"][..], "there is no nowhere"),
         (&["view", "empty"], "empty holds no recording.rrd"),
+        (&["view", "study"], "only runs have one; the page is study/report.html"),
         (&["view", ".", "--viewer", "no-such-viewer"], "pip install rerun-sdk==0.36.3"),
     ] {
         let output = droptower(folder.path(), arguments);

@@ -1,7 +1,6 @@
 """Checks what the Rerun viewer shows of a recording, or of a run while it computes, without a display.
 
     python3 tests/look/recording.py --viewer PROGRAM --recording runs/drop/1008/recording.rrd --picture shot.png
-    python3 tests/look/recording.py … --timeline iteration --at 0 8
     python3 tests/look/recording.py --viewer PROGRAM --picture shot.png --live target/release/droptower scenarios/drop/1008.toml
 
 With --live, droptower runs a scenario and sends it to the viewer, which then has to hold all that a recording holds.
@@ -9,7 +8,7 @@ Options of the run follow the scenario.
 
 Needs Python 3 and a Vulkan driver (Debian: mesa-vulkan-drivers), and the viewer's own binary, which
 `pip install --no-deps --target DIR rerun-sdk==0.36.3` puts at DIR/rerun_sdk/rerun_cli/rerun. The picture is that of
-the last of the times, in seconds or iterations.
+the last of the times, in seconds.
 """
 
 import argparse
@@ -24,7 +23,7 @@ import time
 import zlib
 
 WINDOW = (1400, 900)
-# The viewer's panels, as shares of the window: the film or the first diagram, and the charts beside it.
+# The viewer's panels, as shares of the window: the film, and the charts beside it.
 PICTURE = (0.0, 0.10, 0.52, 0.74)
 CHARTS = (0.62, 0.06, 1.0, 0.95)
 # Least numbers of pixels, of 1400 x 900.
@@ -48,7 +47,7 @@ def main():
     finally:
         viewer.terminate()
         viewer.wait()
-    found = faults(pictures, args.timeline)
+    found = faults(pictures)
     for fault in found:
         print(f"{shown(args)}: {fault}", file=sys.stderr)
     print(f"{shown(args)}: {len(pictures)} pictures, the last is {args.picture}")
@@ -62,7 +61,6 @@ def arguments():
     shown.add_argument("--recording")
     shown.add_argument("--live", nargs=argparse.REMAINDER, help="droptower, a scenario and options of its run; comes last")
     parser.add_argument("--picture", required=True, help="where to put the PNG")
-    parser.add_argument("--timeline", default="time", choices=["time", "iteration"])
     parser.add_argument("--at", nargs="+", type=float, default=[0.005, 0.055])
     return parser.parse_args()
 
@@ -96,23 +94,22 @@ def screenshots(args, port):
         if args.live:
             run_live(args, port)
         deadline = time.monotonic() + TIMEOUT
-        while not has_timeline(control, args.timeline):
+        while not has_timeline(control):
             if time.monotonic() > deadline:
-                sys.exit(f"{shown(args)}: the viewer shows no timeline `{args.timeline}`")
+                sys.exit(f"{shown(args)}: the viewer shows no timeline `time`")
             time.sleep(0.5)
         return [screenshot(control, args, at) for at in args.at]
     finally:
         control.close()
 
 
-def has_timeline(control, name):
+def has_timeline(control):
     recordings = control.call("viewer_state").get("recordings", [])
-    return any(line["timeline"] == name for recording in recordings for line in recording["timelines"])
+    return any(line["timeline"] == "time" for recording in recordings for line in recording["timelines"])
 
 
 def screenshot(control, args, at):
-    place = round(at * 1e9) if args.timeline == "time" else round(at)
-    control.call("set_time", timeline=args.timeline, time=place)
+    control.call("set_time", timeline="time", time=round(at * 1e9))
     # Notices at the start disappear, and the view is drawn.
     time.sleep(2.0)
     control.call("screenshot", save_path=os.path.abspath(args.picture), pixels_per_point=1.0)
@@ -207,20 +204,15 @@ def unfiltered(kind, line, above, step):
     return line
 
 
-def faults(pictures, timeline):
+def faults(pictures):
     last = pictures[-1]
     found = []
-    if timeline == "time":
-        strained = count(last, PICTURE, is_viridis)
-        if strained < STRAINED:
-            found.append(f"{strained} pixels have the colours of strain, of {STRAINED} at least")
-        changed = sum(a != b for a, b in zip(part(pictures[0], PICTURE), part(last, PICTURE)))
-        if changed < CHANGED:
-            found.append(f"{changed} pixels of the film change between the times, of {CHANGED} at least")
-    else:
-        changed = sum(a != b for a, b in zip(part(pictures[0], PICTURE), part(last, PICTURE)))
-        if changed < DRAWN:
-            found.append(f"{changed} pixels of the curves change between the iterations, of {DRAWN} at least")
+    strained = count(last, PICTURE, is_viridis)
+    if strained < STRAINED:
+        found.append(f"{strained} pixels have the colours of strain, of {STRAINED} at least")
+    changed = sum(a != b for a, b in zip(part(pictures[0], PICTURE), part(last, PICTURE)))
+    if changed < CHANGED:
+        found.append(f"{changed} pixels of the film change between the times, of {CHANGED} at least")
     drawn = count(last, CHARTS, is_bright_colour)
     if drawn < DRAWN:
         found.append(f"{drawn} pixels of coloured lines are in the charts, of {DRAWN} at least")

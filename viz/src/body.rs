@@ -8,7 +8,7 @@ use re_sdk_types::datatypes::{Quaternion, Rgba32};
 
 use crate::normals;
 use crate::scene::{BodyTrack, Pose};
-use crate::series::Moment;
+use crate::series::TIME;
 
 /// Translucent steel, so that the film behind it is visible.
 const STEEL: [u8; 4] = [170, 178, 190, 100];
@@ -25,7 +25,7 @@ pub(crate) fn log_shape(stream: &RecordingStream, body: &BodyTrack) -> Recording
 
 /// Logs the pose of the body.
 pub(crate) fn log_pose(stream: &RecordingStream, body: &BodyTrack, pose: &Pose) -> RecordingStreamResult<()> {
-    Moment::Time(pose.time).set(stream);
+    stream.set_duration_secs(TIME, pose.time);
     let moved = Transform3D::update_fields()
         .with_translation(pose.position)
         .with_quaternion(Quaternion::from_xyzw(pose.rotation));

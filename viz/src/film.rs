@@ -11,7 +11,7 @@ use crate::eye::Extent;
 use crate::normals;
 use crate::quantity::Quantity;
 use crate::scene::{FilmSnapshot, FilmTrack, SpringTrack};
-use crate::series::Moment;
+use crate::series::TIME;
 
 /// Name of the colours of one quantity among the components of a film.
 pub(crate) const COLOURS: &str = "Colours";
@@ -62,7 +62,7 @@ impl Film {
         snapshot: &FilmSnapshot,
         quantities: &[Quantity],
     ) -> RecordingStreamResult<()> {
-        Moment::Time(snapshot.time).set(stream);
+        stream.set_duration_secs(TIME, snapshot.time);
         // The viewer keeps what was logged last: indices are sent only when triangles vanish.
         let broke = self.shown.visible != snapshot.visible;
         let mut mesh =

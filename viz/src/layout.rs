@@ -1,4 +1,4 @@
-//! The layout of the viewer: 3-D views and charts above, texts and events below, on the timeline of the scene.
+//! The layout of the viewer: 3-D views and charts above, texts and events below.
 
 use re_sdk::blueprint::{
     Blueprint, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial2DView, Spatial3DView, Tabs,
@@ -24,13 +24,10 @@ use crate::eye::Eye;
 use crate::film::{self, COLOURS};
 use crate::quantity::Quantity;
 use crate::scene::{Document, Scene};
-use crate::series::{Chart, ITERATION, Places, TIME};
+use crate::series::{Chart, TIME};
 
 /// Playback time of a run, s.
 const PLAYBACK: f64 = 6.0;
-
-/// Iterations played per second.
-const ITERATIONS_PER_SECOND: f64 = 4.0;
 
 /// Most charts in a column; further ones are in tabs.
 const MOST_CHARTS: usize = 4;
@@ -59,14 +56,9 @@ fn time_panel(scene: &Scene) -> TimePanel {
     let panel = TimePanel::new()
         .with_state(PanelState::Collapsed)
         .with_play_state(if scene.is_live { PlayState::Following } else { PlayState::Playing })
-        .with_loop_mode(LoopMode::All);
-    let searched = scene.signals.iter().any(|signal| matches!(signal.places, Places::Iterations(_)));
-    if searched || scene.diagrams.iter().any(|diagram| !diagram.states.is_empty()) {
-        panel.with_timeline(ITERATION).with_fps(ITERATIONS_PER_SECOND)
-    } else {
-        let panel = panel.with_timeline(TIME);
-        if scene.duration > 0.0 { panel.with_playback_speed(scene.duration / PLAYBACK) } else { panel }
-    }
+        .with_loop_mode(LoopMode::All)
+        .with_timeline(TIME);
+    if scene.duration > 0.0 { panel.with_playback_speed(scene.duration / PLAYBACK) } else { panel }
 }
 
 /// A tab with the films for each quantity, beside its colour bar, and a tab for each diagram.

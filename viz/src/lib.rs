@@ -1,4 +1,4 @@
-//! Rerun recordings of deforming films and of searches: plain positions, values and curves in, one `.rrd` file out.
+//! Rerun recordings of deforming films: plain positions, values and curves in, one `.rrd` file out.
 
 #![warn(missing_docs)]
 
@@ -20,21 +20,18 @@ mod series;
 mod stage;
 mod stroke;
 
-use std::path::Path;
-use std::time::Duration;
-
 use re_sdk::RecordingStreamError;
 use re_sdk::sink::SinkFlushError;
 use thiserror::Error;
 
-pub use diagram::{Axis, Curve, Diagram, Look, State, Window};
+pub use diagram::{Axis, Curve, Diagram, Look, Window};
 pub use eye::Extent;
 pub use live::{Address, AddressError};
 pub use quantity::Quantity;
 pub use scene::{
     BodyTrack, Document, Event, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose, Scene, Severity, SpringTrack,
 };
-pub use series::{Chart, ITERATION, Moment, Places, SignalTrack, TIME};
+pub use series::{Chart, SignalTrack, TIME};
 pub use stage::Stage;
 pub use stroke::Stroke;
 
@@ -99,17 +96,7 @@ pub enum VizError {
         signal: String,
         /// Number of values.
         found: usize,
-        /// Number of times or iterations.
-        expected: usize,
-    },
-    /// The states of a diagram have different numbers of curves.
-    #[error("diagram `{diagram}`: {found} curves in one state, {expected} in the first")]
-    Curves {
-        /// Title of the diagram.
-        diagram: String,
-        /// Number of curves of this state.
-        found: usize,
-        /// Number of curves of the first state.
+        /// Number of times.
         expected: usize,
     },
 }
@@ -118,15 +105,4 @@ impl From<RecordingStreamError> for VizError {
     fn from(error: RecordingStreamError) -> VizError {
         VizError::Rerun(Box::new(error))
     }
-}
-
-/// Longest time that a file may take to be written.
-const WRITE_TIMEOUT: Duration = Duration::from_secs(600);
-
-/// Writes `scene` to the file `path`, replacing what is there.
-///
-/// # Errors
-/// As [`Stage::file`].
-pub fn write(path: &Path, scene: Scene) -> Result<(), VizError> {
-    Stage::file(path, scene)?.finish(WRITE_TIMEOUT)
 }

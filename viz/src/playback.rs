@@ -16,8 +16,7 @@ use thiserror::Error;
 
 use crate::film::COLOURS;
 
-/// Rows of one component in the order of their places on a timeline: ns on [`crate::TIME`], numbers on
-/// [`crate::ITERATION`]. Static rows come first, at `i64::MIN`.
+/// Rows of one component in the order of their times, ns on [`crate::TIME`]. Static rows come first, at `i64::MIN`.
 pub type Rows<T> = Vec<(i64, Vec<T>)>;
 
 /// A recording and its blueprint.

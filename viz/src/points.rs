@@ -5,12 +5,12 @@ use re_sdk_types::archetypes::Points3D;
 use re_sdk_types::components::{Color, Radius};
 
 use crate::scene::PointTrack;
-use crate::series::Moment;
+use crate::series::TIME;
 
 /// Logs all states.
 pub(crate) fn log(stream: &RecordingStream, track: &PointTrack) -> RecordingStreamResult<()> {
     for state in &track.states {
-        Moment::Time(state.time).set(stream);
+        stream.set_duration_secs(TIME, state.time);
         let colours = state.colours.iter().map(|[r, g, b]| Color::from_rgb(*r, *g, *b));
         let points = Points3D::new(state.positions.iter().copied())
             .with_colors(colours)

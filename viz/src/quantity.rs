@@ -6,7 +6,7 @@ use re_sdk_types::components::Radius;
 
 use crate::colour;
 use crate::diagram::Scale;
-use crate::series::Moment;
+use crate::series::TIME;
 
 /// A nodal value that colours films.
 #[derive(Clone, Debug)]
@@ -47,9 +47,9 @@ impl Quantity {
         stream.log_static(format!("{}/bar", self.legend()), &bar)
     }
 
-    /// Logs the numbers beside the bar from a moment on; earlier snapshots keep the numbers of their range.
-    pub(crate) fn log_numbers(&self, stream: &RecordingStream, from: Moment) -> RecordingStreamResult<()> {
-        from.set(stream);
+    /// Logs the numbers beside the bar from a time (s) on; earlier snapshots keep the numbers of their range.
+    pub(crate) fn log_numbers(&self, stream: &RecordingStream, from: f64) -> RecordingStreamResult<()> {
+        stream.set_duration_secs(TIME, from);
         let scale = Scale::over(self.range.iter().map(|end| f64::from(*end)), false);
         let numbers = scale.ticks().into_iter().map(|(share, words)| ([2.6 * WIDTH, 1.0 - share as f32], words));
         let title = ([2.0 * WIDTH, -0.06], self.words.clone());

@@ -4,7 +4,7 @@ use crate::VizError;
 use crate::diagram::Diagram;
 use crate::eye::Extent;
 use crate::quantity::Quantity;
-use crate::series::{Chart, Moment, SignalTrack};
+use crate::series::{Chart, SignalTrack};
 
 /// Everything in one recording.
 #[derive(Clone, Debug, Default)]
@@ -142,8 +142,8 @@ pub struct Document {
 /// An event for the log.
 #[derive(Clone, Debug)]
 pub struct Event {
-    /// When it happens.
-    pub at: Moment,
+    /// When it happens, s.
+    pub time: f64,
     /// How much it matters.
     pub severity: Severity,
     /// Description of the event.
@@ -162,8 +162,7 @@ pub enum Severity {
 impl Scene {
     /// Refuses lists of inconsistent lengths.
     pub(crate) fn check(&self) -> Result<(), VizError> {
-        self.signals.iter().try_for_each(SignalTrack::check)?;
-        self.diagrams.iter().try_for_each(Diagram::check)
+        self.signals.iter().try_for_each(SignalTrack::check)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use re_sdk::log::ChunkBatcherConfig;
+use re_sdk::log::{ChunkBatcherConfig, TimeColumn};
 use re_sdk::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 use re_sdk_types::archetypes::{Scalars, SeriesLines, TextDocument, TextLog, Transform3D, ViewCoordinates};
 use re_sdk_types::components::{MediaType, TextLogLevel};
@@ -13,7 +13,7 @@ use crate::file_sink::FileSink;
 use crate::film::Film;
 use crate::live::Address;
 use crate::scene::{Document, Event, FilmSnapshot, Pose, Scene, Severity};
-use crate::series::{Moment, Places, SignalTrack};
+use crate::series::{SignalTrack, TIME};
 use crate::{VizError, blueprint, body, diagram, points};
 
 /// Name of the application in the viewer, which stores one layout for all its recordings.
@@ -61,11 +61,11 @@ impl Stage {
         Ok(film.log(&self.stream, track, snapshot, &self.scene.quantities)?)
     }
 
-    /// Sets the colour range of each quantity for the snapshots from `from` on.
+    /// Sets the colour range of each quantity for the snapshots from `from` (s) on.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn set_ranges(&mut self, from: Moment, ranges: &[[f32; 2]]) -> Result<(), VizError> {
+    pub fn set_ranges(&mut self, from: f64, ranges: &[[f32; 2]]) -> Result<(), VizError> {
         for (quantity, range) in self.scene.quantities.iter_mut().zip(ranges) {
             quantity.range = *range;
             quantity.log_numbers(&self.stream, from)?;
@@ -93,14 +93,15 @@ impl Stage {
         Ok(body::log_pose(&self.stream, body, pose)?)
     }
 
-    /// Logs further values of the signal at `path`.
-    pub fn samples(&self, path: &str, places: &Places, values: &[f32]) -> Result<(), VizError> {
-        if places.len() == 0 {
+    /// Logs further values of the signal at `path`, each at its time (s).
+    pub fn samples(&self, path: &str, times: &[f64], values: &[f32]) -> Result<(), VizError> {
+        if times.is_empty() {
             return Ok(());
         }
         let values = Scalars::new(values.iter().copied().map(f64::from));
+        let times = TimeColumn::new_duration_secs(TIME, times.iter().copied());
         let columns = values.columns_of_unit_batches().map_err(RecordingStreamError::from)?;
-        Ok(self.stream.send_columns(path, [places.column()], columns)?)
+        Ok(self.stream.send_columns(path, [times], columns)?)
     }
 
     /// Waits until everything is written or sent.
@@ -124,7 +125,7 @@ impl Stage {
         }
         for quantity in &scene.quantities {
             quantity.log_bar(&stream)?;
-            quantity.log_numbers(&stream, Moment::Time(0.0))?;
+            quantity.log_numbers(&stream, 0.0)?;
         }
         let films = scene.films.iter().map(|film| Film::begin(&stream, film, &scene.extent));
         let films = films.collect::<Result<_, _>>()?;
@@ -152,7 +153,7 @@ impl Stage {
             Severity::Info => TextLogLevel::INFO,
             Severity::Warning => TextLogLevel::WARN,
         };
-        event.at.set(&self.stream);
+        self.stream.set_duration_secs(TIME, event.time);
         Ok(self.stream.log("events", &TextLog::new(event.text.as_str()).with_level(level))?)
     }
 
@@ -167,7 +168,7 @@ impl Stage {
             .with_colors([signal.stroke.colour])
             .with_widths([signal.stroke.width]);
         self.stream.log_static(signal.path.as_str(), &style)?;
-        self.samples(&signal.path, &signal.places, &signal.values)
+        self.samples(&signal.path, &signal.times, &signal.values)
     }
 }
 

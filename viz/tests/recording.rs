@@ -4,12 +4,11 @@ use std::time::Duration;
 
 use droptower_viz::playback::Playback;
 use droptower_viz::{
-    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmSnapshot, FilmTrack, ITERATION, Look, Moment,
-    Places, PointState, PointTrack, Pose, Quantity, Scene, Severity, SignalTrack, SpringTrack, Stage, State, Stroke,
-    TIME, VizError, Window, write,
+    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmSnapshot, FilmTrack, Look, PointState,
+    PointTrack, Pose, Quantity, Scene, Severity, SignalTrack, SpringTrack, Stage, Stroke, TIME, VizError, Window,
 };
 use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Points2D, Transform3D};
-use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, PlaybackSpeed, TimelineName, ViewClass};
+use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, PlaybackSpeed, ViewClass};
 use re_sdk_types::components::{Color, LineStrip2D, LineStrip3D, Text, Translation3D};
 
 /// A film and its states.
@@ -78,7 +77,7 @@ fn signal(name: &str, samples: usize) -> SignalTrack {
     SignalTrack {
         path: format!("signals/{name}"),
         label: name.to_owned(),
-        places: Places::Times((0..samples).map(|i| i as f64 * 1e-4).collect()),
+        times: (0..samples).map(|i| i as f64 * 1e-4).collect(),
         values: (0..samples).map(|i| (i as f32 * 0.01).sin()).collect(),
         stroke: Stroke::nth(0),
     }
@@ -99,7 +98,7 @@ fn scene(films: &[Film], signals: Vec<SignalTrack>) -> Scene {
                 .map(|i| Pose { time: f64::from(i), position: [0.0, 0.0, i as f32], rotation: [0.0, 0.0, 0.0, 1.0] })
                 .collect(),
         }],
-        events: vec![Event { at: Moment::Time(0.5), severity: Severity::Warning, text: "rupture".to_owned() }],
+        events: vec![Event { time: 0.5, severity: Severity::Warning, text: "rupture".to_owned() }],
         quantities: vec![quantity("md"), quantity("td")],
         films: films.iter().map(|(track, _)| track.clone()).collect(),
         signals,
@@ -231,43 +230,30 @@ fn recordings_leave_no_threads() {
 }
 
 #[test]
-fn a_search_closes_in_along_its_iterations() {
-    let played = written(search(), &[]);
-    let strips = LineStrips2D::descriptor_strips().component;
-    let states = played.rows::<LineStrip2D>(ITERATION, "/searches/0/states/0", strips);
-    assert_eq!(states.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [1, 2, 4]);
-    let on_time = played.rows::<LineStrip2D>(TIME, "/searches/0/states/0", strips);
-    assert!(on_time.iter().all(|(at, _)| *at == i64::MIN), "no iteration has a time");
-    let ends: Vec<f32> = states.iter().map(|(_, strips)| strips[0].0[1].y()).collect();
-    assert!(ends.windows(2).all(|pair| pair[0] < pair[1]), "up is less in the plane of the viewer: {ends:?}");
-    let target = played.rows::<LineStrip2D>(ITERATION, "/searches/0/curves/0", strips);
-    assert!(target.len() == 1 && target[0].1.len() > 10, "the target stays, in dashes");
-    assert_eq!(played.values(ITERATION, "/signals/objective"), [(1, 1.0), (2, 0.5), (4, 0.25)]);
-    assert_eq!(played.values(TIME, "/signals/acceleration").len(), 4);
-    let timeline = played.blueprint_rows::<TimelineName>("/time_panel", "TimePanelBlueprint:timeline".into());
-    assert_eq!(timeline[0].1[0].0.as_str(), ITERATION);
+fn a_diagram_has_its_curves_in_the_plane_of_the_viewer() {
+    let played = written(Scene { diagrams: vec![diagram()], ..scene(&[], vec![]) }, &[]);
+    let curve = |number: usize| {
+        let strips = LineStrips2D::descriptor_strips().component;
+        played.rows::<LineStrip2D>(TIME, &format!("/plots/0/curves/{number}"), strips)
+    };
+    let (line, dashed) = (curve(0), curve(1));
+    assert!(line.len() == 1 && line[0].0 == i64::MIN, "it is there at every time");
+    let [from, to] = [0, 1].map(|end| line[0].1[0].0[end].y());
+    assert!(to < from, "up is less in the plane of the viewer: {from} to {to}");
+    assert!(dashed[0].1.len() > 10, "a reference is dashed");
 }
 
-/// A search of three iterations.
-fn search() -> Scene {
+/// A diagram of a line and of its reference.
+fn diagram() -> Diagram {
     let axis = |label: &str| Axis { label: label.to_owned(), logarithmic: false };
     let line = |height: f64, look| Curve { name: "curve".to_owned(), points: vec![[0.0, 0.0], [1.0, height]], look };
-    let state =
-        |number: u32| State { at: Moment::Iteration(number), curves: vec![line(1.0 / f64::from(number), Look::Line)] };
-    let objective = SignalTrack {
-        places: Places::Iterations(vec![1, 2, 4]),
-        values: vec![1.0, 0.5, 0.25],
-        ..signal("objective", 0)
-    };
-    let diagram = Diagram {
-        path: "searches/0".to_owned(),
-        title: "closing in".to_owned(),
+    Diagram {
+        path: "plots/0".to_owned(),
+        title: "a line".to_owned(),
         axes: [axis("x"), axis("y")],
-        curves: vec![line(0.2, Look::Dashed)],
-        states: [1, 2, 4].map(state).to_vec(),
+        curves: vec![line(1.0, Look::Line), line(0.2, Look::Dashed)],
         window: Some(Window { label: "window".to_owned(), ends: [0.0, 0.5] }),
-    };
-    Scene { diagrams: vec![diagram], ..scene(&[], vec![objective, signal("acceleration", 4)]) }
+    }
 }
 
 /// Kinds of the views that a recording opens with, in alphabetical order.
@@ -297,7 +283,7 @@ fn a_wider_range_of_colours_has_numbers_from_its_own_moment_on() {
     let films = [film(2, 4)];
     let played = played(scene(&films, vec![]), |stage| {
         stage.film(0, &films[0].1[0]).unwrap();
-        stage.set_ranges(Moment::Time(1e-3), &[[0.0, 0.5]]).unwrap();
+        stage.set_ranges(1e-3, &[[0.0, 0.5]]).unwrap();
         stage.film(0, &films[0].1[2]).unwrap();
     });
     let labels = Points2D::descriptor_labels().component;
@@ -308,17 +294,16 @@ fn a_wider_range_of_colours_has_numbers_from_its_own_moment_on() {
 
 #[test]
 fn a_scene_is_completed_when_its_run_has_ended() {
-    let (films, search) = ([film(2, 1)], search());
+    let films = [film(2, 1)];
     let played = played(scene(&films, vec![signal("force_N", 3)]), |stage| {
-        let places = Places::Times(vec![4e-4]);
-        let more = SignalTrack { places, values: vec![7.0], ..signal("force_N", 0) };
-        let rest = Scene { diagrams: search.diagrams, ..scene(&[], vec![more, signal("filtered", 4)]) };
+        let more = SignalTrack { times: vec![4e-4], values: vec![7.0], ..signal("force_N", 0) };
+        let rest = Scene { diagrams: vec![diagram()], ..scene(&[], vec![more, signal("filtered", 4)]) };
         stage.complete(rest).unwrap();
     });
     let force = played.values(TIME, "/signals/force_N");
     assert_eq!((force.len(), force[3]), (4, (400_000, 7.0)));
     assert_eq!(played.values(TIME, "/signals/filtered").len(), 4);
-    assert!(played.entities().any(|entity| entity == "/searches/0/frame"), "a diagram of the end");
+    assert!(played.entities().any(|entity| entity == "/plots/0/frame"), "a diagram of the end");
     // Views of the beginning, and of the end with one diagram more.
     let planes = views(&played).iter().filter(|class| *class == "2D").count();
     assert_eq!(planes, 2 + 3);
@@ -360,7 +345,7 @@ fn lists_that_do_not_fit_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording.rrd");
     let longer = SignalTrack { values: vec![0.0; 3], ..signal("force_N", 2) };
-    let error = write(&path, scene(&[], vec![longer])).unwrap_err();
+    let error = Stage::file(&path, scene(&[], vec![longer])).err().unwrap();
     assert!(matches!(error, VizError::Samples { found: 3, expected: 2, .. }));
     assert!(!path.exists());
 }

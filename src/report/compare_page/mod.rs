@@ -17,7 +17,7 @@ use scene::expectation::Outside;
 use study::post::RunComparison;
 use study::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};
 
-/// Most points of all curves, so that page and recording can be sent by mail.
+/// Most points of all curves, so that the page can be sent by mail.
 const MOST_POINTS: usize = 100_000;
 
 /// `report.html` of a comparison; with bounds, how far runs are outside of them.
@@ -126,7 +126,7 @@ fn signed_percent(share: f64) -> String {
 }
 
 /// Every common signal over time, a curve a run; and pairs of them over each other.
-pub(crate) fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
+fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
     let over_time = comparison.signals.iter().map(|signals| {
         let shown = Shown::from_name(&signals.column);
         let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();

@@ -13,19 +13,17 @@ pub(super) fn diagrams<'a>(
 }
 
 /// A plot at the entity `path`.
-pub(super) fn diagram(path: String, plot: &Plot) -> Diagram {
+fn diagram(path: String, plot: &Plot) -> Diagram {
     Diagram {
         path,
         title: plot.title.clone(),
         axes: [axis(&plot.x), axis(&plot.y)],
         curves: plot.curves.iter().map(curve).collect(),
-        states: vec![],
         window: plot.window.as_ref().map(|window| viz::Window { label: window.label.clone(), ends: window.range }),
     }
 }
 
-/// A curve of a plot.
-pub(super) fn curve(curve: &Curve) -> viz::Curve {
+fn curve(curve: &Curve) -> viz::Curve {
     let look = match curve.look {
         Look::Line => viz::Look::Line,
         Look::Dashed => viz::Look::Dashed,

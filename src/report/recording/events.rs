@@ -1,6 +1,6 @@
 //! The log of a recording: events of the run, findings, and the log of the post script.
 
-use viz::{Event, Moment, Severity};
+use viz::{Event, Severity};
 
 use crate::RunPage;
 use base::number::duration;
@@ -28,7 +28,7 @@ pub(super) fn listed(run: &RunPage) -> Vec<Event> {
     let timed = |(time, severity, text)| (time, severity, format!("{}: {text}", duration(time)));
     let mut all: Vec<_> = motion.chain(rupture).map(timed).chain(failure).chain(warnings).chain(logged).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    all.into_iter().map(|(time, severity, text)| Event { at: Moment::Time(time), severity, text }).collect()
+    all.into_iter().map(|(time, severity, text)| Event { time, severity, text }).collect()
 }
 
 /// First contact, largest deceleration, lowest point and release of the impactor whose channels begin with `prefix`.

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use thiserror::Error;
-use viz::{Address, FilmSnapshot, Moment, Places, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
+use viz::{Address, FilmSnapshot, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 
 use super::{RecordingError, body, diagram, documents, events, film, signals, text};
 use crate::RunPage;
@@ -240,13 +240,10 @@ impl<'a> Live<'a> {
             // The reference was sent at the beginning.
             _ => track.values.len(),
         };
-        let SignalTrack { places, mut values, .. } = track;
-        let places = match places {
-            Places::Times(times) => Places::Times(times.into_iter().skip(sent).collect()),
-            Places::Iterations(numbers) => Places::Iterations(numbers.into_iter().skip(sent).collect()),
-        };
+        let SignalTrack { mut times, mut values, .. } = track;
+        let times = times.split_off(sent.min(times.len()));
         let values = values.split_off(sent.min(values.len()));
-        SignalTrack { places, values, ..track }
+        SignalTrack { times, values, ..track }
     }
 }
 
@@ -267,10 +264,10 @@ impl Viewer {
 fn send(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receiver<Scene>) -> Result<(), VizError> {
     let mut stage = Stage::live(address, scene)?;
     for State { time, films, poses, samples, ranges } in states {
-        stage.set_ranges(Moment::Time(time), &ranges.unwrap_or_default())?;
+        stage.set_ranges(time, &ranges.unwrap_or_default())?;
         films.iter().enumerate().try_for_each(|(face, film)| stage.film(face, film))?;
         poses.iter().enumerate().try_for_each(|(body, pose)| stage.pose(body, pose))?;
-        samples.iter().try_for_each(|track| stage.samples(&track.path, &track.places, &track.values))?;
+        samples.iter().try_for_each(|track| stage.samples(&track.path, &track.times, &track.values))?;
     }
     end.recv().map_or(Ok(()), |rest| stage.complete(rest))?;
     stage.finish(SEND_TIMEOUT)

@@ -1,15 +1,12 @@
-//! Rerun recordings of runs (film, impactors, signals, events), studies and comparisons.
+//! Rerun recordings of runs: film, impactors, signals, events.
 
 mod body;
-mod comparison;
 mod diagram;
 mod events;
 mod film;
 mod points;
 mod live;
-mod script_output;
 mod signals;
-mod searches;
 mod text;
 
 use std::path::Path;
@@ -20,12 +17,10 @@ use thiserror::Error;
 use viz::{Document, Scene, Stage, VizError};
 
 use super::film::is_finite;
-use super::{RunPage, StudyPage, figure};
+use super::{RunPage, figure};
 use base::number::significant;
-pub use comparison::write_comparison;
 pub use live::{Live, LiveError};
 use scene::simulate::Snapshot;
-use searches::{Approach, Iteration, StudyRecording};
 use text::Text;
 pub use viz::Address;
 
@@ -55,14 +50,6 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
         }
     }
     Ok(stage.finish(WRITE_TIMEOUT)?)
-}
-
-/// Writes the recording of a study to `path`.
-///
-/// # Errors
-/// The file cannot be written.
-pub fn write_study(path: &Path, study: &StudyPage) -> Result<(), RecordingError> {
-    Ok(viz::write(path, searches::scene(&StudyRecording::from_page(study)))?)
 }
 
 /// The scene without the snapshots of the films, which are logged one by one.

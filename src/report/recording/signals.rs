@@ -1,6 +1,6 @@
 //! Signals over time in a recording: in the units of its charts, simulated over measured.
 
-use viz::{Chart, Places, SignalTrack, Stroke};
+use viz::{Chart, SignalTrack, Stroke};
 
 use crate::panes::{self, Pane, PaneCurve, Shown};
 use lab::signal::Recording;
@@ -100,12 +100,11 @@ fn audit(energies: &Recording, all: &mut Vec<SignalTrack>) -> Option<Chart> {
     let terms = energies.channels.iter().filter(|channel| is_there(&channel.values));
     let tracks = terms.enumerate().map(|(index, channel)| {
         let words = channel.name.trim_end_matches("_J").replace('_', " ");
-        let places = Places::Times(energies.time.clone());
         let values = channel.values.iter().map(|value| *value as f32).collect();
         SignalTrack {
             path: format!("energies/{}", channel.name),
             label: words,
-            places,
+            times: energies.time.clone(),
             values,
             stroke: Stroke::nth(index),
         }
@@ -117,7 +116,7 @@ fn track(path: String, label: String, [time, values]: [&[f64]; 2], factor: f64, 
     SignalTrack {
         path,
         label,
-        places: Places::Times(time.to_vec()),
+        times: time.to_vec(),
         values: values.iter().map(|value| (value * factor) as f32).collect(),
         stroke,
     }

@@ -206,7 +206,7 @@ fn marked(options: &Options<'_>, factor: f64) -> HostResult<Option<Window>> {
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "plot(title, #{ name: signal, … })",
-        gives: "a plot in report and recording: signals over time in ms; the title labels the y axis",
+        gives: "a plot in the report and, of a run, in its recording: signals over time in ms; the title labels the y axis",
         example: r#"plot("acceleration (m/s²)", #{ measured: signal([0, 0.1], [0, 150]), raw: signal([0, 0.1], [3, 149]) })"#,
     },
     Entry {

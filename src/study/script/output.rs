@@ -308,7 +308,8 @@ mod tests {
         assert_eq!(output.searches.len(), MOST_SEARCHES);
         let [finding] = &output.findings[..] else { panic!("{:?}", output.findings) };
         assert_eq!((finding.code.as_str(), &finding.figures["shown"]), ("searches-not-shown", &MOST_SEARCHES.into()));
-        let expected = "note[searches-not-shown]: report and recording show the first 100 searches of a script; later ones have no plots";
+        let expected =
+            "note[searches-not-shown]: the report shows the first 100 searches of a script; later ones have no plots";
         assert_eq!(*messages.lock().unwrap(), [expected]);
     }
 }

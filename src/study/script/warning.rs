@@ -42,7 +42,7 @@ findings! {
                 recording show";
             remedy "none is needed for the results of the script; divide it where each of its searches should have \
                 plots";
-            message "report and recording show the first {shown} searches of a script; later ones have no plots";
+            message "the report shows the first {shown} searches of a script; later ones have no plots";
     }
 }
 

@@ -8,7 +8,6 @@ use re_sdk_types::components::Radius;
 use super::ticks::Scale;
 use super::{Curve, Diagram, Look, WIDTH, Window};
 use crate::colour::GREY;
-use crate::series::Moment;
 use crate::stroke::Stroke;
 
 /// Lengths of a dash and of the gap after it, in heights of the box.
@@ -41,13 +40,7 @@ pub(crate) fn log(stream: &RecordingStream, diagram: &Diagram) -> RecordingStrea
         stream.log_static(entity("window/words"), &texts([label].into_iter(), [GREY]))?;
     }
     for (index, curve) in diagram.curves.iter().enumerate() {
-        page.log_curve(stream, &entity(&format!("curves/{index}")), curve, None, stroke(curve, index))?;
-    }
-    for state in &diagram.states {
-        for (index, curve) in state.curves.iter().enumerate() {
-            let stroke = stroke(curve, diagram.curves.len() + index);
-            page.log_curve(stream, &entity(&format!("states/{index}")), curve, Some(state.at), stroke)?;
-        }
+        stream.log_static(entity(&format!("curves/{index}")), page.drawn(curve, stroke(curve, index)).as_ref())?;
     }
     Ok(())
 }
@@ -60,7 +53,7 @@ struct Page {
 
 impl Page {
     fn from_diagram(diagram: &Diagram) -> Page {
-        let points = || diagram.all_curves().flat_map(|curve| &curve.points);
+        let points = || diagram.curves.iter().flat_map(|curve| &curve.points);
         let [across, up] = [&diagram.axes[0], &diagram.axes[1]];
         Page {
             x: Scale::over(points().map(|point| point[0]), across.logarithmic),
@@ -93,20 +86,6 @@ impl Page {
     /// Shares of the axis across at which a window begins and ends.
     fn ends(&self, window: &Window) -> [f64; 2] {
         window.ends.map(|end| self.x.share(end).unwrap_or(0.0).clamp(0.0, 1.0))
-    }
-
-    fn log_curve(
-        &self,
-        stream: &RecordingStream,
-        entity: &str,
-        curve: &Curve,
-        at: Option<Moment>,
-        stroke: Stroke,
-    ) -> RecordingStreamResult<()> {
-        if let Some(at) = at {
-            at.set(stream);
-        }
-        stream.log_with_static(entity, at.is_none(), self.drawn(curve, stroke).as_ref())
     }
 
     fn drawn(&self, curve: &Curve, stroke: Stroke) -> Box<dyn AsComponents> {
@@ -147,13 +126,12 @@ fn stroke(curve: &Curve, index: usize) -> Stroke {
 
 /// The names of the curves in their colours, in a column right of the box.
 fn legend(diagram: &Diagram) -> Points2D {
-    let states = diagram.states.first().map_or(&[][..], |state| &state.curves);
-    let all: Vec<&Curve> = diagram.curves.iter().chain(states).collect();
-    let entry = |(index, curve): (usize, &&Curve)| {
+    let entry = |(index, curve): (usize, &Curve)| {
         (place(1.0 + LEGEND[0] / WIDTH, 1.0 - LEGEND[1] * index as f64), curve.name.clone())
     };
-    let colours: Vec<[u8; 3]> = all.iter().enumerate().map(|(index, curve)| stroke(curve, index).colour).collect();
-    texts(all.iter().enumerate().map(entry), colours)
+    let curves = || diagram.curves.iter().enumerate();
+    let colours: Vec<[u8; 3]> = curves().map(|(index, curve)| stroke(curve, index).colour).collect();
+    texts(curves().map(entry), colours)
 }
 
 /// Labels at invisible points.

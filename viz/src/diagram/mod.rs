@@ -8,9 +8,6 @@ mod ticks;
 pub(crate) use draw::log;
 pub(crate) use ticks::Scale;
 
-use crate::VizError;
-use crate::series::Moment;
-
 /// Width of the box that curves are drawn in over its height.
 pub(crate) const WIDTH: f64 = 1.6;
 
@@ -26,10 +23,8 @@ pub struct Diagram {
     pub title: String,
     /// Across and up.
     pub axes: [Axis; 2],
-    /// Curves that are always shown.
+    /// In the order of the legend.
     pub curves: Vec<Curve>,
-    /// States, each of which replaces the one before from its moment on.
-    pub states: Vec<State>,
     /// The marked stretch of the axis across, if there is one.
     pub window: Option<Window>,
 }
@@ -72,28 +67,4 @@ pub enum Look {
     Dashed,
     /// Points without a line.
     Points,
-}
-
-/// Curves from one moment on.
-#[derive(Clone, Debug)]
-pub struct State {
-    /// The moment from which it is shown.
-    pub at: Moment,
-    /// In the same order in every state.
-    pub curves: Vec<Curve>,
-}
-
-impl Diagram {
-    /// The curves that stay and those of all states.
-    fn all_curves(&self) -> impl Iterator<Item = &Curve> {
-        self.curves.iter().chain(self.states.iter().flat_map(|state| &state.curves))
-    }
-
-    pub(crate) fn check(&self) -> Result<(), VizError> {
-        let expected = self.states.first().map_or(0, |state| state.curves.len());
-        match self.states.iter().find(|state| state.curves.len() != expected) {
-            None => Ok(()),
-            Some(state) => Err(VizError::Curves { diagram: self.title.clone(), found: state.curves.len(), expected }),
-        }
-    }
 }

@@ -132,7 +132,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "#{ title: \"1008\", signals: [\"acceleration (m/s²)\", ..] }",
-        gives: "title of the search in report and recording, which show the objective, the unknowns and the signals \
+        gives: "title of the search in the report, which shows the objective, the unknowns and the signals \
             that the objective compares with references (`relative_error`, `relative_residuals`, `rate`) by iteration; \
             and names of these signals, in the order in which they are compared",
         example: r#"let read = signal([0, 1, 2], [5, 7, 9]);
