@@ -70,7 +70,6 @@ pub struct ComparedSignal {
     pub errors: Vec<Option<f64>>,
 }
 
-
 impl RunComparison {
     /// Compares `runs`; of the signals only those that `wanted` names, or all where it is empty.
     pub fn from_runs(runs: &[StoredRun], wanted: &[String]) -> RunComparison {
