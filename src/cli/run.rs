@@ -183,8 +183,8 @@ struct Batch {
 fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
     let width = args.width.map(WidthChoice::width).transpose();
-    let (every, width) = both(every.map_err(|mistake| vec![mistake]), width.map_err(|mistake| vec![mistake]))?;
-    let scenarios = args.selection.checked()?;
+    let options = both(every.map_err(|mistake| vec![mistake]), width.map_err(|mistake| vec![mistake]));
+    let ((every, width), scenarios) = both(options, args.selection.checked())?;
     let several = scenarios.len() > 1;
     let places = scenarios.iter().map(|checked| place(args.out.as_deref(), &checked.model.name, several));
     let places: Vec<PathBuf> = places.collect::<Result<_, _>>().map_err(|error| vec![storing(&error)])?;

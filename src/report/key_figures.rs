@@ -4,9 +4,9 @@ use serde_json::{Map, Value};
 
 use super::figure::DIGITS;
 use super::html::escape;
-use super::run_page::RunPage;
 use base::number::{self, duration, significant};
-use study::post::{BodyFigures, HEADLINES, Headline, Measures, TestKind, lowest_point};
+use scene::model::Model;
+use study::post::{BodyFigures, HEADLINES, Headline, Measures, Results, TestKind, lowest_point};
 
 /// Of a drop that was recorded: of a run it is an input.
 const IMPACT_SPEED: Headline = Headline {
@@ -26,9 +26,8 @@ pub(super) fn of_drop(figures: &Map<String, Value>) -> String {
     if cards.is_empty() { cards } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
 }
 
-/// Cards of the key figures in `summary`, that of `run`, and whether the film held.
-pub(super) fn cards(run: &RunPage, summary: &Map<String, Value>) -> String {
-    let (results, failed) = (run.results, run.failure.is_some());
+/// Cards of the key figures in `summary`, that of `results`, and whether the film held; the run has `failed` or not.
+pub(super) fn cards(model: &Model, results: &Results, failed: bool, summary: &Map<String, Value>) -> String {
     let bodies: &[BodyFigures] = match &results.measures {
         Measures::Impact(impact) => &impact.bodies,
         _ => &[],
@@ -36,7 +35,7 @@ pub(super) fn cards(run: &RunPage, summary: &Map<String, Value>) -> String {
     let named = bodies.iter().map(|body| body.prefix.as_str()).filter(|prefix| !prefix.is_empty());
     let own = named.chain([""]).flat_map(|prefix| {
         let descends = lowest_point(&results.signals, prefix).is_none();
-        let headlines = TestKind::of(run.model).headlines();
+        let headlines = TestKind::of(model).headlines();
         headlines.filter_map(move |headline| card(headline, words(headline, descends), prefix, summary))
     });
     let is_shown = |headline: &&Headline| headline.test.is_none() && !(headline.name == TORN && holds(summary));

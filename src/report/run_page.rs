@@ -42,7 +42,7 @@ pub fn run_page(run: &RunPage) -> String {
     let body = [
         format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
         findings(run),
-        key_figures::cards(run, &summary),
+        key_figures::cards(model, results, run.failure.is_some(), &summary),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
         html::section("Field", &error_maps::section(run)),
         html::section("Signals", &drawn::figures(&thinned(run_plots::signals(results), MOST_POINTS[0]))),

@@ -135,7 +135,9 @@ fn a_killed_search_resumes_with_the_same_bits_and_repeats_no_trial() {
         if !bench.path("killed").exists() {
             break;
         }
-        ["killed", "killed.history"].map(|path| fs::remove_dir_all(bench.path(path)).expect("results"));
+        for path in ["killed", "killed.history"] {
+            fs::remove_dir_all(bench.path(path)).expect("results");
+        }
     }
 
     let held = fs::File::open(bench.history("killed").expect("a history")).expect("readable");

@@ -435,7 +435,6 @@ fn the_examples_of_the_scripting_reference_run() {
         let has_left = || match entry.call {
             call if call.starts_with("plot") || call.ends_with("page()") => after.plots.len() > before.plots.len(),
             call if call.starts_with("write") => after.files != before.files,
-            call if call.starts_with("table") => after.tables.len() > before.tables.len(),
             call if call.starts_with("log") => after.log.len() == before.log.len() + 2,
             call if call.starts_with("warn") => after.findings.len() > before.findings.len(),
             _ => after != before,

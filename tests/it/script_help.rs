@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::json;
 
-use crate::workbench::{command, droptower, error, figures, printed, root};
+use crate::workbench::{droptower, error, figures, printed, root};
 
 const SCRIPT: &str = "//! Doubles a number.
 //!
@@ -35,7 +35,7 @@ fn a_script_explains_itself_and_its_arguments_have_kinds() {
         about["arguments"][0],
         json!({"name": "number", "default": "2", "kind": "number", "text": "what is doubled"})
     );
-    assert!(printed(&droptower(at, &["script", "--help"])).contains("--profile"));
+    assert!(printed(&droptower(at, &["script", "--help"])).contains("--check"));
     assert_eq!(figures(&droptower(at, &["script", "double.rhai", "--json"]))["twice"], 4);
     let given = ["script", "double.rhai", "--arg", "number=3.5", "--out", "other", "--json"];
     assert_eq!(figures(&droptower(at, &given))["twice"], 7.0);
@@ -70,17 +70,4 @@ fn every_shipped_script_is_without_mistakes() {
         let output = droptower(&root(), &["script", "--check", &script]);
         assert!(output.status.success(), "{}", error(&output));
     }
-}
-
-#[test]
-fn lines_are_traced_and_timed() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = folder.path();
-    fs::write(at.join("double.rhai"), SCRIPT).expect("a script");
-    let output = command(at, &["script", "double.rhai", "--trace", "--profile"]).output().expect("the binary starts");
-    assert!(output.status.success());
-    let told = String::from_utf8_lossy(&output.stderr);
-    let traced: Vec<&str> = told.lines().filter(|line| line.contains("tell(twice)")).collect();
-    assert!(traced[0].starts_with("   11  tell(twice);"), "{told}");
-    assert!(told.contains("time (s)") && told.lines().any(|line| line.starts_with("    9         1 ")), "{told}");
 }
