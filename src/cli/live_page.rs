@@ -13,7 +13,7 @@ use report::{PageTime, StudyCall, StudyProgress, StudyState};
 use study::evaluate::{Evaluations, RunEvent};
 use study::identify::SearchEvent;
 use study::store::ProgressFolder;
-use study::sweep::{self, Sweep};
+use study::sweep;
 
 /// Time between two looks whether there is news.
 const TICK: Duration = Duration::from_millis(250);
@@ -154,16 +154,15 @@ impl LivePage {
     }
 
     /// Begins the page of a sweep whose runs are ranked by a figure.
-    pub(super) fn begin_sweep(&self, sweep: &Sweep, ranked: &str) {
-        self.change(|progress| progress.begin_sweep(sweep, ranked));
+    pub(super) fn begin_sweep(&self, ranked: &str) {
+        self.change(|progress| progress.begin_sweep(ranked));
         self.begin();
     }
 
     /// Takes note of a run of a sweep.
-    pub(super) fn note_sweep(&self, event: &sweep::Event<'_>, sweep: &Sweep, evaluations: &Evaluations) {
+    pub(super) fn note_sweep(&self, event: &sweep::Event<'_>, evaluations: &Evaluations) {
         let figures = |place: usize, evaluation: &study::evaluate::Evaluation| {
-            let inputs = sweep.inputs(place).collect();
-            self.change(|progress| progress.note_figures(place, inputs, evaluation));
+            self.change(|progress| progress.note_figures(place, evaluation));
         };
         match event {
             sweep::Event::Computed(place, evaluation) => figures(*place, evaluation),

@@ -20,7 +20,6 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 from report import (
-    COLOURED,
     DESKTOP,
     DRAWN,
     Fault,
@@ -77,14 +76,6 @@ def done(text):
     return int(words[1].split("<")[0]) if len(words) > 1 else 0
 
 
-def points_are_drawn(opened):
-    canvases = opened.page.locator(".scatter canvas")
-    expect(canvases.count() >= 3, f"{canvases.count()} figures of points")
-    for at in range(canvases.count()):
-        expect(canvases.nth(at).evaluate(COLOURED) > 30, f"figure {at + 1} of points is blank")
-    return canvases.count()
-
-
 def beat(opened):
     return opened.page.locator(".renewal").get_attribute("data-beat")
 
@@ -95,9 +86,6 @@ def renews_and_keeps(browser, place, texts):
     opened = OpenPage(browser, place, DESKTOP, "light")
     page = opened.page
     first = beat(opened)
-    select = page.locator(".choices select").first
-    values = select.locator("option").evaluate_all("all => all.map((option) => option.value)")
-    select.select_option(values[-1])
     page.locator("button.theme").click()
     plot = page.locator("figure.plot").first
     if plot.count():
@@ -111,7 +99,6 @@ def renews_and_keeps(browser, place, texts):
     page.mouse.move(1, 1)
     page.wait_for_function("(first) => document.querySelector('.renewal')?.dataset.beat !== first", arg=first, timeout=60_000)
     page.evaluate(DRAWN)
-    expect(page.locator(".choices select").first.input_value() == values[-1], "the choice is lost")
     expect(page.evaluate("document.documentElement.dataset.theme") == "dark", "the theme is lost")
     if plot.count():
         off = page.locator("figure.plot").first.locator(".legend button").first.get_attribute("aria-pressed")
@@ -168,7 +155,6 @@ def examine(browser, name, texts, given, folder):
             opened = OpenPage(browser, place, window, scheme)
             picture(opened, given.pictures, f"progress-{name}-{state}-{kind}")
             plots = plots_are_drawn(opened)
-            points = points_are_drawn(opened)
             fits_the_screen(opened)
             texts_do_nothing(opened)
             is_accessible(opened, given.axe)
@@ -180,7 +166,7 @@ def examine(browser, name, texts, given, folder):
     renews_and_keeps(browser, place, texts)
     ends_where_nothing_is_heard(browser, place, texts[0])
     ends_with_its_study(browser, place, texts[2])
-    return f"{plots} plots, {points} figures of points, {len(texts[1]) / 1000:.0f} kB"
+    return f"{plots} plots, {len(texts[1]) / 1000:.0f} kB"
 
 
 def main():

@@ -94,14 +94,14 @@ pub(super) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
 fn swept(task: &Task, args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<(), Failure> {
     let Task { sweep, evaluations, stop, page, .. } = task;
     if !args.merge {
-        page.begin_sweep(sweep, args.figure.as_deref().unwrap_or(ranking_figure(sweep.model())));
+        page.begin_sweep(args.figure.as_deref().unwrap_or(ranking_figure(sweep.model())));
     }
     let progress = Progress::new(sweep.len(), shared);
     let is_part = evaluations.share() != Share::WHOLE;
     let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge };
     let done = work.run(&|event| {
         progress.show(&event);
-        page.note_sweep(&event, sweep, evaluations);
+        page.note_sweep(&event, evaluations);
     });
     progress.finish();
     let done = done.map_err(|error| failed(&error))?;

@@ -3,18 +3,15 @@
 //! [`StudyProgress`] takes note of what happens, and shows it as a page that renews itself. It knows no files and no clock:
 //! times are given to it.
 
-mod points;
 mod runs;
 mod search;
 mod sweep;
 
 use base::number::{significant, wall_time};
 use plot::thinned;
-use scene::model::Input;
 use serde_json::{Map, Value, json};
 use study::evaluate::{Evaluation, RunEvent};
 use study::identify::SearchEvent;
-use study::sweep::Sweep;
 
 use super::drawn;
 use super::html::{self, escape};
@@ -133,14 +130,14 @@ impl StudyProgress {
     }
 
     /// Begins a sweep whose runs are ranked by a figure.
-    pub fn begin_sweep(&mut self, sweep: &Sweep, ranked: &str) {
-        self.sweep = Some(SweepRuns::new(sweep, ranked));
+    pub fn begin_sweep(&mut self, ranked: &str) {
+        self.sweep = Some(SweepRuns::new(ranked));
     }
 
     /// Takes note of the figures of a run of the sweep.
-    pub fn note_figures(&mut self, place: usize, inputs: Vec<Input>, evaluation: &Evaluation) {
+    pub fn note_figures(&mut self, place: usize, evaluation: &Evaluation) {
         if let Some(sweep) = &mut self.sweep {
-            sweep.add(place, inputs, evaluation);
+            sweep.add(place, evaluation);
         }
     }
 
@@ -227,7 +224,6 @@ impl StudyProgress {
             self.bar(),
             self.best(),
             self.search_sections(),
-            self.sweep_section(),
             self.runs.sections(time.elapsed),
             html::section("Messages", &html::list(&self.messages)),
             html::section("Stop and go on", &self.commands()),
@@ -345,11 +341,6 @@ impl StudyProgress {
         shown.iter().map(section).collect()
     }
 
-    fn sweep_section(&self) -> String {
-        let Some(sweep) = &self.sweep else { return String::new() };
-        html::section("Runs", &sweep.points().figures("Runs"))
-    }
-
     fn commands(&self) -> String {
         let StudyCall { command, folder, stop, .. } = &self.call;
         let stopping = match stop {
@@ -370,7 +361,7 @@ fn content(search: &Search, most_points: usize) -> String {
     let plots = thinned(search.plots(), most_points);
     let failed = search.causes.table("trials");
     let failed = if failed.is_empty() { failed } else { format!("<h3>Failed trials</h3>\n{failed}") };
-    [drawn::figures(&plots), search.points().figures(&search.title()), failed].concat()
+    [drawn::figures(&plots), failed].concat()
 }
 
 impl StudyState {

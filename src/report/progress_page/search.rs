@@ -1,14 +1,13 @@
 //! A search while it runs: its trials, the best so far, and its curves.
 
-use plot::{Axis as PlotAxis, Curve, Plot, Scale};
+use plot::{Axis, Curve, Plot, Scale};
 use study::identify::{Evaluation, Labels, Progress, SearchStart, TrialEvent};
 use study::script::{Compared, ConvergenceHistory, Fit};
 
 use super::super::convergence::{simulated, target};
-use super::points::{Axis, Points};
 use super::runs::{Causes, Counts};
 
-/// Most trials whose points are stored.
+/// Most trials whose errors are stored.
 const MOST_TRIALS: usize = 20_000;
 
 /// A search, or an estimate about its result, as far as it is.
@@ -23,7 +22,8 @@ pub(super) struct Search {
     is_virtual: bool,
     /// Whether it asks for trials.
     pub(super) is_active: bool,
-    trials: Vec<Trial>,
+    /// Number, from one, and error of the trials that have one.
+    trials: Vec<[f64; 2]>,
     best: Option<Best>,
     counts: Counts,
     pub(super) causes: Causes,
@@ -31,17 +31,6 @@ pub(super) struct Search {
     fits: Vec<Curves>,
     /// Its last iteration.
     pub(super) progress: Option<Progress>,
-}
-
-/// A trial that has ended.
-#[derive(Clone, Debug)]
-struct Trial {
-    /// Its number among all, from one.
-    number: usize,
-    x: Vec<f64>,
-    f: Option<f64>,
-    /// The error of each curve: root mean square of the difference over that of the reference.
-    errors: Vec<f64>,
 }
 
 /// The best trial so far.
@@ -121,13 +110,13 @@ impl Search {
             self.best = Some(Best { number, x: x.to_vec(), f });
         }
         self.compare(compared, is_better);
-        let errors = compared.iter().map(relative_error).collect();
+        let Some(f) = f else { return };
         if self.trials.len() == MOST_TRIALS && is_better {
             // The last one makes room.
             self.trials.pop();
         }
         if self.trials.len() < MOST_TRIALS {
-            self.trials.push(Trial { number, x: x.to_vec(), f, errors });
+            self.trials.push([number as f64, f]);
         }
     }
 
@@ -206,59 +195,26 @@ impl Search {
 
     /// The error of every trial, and the least so far; none before the first has ended.
     fn errors(&self) -> Option<Plot> {
-        let points: Vec<[f64; 2]> = self.trials.iter().filter_map(|at| Some([at.number as f64, at.f?])).collect();
         let mut least = f64::INFINITY;
-        let falling: Vec<[f64; 2]> = points
+        let falling: Vec<[f64; 2]> = self
+            .trials
             .iter()
             .map(|[number, f]| {
                 least = least.min(*f);
                 [*number, least]
             })
             .collect();
-        let [_, _, ..] = &points[..] else { return None };
-        let is_positive = points.iter().all(|[_, f]| *f > 0.0);
-        let mut trials = Curve::line("trials", points);
+        let [_, _, ..] = &self.trials[..] else { return None };
+        let is_positive = self.trials.iter().all(|[_, f]| *f > 0.0);
+        let mut trials = Curve::line("trials", self.trials.iter().copied());
         trials.look = plot::Look::Points;
         let curves = vec![Curve::line("best so far", falling), trials];
         let mut plot = Plot::new(format!("{}: error", self.title()), ["trial", "error"], curves);
         if is_positive {
-            plot.y = PlotAxis { scale: Scale::Logarithmic, ..plot.y };
+            plot.y = Axis { scale: Scale::Logarithmic, ..plot.y };
         }
         Some(plot)
     }
-
-    /// The trials in the space of the unknowns; with several tests, the error of each.
-    pub(super) fn points(&self) -> Points {
-        let tests: &[Curves] = if self.fits.len() > 1 { &self.fits } else { &[] };
-        let of_test =
-            |(place, own): (usize, &Curves)| Axis::outcome(format!("error {}: {}", place + 1, own.current.quantity));
-        let inputs = self.unknowns.iter().map(Axis::input);
-        let axes = inputs.chain([Axis::outcome("error")]).chain(tests.iter().enumerate().map(of_test));
-        let row = |trial: &Trial| {
-            let errors = (0..tests.len()).map(|place| trial.errors.get(place).copied());
-            trial.x.iter().map(|x| Some(*x)).chain([trial.f]).chain(errors).collect()
-        };
-        let best = self.best.as_ref().map(|best| best.number);
-        Points {
-            axes: axes.collect(),
-            rows: self.trials.iter().map(row).collect(),
-            all: self.counts.done + self.causes.total(),
-            best: self.trials.iter().position(|trial| Some(trial.number) == best),
-            of: "trials",
-            // That of all tests is the first outcome.
-            front: if tests.is_empty() { [0, 1] } else { [1, 2] },
-        }
-    }
-}
-
-/// Root mean square of the difference over that of the reference, where both have values.
-fn relative_error(Compared { target, values }: &Compared) -> f64 {
-    let both = target.values.iter().zip(values).filter(|(a, b)| a.is_finite() && b.is_finite());
-    let (difference, reference) = both.fold((0.0, 0.0), |(difference, reference), (a, b)| {
-        let (a, b) = (f64::from(*a), f64::from(*b));
-        (difference + (b - a).powi(2), reference + a.powi(2))
-    });
-    (difference / reference).sqrt()
 }
 
 #[cfg(test)]
@@ -306,9 +262,6 @@ mod tests {
         assert_eq!(shown, [("best so far", 9.0), ("current", 13.0), ("reference (virtual)", 10.0)]);
         assert_eq!(plots[2].curves[0].points, [[1.0, 0.5], [2.0, 0.1], [3.0, 0.1]]);
         assert_eq!((search.best().unwrap().number, &search.best().unwrap().x[..]), (2, &[0.1, 1.0][..]));
-        let points = search.points();
-        assert_eq!((points.best, points.axes.len()), (Some(1), 5), "two unknowns, the error, and that of each test");
-        assert!((points.rows[0][3].unwrap() - 0.5).abs() < 1e-6 && points.rows[0][4] == Some(0.0));
     }
 
     #[test]
