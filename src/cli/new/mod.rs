@@ -1,4 +1,4 @@
-//! `droptower new`: a commented scenario, material or figure to start from, with the scripts that it needs.
+//! `droptower new`: a commented scenario, material, study or array job to start from, with the scripts that it needs.
 
 mod case;
 mod films;
