@@ -3,6 +3,7 @@
 mod architecture;
 mod calibration;
 mod cards;
+mod cmd;
 mod commands;
 mod compare;
 mod conversions;

@@ -3,13 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Output, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use crate::workbench::{command, droptower, error, figures, printed, root};
+use crate::workbench::{await_of, command, droptower, error, figures, printed, root};
 
 const VARIATION: &str = "[variation]\nsamples = 6\n\"impactor.mass\" = { uniform = [\"10 kg\", \"12 kg\"] }\n\
                          \"impactor.friction\" = { uniform = [0.1, 0.5] }\n";
@@ -32,12 +30,7 @@ fn start(folder: &Path, arguments: &[&str]) -> Child {
 
 /// Waits for a file of a process that runs.
 fn wait_for(child: &mut Child, what: impl Fn() -> bool) {
-    let begin = Instant::now();
-    while !what() {
-        assert!(child.try_wait().expect("a state").is_none(), "the process ended before it could be stopped");
-        assert!(begin.elapsed() < Duration::from_secs(600), "nothing within ten minutes");
-        sleep(Duration::from_millis(5));
-    }
+    assert!(await_of(child, what), "the process ended before it could be stopped");
 }
 
 #[cfg(unix)]

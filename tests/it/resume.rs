@@ -208,26 +208,6 @@ fn a_run_resumes_from_the_checkpoint_before_a_damaged_one() {
 }
 
 #[test]
-fn wrong_intervals_and_missing_checkpoints_are_reported_before_the_run() {
-    let bench = bench();
-    for (arguments, expected) in [
-        (&["--resume"][..], "there is no checkpoint in runs/drop.checkpoint"),
-        (&["--out", "."], "`.` does not name a run folder; give --out a new folder, such as ./results"),
-        (&["--checkpoint-every", "5 mm"], "expected a time, found \"5 mm\""),
-        (&["--checkpoint-every", "0 s"], "no time passes between checkpoints"),
-        (&["--checkpoint-every", "-1 ms"], "no time passes between checkpoints"),
-        (&["--checkpoint-every", "10 min"], "--checkpoint-every is simulated time"),
-        (&["--checkpoint-every", "never", "--set", "layers.count=-1"], "does not start with a number"),
-        (&["--checkpoint-every", "never", "--set", "layers.count=-1"], "layers.count"),
-    ] {
-        let output = run(bench.path(), arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(error(&output).contains(expected), "{arguments:?}: {}", error(&output));
-        assert!(!bench.path().join("runs").exists());
-    }
-}
-
-#[test]
 fn a_failed_run_leaves_no_checkpoints() {
     let bench = bench();
     // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.

@@ -32,14 +32,6 @@ fn json(arguments: &[&str]) -> Json {
     workbench::figures(&droptower(arguments))
 }
 
-/// The message of a mistake; nothing may be printed beside it.
-fn mistake(arguments: &[&str]) -> String {
-    let output = droptower(arguments);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-    assert!(output.stdout.is_empty(), "{arguments:?}");
-    String::from_utf8(output.stderr).expect("UTF-8")
-}
-
 fn number(figures: &Json, key: &str) -> f64 {
     figures[key].as_f64().unwrap_or_else(|| panic!("`{key}` is no number in {figures}"))
 }
@@ -183,72 +175,6 @@ fn a_class_filters_first() {
     assert!(other.contains("CFC 999 is none of the standards' classes"), "{other}");
     assert!((loud / clean - 1.0).abs() > 0.02, "{loud} {clean}");
     assert!((number(&filtered, "clip_g") / clean - 1.0).abs() < 2e-3, "{filtered} {clean}");
-}
-
-#[test]
-fn text_output_is_one_line_and_quiet_prints_nothing() {
-    let folder = folder(&[("a.csv", table("time_s,accel [g]", 1e-3, 81, square))]);
-    let path = folder.path().join("a.csv");
-    let path = path.to_str().expect("UTF-8");
-    let printed = |arguments: &[&str]| String::from_utf8(droptower(arguments).stdout).expect("UTF-8");
-    assert!(
-        printed(&["hic", path]).starts_with("HIC15  265.165  50.00 g over 15.000 ms"),
-        "{}",
-        printed(&["hic", path])
-    );
-    assert!(printed(&["clip", path]).starts_with("3 ms clip  50.000 g  cumulative"), "{}", printed(&["clip", path]));
-    assert!(
-        printed(&["rate", path, path]).contains("overall    1.000  excellent"),
-        "{}",
-        printed(&["rate", path, path])
-    );
-    assert_eq!(printed(&["rate", path, path, "--quiet"]), "");
-    let falling = self::folder(&[("f.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t)))]);
-    let clip = printed(&["clip", falling.path().join("f.csv").to_str().expect("UTF-8")]);
-    assert!(
-        clip.contains("  0.000 g") && clip.contains("warning[no-positive-level]: no positive level is held that long"),
-        "{clip}"
-    );
-}
-
-#[test]
-fn mistakes_name_file_and_channel() {
-    let folder = folder(&[
-        ("a.csv", table("time_s,accel [g]", 1e-3, 81, square)),
-        ("force.csv", table("time_s,force [N]", 1e-3, 81, square)),
-        ("bare.csv", table("time_s,accel", 1e-3, 81, square)),
-        ("falling.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t))),
-        ("gap.csv", "time_s,accel [g]\n0,1\n0.001,\n0.002,3\n".into()),
-        ("hole.csv", table("time_s,accel [g]", 1e-3, 81, square).replace("\n0.03", "\n# 0.03")),
-        ("zero.csv", table("time_s,accel [g]", 1e-3, 81, |_| 0.0)),
-        ("late.csv", table("time_s,accel [g]", 1e-3, 81, square).replace("\n0", "\n9")),
-    ]);
-    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
-    for (arguments, expected) in [
-        (vec!["hic", "force.csv"], vec!["force.csv: `force` is in N, which is not an acceleration"]),
-        (vec!["hic", "bare.csv"], vec!["the unit of `accel` is not known", "--unit"]),
-        (vec!["hic", "falling.csv"], vec!["falling.csv: the mean acceleration is positive between no two samples"]),
-        (vec!["hic", "gap.csv"], vec!["gap.csv: nothing was measured at 0.001 s"]),
-        (vec!["clip", "gap.csv", "--duration", "1"], vec!["gap.csv: nothing was measured at 0.001 s"]),
-        (vec!["hic", "hole.csv"], vec!["hole.csv: there are no samples between 0.029 s and 0.04 s"]),
-        (vec!["clip", "hole.csv"], vec!["hole.csv: there are no samples between 0.029 s and 0.04 s"]),
-        (vec!["rate", "a.csv", "hole.csv"], vec!["comparison: there are no samples between 0.029 s and 0.04 s"]),
-        (
-            vec!["hic", "a.csv", "--class", "1000"],
-            vec!["a.csv: CFC 1000 needs at least 10000 samples a second, found 1000"],
-        ),
-        (vec!["rate", "a.csv", "force.csv"], vec!["a.csv is in m/s2, ", "force.csv in N"]),
-        (vec!["rate", "zero.csv", "a.csv"], vec!["the reference is zero everywhere", "zero.csv"]),
-        (vec!["rate", "a.csv", "gap.csv"], vec!["comparison: nothing was measured at 0.001 s", "gap.csv"]),
-        (vec!["rate", "missing.csv", "gone.csv"], vec!["missing.csv", "gone.csv"]),
-    ] {
-        let arguments: Vec<String> =
-            arguments.iter().map(|word| if word.ends_with(".csv") { path(word) } else { (*word).to_owned() }).collect();
-        let message = mistake(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
-        for part in expected {
-            assert!(message.contains(part), "{arguments:?} gave: {message}");
-        }
-    }
 }
 
 /// `cargo bench --bench signal` measures how long this takes.
