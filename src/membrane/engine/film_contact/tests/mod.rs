@@ -53,7 +53,7 @@ impl Scene {
     /// Squares at heights (m) with velocities (m/s).
     fn with(self, films: &[(Mesh, f64, [f64; 3])]) -> Run {
         let section = |face: usize| Section {
-            rupture: self.rupture[face.min(self.rupture.len() - 1)].clone(),
+            rupture: self.rupture[face.min(self.rupture.len() - 1)],
             prestrain: [self.prestrain; 2],
             ..Section::new(Law::Elastic(Elastic { young: self.young, poisson: 0.3 }), 1000.0, THICKNESS)
         };
