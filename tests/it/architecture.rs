@@ -105,6 +105,23 @@ fn no_files_of_a_package_name_each_other_in_a_cycle() {
     }
 }
 
+/// `dist` takes its packages from `release`, where those that only start, check and print are optimised little.
+#[test]
+fn what_is_shipped_is_optimised() {
+    let manifest: toml::Table =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap().parse().unwrap();
+    let packages = |profile: &str| manifest["profile"][profile]["package"].as_table().unwrap().clone();
+    let full = toml::Value::Integer(3);
+    let lowered = packages("release")
+        .into_iter()
+        .filter(|(_, package)| package.get("opt-level").is_some_and(|level| *level != full));
+    let (lowered, dist): (Vec<_>, _) = (lowered.map(|(name, _)| name).collect(), packages("dist"));
+    assert!(lowered.len() > 5, "only {lowered:?} are optimised less");
+    for name in lowered {
+        assert_eq!(dist.get(&name).and_then(|package| package.get("opt-level")), Some(&full), "{name} in dist");
+    }
+}
+
 #[test]
 fn names_lead_to_the_file_that_defines_them() {
     let sources = crate_of(&[
