@@ -1,7 +1,7 @@
 //! Records of evaluations by their content, in a folder that any number of processes share, also over a network.
 //!
-//! Every process appends to a segment of its own, and reads those of the others: nothing is ever locked or overwritten,
-//! and what a killed process leaves is complete up to its last record. A process that is about to compute an evaluation
+//! Every process appends to a segment of its own, and reads those of the others: nothing is overwritten, and no process waits for
+//! the lock of another. Each locks its own segment, by which others of its machine see that it lives. What a killed process leaves is complete up to its last record. A process that is about to compute an evaluation
 //! claims it, looks whether another has claimed the same meanwhile, and says that it begins. A claim holds while the
 //! segment of its process grows, by the clock of whoever asks: a killed process claims nothing for long. Where two
 //! processes nevertheless compute the same (a network file system shows their entries late), both records hold the same.

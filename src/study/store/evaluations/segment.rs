@@ -2,10 +2,11 @@
 //!
 //! After its first line come entries: length of the content, checksum of the rest, kind, key, content.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use super::{Key, STALE, SegmentFigures};
 use base::file::{self, FileError};
@@ -271,8 +272,12 @@ impl OwnSegment {
         let path = folder.join(name).with_extension(extension);
         draft.persist_noclobber(&path).map_err(|error| error.error)?;
         let file = OpenOptions::new().append(true).open(&path)?;
-        // Before the first claim. Where files cannot be locked, others cannot lock it either, and wait for its silence.
-        let _ = file.lock();
+        // Before the first claim. Another process may hold the lock for a moment to see whether this one lives; a lock that does not
+        // answer is not waited for. Where files cannot be locked, others cannot lock it either, and wait for its silence.
+        for _ in 0..200 {
+            let Err(TryLockError::WouldBlock) = file.try_lock() else { break };
+            thread::sleep(Duration::from_millis(1));
+        }
         Ok(OwnSegment { path, file, end: start.len() as u64, is_torn: false, written: Instant::now(), number: None })
     }
 
