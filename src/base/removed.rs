@@ -3,7 +3,7 @@
 /// What kind of name a user wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Words of a command line in their order, the program's name aside: `repl`, `script --trace`, `deck write --format calculix`.
+    /// Words of a command line in their order, the program's name aside: `repl`, `script --trace`, `card write --approximate`.
     Command,
     /// A key of a scenario or a material by the end of its path (`specimen.bending`), or a word as its value
     /// (`energy = wrinkling`).
