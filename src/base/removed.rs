@@ -103,6 +103,7 @@ const REMOVED: &[Removed] = &[
     row(Kind::Finding, "deck-other-parts", "meshio converts meshes to .msh"),
     row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
     row(Kind::Finding, "hardening-scatters", PLASTIC),
+    row(Kind::Finding, "impact-speed-differs", "a speed that the recording excludes is refused; beside a laser it is `drop-height-differs`"),
     row(Kind::Finding, "lower-than-estimate", PROFILES),
     row(Kind::Finding, "no-bound", PROFILES),
     row(Kind::Finding, "no-design-point", IMPORTANCE),
@@ -115,6 +116,7 @@ const REMOVED: &[Removed] = &[
     row(Kind::Finding, "start-replaced", "a start without a value ends the search; choose another one"),
     row(Kind::Finding, "unloading-not-measured", PLASTIC),
     row(Kind::Finding, "yield-ratio-assumed", PLASTIC),
+    row(Kind::Finding, "zero-offset-doubtful", "the zero is fitted with its error: intervals hold it"),
 ];
 
 /// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.

@@ -15,6 +15,14 @@ pub(super) fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> 
     })
 }
 
+/// The number in SI of a quantity and of its standard deviation, `1 m +- 2 mm`, for clap.
+pub(super) fn quantity_with_error(dimension: Dimension, text: &str) -> Result<(f64, Option<f64>), String> {
+    match text.split_once("+-").or_else(|| text.split_once('±')) {
+        Some((value, error)) => Ok((quantity(dimension, value.trim())?, Some(quantity(dimension, error.trim())?))),
+        None => Ok((quantity(dimension, text)?, None)),
+    }
+}
+
 /// A number without unit.
 pub(super) fn number(text: &str) -> Result<f64, String> {
     let found = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());

@@ -148,19 +148,13 @@ fn reduced(drop: &Figures) -> String {
     };
     let speed = Some(drop.impact_velocity_m_s);
     let rows = [
-        row(
-            "time constant of the accelerometer",
-            drop.time_constant_s,
-            drop.time_constant_interval_s,
-            [1e3, 1.0],
-            "ms",
-        ),
         row("impact speed", speed, drop.impact_velocity_interval_m_s, [1.0, 3.0], "m/s"),
         row("lowest point", drop.peak_displacement_m, drop.peak_displacement_interval_m, [1e3, 1.0], "mm"),
+        row("first contact", Some(drop.contact_time_s), drop.contact_time_interval_s, [1.0, 4.0], "s"),
         row("energy absorbed", drop.energy_absorption, drop.energy_absorption_interval, [100.0, 1.0], "%"),
     ];
     let rows: Vec<Vec<String>> = rows.into_iter().flatten().collect();
-    let head = ["the recording", "value", "interval of 95 % by the time constant"].map(String::from);
+    let head = ["the recording", "value", "interval of 95 %"].map(String::from);
     html::table(&head, &rows)
 }
 

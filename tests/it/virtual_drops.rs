@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Output;
 
 use droptower::experiment::absorption::{Body, energy_absorption};
-use droptower::experiment::drop::{self, ChannelNames, Drop, DropChannels, Height, Reduction, Tower};
+use droptower::experiment::drop::{self, ChannelNames, Drop, DropChannels, Reduction, Tower};
 use droptower::experiment::fall::Fall;
 use droptower::experiment::sensor::{Laser, Sensors, virtual_drop};
 use droptower::model::loading::Impact;
@@ -49,7 +49,7 @@ fn assert_found(drop: &Drop, exact: &TrueFigures, what: &str) {
 }
 
 fn reduced(acceleration: &Series, laser: Option<&Series>, height: f64) -> Drop {
-    let tower = Tower { body: BODY, height: Height::Known(height) };
+    let tower = Tower { body: BODY, height: Some(height) };
     drop::reduce(acceleration, laser, &tower, &Reduction::default()).expect("a drop")
 }
 
@@ -87,17 +87,17 @@ fn shipped(test: &str) -> DropChannels {
 fn without_a_laser_a_wrong_height_is_refused_or_doubted() {
     let reading = shipped("1509").acceleration;
     let close = |height: f64| {
-        let tower = Tower { body: BODY, height: Height::Known(height) };
+        let tower = Tower { body: BODY, height: Some(height) };
         drop::reduce(&reading, None, &tower, &Reduction::default())
     };
-    for height in [0.3, 0.5, 1.0, 1.3, 1.4, 1.45, 1.47, 1.48, 1.52, 1.55, 1.6, 1.7, 2.5] {
+    for height in [0.3, 0.5, 1.0, 1.3, 1.4, 1.6, 1.7, 2.5] {
         let refused = close(height).expect_err("another height").to_string();
-        assert!(refused.ends_with("check the height"), "{height}: {refused}");
+        assert!(refused.contains("the fall that was recorded has height 1.5"), "{height}: {refused}");
     }
-    let doubted = |height: f64| {
-        close(height).expect("nearly the height").figures().notes.iter().any(|note| note.ends_with("check the height"))
-    };
-    assert_eq!([1.49, 1.5, 1.51].map(doubted), [false, false, true]);
+    for height in [1.49, 1.5, 1.51] {
+        let [low, high] = close(height).expect("nearly the height").intervals.expect("intervals").contact_time;
+        assert!(low - 5e-4 < 0.79164 && 0.79164 < high + 5e-4, "{height}: {low} to {high}");
+    }
 }
 
 /// 1008 fell 1 m: with a laser another height gives the same figures, unless nothing can fall so fast.
@@ -105,23 +105,15 @@ fn without_a_laser_a_wrong_height_is_refused_or_doubted() {
 fn with_a_laser_a_wrong_height_has_a_warning() {
     let DropChannels { acceleration, laser, .. } = shipped("1008");
     let reduce = |height: f64| {
-        let tower = Tower { body: BODY, height: Height::Known(height) };
+        let tower = Tower { body: BODY, height: Some(height) };
         drop::reduce(&acceleration, laser.as_ref(), &tower, &Reduction::default())
     };
     let right = reduce(1.0).expect("a drop");
     assert_eq!(right.warnings, []);
-    for height in [0.9, 1.5, 3.0] {
+    for height in [0.5, 0.9, 1.5, 3.0] {
         let drop = reduce(height).expect("a drop");
-        assert!((drop.contact.velocity / right.contact.velocity - 1.0).abs() < 1e-3, "{height}: {:?}", drop.contact);
-        assert!(
-            drop.figures().notes.iter().any(|note| note.contains("covers 1.00 m up to contact")),
-            "{height}: {:?}",
-            drop.warnings
-        );
-    }
-    for height in [0.5, 0.8] {
-        let refused = reduce(height).expect_err("an impossible speed");
-        assert!(matches!(refused, drop::DropError::FasterThanFall { .. }), "{refused}");
+        assert!((drop.contact.velocity / right.contact.velocity - 1.0).abs() < 2e-3, "{height}: {:?}", drop.contact);
+        assert!(drop.figures().notes.iter().any(|note| note.contains("show a height of ")), "{height}: {:?}", drop.warnings);
     }
 }
 
@@ -235,7 +227,7 @@ fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
     assert!(warnings[1].starts_with("reference: no laser and no height"), "{warnings:?}");
     for share in [0.9, 0.97, 1.03, 1.1] {
         let refused = with_speed(share * exact.speed).expect_err("another speed");
-        assert!(refused.contains("check the speed"), "{share}: {refused}");
+        assert!(refused.contains("the fall that was recorded has impact speed"), "{share}: {refused}");
     }
 }
 
@@ -426,7 +418,7 @@ fn shocks_without_a_fall_are_refused() {
     let names = SHOCK_NAMES.map(String::from).into();
     let found = file::read(&path, &ReadOptions { names, ..ReadOptions::default() }).expect("a recording");
     let shock = &found.channel("accel 1").expect("a channel").series;
-    let tower = Tower { body: BODY, height: Height::Known(1.0) };
+    let tower = Tower { body: BODY, height: Some(1.0) };
     let refused = drop::reduce(shock, None, &tower, &Reduction::default());
     assert!(matches!(refused, Err(drop::DropError::Release(_))), "{refused:?}");
 }
@@ -476,8 +468,10 @@ fn figures_of_a_clipped_accelerometer_are_withheld() {
         for key in ["peak_acceleration_m_s2", "peak_displacement_m", "final_absorbed_energy_J", "energy_absorption"] {
             assert!(clipped[key].is_null() && whole[key].is_f64(), "{level}: {key}");
         }
+        // The peak, and so the onset of the force that is fitted, is a smaller one.
         for key in ["contact_time_s", "impact_velocity_m_s", "impact_energy_J"] {
-            assert_eq!(clipped[key], whole[key], "{level}: {key}");
+            let [clipped, whole] = [&clipped, &whole].map(|drop| drop[key].as_f64().expect("a figure"));
+            assert!((clipped / whole - 1.0).abs() < 2e-3, "{level}: {key} {clipped} {whole}");
         }
         let findings = clipped["findings"].as_array().expect("findings");
         let finding = findings.iter().find(|finding| finding["code"] == "saturated-accelerometer").expect("a finding");
@@ -541,22 +535,23 @@ fn a_given_contact_takes_the_place_of_laser_and_height() {
     let by_laser = found(&["--height", "1 m"]);
     for with in [&["--speed", "4.159 m/s"][..], &["--speed", "4.159 m/s", "--contact-time", "617.26 ms"]] {
         let given = found(with);
-        workbench::close(given["impact_velocity_m_s"].as_f64().expect("a speed"), 4.159, 1e-12);
+        workbench::close(given["impact_velocity_m_s"].as_f64().expect("a speed"), 4.159, 5e-3);
         for key in ["peak_displacement_m", "energy_absorption"] {
             let [given, laser] = [&given, &by_laser].map(|drop| drop[key].as_f64().expect("a figure"));
             assert!((given / laser - 1.0).abs() < 0.02, "{with:?}: {key} {given} {laser}");
         }
     }
     for (with, expected) in [
-        (&["--speed", "4.159 m/s", "--contact-time", "0.7 s"][..], "lies outside the fall"),
-        (&["--contact-time", "0.6 s"], "--speed"),
+        (&["--without-laser", "--contact-time", "500 s"][..], "the fall that was recorded has time of contact 0.61"),
+        (&["--without-laser", "--speed", "3 m/s"], "the fall that was recorded has impact speed 4.1"),
         (&["--speed", "4.159"], "expected a velocity with its unit, such as"),
+        (&["--height", "1 m +- 2"], "expected a length with its unit, such as"),
     ] {
         let output = reduce(with);
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && error.contains(expected), "{error}");
     }
-    let doubtful = found(&["--speed", "3 m/s", "--contact-time", "617.26 ms"]);
+    let doubtful = found(&["--speed", "3 m/s"]);
     let findings = doubtful["findings"].as_array().expect("findings");
-    assert!(findings.iter().any(|finding| finding["code"] == "impact-speed-differs"), "{doubtful}");
+    assert!(findings.iter().any(|finding| finding["code"] == "drop-height-differs"), "{doubtful}");
 }

@@ -2,7 +2,6 @@
 
 pub mod absorption;
 pub mod biaxial;
-pub mod contact;
 pub mod coupling;
 pub mod coupon;
 mod descent;
@@ -12,9 +11,7 @@ mod fit;
 pub mod law_fit;
 pub mod material_file;
 mod nonnegative;
-pub mod ramp;
 pub mod relaxation;
-pub mod release;
 pub mod sensor;
 mod warning;
 

@@ -259,7 +259,7 @@ mod tests {
         let [acceleration, displacement] = impact();
         let drop = virtual_drop(&acceleration, &displacement, &FALL, &ideal(), 8).unwrap();
         let reading = drop.recording.series(ACCELEROMETER).unwrap();
-        let back = restored(&reading, 0.15);
+        let back = restored(&reading, 1.0 / 0.15);
         let place = integrate::twice(&back, 0.0, FALL.height);
         let velocity = integrate::once(&back, 0.0).value_at(drop.contact_time).unwrap();
         assert!((velocity + FALL.speed).abs() < 1e-3, "{velocity}");

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::absorption::AbsorptionError;
-use super::contact::FallCondition;
 use super::coupon::{Direction, YieldError};
 use crate::signal::FILTERED_BEFORE;
 use base::diagnostic::shown_path;
@@ -58,45 +57,43 @@ findings! {
             remedy "check the guide, the drop height and the laser";
             message "the impact speed is {:.0} % of that of a free fall", 100.0 * share;
         DropHeightDiffers {
-            covered: f64, "distance from rest to contact by integration, m" => "covered_m";
-            height: f64, "as stated, m" => "height_m";
+            what: &'static str, "height, impact speed or time of contact" => "what";
+            unit: &'static str, "of both, SI" => "unit";
+            found: f64, "as laser and accelerometer show it" => "found";
+            stated: f64, "as stated" => "stated";
         } = "drop-height-differs", Warning;
-            meaning "the acceleration integrated from rest to contact covers another height than the stated one";
-            remedy "check the drop height; with a time constant that was given, check that";
-            message "integrated from rest the fall covers {covered:.2} m up to contact, not {} m",
-                significant(*height, 6);
+            meaning "laser and accelerometer show another height, impact speed or time of contact than the stated one, which is not used";
+            remedy "check what was stated; with a time constant that was given, check that";
+            message "laser and accelerometer show a {what} of {} {unit}, not {} {unit}, which is not used",
+                significant(*found, 4), significant(*stated, 6);
         LaserSpeedDiffers {
-            reached: f64, "by integration, m/s" => "reached_m_s";
-            laser: f64, "by the laser, m/s" => "laser_m_s";
+            reached: f64, "by the fall, m/s" => "reached_m_s";
+            laser: f64, "with the laser, m/s" => "laser_m_s";
         } = "laser-speed-differs", Warning;
-            meaning "the fall covers the stated height, but reaches another speed than the laser measured; the time \
-                constant of the accelerometer is that of the fall alone";
+            meaning "the fall explains the stated height and the onset of the force, but not the laser, which is not used";
             remedy "check the scale of the laser, its unit and its place";
-            message "integrated from rest the impactor reaches {reached:.3} m/s at contact, by the laser {laser:.3} \
-                m/s";
+            message "the impactor reaches {reached:.3} m/s at contact by the fall, {laser:.3} m/s with the laser, which is not used";
         GuideFrictionChanges {
-            time_constant: f64, "of the accelerometer, by laser and height, s" => "time_constant_s";
-            constant: f64, "the same by the fall with constant friction, s" => "time_constant_of_constant_friction_s";
             friction: [f64; 2], "at the release and at contact, N"
                 => "friction_at_release_N" = friction[0], "friction_at_contact_N" = friction[1];
         } = "guide-friction-changes", Note;
-            meaning "the guide's friction changes during the fall, so that the fall alone gives another time constant \
-                of the accelerometer than laser and height";
-            remedy "nothing, as long as there is a laser; without one give the time constant";
-            message "the guide's friction changes from {:.1} N at the release to {:.1} N at contact; as a constant it \
-                would give a time constant of {:.1} ms in place of {:.1} ms",
-                friction[0], friction[1], 1e3 * constant, 1e3 * time_constant;
-        ZeroOffsetDoubtful {
-            offset: f64, "change of the sensor's zero that closes the fall, m/s²" => "offset_m_s2";
-            error: f64, "standard error of the mean at rest, m/s²" => "standard_error_m_s2";
-            known: FallCondition, "what the fall was closed with";
-        } = "zero-offset-doubtful", Warning;
-            meaning "a fall over the stated height, or to the stated speed, needs a zero offset that the rest before \
-                it does not show";
-            remedy "check the height or the speed";
-            message "closing the fall moves the sensor's zero by {offset:.3} m/s², known from the rest to {error:.4} \
-                m/s²; check the {}",
-                known.name();
+            meaning "the guide's friction grows with the speed of the fall";
+            remedy "none is needed: intervals allow for it; its line of a scenario has `per_speed`";
+            message "the guide's friction changes from {:.1} N at the release to {:.1} N at contact", friction[0], friction[1];
+        DcCoupled { at_least: f64, "least time constant, s" => "time_constant_at_least_s" } = "dc-coupled", Note;
+            meaning "the recording does not tell the sensor from one that holds a constant: it is DC-coupled, or its time constant is \
+                longer than the recording shows; intervals hold both";
+            remedy "give the time constant of the sensor's data sheet where it has one";
+            message "the sensor holds a constant (DC-coupled), or has a time constant above {} s", significant(*at_least, 2);
+        ClassOfRate {
+            class: Option<f64>, "channel frequency class" => "class";
+            rate: f64, "samples a second" => "rate_1_s";
+        } = "class-of-rate", Note;
+            meaning "the channel frequency class is the highest that the rate of the samples allows, below 1000: peaks of one class are \
+                not those of another";
+            remedy "record with at least 10 000 samples a second, or filter all recordings with the class of the slowest";
+            message "{} is the highest class that {rate:.0} samples a second allow",
+                class.map_or_else(|| "no filter".to_owned(), |class| format!("CFC {class}"));
         ZeroDrift {
             rate: f64, "slope of the reading at rest, m/s³" => "rate_m_s3";
             over_record: f64, "drift from the first to the last sample at that slope, m/s²" => "over_record_m_s2";
@@ -138,18 +135,6 @@ findings! {
                 it";
             message "acceleration: {}, {} ms after {} s",
                 bridged(*count), significant(1e3 * duration, 6), significant(*after, 6);
-        ContactStated = "contact-stated", Note;
-            meaning "contact and impact speed are those that were given; the recording does not determine them";
-            remedy "nothing, if both are well known";
-            message "contact and impact speed are as given, not determined from the recording";
-        ImpactSpeedDiffers {
-            reached: f64, "by integration, m/s" => "reached_m_s";
-            speed: f64, "as given, m/s" => "speed_m_s";
-        } = "impact-speed-differs", Warning;
-            meaning "the acceleration integrated from rest to the given contact reaches another speed than the given \
-                one";
-            remedy "check contact time and speed, or give the time constant of the accelerometer";
-            message "integrated from rest the impactor reaches {reached:.3} m/s at contact, not {speed:.3} m/s";
         FilteredAlready { class: f64, "channel frequency class that the file states" => "class" }
             = "not-filtered-again", Note;
             meaning "the acceleration passed a channel filter before it was recorded, as its file states, and the \

@@ -18,24 +18,39 @@ pub(super) fn of_one(test: &DropTest) -> String {
     let subject = if test.is_virtual() { "Virtual, not measured: the impactor" } else { "The impactor" };
     let mass =
         test.tower.map_or_else(String::new, |tower| format!(" of {} kg", significant(tower.body.mass, figure::DIGITS)));
-    let speed = significant(-drop.contact.velocity, DIGITS);
     let figures = test.figures.as_ref();
+    let intervals = drop.intervals.as_ref();
+    let speed = with_interval(-drop.contact.velocity, intervals.map(|of| of.impact_speed), 1.0, "m/s");
     let peak = match (saturated(drop), figures.and_then(|figures| figures.peak_acceleration_m_s2)) {
         (Some(least), _) => format!(", was slowed by at least {} g", significant(least / G, DIGITS)),
         (None, Some(peak)) => format!(", was slowed by {} g at most", significant(peak / G, DIGITS)),
         (None, None) => String::new(),
     };
     let travel = match (drop.lowest_point(), figures.and_then(|figures| figures.peak_displacement_m)) {
-        (Some([_, place]), _) => format!(" and stopped after {} mm", significant(-1e3 * place, DIGITS)),
+        (Some([_, place]), _) => {
+            let travel = intervals.map(|of| of.displacement.map(|place| -place));
+            format!(" and stopped after {}", with_interval(-place, travel, 1e3, "mm"))
+        }
         (None, Some(place)) => {
             format!(" and still descended after {} mm, when the recording ends", significant(-1e3 * place, DIGITS))
         }
         (None, None) => String::new(),
     };
     let absorbed = drop.energy_absorption.map_or_else(String::new, |absorbed| {
-        format!("; the film absorbed {} % of the energy", significant(100.0 * absorbed, DIGITS))
+        let interval = intervals.and_then(|of| of.energy_absorption);
+        format!("; the film absorbed {} of the energy", with_interval(absorbed, interval, 100.0, "%"))
     });
-    format!("{subject}{mass} met the film at {speed} m/s{peak}{travel}{absorbed}.")
+    format!("{subject}{mass} met the film at {speed}{peak}{travel}{absorbed}.")
+}
+
+/// A value with its interval of 95 %, times `factor`: `170 mm (95 %: 169 to 171)`, with the digits that its ends differ in.
+fn with_interval(value: f64, interval: Option<[f64; 2]>, factor: f64, unit: &str) -> String {
+    let Some([a, b]) = interval.map(|ends| ends.map(|end| factor * end)) else {
+        return format!("{} {unit}", significant(factor * value, DIGITS));
+    };
+    let [low, high] = [a.min(b), a.max(b)];
+    let decimals = (1.0 - (high - low).max(1e-9).log10()).ceil().clamp(0.0, 6.0) as usize;
+    format!("{:.decimals$} {unit} (95 %: {low:.decimals$} to {high:.decimals$})", factor * value)
 }
 
 /// The least peak of an accelerometer at the end of its range, m/s².

@@ -8,7 +8,7 @@ use super::super::figure::{DIGITS, G};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number::significant;
-use lab::experiment::drop::{Drop, DropChannels, Figures, Height, Landmarks, Tower};
+use lab::experiment::drop::{Drop, DropChannels, Figures, Landmarks, Tower};
 
 /// A recording of a drop, and what became of its reduction.
 #[derive(Clone, Debug)]
@@ -51,12 +51,9 @@ impl DropTest {
         self.path.file_name().map_or_else(|| shown_path(&self.path), |name| name.to_string_lossy().into_owned())
     }
 
-    /// Height of fall, m; none where the impact speed is known in its place.
+    /// Height of fall, m; none where speed or time of contact is known in its place.
     pub fn height(&self) -> Option<f64> {
-        match self.tower?.height {
-            Height::Known(height) => Some(height),
-            Height::OfSpeed(_) => None,
-        }
+        self.tower?.height
     }
 
     /// Why there is no drop, without the name of the recording.

@@ -551,8 +551,18 @@ pub struct Reference {
     pub acceleration: Option<String>,
     /// Laser of a raw recording; where none is named, its only length.
     pub displacement: Option<String>,
-    /// Drop height of a raw recording, m.
+    /// Drop height of a raw recording and its standard deviation, m.
     pub drop_height: Option<f64>,
+    /// As above.
+    pub height_error: Option<f64>,
+    /// Impact speed of a raw recording where it is known, m/s, positive.
+    pub speed: Option<f64>,
+    /// Time of first contact on the clock of a raw recording where it is known, s.
+    pub contact_time: Option<f64>,
+    /// Time constant of the coupling of the accelerometer where it is known, s.
+    pub time_constant: Option<f64>,
+    /// Friction of the guide and its standard deviation where they are known, N.
+    pub guide_friction: Option<[f64; 2]>,
     /// Window of the errors.
     pub window: Window,
     /// Displacement field of a face.

@@ -45,7 +45,17 @@ pub fn check(
         scenario::Window::Range(range) => Window::Range(self::range(range, loading, mistakes)),
     };
     if written.signals.is_none() {
-        let of_signals = ["impactor", "acceleration", "displacement", "drop_height"];
+        let of_signals = [
+            "impactor",
+            "acceleration",
+            "displacement",
+            "drop_height",
+            "height_error",
+            "speed",
+            "contact_time",
+            "time_constant",
+            "guide_friction",
+        ];
         for key in of_signals.map(|key| format!("reference.{key}")) {
             if mistakes.is_written(&key) {
                 mistakes.out_of_place(&key, "there are no `signals`");
@@ -61,8 +71,20 @@ pub fn check(
         None => None,
     };
     let (acceleration, displacement) = (written.acceleration.clone(), written.displacement.clone());
-    let drop_height = written.drop_height.map(|height| height.0);
-    Some(Reference { impactor: place, signals, acceleration, displacement, drop_height, window, field })
+    Some(Reference {
+        impactor: place,
+        signals,
+        acceleration,
+        displacement,
+        drop_height: written.drop_height.map(|height| height.0),
+        height_error: written.height_error.map(|error| error.0),
+        speed: written.speed.map(|speed| speed.0),
+        contact_time: written.contact_time.map(|time| time.0),
+        time_constant: written.time_constant.map(|time| time.0),
+        guide_friction: written.guide_friction.map(|friction| friction.map(|force| force.0)),
+        window,
+        field,
+    })
 }
 
 /// Index of the impactor called `name`, the first where none is named.

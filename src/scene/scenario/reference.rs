@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::field::FieldReference;
-use base::units::{Length, Time};
+use base::units::{Force, Length, Time, Velocity};
 
 /// The recording that a run is compared with: signals, a displacement field, or both.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -26,10 +26,23 @@ pub struct Reference {
     /// Laser of a raw recording, upward from the film's upper face; the only channel that is a length where it is
     /// left out.
     pub displacement: Option<String>,
-    /// Drop height of a raw recording. Without it, contact is searched from an ideal fall to the impact velocity of the
-    /// run, which also determines the fall where there is no laser.
+    /// Drop height of a raw recording. Where neither height, speed nor time of contact is given, the impactor is taken to
+    /// have reached the impact velocity of the run.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drop_height: Option<Length>,
+    /// Standard deviation of the drop height; half a per cent of it where it is left out.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub height_error: Option<Length>,
+    /// Impact speed of a raw recording where it is known.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub speed: Option<Velocity>,
+    /// Time of first contact on the clock of a raw recording where it is known.
+    pub contact_time: Option<Time>,
+    /// Time constant of the coupling of the accelerometer of a raw recording where it is known.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub time_constant: Option<Time>,
+    /// Friction of the guide of a raw recording and its standard deviation where they are known.
+    pub guide_friction: Option<[Force; 2]>,
     /// Window of the errors: the loading phase, the whole recording, or from–to. Without signals, the loading phase is the
     /// whole run.
     #[serde(default)]

@@ -4,7 +4,7 @@ use rhai::{Array, Dynamic, Engine, Map};
 
 use crate::script::{Entry, HostResult, Options, from_json, refuse, window};
 use lab::experiment::absorption::Body;
-use lab::experiment::drop::{self, Bridged, Correction, Drop, Height, KnownContact, Reduction, Tower};
+use lab::experiment::drop::{self, Bridged, Class, Correction, Drop, Reduction, Tower};
 use lab::experiment::fall::Fall;
 use lab::experiment::sensor::{self, Accelerometer, Laser, Sensors};
 use lab::signal::column::{self, Column};
@@ -51,36 +51,29 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
         "mask",
         "speed",
         "contact_time",
+        "height_error",
+        "guide_friction",
     ])?;
     let body = Body { mass: about.needed_number("mass")?, gravity: about.number("gravity", GRAVITY)? };
-    let (height, contact) = height_and_contact(about, body.gravity)?;
-    let tower = Tower { body, height };
+    let given = |name: &str| about.map.contains_key(name).then(|| about.needed_number(name)).transpose();
+    let tower = Tower { body, height: given("height")? };
     let Bridged { series: acceleration, warning: bridged } = bridged(acceleration, about)?;
-    let laser = laser.filter(|_| matches!(height, Height::Known(_)));
     let class = match about.map.get("class") {
-        Some(none) if none.is_unit() => None,
-        _ => Some(about.number("class", 1000.0)?),
+        None => Class::OfRate,
+        Some(none) if none.is_unit() => Class::None,
+        Some(_) => Class::Given(about.needed_number("class")?),
     };
-    let reduction = Reduction { correction: correction(about)?, class, contact };
+    let reduction = Reduction {
+        correction: correction(about)?,
+        class,
+        speed: given("speed")?,
+        contact_time: given("contact_time")?,
+        height_error: given("height_error")?,
+        guide_friction: about.map.get("guide_friction").map(window).transpose()?,
+    };
     let mut drop = drop::reduce(&acceleration, laser, &tower, &reduction).map_err(refuse)?;
     drop.warnings.extend(bridged);
     reduced(&drop)
-}
-
-/// The height of fall, or the speed in its place, with the contact time where that is known too.
-fn height_and_contact(about: &Options<'_>, gravity: f64) -> HostResult<(Height, Option<KnownContact>)> {
-    let is_given = |name: &str| about.map.contains_key(name);
-    match (is_given("height"), is_given("speed"), is_given("contact_time")) {
-        (true, true, _) => Err(refuse("reduce_drop takes `height` or `speed`, not both")),
-        (_, false, true) => Err(refuse("reduce_drop takes `contact_time` with `speed`")),
-        (_, false, false) => Ok((Height::Known(about.needed_number("height")?), None)),
-        (false, true, has_contact) => {
-            let speed = about.needed_number("speed")?;
-            let time = has_contact.then(|| about.needed_number("contact_time")).transpose()?;
-            let contact = time.map(|time| KnownContact { time, speed });
-            Ok((Height::of_speed(speed, gravity), contact))
-        }
-    }
 }
 
 /// The acceleration without the gaps that `bridge` and `mask` name.
@@ -209,7 +202,8 @@ pub const ENTRIES: &[Entry] = &[
                 and the signals displacement, velocity, acceleration (filtered), acceleration_raw, kinetic_energy, potential_energy, absorbed_energy, \
                 total_energy from contact on; also gravity, class (1000; () where the recording was filtered before), correction: \"ramp\", time_constant, \
                 bridge (s), the longest gap to be replaced by a straight line, mask: [from, to] or a list of them, what a straight line replaces, \
-                speed (m/s) in place of height and laser, and contact_time (s) with it",
+                speed (m/s) and contact_time (s) where they are known, in place of the height or beside it, height_error (m), guide_friction: \
+                [force, deviation] (N)",
         example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
                    let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
                    let drop = reduce_drop(v.accelerometer, (), #{ mass: 10.72, height: 1 });
@@ -263,26 +257,26 @@ mod tests {
             assert!((drop["contact_time_s"].as_float().unwrap() - contact).abs() < 2e-4, "{about}: {drop:?}");
             assert_eq!(drop["speed_from"].to_string(), "fall");
         }
-        let given = reduced("laser", "speed: 4.16, bridge: 0.005").unwrap();
-        assert!((given["impact_velocity_m_s"].as_float().unwrap() - 4.16).abs() < 1e-9, "{given:?}");
-        assert_eq!(given["speed_from"].to_string(), "given");
-        let stated = reduced("laser", "speed: 4.1, contact_time: contact, bridge: 0.005").unwrap();
-        assert_eq!(stated["speed_from"].to_string(), "stated");
-        assert_eq!(stated["contact_time_s"].as_float().unwrap(), contact);
+        for known in ["speed: 4.16", "contact_time: contact", "speed: 4.16, contact_time: contact"] {
+            let given = reduced("()", &format!("{known}, bridge: 0.005")).unwrap();
+            assert!((given["impact_velocity_m_s"].as_float().unwrap() / 4.16 - 1.0).abs() < 0.01, "{known}: {given:?}");
+            assert!((given["contact_time_s"].as_float().unwrap() - contact).abs() < 2e-3, "{known}: {given:?}");
+            assert_eq!(given["speed_from"].to_string(), "given");
+        }
+        let refused = reduced("()", "height: 1, contact_time: contact - 0.1, bridge: 0.005").unwrap_err().to_string();
+        assert!(refused.contains("the fall that was recorded has"), "{refused}");
     }
 
     #[test]
     fn mistakes_are_reported() {
         let cases = [
-            ("reduce_drop(s, (), #{ mass: 1 })", "reduce_drop needs `height`"),
+            ("reduce_drop(s, (), #{ mass: 1 })", "neither height, impact speed nor time of contact is known"),
             (
                 "reduce_drop(s, (), #{ mass: 1, height: 1, colour: 2 })",
                 "reduce_drop has no option `colour`; it takes mass",
             ),
             ("reduce_drop(s, (), #{ mass: 1, height: 1, correction: \"x\" })", "expected \"coupling\" or \"ramp\""),
             ("reduce_drop(s, (), #{ mass: -1, height: 1 })", "the mass is -1, but must be positive"),
-            ("reduce_drop(s, (), #{ mass: 1, height: 1, speed: 4 })", "takes `height` or `speed`, not both"),
-            ("reduce_drop(s, (), #{ mass: 1, height: 1, contact_time: 4 })", "takes `contact_time` with `speed`"),
             ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: [2, 1] })", "a mask ends after it begins"),
             ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: 3 })", "expected a window"),
             ("reduce_drop(s, (), #{ mass: 1, height: 1, bridge: \"x\" })", "bridge"),

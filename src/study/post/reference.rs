@@ -9,7 +9,7 @@ use super::Warning;
 use lab::experiment;
 use lab::experiment::absorption::Body;
 use lab::experiment::drop::{
-    ChannelNames, DropChannels, DropChannelsError, DropError, Figures, Height, Reduction, Tower,
+    ChannelNames, Class, Correction, DropChannels, DropChannelsError, DropError, Figures, Reduction, Tower,
 };
 use lab::field::{Field, FieldError, FieldOptions};
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
@@ -283,14 +283,18 @@ impl Signals {
             ChannelNames { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
         let sensed = DropChannels::find(measurement, &names);
         let sensed = sensed.map_err(|source| ReferenceError::Channels { path: path(), source: source.into() })?;
-        // Without a written height, the one that a free fall to the velocity of the run has.
-        let height = match reference.drop_height {
-            Some(height) => Height::Known(height),
-            None => Height::of_speed(*velocity, *gravity),
-        };
-        let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height };
+        let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height: reference.drop_height };
+        // Where nothing is written, the impactor reached the velocity of the run.
+        let is_known = reference.drop_height.is_some() || reference.speed.is_some() || reference.contact_time.is_some();
         // The class of the run, unless the recorder has filtered already: two filters in a row would lower the peak twice.
-        let reduction = Reduction { class: sensed.class_to_apply(model.output.filter), ..Reduction::default() };
+        let reduction = Reduction {
+            correction: Correction::Coupling { time_constant: reference.time_constant },
+            class: sensed.class_to_apply(model.output.filter.map_or(Class::None, Class::Given)),
+            speed: reference.speed.or((!is_known).then_some(-velocity)),
+            contact_time: reference.contact_time,
+            height_error: reference.height_error,
+            guide_friction: reference.guide_friction,
+        };
         let drop = sensed.reduce(&tower, &reduction).map_err(|source| ReferenceError::Drop { path: path(), source })?;
         let channel = |name| drop.signals.series(name);
         let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));

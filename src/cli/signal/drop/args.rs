@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::argument::quantity;
+use crate::argument::{quantity, quantity_with_error};
 use crate::signal::input::{self, TableArgs};
-use base::units::{Acceleration, Length, Mass, Time, Velocity};
+use base::units::{Acceleration, Force, Length, Mass, Time, Velocity};
 
 #[derive(Debug, Args)]
 pub(crate) struct DropArgs {
@@ -17,16 +17,20 @@ pub(crate) struct DropArgs {
     /// Mass of the impactor, e.g. "10.72 kg" [default: as a line `mass: …` of the file's header states it]
     #[arg(long, value_parser = |text: &str| quantity(Mass::DIMENSION, text))]
     pub mass: Option<f64>,
-    /// Height of fall, e.g. "1 m" [default: likewise, `height: …`]
-    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
-    pub height: Option<f64>,
-    /// Impact speed that is known, e.g. "4.16 m/s", in place of height and laser
-    #[arg(long, value_name = "SPEED", conflicts_with_all = ["height", "laser"],
-          value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
+    /// Height of fall, with its standard deviation where it is known, e.g. "1 m" or "1 m +- 2 mm" [default: likewise,
+    /// `height: …`; half a per cent of it]
+    #[arg(long, value_parser = |text: &str| quantity_with_error(Length::DIMENSION, text))]
+    pub height: Option<(f64, Option<f64>)>,
+    /// Impact speed where it is known, e.g. "4.16 m/s", in place of the height or beside it
+    #[arg(long, value_name = "SPEED", value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
     pub speed: Option<f64>,
-    /// Time of first contact on the recording's clock where it is known too, e.g. "617.3 ms"
-    #[arg(long, value_name = "TIME", requires = "speed", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
+    /// Time of first contact on the recording's clock where it is known, e.g. "617.3 ms"
+    #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
     pub contact_time: Option<f64>,
+    /// Friction of the guide where it was measured, with its standard deviation, e.g. "2 N +- 0.3 N"; without that, a
+    /// tenth of it
+    #[arg(long, value_name = "FORCE", value_parser = |text: &str| quantity_with_error(Force::DIMENSION, text))]
+    pub guide_friction: Option<(f64, Option<f64>)>,
     /// Bridge gaps of the acceleration that last no longer than this by straight lines, e.g. "5 ms"
     #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
     pub bridge: Option<f64>,
@@ -39,7 +43,7 @@ pub(crate) struct DropArgs {
     /// The channel of the laser, where there are several lengths: upward from the film's upper face
     #[arg(long, value_name = "NAME")]
     pub laser: Option<String>,
-    /// Ignore the laser: speed and contact from the fall
+    /// Ignore the laser
     #[arg(long, conflicts_with = "laser")]
     pub without_laser: bool,
     #[command(flatten)]
@@ -50,14 +54,14 @@ pub(crate) struct DropArgs {
     /// Gravity
     #[arg(long, value_name = "ACCELERATION", default_value = "9.81 m/s2", value_parser = |text: &str| quantity(Acceleration::DIMENSION, text))]
     pub gravity: f64,
-    /// Channel frequency class of the filtered acceleration (ISO 6487); 1000, unless the file states that it was
-    /// filtered before
+    /// Channel frequency class of the filtered acceleration (ISO 6487); 1000 or the highest that the rate of the samples
+    /// allows, unless the file states that it was filtered before
     #[arg(long, value_name = "CFC", value_parser = input::class)]
     pub class: Option<f64>,
     /// How the low frequencies that AC coupling removes are restored
     #[arg(long, value_enum, default_value_t = Method::Coupling)]
     pub correction: Method,
-    /// Time constant of the accelerometer's coupling, in place of the one fitted to the fall, e.g. "150 ms"
+    /// Time constant of the accelerometer's coupling where it is known, e.g. "150 ms"
     #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
     pub time_constant: Option<f64>,
     /// Table to write, FILE.csv: of one recording its reduced signals from contact on, of several a row each

@@ -16,12 +16,10 @@ use base::number::significant;
 use base::units::Length;
 use lab::experiment::Warning;
 use lab::experiment::absorption::Body;
-use lab::experiment::contact::ContactError;
 use lab::experiment::drop::{
-    self, ChannelNames, Correction, Drop, DropChannels, DropChannelsError, DropError, Height, KnownContact, Landmarks,
-    Reduction, Stated, Tower,
+    self, ChannelNames, Class, Correction, Drop, DropChannels, DropChannelsError, DropError, Landmarks, Reduction,
+    ReleaseError, Stated, Tower,
 };
-use lab::experiment::release::ReleaseError;
 use lab::signal::QuantityError;
 use lab::signal::file::{self, ChannelSelection, ReadError, ReadOptions};
 use report::DropTest;
@@ -73,11 +71,16 @@ impl Reducer<'_> {
 
     fn test(&self, path: &Path, mut sensed: DropChannels) -> DropTest {
         let args = self.args;
-        sensed.laser = sensed.laser.filter(|_| !args.without_laser && args.speed.is_none());
+        sensed.laser = sensed.laser.filter(|_| !args.without_laser);
         let bridged = bridge(args, &mut sensed);
-        let class = args.class.or_else(|| sensed.class_to_apply(Some(1000.0)));
-        let contact = args.contact_time.zip(args.speed).map(|(time, speed)| KnownContact { time, speed });
-        let reduction = Reduction { correction: self.correction, class, contact };
+        let reduction = Reduction {
+            correction: self.correction,
+            class: args.class.map_or_else(|| sensed.class_to_apply(Class::OfRate), Class::Given),
+            speed: args.speed,
+            contact_time: args.contact_time,
+            height_error: args.height.and_then(|(_, error)| error),
+            guide_friction: args.guide_friction.map(|(force, error)| [force, error.unwrap_or(0.1 * force)]),
+        };
         let (tower, replaced) = match self.tower(path, &sensed) {
             Ok((tower, replaced)) => (Ok(tower), replaced),
             Err(mistake) => (Err(mistake), vec![]),
@@ -114,7 +117,7 @@ impl Reducer<'_> {
     /// Mass and height, from the arguments or the header of the recording, and what replaces what the header states.
     fn tower(&self, path: &Path, sensed: &DropChannels) -> Result<(Tower, Vec<Warning>), Diagnostic> {
         let args = self.args;
-        let given = Stated { mass: args.mass, height: args.height };
+        let given = Stated { mass: args.mass, height: args.height.map(|(height, _)| height) };
         let stated = Stated::of_header(sensed.annotations.comments(), given);
         let stated = stated.map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(path))))?;
         let missing = |what: &str, hint: &str| {
@@ -123,21 +126,15 @@ impl Reducer<'_> {
         let mass = given.mass.or(stated.mass).ok_or_else(|| {
             missing("the mass of the impactor", "give --mass \"10.72 kg\", or write `# mass: 10.72 kg` into its header")
         })?;
-        let height = match (given.height, args.speed, stated.height) {
-            (Some(height), _, _) | (None, None, Some(height)) => Height::Known(height),
-            (None, Some(speed), _) => Height::of_speed(speed, args.gravity),
-            (None, None, None) => {
-                let hint = "give --height \"1 m\" or, where the impact speed is known, --speed \"4.16 m/s\"; or write \
-                            `# height: 1 m` into its header";
-                return Err(missing("the height of fall", hint));
-            }
-        };
+        let height = given.height.or(stated.height);
+        if height.is_none() && args.speed.is_none() && args.contact_time.is_none() {
+            let hint = "give --height \"1 m\" or, where they are known, --speed \"4.16 m/s\" or --contact-time \"617 ms\"; or \
+                        write `# height: 1 m` into its header";
+            return Err(missing("the height of fall", hint));
+        }
         let replaced = [
             replaced("mass", "kg", given.mass, stated.mass),
             replaced("height", "m", given.height, stated.height),
-            args.speed.zip(stated.height).map(|(speed, height)| {
-                format!("impact speed: {} m/s for a height of {} m", significant(speed, 6), significant(height, 6))
-            }),
         ];
         let replaced = replaced.into_iter().flatten();
         let replaced = replaced.map(|what| Warning::HeadReplaced { path: path.to_owned(), what }).collect();
@@ -163,8 +160,6 @@ fn bridge(args: &DropArgs, sensed: &mut DropChannels) -> Option<Warning> {
 
 /// A change by the user that helps with a recording that cannot be reduced.
 fn remedy(error: &DropError, sensed: &DropChannels) -> Option<String> {
-    const KNOWN: &str =
-        "where speed and time of contact are known, give both: --speed \"4.16 m/s\" --contact-time \"0.617 s\"";
     match error {
         DropError::NotMeasured(_) => {
             let longest = significant(1e3 * drop::longest_gap(&sensed.acceleration)?, 6);
@@ -176,11 +171,11 @@ fn remedy(error: &DropError, sensed: &DropChannels) -> Option<String> {
         DropError::Release(
             ReleaseError::BeginsAfterContact { .. } | ReleaseError::NoRelease { .. } | ReleaseError::NoRest { .. },
         ) => Some("the recording must begin with the rest before the release".into()),
-        DropError::Contact(ContactError::HeightNotCovered { .. } | ContactError::SpeedNotReached { .. }) => None,
-        DropError::Contact(_) if sensed.laser.is_some() => {
-            Some(format!("leave out the laser: --without-laser; {KNOWN}"))
+        DropError::Release(ReleaseError::OtherUnit { is, .. }) => Some(format!("--unit {is}")),
+        DropError::Contradicts { .. } => {
+            Some("a height is measured from the impactor's lowest point to the film; --height \"1 m +- 5 mm\" allows for an error".into())
         }
-        DropError::Contact(_) => Some(KNOWN.into()),
+        DropError::NoFit { .. } if sensed.laser.is_some() => Some("leave out the laser: --without-laser".into()),
         _ => None,
     }
 }

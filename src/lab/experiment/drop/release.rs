@@ -2,12 +2,14 @@
 
 use thiserror::Error;
 
-use super::contact::ZeroOffset;
-use crate::signal::Series;
-use crate::signal::filter::{self, FilterError, Standard};
 
-/// Channel frequency class of the reading in which landmarks are sought; figures come from the reading itself.
-const CLASS: f64 = 60.0;
+use crate::experiment::fit::least_squares;
+use crate::signal::Series;
+use crate::signal::gap::{self, Gap};
+
+/// Length of the means in which landmarks are sought, s; figures come from the reading itself. A channel filter would put
+/// a fall before a short peak where there is none.
+const SMOOTHED: f64 = 5e-3;
 /// Shortest rest that gives the sensor's zero, s.
 const SHORTEST_REST: f64 = 0.02;
 /// Time between the rest and the first sample that may belong to the release, s.
@@ -19,6 +21,12 @@ const UPSIDE_DOWN: f64 = 2.0;
 /// Rise above the rest, in gravities, that is an impact.
 const BLOW: f64 = 1.0;
 
+/// Share of the largest rise below which a peak is a knock.
+const KNOCK: f64 = 0.25;
+
+/// Depths of a fall in gravities that show another unit: m/s² read as g, and g read as m/s².
+const OF_OTHER_UNIT: [[f64; 2]; 2] = [[7.5, 12.0], [0.08, 0.12]];
+
 /// Change from the rest, in gravities, that no release makes.
 const LEAVES: f64 = 1.3;
 /// Shortest time from the beginning of a recording to its impact, s: that of a rest, a release and a fall of 3 cm.
@@ -29,22 +37,24 @@ const SHORTEST_FALL: f64 = 0.1;
 pub struct Release {
     /// Mean reading at rest, m/s²: the sensor's zero.
     pub offset: f64,
-    /// The rest that it is the mean of.
-    pub zero: ZeroOffset,
+    /// Standard deviation of a sample at rest about a straight line, m/s².
+    pub noise: f64,
     /// End of the rest, s.
     pub rest_end: f64,
     /// Where the reading falls: from a tenth to nearly all of the depth that it reaches, s.
     pub flank: [f64; 2],
     /// When the reading has risen by one gravity in the impact, s; on a soft film well after contact.
     pub blow: f64,
+    /// Time of the first peak of the impact, s.
+    pub peak: f64,
 }
 
 /// Why a reading is not that of a drop.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ReleaseError {
-    /// The channel filter cannot be applied.
+    /// The reading has a gap.
     #[error("acceleration: {0}")]
-    Filter(#[from] FilterError),
+    NotMeasured(Gap),
     /// The reading is not at rest when the recording begins.
     #[error(
         "acceleration: the recording begins after contact: the reading changes by {change:.1} m/s² in the first {:.0} ms, where the impactor should be at rest or fall",
@@ -63,6 +73,19 @@ pub enum ReleaseError {
     UpsideDown {
         /// Depth of the impact below the mean of the first samples, m/s².
         lowest: f64,
+    },
+    /// The depth of the fall is that of another unit.
+    #[error(
+        "acceleration: the reading falls by {depth:.2} m/s² after the release, where a fall has 9.81: it looks as if it were in \
+         {is} and was read in {read}"
+    )]
+    OtherUnit {
+        /// m/s².
+        depth: f64,
+        /// The unit that it seems to be in.
+        is: &'static str,
+        /// The unit that it was read in.
+        read: &'static str,
     },
     /// No reading rises by 1 g.
     #[error(
@@ -97,7 +120,7 @@ pub enum ReleaseError {
 impl Release {
     /// Finds the landmarks in a complete `reading` (m/s²) on equal steps, under `gravity` (m/s²).
     pub fn find(reading: &Series, gravity: f64) -> Result<Release, ReleaseError> {
-        let smooth = filter::channel(reading, CLASS, Standard::Iso6487)?;
+        let smooth = smoothed(reading)?;
         let (time, values) = (smooth.time(), smooth.values());
         let level = level(&smooth);
         let peak = smooth.largest().unwrap_or([f64::NAN, f64::NAN]);
@@ -119,9 +142,15 @@ impl Release {
         if largest.is_nan() || largest < BLOW * gravity {
             return Err(ReleaseError::NoContact { largest });
         }
-        let before_peak = time.partition_point(|t| *t < peak[0]);
-        let blow = values[..before_peak].iter().rposition(|v| v - level < BLOW * gravity).unwrap_or(0);
+        let first_peak = first_peak(values, level, largest, BLOW * gravity);
+        let blow = values[..first_peak].iter().rposition(|v| v - level < BLOW * gravity).unwrap_or(0);
         let depth = values[..=blow].iter().map(|v| level - v).fold(0.0, f64::max);
+        let units = [("m/s²", "g"), ("g", "m/s²")];
+        for ([low, high], (is, read)) in OF_OTHER_UNIT.into_iter().zip(units) {
+            if (low..=high).contains(&(depth / gravity)) {
+                return Err(ReleaseError::OtherUnit { depth, is, read });
+            }
+        }
         if depth < FALL * gravity {
             return Err(ReleaseError::NoRelease { blow: time[blow], fall: depth });
         }
@@ -135,10 +164,50 @@ impl Release {
             return Err(ReleaseError::NoRest { rest: length.max(0.0), release: time[top] });
         }
         let offset = rest.values().iter().sum::<f64>() / rest.len() as f64;
-        let squares = rest.values().iter().map(|r| (r - offset).powi(2)).sum::<f64>();
-        let zero = ZeroOffset { samples: rest.len(), deviation: (squares / (rest.len() - 1) as f64).sqrt() };
-        Ok(Release { offset, zero, rest_end, flank: [time[top], time[bottom]], blow: time[blow] })
+        let centred = rest.samples().map(|[t, r]| ([1.0, (t - time[0]) / length - 0.5], r - offset));
+        let centred: Vec<_> = centred.collect();
+        let left = least_squares(centred.iter().copied()).map_or(0.0, |(_, left)| left);
+        let noise = (left / (rest.len() - 1) as f64).sqrt();
+        let flank = [time[top], time[bottom]];
+        Ok(Release { offset, noise, rest_end, flank, blow: time[blow], peak: time[first_peak] })
     }
+}
+
+/// Means over [`SMOOTHED`] about each sample.
+fn smoothed(reading: &Series) -> Result<Series, ReleaseError> {
+    if let Some(gap) = gap::first(reading) {
+        return Err(ReleaseError::NotMeasured(gap));
+    }
+    let values = reading.values();
+    let step = reading.time().windows(2).next().map_or(f64::INFINITY, |pair| pair[1] - pair[0]);
+    let half = (0.5 * SMOOTHED / step) as usize;
+    let sums: Vec<f64> = std::iter::once(0.0)
+        .chain(values.iter().scan(0.0, |sum, value| {
+            *sum += value;
+            Some(*sum)
+        }))
+        .collect();
+    let mean = |i: usize| {
+        let [from, to] = [i.saturating_sub(half), (i + half + 1).min(values.len())];
+        (sums[to] - sums[from]) / (to - from) as f64
+    };
+    Ok(reading.with_values((0..values.len()).map(mean).collect()))
+}
+
+/// Place of the first peak of the impact: the largest of the `values` before they fall to half of their rise above the
+/// `level`. Peaks below a share of the `largest` rise, or below `least`, are knocks.
+fn first_peak(values: &[f64], level: f64, largest: f64, least: f64) -> usize {
+    let mut peak = 0;
+    for (i, value) in values.iter().enumerate() {
+        let [rise, most] = [value - level, values[peak] - level];
+        if most > least.max(KNOCK * largest) && rise < 0.5 * most {
+            break;
+        }
+        if rise > most {
+            peak = i;
+        }
+    }
+    peak
 }
 
 /// Largest less smallest of the first samples.

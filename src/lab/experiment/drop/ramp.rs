@@ -6,7 +6,7 @@
 
 use thiserror::Error;
 
-use super::fit::least_squares;
+use crate::experiment::fit::least_squares;
 use crate::signal::Series;
 
 /// The paper adds the ramp over the first 50 ms after contact.

@@ -1,0 +1,284 @@
+//! The model of a whole recording: rest, release, fall and onset of the force, as an accelerometer and a laser read them
+//! (theory.md, equations 40 to 46).
+
+use super::tower::Known;
+
+/// Number of unknowns.
+pub(super) const COUNT: usize = 13;
+
+/// The unknowns of a recording, by the names of [`of`].
+pub(super) type Unknowns = [f64; COUNT];
+
+/// Places of the unknowns.
+pub(super) mod of {
+    /// Reading at rest, m/s², and its change with time, m/s³.
+    pub const OFFSET: usize = 0;
+    pub const DRIFT: usize = 1;
+    /// Inverse time constant of the coupling, 1/s: zero is a sensor that holds a constant.
+    pub const INVERSE: usize = 2;
+    /// Begin of the release and its duration, s.
+    pub const RELEASE: usize = 3;
+    pub const DURATION: usize = 4;
+    /// Friction of the guide at the speed of an ideal fall, over the weight; share of it that is proportional to the
+    /// speed; share of it that goes on after contact.
+    pub const FRICTION: usize = 5;
+    pub const OF_SPEED: usize = 6;
+    pub const GOES_ON: usize = 7;
+    /// Height of fall, m.
+    pub const HEIGHT: usize = 8;
+    /// Force over the mass at the end of the onset, ln (m/s²); its exponent, and its bend.
+    pub const LEVEL: usize = 9;
+    pub const EXPONENT: usize = 10;
+    pub const BEND: usize = 11;
+    /// Zero of the laser, m.
+    pub const LASER: usize = 12;
+}
+
+/// Standard deviations that are assumed where nothing is given (theory.md, table of section 12).
+const DRIFT: f64 = 0.05;
+const DURATION: f64 = 0.03;
+const OF_SPEED: f64 = 0.3;
+const GOES_ON: f64 = 0.2;
+const EXPONENT: [f64; 2] = [1.7, 1.0];
+const BEND: f64 = 0.5;
+const LEVEL: f64 = 3.0;
+/// Of the laser's zero, m.
+const LASER: f64 = 1e-4;
+/// Degrees of freedom of Student's distribution of the friction that is not given.
+const FREEDOM: f64 = 4.0;
+/// Residual beyond which a reading counts less than its square (Huber 1964): a knock is no noise.
+const OUTLIER: f64 = 5.0;
+
+/// Mean of some samples of the accelerometer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    /// s.
+    pub time: f64,
+    /// m/s².
+    pub reading: f64,
+    /// Standard deviation, m/s².
+    pub deviation: f64,
+}
+
+/// A recording until the end of the onset, with what is known of its tower.
+pub(super) struct Model<'a> {
+    pub samples: Vec<Sample>,
+    /// Time (s) and place over the film (m).
+    pub laser: Vec<[f64; 2]>,
+    /// Standard deviation of the laser, m.
+    pub laser_deviation: f64,
+    pub known: &'a Known,
+    /// m/s².
+    pub gravity: f64,
+    /// Speed of the ideal fall, to which friction refers, m/s.
+    pub speed: f64,
+    /// Travel at the end of the onset, m.
+    pub reach: f64,
+    /// Expected force at the end of the onset over the mass, m/s².
+    pub force: f64,
+    /// Time between two samples, s.
+    pub step: f64,
+}
+
+/// The fall from the release on (equations 48 and 49).
+struct Fall {
+    /// Acceleration without the friction of the speed, m/s²; that friction over mass and speed, 1/s.
+    net: f64,
+    per_speed: f64,
+    /// Duration of the release, s.
+    duration: f64,
+}
+
+impl Fall {
+    /// Acceleration (downward), speed and height fallen at the time `t` (s) from the release on. Within the release the
+    /// friction of the speed is left out of the speed, where it is some 0.1 mm/s.
+    fn at(&self, t: f64) -> [f64; 3] {
+        let Fall { net, per_speed, duration } = *self;
+        let s = (t / duration).clamp(0.0, 1.0);
+        let speed = net * duration * (s * s - s.powi(3) / 3.0);
+        let fallen = net * duration * duration * (s.powi(3) / 3.0 - s.powi(4) / 12.0);
+        if t < duration {
+            return [net * (2.0 * s - s * s) - per_speed * speed, speed, fallen];
+        }
+        let (free, start) = (t - duration, net - per_speed * speed);
+        let [once, twice] = integrals(per_speed * free);
+        let v = speed + start * free * once;
+        [net - per_speed * v, v, fallen + speed * free + start * free * free * twice]
+    }
+
+    /// Time from the release until `height` (m) is fallen, s.
+    fn time_to(&self, height: f64) -> f64 {
+        let mut t = (2.0 * height / self.net).sqrt() + self.duration / 3.0;
+        for _ in 0..20 {
+            let [_, speed, fallen] = self.at(t);
+            let step = (height - fallen) / speed;
+            t += step;
+            if step.abs() < 1e-13 {
+                break;
+            }
+        }
+        t
+    }
+}
+
+/// (1 − e⁻ˣ)/x and (x − 1 + e⁻ˣ)/x², the integrals of a decay.
+fn integrals(x: f64) -> [f64; 2] {
+    match x.abs() < 1e-2 {
+        true => [1.0 - x / 2.0 + x * x / 6.0 - x.powi(3) / 24.0, 0.5 - x / 6.0 + x * x / 24.0 - x.powi(3) / 120.0],
+        false => [-(-x).exp_m1() / x, (x + (-x).exp_m1()) / (x * x)],
+    }
+}
+
+impl Model<'_> {
+    fn fall(&self, u: &Unknowns) -> Fall {
+        let [friction, share] = [u[of::FRICTION], u[of::OF_SPEED]];
+        Fall {
+            net: self.gravity * (1.0 - friction * (1.0 - share)),
+            per_speed: friction * share * self.gravity / self.speed,
+            duration: u[of::DURATION],
+        }
+    }
+
+    /// Time of first contact on the recording's clock (s) and speed (m/s, downward).
+    pub(super) fn contact(&self, u: &Unknowns) -> [f64; 2] {
+        let fall = self.fall(u);
+        let time = fall.time_to(u[of::HEIGHT]);
+        [u[of::RELEASE] + time, fall.at(time)[1]]
+    }
+
+    /// The largest residual of height, speed and time of contact as they are known, in standard deviations.
+    pub(super) fn pull(&self, u: &Unknowns) -> f64 {
+        let Known { height, speed, contact_time, .. } = self.known;
+        let [contact, reached] = self.contact(u);
+        let pairs = [(height, u[of::HEIGHT]), (speed, reached), (contact_time, contact)];
+        let pull = |(known, value): (&Option<[f64; 2]>, f64)| known.map_or(0.0, |[mean, error]| (value - mean) / error);
+        pairs.into_iter().map(pull).fold(0.0, |most, pull| most.max(pull.abs()))
+    }
+
+    /// Root mean square distance of motion and laser, m.
+    pub(super) fn laser_residual(&self, u: &Unknowns) -> f64 {
+        let rows = self.residuals(u);
+        let of_laser = &rows[self.samples.len()..self.samples.len() + self.laser.len()];
+        self.laser_deviation * (of_laser.iter().map(|r| r * r).sum::<f64>() / of_laser.len() as f64).sqrt()
+    }
+
+    /// Residuals over their standard deviations: samples, laser, then what is known or assumed beforehand. Half of their
+    /// sum of squares is the negative logarithm of the posterior density.
+    pub(super) fn residuals(&self, u: &Unknowns) -> Vec<f64> {
+        let fall = self.fall(u);
+        let [contact, speed] = self.contact(u);
+        let after = self.gravity * (1.0 - u[of::GOES_ON] * u[of::FRICTION]);
+        let level = u[of::LEVEL].exp();
+        // Acceleration downward at a travel.
+        let pressed = |travel: f64| {
+            let share = travel.max(0.0) / self.reach;
+            after - level * share.powf(u[of::EXPONENT]) * (-u[of::BEND] * share).exp()
+        };
+        let mut rows = Vec::with_capacity(self.samples.len() + self.laser.len() + 12);
+        let mut state = [contact, 0.0, speed];
+        let mut places = vec![[contact, 0.0]];
+        let mut before: Option<[f64; 2]> = None;
+        let mut coupled = 0.0;
+        for Sample { time, reading, deviation } in &self.samples {
+            let down = if *time <= contact {
+                fall.at(time - u[of::RELEASE])[0]
+            } else {
+                state = runge_kutta(state, *time, pressed);
+                places.push([*time, -state[1]]);
+                pressed(state[1])
+            };
+            coupled = match before {
+                None => -down,
+                Some([t, last]) => high_passed(coupled, -down - last, time - t, u[of::INVERSE]),
+            };
+            before = Some([*time, -down]);
+            let read = coupled + u[of::OFFSET] + u[of::DRIFT] * (time - self.start());
+            rows.push(robust((reading - read) / deviation));
+        }
+        let place = |time: f64| match time <= contact {
+            true => Some(u[of::HEIGHT] - fall.at(time - u[of::RELEASE])[2]),
+            false => {
+                let next = places.partition_point(|[t, _]| *t < time);
+                let ([t0, z0], [t1, z1]) = (places.get(next.checked_sub(1)?)?, places.get(next)?);
+                Some(z0 + (z1 - z0) * (time - t0) / (t1 - t0))
+            }
+        };
+        rows.extend(self.laser.iter().map(|[time, z]| {
+            place(*time).map_or(0.0, |place| (z - place - u[of::LASER]) / self.laser_deviation)
+        }));
+        rows.extend(self.beforehand(u, [contact, speed]));
+        rows
+    }
+
+    /// What is known or assumed, as residuals.
+    fn beforehand(&self, u: &Unknowns, [contact, speed]: [f64; 2]) -> Vec<f64> {
+        let Known { height, speed: known_speed, contact_time, friction, .. } = self.known;
+        let by = |[mean, deviation]: &[f64; 2], value: f64| (value - mean) / deviation;
+        let friction = match friction {
+            Some(given) => by(given, u[of::FRICTION]),
+            // Student's distribution: friction that the reading shows clearly is believed.
+            None => {
+                let d = by(&Known::FRICTION, u[of::FRICTION]);
+                ((FREEDOM + 1.0) * (d * d / FREEDOM).ln_1p()).sqrt() * d.signum()
+            }
+        };
+        let mut rows = vec![
+            u[of::DRIFT] / DRIFT,
+            u[of::DURATION] / DURATION,
+            friction,
+            u[of::OF_SPEED] / OF_SPEED,
+            (u[of::GOES_ON] - 1.0) / GOES_ON,
+            by(&EXPONENT, u[of::EXPONENT]),
+            u[of::BEND] / BEND,
+            (u[of::LEVEL] - self.force.ln()) / LEVEL,
+            u[of::LASER] / LASER,
+        ];
+        rows.extend(height.map(|height| by(&height, u[of::HEIGHT])));
+        rows.extend(known_speed.map(|known| by(&known, speed)));
+        rows.extend(contact_time.map(|known| by(&known, contact)));
+        rows
+    }
+
+    fn start(&self) -> f64 {
+        self.samples.first().map_or(0.0, |sample| sample.time)
+    }
+
+    /// Least and largest values of the unknowns. A little negative friction stands for a gravity or a sensitivity that is
+    /// off; a release ends no sooner than two samples after its begin, so that it moves smoothly between samples.
+    pub(super) fn bounds(&self) -> [[f64; 2]; COUNT] {
+        let mut bounds = [[f64::NEG_INFINITY, f64::INFINITY]; COUNT];
+        bounds[of::INVERSE] = self.known.inverse.map_or([0.0, 100.0], |given| [given; 2]);
+        bounds[of::DURATION] = [2.0 * self.step, 0.1];
+        bounds[of::FRICTION] = [-0.03, 0.9];
+        bounds[of::OF_SPEED] = [0.0, 1.0];
+        bounds[of::GOES_ON] = [0.0, 2.0];
+        bounds[of::EXPONENT] = [0.3, 6.0];
+        bounds[of::HEIGHT] = [1e-3, 100.0];
+        bounds
+    }
+}
+
+/// Reading behind a high pass of the `inverse` time constant (1/s), from that before it, after the input changed by
+/// `change` over `h` (s): equation 42.
+fn high_passed(reading: f64, change: f64, h: f64, inverse: f64) -> f64 {
+    let x = inverse * h;
+    (-x).exp() * reading + integrals(x)[0] * change
+}
+
+/// Travel and speed at the time `until` (s) under an acceleration (downward) that depends on the travel.
+fn runge_kutta([t, d, v]: [f64; 3], until: f64, acceleration: impl Fn(f64) -> f64) -> [f64; 3] {
+    let h = until - t;
+    let a = acceleration(d);
+    let (v2, a2) = (v + 0.5 * h * a, acceleration(d + 0.5 * h * v));
+    let (v3, a3) = (v + 0.5 * h * a2, acceleration(d + 0.5 * h * v2));
+    let (v4, a4) = (v + h * a3, acceleration(d + h * v3));
+    [until, d + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a + 2.0 * a2 + 2.0 * a3 + a4)]
+}
+
+/// A residual whose square is Huber's loss.
+fn robust(r: f64) -> f64 {
+    match r.abs() > OUTLIER {
+        true => (OUTLIER * (2.0 * r.abs() - OUTLIER)).sqrt() * r.signum(),
+        false => r,
+    }
+}

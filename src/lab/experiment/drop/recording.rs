@@ -1,0 +1,205 @@
+//! A recording whose rest, release and impact are known: what of it the model is fitted to.
+
+use super::model::{Model, Sample, Unknowns, of};
+use super::reduce::unknowns;
+use super::release::{Release, ReleaseError};
+use super::tower::Known;
+use crate::experiment::Warning;
+use crate::signal::Series;
+
+/// Fewest equal samples of a laser in a row that are not a moving impactor: out of range a laser holds its last value, or
+/// writes the end of its range, or zero.
+const HELD: usize = 20;
+/// Share of the peak's rise up to which the force is fitted: there a bent power of the travel describes film.
+const ONSET: f64 = 0.25;
+/// Samples of the onset beyond that.
+const BEYOND: f64 = 3.0;
+/// Length of the means by which the onset's end is found, s.
+const SMOOTHED: f64 = 1e-3;
+/// Time after the first peak of the filtered reading until which the peak itself is sought, s.
+const SHORT_PEAK: f64 = 2e-3;
+/// Longest rest that counts, s: a zero that drifts is nearly constant over it.
+const LONGEST_REST: f64 = 2.0;
+/// Lengths of means of the reading: where it changes slowly and where release and onset are, s.
+const COARSE: f64 = 1e-3;
+const FINE: f64 = 5e-5;
+/// Times about the release, and before contact, over which the reading counts finely, s.
+const ABOUT_RELEASE: f64 = 0.015;
+const BEFORE_CONTACT: f64 = 0.02;
+/// Least noise, m/s²: below it the model's own errors count; and of the laser, m.
+const LEAST_NOISE: f64 = 0.01;
+const LEAST_LASER_NOISE: f64 = 2e-5;
+
+/// A recording on equal steps, with its landmarks.
+#[derive(Clone, Debug)]
+pub(super) struct Recorded {
+    pub reading: Series,
+    pub release: Release,
+    /// Standard deviation of a sample, m/s².
+    pub noise: f64,
+    /// End of the onset of the force, s.
+    pub onset_end: f64,
+    /// Rise of the first peak above the rest, m/s².
+    pub rise: f64,
+    /// The samples of a laser until then.
+    laser: Vec<[f64; 2]>,
+    laser_noise: f64,
+    /// Number of samples of the laser that it held.
+    held: usize,
+}
+
+impl Recorded {
+    /// The landmarks of an evenly sampled `reading` (m/s²) under `gravity` (m/s²), beside the recorded `laser` (m).
+    pub(super) fn find(reading: &Series, laser: Option<&Series>, gravity: f64) -> Result<Recorded, ReleaseError> {
+        let release = Release::find(reading, gravity)?;
+        let [onset_end, rise] = onset(reading, &release);
+        let (laser, held) = laser.map_or_else(Default::default, |laser| moving(laser, [release.flank[0], onset_end]));
+        let laser_noise = third_differences(&laser).max(LEAST_LASER_NOISE);
+        let noise = release.noise.max(LEAST_NOISE);
+        Ok(Recorded { reading: reading.clone(), release, noise, onset_end, rise, laser, laser_noise, held })
+    }
+
+    pub(super) fn has_laser(&self) -> bool {
+        !self.laser.is_empty()
+    }
+
+    pub(super) fn laser_rows(&self) -> usize {
+        self.laser.len()
+    }
+
+    pub(super) fn without_laser(self) -> Recorded {
+        Recorded { laser: vec![], held: 0, ..self }
+    }
+
+    /// The report of samples that the laser held.
+    pub(super) fn held_laser(&self) -> Option<Warning> {
+        let is_used = self.held > 0 && self.has_laser();
+        is_used.then_some(Warning::LaserOutOfRange { samples: self.held, run: HELD })
+    }
+
+    /// First time that counts, s.
+    pub(super) fn start(&self) -> f64 {
+        let first = self.reading.time().first().copied().unwrap_or(0.0);
+        first.max(self.release.rest_end - LONGEST_REST)
+    }
+
+    /// Time between two samples, s.
+    pub(super) fn step(&self) -> f64 {
+        match self.reading.time() {
+            [first, .., last] => (last - first) / (self.reading.len() - 1) as f64,
+            _ => f64::NAN,
+        }
+    }
+
+    /// The reading without offset and drift from the end of the rest on, m/s².
+    pub(super) fn levelled(&self, u: &Unknowns) -> Series {
+        let moving = self.reading.window([self.release.rest_end, f64::INFINITY]);
+        let level = |[t, r]: [f64; 2]| r - u[of::OFFSET] - u[of::DRIFT] * (t - self.start());
+        moving.with_values(moving.samples().map(level).collect())
+    }
+
+    /// Expected time of contact, s.
+    fn contact(&self, known: &Known, gravity: f64) -> f64 {
+        let fall = known.height.map(|[height, _]| (2.0 * height / gravity).sqrt());
+        let fall = fall.or(known.speed.map(|[speed, _]| speed / gravity));
+        let expected = known.contact_time.map(|[time, _]| time).or(fall.map(|fall| self.release.flank[0] + fall));
+        // Before the reading has risen: from a contact after the onset no search finds back.
+        let latest = self.onset_end - BEYOND * self.step() - SMOOTHED;
+        expected.map_or(latest, |expected| expected.min(latest))
+    }
+
+    /// The model of this recording.
+    pub(super) fn model<'a>(&self, known: &'a Known, gravity: f64) -> Model<'a> {
+        let contact = self.contact(known, gravity);
+        let fall = contact - self.release.flank[0];
+        let speed = known.height.map_or(gravity * fall, |[height, _]| (2.0 * gravity * height).sqrt());
+        Model {
+            samples: self.samples(contact),
+            laser: self.laser.clone(),
+            laser_deviation: self.laser_noise,
+            known,
+            gravity,
+            speed,
+            reach: speed * (self.onset_end - contact).max(2e-3),
+            force: ONSET * self.rise + gravity,
+            step: self.step(),
+        }
+    }
+
+    /// Means of the reading from the rest to the end of the onset.
+    fn samples(&self, contact: f64) -> Vec<Sample> {
+        let until = self.reading.window([self.start(), self.onset_end]);
+        let (time, values, step) = (until.time(), until.values(), self.step());
+        let count = |length: f64| ((length / step).round() as usize).max(1);
+        let from = (contact - BEFORE_CONTACT).min(self.onset_end - BEFORE_CONTACT);
+        let mut samples = Vec::new();
+        let mut first = 0;
+        while first < time.len() {
+            let is_fine = (time[first] - self.release.flank[0]).abs() < ABOUT_RELEASE || time[first] > from;
+            let last = (first + count(if is_fine { FINE } else { COARSE })).min(time.len());
+            let mean = |of: &[f64]| of[first..last].iter().sum::<f64>() / (last - first) as f64;
+            let deviation = self.noise / ((last - first) as f64).sqrt();
+            samples.push(Sample { time: mean(time), reading: mean(values), deviation });
+            first = last;
+        }
+        samples
+    }
+
+    /// The unknowns to search from.
+    pub(super) fn first_guess(&self, known: &Known, gravity: f64) -> Unknowns {
+        let contact = self.contact(known, gravity);
+        let fall = contact - self.release.flank[0];
+        let height = known.height.map_or(0.5 * gravity * fall * fall, |[height, _]| height);
+        let friction = known.friction.map_or(Known::FRICTION[0], |[friction, _]| friction);
+        let duration = 0.5 * (self.release.flank[1] - self.release.flank[0]);
+        unknowns([
+            (of::OFFSET, self.release.offset),
+            (of::INVERSE, 0.5),
+            (of::RELEASE, contact - (2.0 * height / (gravity * (1.0 - friction))).sqrt() - duration / 3.0),
+            (of::DURATION, duration),
+            (of::FRICTION, friction),
+            (of::OF_SPEED, 0.02),
+            (of::GOES_ON, 0.95),
+            (of::HEIGHT, height),
+            (of::LEVEL, (ONSET * self.rise + gravity).ln()),
+        ])
+    }
+}
+
+/// When the reading has risen to a share of its first peak (s), and that peak's rise above the rest (m/s²), by means of
+/// [`SMOOTHED`]: the filter that finds landmarks lowers short peaks.
+fn onset(reading: &Series, release: &Release) -> [f64; 2] {
+    let until = reading.window([release.flank[1], release.peak + SHORT_PEAK]);
+    let (time, values) = (until.time(), until.values());
+    let step = time.windows(2).next().map_or(0.0, |pair| pair[1] - pair[0]);
+    let count = ((SMOOTHED / step) as usize).clamp(1, values.len().max(1));
+    let means = values.windows(count).map(|window| window.iter().sum::<f64>() / count as f64 - release.offset);
+    let means: Vec<f64> = means.collect();
+    let top = (0..means.len()).max_by(|a, b| means[*a].total_cmp(&means[*b])).unwrap_or(0);
+    let rise = means.get(top).copied().unwrap_or(0.0);
+    let below = means[..top].iter().rposition(|mean| *mean < ONSET * rise).unwrap_or(0);
+    let middle = time.get(below + count / 2).copied().unwrap_or(release.peak);
+    [middle + BEYOND * step, rise]
+}
+
+/// The samples between two times (s) that show a moving impactor, and the number of those that the laser held.
+fn moving(laser: &Series, [from, to]: [f64; 2]) -> (Vec<[f64; 2]>, usize) {
+    let mut samples = laser.samples();
+    let (mut moving, mut held) = (vec![], 0);
+    for run in laser.values().chunk_by(|a, b| a == b) {
+        let of_run = samples.by_ref().take(run.len());
+        if run.len() >= HELD {
+            held += of_run.count();
+        } else {
+            moving.extend(of_run.filter(|[t, z]| z.is_finite() && *t > from && *t < to));
+        }
+    }
+    (moving, held)
+}
+
+/// Noise of a smooth signal: the root mean square of its third differences over √20.
+fn third_differences(samples: &[[f64; 2]]) -> f64 {
+    let third = |s: &[[f64; 2]]| s[3][1] - 3.0 * s[2][1] + 3.0 * s[1][1] - s[0][1];
+    let squares = samples.windows(4).map(|window| third(window).powi(2)).sum::<f64>();
+    (squares / 20.0 / samples.len().saturating_sub(3).max(1) as f64).sqrt()
+}
