@@ -13,8 +13,8 @@ const STEPS: Unknowns = [1e-3, 1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-3, 1e-3, 1e-5, 1
 /// Most steps of the search, and the change of the sum of squares that ends it.
 const MOST_STEPS: usize = 100;
 const CONVERGED: f64 = 1e-6;
-/// Exponents of the force to start from.
-const STARTS: [f64; 3] = [1.0, 1.8, 3.0];
+/// Exponents of the force and shares of the friction that goes on after contact to start from.
+const STARTS: [[f64; 2]; 4] = [[1.0, 0.95], [1.8, 0.95], [3.0, 0.95], [1.8, 0.05]];
 /// Draws, and the most that are tried for them.
 const DRAWS: usize = 400;
 const MOST_TRIED: usize = 200_000;
@@ -41,9 +41,9 @@ pub(super) struct Fit {
 impl Fit {
     /// The best of searches from several exponents of the force, near `start`.
     pub(super) fn find(model: &Model<'_>, start: &Unknowns) -> Option<Fit> {
-        let from = |exponent: f64| {
+        let from = |[exponent, goes_on]: [f64; 2]| {
             let mut start = *start;
-            start[of::EXPONENT] = exponent;
+            (start[of::EXPONENT], start[of::GOES_ON]) = (exponent, goes_on);
             Fit::descend(model, start)
         };
         STARTS.into_iter().map(from).filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))

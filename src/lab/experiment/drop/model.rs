@@ -44,8 +44,10 @@ const BEND: f64 = 0.5;
 const LEVEL: f64 = 3.0;
 /// Of the laser's zero, m.
 const LASER: f64 = 1e-4;
-/// Degrees of freedom of Student's distribution of the friction that is not given.
-const FREEDOM: f64 = 4.0;
+/// Degrees of freedom of Student's distributions of the friction that is not given, and of its part that goes on.
+const FREEDOM: f64 = 1.0;
+/// Place of the friction among the rows of what is known beforehand.
+const FRICTION_ROW: usize = 2;
 /// Residual beyond which a reading counts less than its square (Huber 1964): a knock is no noise.
 const OUTLIER: f64 = 5.0;
 
@@ -155,6 +157,12 @@ impl Model<'_> {
         pairs.into_iter().map(pull).fold(0.0, |most, pull| most.max(pull.abs()))
     }
 
+    /// Sum of squares without what is assumed of the friction.
+    pub(super) fn evidence(&self, u: &Unknowns) -> f64 {
+        let beforehand = self.beforehand(u, self.contact(u));
+        self.residuals(u).iter().map(|r| r * r).sum::<f64>() - beforehand[FRICTION_ROW].powi(2)
+    }
+
     /// Root mean square distance of motion and laser, m.
     pub(super) fn laser_residual(&self, u: &Unknowns) -> f64 {
         let rows = self.residuals(u);
@@ -180,13 +188,14 @@ impl Model<'_> {
         let mut before: Option<[f64; 2]> = None;
         let mut coupled = 0.0;
         for Sample { time, reading, deviation } in &self.samples {
-            let down = if *time <= contact {
-                fall.at(time - u[of::RELEASE])[0]
-            } else {
+            if *time > contact {
                 state = runge_kutta(state, *time, pressed);
                 places.push([*time, -state[1]]);
-                pressed(state[1])
-            };
+            }
+            // Friction that ends is a step at contact, which a sample sees as its mean, so that it moves smoothly.
+            let after = ((time - contact) / self.step + 0.5).clamp(0.0, 1.0);
+            let down = (1.0 - after) * fall.at((time - u[of::RELEASE]).min(contact - u[of::RELEASE]))[0]
+                + after * pressed(state[1]);
             coupled = match before {
                 None => -down,
                 Some([t, last]) => high_passed(coupled, -down - last, time - t, u[of::INVERSE]),
@@ -214,20 +223,18 @@ impl Model<'_> {
     fn beforehand(&self, u: &Unknowns, [contact, speed]: [f64; 2]) -> Vec<f64> {
         let Known { height, speed: known_speed, contact_time, friction, .. } = self.known;
         let by = |[mean, deviation]: &[f64; 2], value: f64| (value - mean) / deviation;
+        // Student's distribution: what the reading shows clearly is believed.
+        let student = |d: f64| ((FREEDOM + 1.0) * (d * d / FREEDOM).ln_1p()).sqrt() * d.signum();
         let friction = match friction {
             Some(given) => by(given, u[of::FRICTION]),
-            // Student's distribution: friction that the reading shows clearly is believed.
-            None => {
-                let d = by(&Known::FRICTION, u[of::FRICTION]);
-                ((FREEDOM + 1.0) * (d * d / FREEDOM).ln_1p()).sqrt() * d.signum()
-            }
+            None => student(by(&Known::FRICTION, u[of::FRICTION])),
         };
         let mut rows = vec![
             u[of::DRIFT] / DRIFT,
             u[of::DURATION] / DURATION,
             friction,
             u[of::OF_SPEED] / OF_SPEED,
-            (u[of::GOES_ON] - 1.0) / GOES_ON,
+            student((u[of::GOES_ON] - 1.0) / GOES_ON),
             by(&EXPONENT, u[of::EXPONENT]),
             u[of::BEND] / BEND,
             (u[of::LEVEL] - self.force.ln()) / LEVEL,

@@ -12,6 +12,8 @@ use crate::signal::Series;
 const HELD: usize = 20;
 /// Share of the peak's rise up to which the force is fitted: there a bent power of the travel describes film.
 const ONSET: f64 = 0.25;
+/// Share from which on contact is guessed.
+const EARLY: f64 = 0.08;
 /// Samples of the onset beyond that.
 const BEYOND: f64 = 3.0;
 /// Length of the means by which the onset's end is found, s.
@@ -39,8 +41,10 @@ pub(super) struct Recorded {
     pub noise: f64,
     /// End of the onset of the force, s.
     pub onset_end: f64,
-    /// Rise of the first peak above the rest, m/s².
-    pub rise: f64,
+    /// Guess of the contact, s.
+    contact: f64,
+    /// Rise of the reading from before contact to its first peak, m/s².
+    rise: f64,
     /// The samples of a laser until then.
     laser: Vec<[f64; 2]>,
     laser_noise: f64,
@@ -52,11 +56,11 @@ impl Recorded {
     /// The landmarks of an evenly sampled `reading` (m/s²) under `gravity` (m/s²), beside the recorded `laser` (m).
     pub(super) fn find(reading: &Series, laser: Option<&Series>, gravity: f64) -> Result<Recorded, ReleaseError> {
         let release = Release::find(reading, gravity)?;
-        let [onset_end, rise] = onset(reading, &release);
+        let Onset { contact, end: onset_end, rise } = Onset::of(reading, &release);
         let (laser, held) = laser.map_or_else(Default::default, |laser| moving(laser, [release.flank[0], onset_end]));
         let laser_noise = third_differences(&laser).max(LEAST_LASER_NOISE);
         let noise = release.noise.max(LEAST_NOISE);
-        Ok(Recorded { reading: reading.clone(), release, noise, onset_end, rise, laser, laser_noise, held })
+        Ok(Recorded { reading: reading.clone(), release, noise, onset_end, contact, rise, laser, laser_noise, held })
     }
 
     pub(super) fn has_laser(&self) -> bool {
@@ -98,40 +102,29 @@ impl Recorded {
         moving.with_values(moving.samples().map(level).collect())
     }
 
-    /// Expected time of contact, s.
-    fn contact(&self, known: &Known, gravity: f64) -> f64 {
-        let fall = known.height.map(|[height, _]| (2.0 * height / gravity).sqrt());
-        let fall = fall.or(known.speed.map(|[speed, _]| speed / gravity));
-        let expected = known.contact_time.map(|[time, _]| time).or(fall.map(|fall| self.release.flank[0] + fall));
-        // Before the reading has risen: from a contact after the onset no search finds back.
-        let latest = self.onset_end - BEYOND * self.step() - SMOOTHED;
-        expected.map_or(latest, |expected| expected.min(latest))
-    }
-
     /// The model of this recording.
     pub(super) fn model<'a>(&self, known: &'a Known, gravity: f64) -> Model<'a> {
-        let contact = self.contact(known, gravity);
-        let fall = contact - self.release.flank[0];
+        let fall = self.contact - self.release.flank[0];
         let speed = known.height.map_or(gravity * fall, |[height, _]| (2.0 * gravity * height).sqrt());
         Model {
-            samples: self.samples(contact),
+            samples: self.samples(),
             laser: self.laser.clone(),
             laser_deviation: self.laser_noise,
             known,
             gravity,
             speed,
-            reach: speed * (self.onset_end - contact).max(2e-3),
-            force: ONSET * self.rise + gravity,
+            reach: speed * (self.onset_end - self.contact),
+            force: ONSET * self.rise,
             step: self.step(),
         }
     }
 
     /// Means of the reading from the rest to the end of the onset.
-    fn samples(&self, contact: f64) -> Vec<Sample> {
+    fn samples(&self) -> Vec<Sample> {
         let until = self.reading.window([self.start(), self.onset_end]);
         let (time, values, step) = (until.time(), until.values(), self.step());
         let count = |length: f64| ((length / step).round() as usize).max(1);
-        let from = (contact - BEFORE_CONTACT).min(self.onset_end - BEFORE_CONTACT);
+        let from = self.contact - BEFORE_CONTACT;
         let mut samples = Vec::new();
         let mut first = 0;
         while first < time.len() {
@@ -147,39 +140,60 @@ impl Recorded {
 
     /// The unknowns to search from.
     pub(super) fn first_guess(&self, known: &Known, gravity: f64) -> Unknowns {
-        let contact = self.contact(known, gravity);
-        let fall = contact - self.release.flank[0];
-        let height = known.height.map_or(0.5 * gravity * fall * fall, |[height, _]| height);
-        let friction = known.friction.map_or(Known::FRICTION[0], |[friction, _]| friction);
         let duration = 0.5 * (self.release.flank[1] - self.release.flank[0]);
+        let fall = self.contact - self.release.flank[0] - duration / 3.0;
+        let free = 0.5 * gravity * fall * fall;
+        // Of a known height, the friction that makes it last so long.
+        let height = known.height.map_or(free * (1.0 - Known::FRICTION[0]), |[height, _]| height);
+        let friction = known.friction.filter(|[_, error]| *error < 0.1).map_or(1.0 - height / free, |[given, _]| given);
+        let friction = friction.clamp(-0.02, 0.6);
+        let lasts = (2.0 * height / (gravity * (1.0 - friction))).sqrt() + duration / 3.0;
         unknowns([
             (of::OFFSET, self.release.offset),
             (of::INVERSE, 0.5),
-            (of::RELEASE, contact - (2.0 * height / (gravity * (1.0 - friction))).sqrt() - duration / 3.0),
+            (of::RELEASE, self.contact - lasts),
             (of::DURATION, duration),
             (of::FRICTION, friction),
             (of::OF_SPEED, 0.02),
-            (of::GOES_ON, 0.95),
             (of::HEIGHT, height),
-            (of::LEVEL, (ONSET * self.rise + gravity).ln()),
+            (of::LEVEL, (ONSET * self.rise).ln()),
         ])
     }
 }
 
-/// When the reading has risen to a share of its first peak (s), and that peak's rise above the rest (m/s²), by means of
-/// [`SMOOTHED`]: the filter that finds landmarks lowers short peaks.
-fn onset(reading: &Series, release: &Release) -> [f64; 2] {
-    let until = reading.window([release.flank[1], release.peak + SHORT_PEAK]);
-    let (time, values) = (until.time(), until.values());
-    let step = time.windows(2).next().map_or(0.0, |pair| pair[1] - pair[0]);
-    let count = ((SMOOTHED / step) as usize).clamp(1, values.len().max(1));
-    let means = values.windows(count).map(|window| window.iter().sum::<f64>() / count as f64 - release.offset);
-    let means: Vec<f64> = means.collect();
-    let top = (0..means.len()).max_by(|a, b| means[*a].total_cmp(&means[*b])).unwrap_or(0);
-    let rise = means.get(top).copied().unwrap_or(0.0);
-    let below = means[..top].iter().rposition(|mean| *mean < ONSET * rise).unwrap_or(0);
-    let middle = time.get(below + count / 2).copied().unwrap_or(release.peak);
-    [middle + BEYOND * step, rise]
+/// The rise of the reading to its first peak.
+#[derive(Clone, Copy, Debug)]
+struct Onset {
+    /// Estimated contact, s.
+    contact: f64,
+    /// When the reading has risen by a share of it, s.
+    end: f64,
+    /// From the reading before contact to the peak, m/s².
+    rise: f64,
+}
+
+impl Onset {
+    /// By means of [`SMOOTHED`]: the longer ones in which landmarks are found lower short peaks. A force that grows as
+    /// tⁿ with n of 1.7 tells the contact from the times of two shares.
+    fn of(reading: &Series, release: &Release) -> Onset {
+        let until = reading.window([release.flank[1], release.peak + SHORT_PEAK]);
+        let (time, values) = (until.time(), until.values());
+        let step = time.windows(2).next().map_or(0.0, |pair| pair[1] - pair[0]);
+        let count = ((SMOOTHED / step) as usize).clamp(1, values.len().max(1));
+        let means: Vec<f64> = values.windows(count).map(|window| window.iter().sum::<f64>() / count as f64).collect();
+        let top = (0..means.len()).max_by(|a, b| means[*a].total_cmp(&means[*b])).unwrap_or(0);
+        // The later part of the fall, which the coupling has let recover, but not its end.
+        let fall = &means[top / 2..(4 * top / 5).max(top / 2)];
+        let base = fall.iter().sum::<f64>() / fall.len().max(1) as f64;
+        let rise = means.get(top).map_or(0.0, |top| top - base);
+        let reaches = |share: f64| {
+            let below = means[..top].iter().rposition(|mean| *mean < base + share * rise).unwrap_or(0);
+            time.get(below + count / 2).copied().unwrap_or(release.peak)
+        };
+        let [early, late] = [EARLY, ONSET].map(reaches);
+        let duration = (late - early).max(step) / (1.0 - (EARLY / ONSET).powf(1.0 / 1.7));
+        Onset { contact: (late - duration).max(release.flank[1]), end: late + BEYOND * step, rise }
+    }
 }
 
 /// The samples between two times (s) that show a moving impactor, and the number of those that the laser held.

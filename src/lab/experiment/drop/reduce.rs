@@ -105,10 +105,12 @@ const CLASSES: [f64; 4] = [1000.0, 600.0, 180.0, 60.0];
 /// Standard deviations by which what is known pulls, or colour of what is left, from which on the recording is asked
 /// without it.
 const PULLS: f64 = 3.0;
-const MISFIT: f64 = 4.0;
+const MISFIT: f64 = 2.0;
 /// Sum of squares, over the colour, and share of the value by which what is known contradicts the recording.
 const CONTRADICTS: f64 = 25.0;
 const DIFFERS: f64 = 0.01;
+/// Friction over the weight and its deviation where the recording alone is to tell it.
+const ANY_FRICTION: [f64; 2] = [0.0, 0.3];
 
 /// Reduces the `acceleration` that was read (m/s², upward) and, where there is one, the `laser`'s distance from the
 /// film's upper face (m, upward; `NaN` out of range). Both have one clock and start with the impactor at rest.
@@ -204,10 +206,14 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower) -> Result<Explained,
     if pull.abs() < PULLS && all.colour < MISFIT {
         return Ok(Explained { known, recorded, fit: all, disagreement: None });
     }
-    let unknown = Known { height: None, speed: None, contact_time: None, ..known };
+    // Without them friction may be anything.
+    let friction = known.friction.or(Some(ANY_FRICTION));
+    let unknown = Known { height: None, speed: None, contact_time: None, friction, ..known };
     let free = fit(&recorded, &unknown).ok_or_else(no_fit)?;
-    let excess = (all.cost - free.cost) / free.colour;
     let model = recorded.model(&unknown, gravity);
+    let evidence = |known: &Known, fit: &Fit| recorded.model(known, gravity).evidence(&fit.best);
+    let of_all = evidence(&known, &all);
+    let excess = (of_all - evidence(&unknown, &free)) / free.colour;
     let [contact, speed] = model.contact(&free.best);
     let deviations = deviations(&model, &free);
     let stated = [
@@ -229,7 +235,8 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower) -> Result<Explained,
     // Either the laser or what is known is wrong: what is left out is the one whose absence explains more.
     let blind = recorded.clone().without_laser();
     let without = fit(&blind, &known).ok_or_else(no_fit)?;
-    let gained = (all.cost - without.cost - recorded.laser_rows() as f64) / without.colour;
+    let of_blind = blind.model(&known, gravity).evidence(&without.best);
+    let gained = (of_all - of_blind - recorded.laser_rows() as f64) / without.colour;
     if gained > excess {
         let reached = blind.model(&known, gravity).contact(&without.best)[1];
         let disagreement = Some(Warning::LaserSpeedDiffers { reached, laser: speed });
@@ -423,7 +430,7 @@ fn saturated(clipping: &Clipping, signals: &Recording) -> Warning {
 }
 
 /// The unknowns to search from.
-pub(super) fn unknowns(values: [(usize, f64); 9]) -> Unknowns {
+pub(super) fn unknowns(values: [(usize, f64); 8]) -> Unknowns {
     let mut unknowns = [0.0; COUNT];
     values.into_iter().for_each(|(place, value)| unknowns[place] = value);
     unknowns
