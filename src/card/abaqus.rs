@@ -66,7 +66,7 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     let [md, td] = &curves.fibres;
     let mut text = String::from("*FABRIC\n");
     for (component, curve) in [("1", &md[0].1), ("2", &td[0].1), ("SHEAR", &curves.shear)] {
-        // Shear is the same to both sides; fibres carry no compression.
+        // Without a direction data of one side hold for both (Abaqus Keywords Reference, *LOADING DATA); fibres carry no compression.
         let direction = if component == "SHEAR" { "" } else { ", DIRECTION=TENSION" };
         text += &format!("*UNIAXIAL, COMPONENT={component}\n");
         let rows = curve.points.iter().map(|[strain, value]| vec![value / stress, *strain]);

@@ -297,7 +297,8 @@ fn rubber(
     Ok(keyword.text())
 }
 
-/// A card for each term: modulus and decay constant.
+/// A card for each term: its shear relaxation modulus, as pydyna's keyword classes of 077 call it (OpenRadioss' reader of LS-DYNA decks
+/// copies it as that), and its decay constant.
 fn prony(viscosity: &Viscosity, shear: f64, of: Units) -> impl Iterator<Item = (&'static str, Vec<Field>)> {
     let instant = viscosity.instant() * shear;
     let terms = viscosity.terms().iter();

@@ -239,7 +239,7 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     let mut text = part(number, &title, material);
     // Thin shells of any mass but none: what they have is not added to the main node.
     let thickness = scene.length(inset);
-    let zeros = (0..5).fold(Line::default(), |line, _| line.real(0.0));
+    let zeros = (0..4).fold(Line::default(), |line, _| line.real(0.0)).real(NUMERICAL_DAMPING);
     text += &Block::begin(&format!("/PROP/TYPE1/{number}"), &title)
         .line(
             "  Ishell    Ismstr     Ish3n    Idrill                            P_Thick_Fail",
@@ -299,7 +299,9 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     text += &Block::begin(&format!("/INIVEL/TRA/{}", place + 1), &title)
         .line("                 Vx                  Vy                  Vz   Gnod_id   Skew_id", line)
         .0;
-    text += &format!("/TH/NODE/{}\n{title}\nDZ        VZ        AZ\n{main:>10}{:>10}\n", 2 * place + 1, 0);
+    // By its end a time history is known as that of a test: lab's reader of them has its signals over the time of the test.
+    let test = format!("{}; test from {} s", title.chars().take(60).collect::<String>(), scene.mounting.begin);
+    text += &format!("/TH/NODE/{}\n{test}\nDZ        VZ        AZ\n{main:>10}{:>10}\n", 2 * place + 1, 0);
     text + &format!("/TH/RBODY/{}\n{title}\nDEF       FX        FY        FZ\n{:>10}\n", 2 * place + 2, place + 1)
 }
 
