@@ -40,11 +40,16 @@ impl Block {
 
     /// Numbers of all lines without names.
     fn rows(&self) -> Vec<Vec<f64>> {
-        // Points of functions fill their twenty columns.
-        let width = if self.keyword.starts_with("FUNCT/") { 20 } else { usize::MAX };
+        // Points of functions and places of nodes, behind their numbers, fill their twenty columns.
+        let first = match self.keyword.split('/').next() {
+            Some("FUNCT") => 20,
+            Some("NODE") => 10,
+            _ => usize::MAX,
+        };
         let numbers = |line: &str| {
-            let fields = (0..line.len()).step_by(width.min(line.len().max(1)));
-            let fields = fields.map(|from| &line[from..from.saturating_add(width).min(line.len())]);
+            let (first, rest) = line.split_at(first.min(line.len()));
+            let rest = (0..rest.len()).step_by(20).map(|from| &rest[from..(from + 20).min(rest.len())]);
+            let fields = std::iter::once(first).chain(rest);
             fields.flat_map(str::split_whitespace).map(|word| word.parse().unwrap_or(f64::NAN)).collect()
         };
         self.lines.iter().map(|(_, line)| numbers(line)).collect()
@@ -87,7 +92,7 @@ const MAY_BE_ZERO: &[(&str, &str)] = &[
     ("MAT/LAW58", "B1 B2 ALPHAT DF DS GFROT SENSOR ZEROSTRESS FCT_ID4 FCT_ID5 FCT_ID6"),
     ("MAT/LAW19", "ZEROSTRESS FSCALE_POR SENSOR NU12"),
     // No cut of stress, the J of old versions, no bulk function, no relaxation, the first form; terms that are none.
-    ("MAT/LAW42", "SIGMA_CUT J FUNIDBULK M IFORM MU_* ALPHA_*"),
+    ("MAT/LAW42", "SIGMA_CUT J FUNIDBULK M IFORM MU_* ALPHA_* G_* TAU_*"),
     // No filter, no kinematic hardening, no decay of the modulus; quasi-static curves.
     ("MAT/LAW36", "F_SMOOTH C_HARD F_CUT FCT_IDP FCT_IDE EINF CE EPS_DOT_* FUNCT_ID FSCALE_*"),
     ("MAT/LAW43", "FCT_IDE EINF CE C_HARD F_CUT F_SMOOTH EPS_DOT"),
