@@ -45,7 +45,7 @@ fn keyword(name: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
 
 fn isotropic(film: &Film<'_>, law: &Elastic, request: &Request, losses: &mut Vec<Loss>) -> String {
     // CalculiX is linear in Green's strain, as droptower is: tests/solvers runs it.
-    losses.extend((request.target == Target::Abaqus).then_some(Loss::StrainMeasure { law: "*ELASTIC" }));
+    losses.extend((request.target == Target::Abaqus).then(|| Loss::strain_measure("*ELASTIC", law)));
     losses.extend(film.lost_beside_the_law());
     elastic(law, request)
 }
@@ -66,7 +66,7 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     let [md, td] = &curves.fibres;
     let mut text = String::from("*FABRIC\n");
     for (component, curve) in [("1", &md[0].1), ("2", &td[0].1), ("SHEAR", &curves.shear)] {
-        // Shear is the same to both sides; fibres carry no compression.
+        // Without a direction data of one side hold for both (Abaqus Keywords Reference, *LOADING DATA); fibres carry no compression.
         let direction = if component == "SHEAR" { "" } else { ", DIRECTION=TENSION" };
         text += &format!("*UNIAXIAL, COMPONENT={component}\n");
         let rows = curve.points.iter().map(|[strain, value]| vec![value / stress, *strain]);
@@ -89,7 +89,7 @@ fn rubber(
     let instant = viscosity.filter(|_| has_relaxation).map_or(1.0, Viscosity::instant);
     let stress = request.system.stress() / instant;
     // A small compressibility for elements that need one; both potentials have D = 2/K.
-    let d = 2.0 * stress / bulk_modulus(shear_modulus(law), request.poisson);
+    let d = 2.0 * stress / bulk_modulus(shear_modulus(law), request.poisson_of(law));
     let moduli = if viscosity.is_some() && has_relaxation { ", MODULI=INSTANTANEOUS" } else { "" };
     let potential = match law {
         HyperelasticLaw::Polynomial(film) => {
@@ -126,7 +126,7 @@ fn rubber(
             return Err(Refusal::NoLaw { target, law: "compressible neo-Hookean film" });
         }
     };
-    losses.push(Loss::Compressible { poisson: request.poisson });
+    losses.push(Loss::Compressible { poisson: request.poisson_of(law) });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
     losses.extend(film.lost_to_rupture_and_heat());
     let relaxation = viscosity.filter(|_| has_relaxation).map_or_else(String::new, |viscosity| {

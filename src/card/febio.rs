@@ -61,7 +61,7 @@ fn rubber(
     if terms.len() > TERMS {
         return Err(Refusal::TooManyTerms { target: NAME, terms: terms.len(), most: TERMS });
     }
-    losses.push(Loss::Compressible { poisson: request.poisson });
+    losses.push(Loss::Compressible { poisson: request.poisson_of(law) });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
     let viscosity = film.material.viscosity.as_ref();
     let instant = viscosity.map_or(1.0, |viscosity| viscosity.instant());
@@ -74,7 +74,7 @@ fn rubber(
             element(&format!("c{number}"), term.mu * term.alpha / stress, indent)
                 + &element(&format!("m{number}"), term.alpha, indent)
         };
-        let bulk = element("k", bulk_modulus(shear_modulus(law), request.poisson) / stress, indent);
+        let bulk = element("k", bulk_modulus(shear_modulus(law), request.poisson_of(law)) / stress, indent);
         terms.iter().enumerate().map(pair).collect::<String>() + &bulk
     };
     let density = element("density", density, 2);

@@ -39,8 +39,8 @@ pub struct Request {
     pub rate: Option<f64>,
     /// Most points of a curve.
     pub points: usize,
-    /// Poisson's ratio of incompressible film in elements that need one.
-    pub poisson: f64,
+    /// Poisson's ratio of incompressible film in elements that need one; none for one that follows from its stress.
+    pub poisson: Option<f64>,
     /// Strain from which unloading curves are written; none for the ends of the curves.
     pub unloading_from: Option<f64>,
     /// Angle from the x axis to MD, rad, where a card names the direction.
@@ -57,10 +57,26 @@ impl Request {
             id: 1,
             rate: None,
             points: 100,
-            poisson: 0.4995,
+            poisson: None,
             unloading_from: None,
             md_angle: 0.0,
         }
+    }
+
+    /// Poisson's ratio of incompressible film: as asked for, or such that the bulk modulus is large beside the stress of film
+    /// that is stretched to three times its size in both directions.
+    pub(crate) fn poisson_of(&self, law: &HyperelasticLaw) -> f64 {
+        /// Largest mean stress over the bulk modulus: solvers' stress is off by about as much.
+        const MOST: f64 = 6e-3;
+        const STRETCH: f64 = 3.0;
+        const RANGE: [f64; 2] = [0.4995, 0.49999];
+        self.poisson.unwrap_or_else(|| {
+            let nominal =
+                Law::Hyperelastic(law.clone()).virgin_stress([[[STRETCH], [0.0], [0.0]], [[0.0], [STRETCH], [0.0]]]);
+            let mean = 2.0 / 3.0 * STRETCH * nominal[0][0][0];
+            let (bulk, shear) = (mean / MOST, shear_modulus(law));
+            ((3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)).clamp(RANGE[0], RANGE[1])
+        })
     }
 
     /// The unit vector of MD; along an axis exactly that.
@@ -197,6 +213,46 @@ fn rated(curves: &RateCurves, request: &Request, by_rate: bool) -> Result<Vec<(O
         None if by_rate => Ok(curves.curves().into_iter().map(|(rate, curve)| (Some(rate), curve)).collect()),
         None => Err(Refusal::ManyRates { target: request.target.name(), range }),
     }
+}
+
+/// Least rise of a piece of a curve over its first stress: solvers refuse flat ones.
+const RISE: f64 = 1e-5;
+
+/// A curve of which every piece rises.
+pub(crate) fn rising(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let first = points.iter().map(|point| point[1]).find(|stress| *stress > 0.0).unwrap_or_default();
+    for place in 1..points.len() {
+        points[place][1] = points[place][1].max(points[place - 1][1] + RISE * first);
+    }
+    points
+}
+
+/// A curve with a point at `x`, within its pieces.
+pub(crate) fn with_point(points: &[[f64; 2]], x: f64) -> Vec<[f64; 2]> {
+    let place = points.partition_point(|point| point[0] < x);
+    let mut points = points.to_vec();
+    if points.get(place).is_some_and(|point| point[0] > x) {
+        points.insert(place, [x, at(&points, x)]);
+    }
+    points
+}
+
+/// A curve to both sides of zero.
+pub(crate) fn odd(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let negative = points.iter().rev().filter(|point| point[0] > 0.0).map(|[x, y]| [-x, -y]);
+    negative.chain(points.iter().copied()).collect()
+}
+
+/// A fibre's or the shear curve as solvers take it: loading, and unloading from a strain, where there is absorption. Every piece
+/// rises, and both have the point from which film unloads.
+pub(crate) fn paths(curve: &Sampled, from: f64, absorption: f64) -> (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>) {
+    let loading = rising(curve.points.clone());
+    if absorption == 0.0 {
+        return (loading, None);
+    }
+    let loading = with_point(&loading, from);
+    let unloading = rising(unloading(&loading, from, absorption));
+    (loading, Some(unloading))
 }
 
 /// Unloading from the strain `from` of a curve by straight pieces: the curve, compressed towards it (theory.md, equation 8).

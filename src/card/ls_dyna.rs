@@ -4,7 +4,8 @@
 //! where a number needs them: the keyword then ends with `+`, the long format of one keyword (pydyna, `lib/deck_loader.py`).
 
 use super::film::{
-    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, lost_hill, ogden_terms, shear_modulus, unloading,
+    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, lost_hill, odd, ogden_terms, paths, rising,
+    shear_modulus,
 };
 use super::loss::Loss;
 use super::number::in_columns;
@@ -69,11 +70,11 @@ pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) 
     let body = match &film.material.law {
         Law::Fabric(_) | Law::RateFabric(_) => fabric(film, request, losses)?,
         Law::Elastic(elastic) => {
-            losses.push(Loss::StrainMeasure { law: "*MAT_ELASTIC, hypoelastic" });
+            losses.push(Loss::strain_measure("*MAT_ELASTIC, hypoelastic", elastic));
             isotropic(film, elastic, request)
         }
         Law::TensionField(film_field) => {
-            losses.extend([Loss::Wrinkling, Loss::StrainMeasure { law: "*MAT_ELASTIC, hypoelastic" }]);
+            losses.extend([Loss::Wrinkling, Loss::strain_measure("*MAT_ELASTIC, hypoelastic", &film_field.0)]);
             isotropic(film, &film_field.0, request)
         }
         Law::Hyperelastic(law) => rubber(film, law, request, losses)?,
@@ -123,38 +124,36 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     let mut numbers = Numbers::of(request);
     let mut text = String::new();
     let mut below = vec![];
-    for (fibre, name) in curves.fibres.iter().zip(["MD", "TD"]) {
-        below.push(stresses(name, fibre, stress, &mut numbers, &mut text, request));
+    // Unloading is that of the slowest curve, from a strain at which that has a point.
+    let from = curves.ends.map(|end| end.min(request.unloading_from.unwrap_or(f64::INFINITY)));
+    let absorption = if request.unloading_from.is_some() { curves.absorption } else { 0.0 };
+    let mut down = vec![];
+    for ((fibre, name), from) in curves.fibres.iter().zip(["MD", "TD"]).zip(from) {
+        let mut fibre = fibre.clone();
+        fibre.iter_mut().for_each(|(_, curve)| curve.points = rising(std::mem::take(&mut curve.points)));
+        if let Some((_, slowest)) = fibre.first_mut() {
+            let (up, unloading) = paths(slowest, from, absorption);
+            slowest.points = up;
+            down.extend(unloading);
+        }
+        below.push(stresses(name, &fibre, stress, &mut numbers, &mut text, request));
     }
-    below.push(Whole(curve(
-        &mut numbers,
-        &mut text,
-        "shear stress over shear angle (rad)",
-        &curves.shear.points,
-        [1.0, stress],
-    )));
+    let end = curves.shear.points.last().map_or(0.0, |point| point[0]);
+    let (shear, unloading) = paths(&curves.shear, end, absorption);
+    down.extend(unloading.map(|points| odd(&points)));
+    let title = "shear stress over shear angle (rad)";
+    below.push(Whole(curve(&mut numbers, &mut text, title, &odd(&shear), [1.0, stress])));
     // Unloading curves are those from one strain; without them and without hysteresis film unloads on its curve.
     let mut form = 14;
     let mut hysteresis = 0.0;
     match request.unloading_from {
         _ if curves.absorption == 0.0 => {}
-        Some(from) => {
-            let strains = curves.ends.map(|end| end.min(from));
-            losses.push(Loss::UnloadingFrom { md: strains[0], td: strains[1] });
-            for ((fibre, name), from) in curves.fibres.iter().zip(["MD", "TD"]).zip(strains) {
-                let Some((_, slowest)) = fibre.first() else { continue };
-                let points = unloading(&slowest.points, from, curves.absorption);
-                below.push(Whole(curve(
-                    &mut numbers,
-                    &mut text,
-                    &format!("{name}, unloading"),
-                    &points,
-                    [1.0, stress],
-                )));
+        Some(_) => {
+            losses.push(Loss::UnloadingFrom { md: from[0], td: from[1] });
+            for (points, name) in down.iter().zip(["MD", "TD", "shear"]) {
+                let title = format!("{name}, unloading");
+                below.push(Whole(curve(&mut numbers, &mut text, &title, points, [1.0, stress])));
             }
-            let last = curves.shear.points.last().map_or(0.0, |point| point[0]);
-            let points = unloading(&curves.shear.points, last, curves.absorption);
-            below.push(Whole(curve(&mut numbers, &mut text, "shear, unloading", &points, [1.0, stress])));
         }
         None => {
             (form, hysteresis) = (-14, curves.absorption);
@@ -258,7 +257,7 @@ fn rubber(
                 if matches!(law, HyperelasticLaw::Gent(_)) { "Gent's energy" } else { "compressible neo-Hookean film" };
             return Err(Refusal::NoLaw { target: NAME, law });
         }
-        HyperelasticLaw::Polynomial(_) | HyperelasticLaw::Ogden(_) => request.poisson,
+        HyperelasticLaw::Polynomial(_) | HyperelasticLaw::Ogden(_) => request.poisson_of(law),
     };
     losses.push(Loss::Compressible { poisson });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
@@ -298,7 +297,8 @@ fn rubber(
     Ok(keyword.text())
 }
 
-/// A card for each term: modulus and decay constant.
+/// A card for each term: its shear relaxation modulus, as pydyna's keyword classes of 077 call it (OpenRadioss' reader of LS-DYNA decks
+/// copies it as that), and its decay constant.
 fn prony(viscosity: &Viscosity, shear: f64, of: Units) -> impl Iterator<Item = (&'static str, Vec<Field>)> {
     let instant = viscosity.instant() * shear;
     let terms = viscosity.terms().iter();
@@ -309,6 +309,7 @@ fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<L
     let of = Units(request.system);
     let flow = FlowCurves::of(law, along_md(law), request, Rates::TableAndLaw, losses)?;
     losses.extend(lost_hill(law));
+    losses.push(Loss::StressOfVolume);
     losses.extend(film.lost_beside_the_law());
     let (mut numbers, mut text) = (Numbers::of(request), String::new());
     let title = "true stress over plastic strain";

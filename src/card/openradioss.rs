@@ -2,16 +2,24 @@
 //!
 //! Fields as in its configuration files (OpenRadioss, `hm_cfg_files/config/CFG`): whole numbers in 10 columns, reals in 20. Its
 //! engine looks the curves of LAW58 up at engineering strain and takes their stress per undeformed width
-//! (`engine/source/materials/mat/mat058/sigeps58c.F`), and shear over the angle in degrees.
+//! (`engine/source/materials/mat/mat058/sigeps58c.F`), and shear over the angle in degrees. Its starter refuses curves that do not
+//! rise, and unloading that does not meet loading (`starter/source/materials/mat/mat058/law58_upd.F`).
 
 use super::film::{
-    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, lost_hill, ogden_terms, shear_modulus, unloading,
+    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, lost_hill, odd, ogden_terms, paths,
+    shear_modulus,
 };
 use super::loss::Loss;
 use super::number::in_columns;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic};
 
 const NAME: &str = "OpenRadioss";
+
+/// Crimp of the fibres of LAW58: zero would be taken for 0.1.
+const CRIMP: f64 = 1e-4;
+
+/// Share of their stiffness that bent fibres of LAW58 have; its default.
+const FLEX: f64 = 1e-3;
 
 /// Terms of Ogden's law.
 const TERMS: usize = 10;
@@ -85,7 +93,7 @@ fn begin(film: &Film<'_>, law: &str, request: &Request) -> Block {
 
 /// LAW19: linear, of isotropic film the same along both directions.
 fn orthotropic(film: &Film<'_>, elastic: &Elastic, request: &Request, losses: &mut Vec<Loss>) -> String {
-    losses.push(Loss::StrainMeasure { law: "LAW19, of the rotated frame" });
+    losses.push(Loss::strain_measure("LAW19, logarithmic", elastic));
     losses.extend(film.lost_beside_the_law());
     let stress = request.system.stress();
     let (young, shear) = (elastic.young / stress, elastic.young / (2.0 + 2.0 * elastic.poisson) / stress);
@@ -124,21 +132,26 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     };
     let all =
         [(&md[0].1, "MD", [1.0, stress]), (&td[0].1, "TD", [1.0, stress]), (&curves.shear, "shear", [DEGREES, stress])];
-    let loading = all.map(|(curve, title, units)| function(title, &curve.points, units));
-    let mut unloads = [0; 3];
-    if curves.absorption > 0.0 {
-        let from = |curve: &[[f64; 2]]| {
-            let end = curve.last().map_or(0.0, |point| point[0]);
-            request.unloading_from.map_or(end, |from| from.min(end))
-        };
-        losses.push(Loss::UnloadingFrom { md: from(&md[0].1.points), td: from(&td[0].1.points) });
-        unloads = all.map(|(curve, title, units)| {
-            // In shear from the end: its strain is an angle.
-            let from =
-                if title == "shear" { curve.points.last().map_or(0.0, |point| point[0]) } else { from(&curve.points) };
-            function(&format!("{title}, unloading"), &unloading(&curve.points, from, curves.absorption), units)
-        });
+    // In shear from the end: its strain is an angle.
+    let ends = all.map(|(curve, ..)| curve.points.last().map_or(0.0, |point| point[0]));
+    let asked = request.unloading_from.unwrap_or(f64::INFINITY);
+    let from = [ends[0].min(asked), ends[1].min(asked), ends[2]];
+    // Negative angles would follow the first slope of a curve that begins at zero.
+    let whole = |points: Vec<[f64; 2]>, title: &str| if title == "shear" { odd(&points) } else { points };
+    let both = [0, 1, 2].map(|place| paths(all[place].0, from[place], curves.absorption));
+    let (mut loading, mut unloads) = ([0; 3], [0; 3]);
+    for (place, ((_, title, units), (up, _))) in all.iter().zip(&both).enumerate() {
+        loading[place] = function(title, &whole(up.clone(), title), *units);
     }
+    for (place, ((_, title, units), (_, down))) in all.iter().zip(&both).enumerate() {
+        if let Some(down) = down {
+            unloads[place] = function(&format!("{title}, unloading"), &whole(down.clone(), title), *units);
+        }
+    }
+    if curves.absorption > 0.0 {
+        losses.extend([Loss::UnloadingFrom { md: from[0], td: from[1] }, Loss::ScaledUnloading]);
+    }
+    losses.push(Loss::ShearOfPresentArea);
     let [e1, e2, shear] = curves.slopes.map(|slope| slope / stress);
     let [fct1, fct2, fct3] = loading;
     let [fct4, fct5, fct6] = unloads;
@@ -146,7 +159,7 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     let block = begin(film, "LAW58", request)
         .line(
             "                 E1                  B1                  E2                  B2                FLEX",
-            Line::default().real(e1).real(0.0).real(e2).real(0.0).real(0.0),
+            Line::default().real(e1).real(0.0).real(e2).real(0.0).real(FLEX),
         )
         .line(
             "                 G0                  GT              ALPHAT                 GSH              SENSOR",
@@ -158,7 +171,7 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
         )
         .line(
             "       N1        N2                  S1                  S2               FLEX1               FLEX2",
-            Line::default().whole(1).whole(1).real(0.0).real(0.0).real(0.0).real(0.0),
+            Line::default().whole(1).whole(1).real(CRIMP).real(CRIMP).real(FLEX).real(FLEX),
         )
         .line("  FCT_ID1                       FSCALE1", scale(fct1))
         .line("  FCT_ID2                       FSCALE2", scale(fct2))
@@ -186,7 +199,7 @@ fn rubber(
     if terms.len() > TERMS {
         return Err(Refusal::TooManyTerms { target: NAME, terms: terms.len(), most: TERMS });
     }
-    losses.push(Loss::Compressible { poisson: request.poisson });
+    losses.push(Loss::Compressible { poisson: request.poisson_of(law) });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
     losses.extend(film.lost_to_rupture_and_heat());
     let stress = request.system.stress();
@@ -199,8 +212,14 @@ fn rubber(
     };
     let mu = |i: usize| terms.get(i).map(|term| relaxed * term.mu / stress);
     let alpha = |i: usize| terms.get(i).map(|term| term.alpha);
-    let head =
-        Line::default().real(request.poisson).real(0.0).whole(0).whole(0).real(1.0).whole(prony.len() as i64).whole(0);
+    let head = Line::default()
+        .real(request.poisson_of(law))
+        .real(0.0)
+        .whole(0)
+        .whole(0)
+        .real(1.0)
+        .whole(prony.len() as i64)
+        .whole(0);
     let mut block = begin(film, "LAW42", request)
         .line(
             "                 NU           SIGMA_CUT         J FUNIDBULK         FSCALE_BULK         M     IFORM",
@@ -246,6 +265,7 @@ fn no_law(law: &'static str) -> Refusal {
 fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     let is_hill = lost_hill(law).is_some();
     let flow = FlowCurves::of(law, along_md(law), request, Rates::Table, losses)?;
+    losses.push(Loss::StressOfVolume);
     losses.extend(film.lost_beside_the_law());
     let (stress, time) = (request.system.stress(), request.system.time());
     let Elastic { young, poisson } = law.elastic();
@@ -274,8 +294,8 @@ fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<L
             )
             .line(
                 "                R00                 R45                 R90              C_HARD   I_YIELD0",
-                // Lankford values, and yield along MD.
-                Line::default().real(r00).real(r45).real(r90).real(0.0).whole(0),
+                // Lankford values, and the curve of MD: a zero would make it the mean of all directions.
+                Line::default().real(r00).real(r45).real(r90).real(0.0).whole(1),
             )
             .line(
                 "          EPS_P_MAX               EPS_T               EPS_M              F_CUT  F_SMOOTH",

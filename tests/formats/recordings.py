@@ -13,6 +13,7 @@ from pathlib import Path
 import make_arrays
 import make_machines
 import make_sheets
+import make_t01
 import make_tdms
 import numpy
 import pandas
@@ -24,6 +25,7 @@ FORMATS = {
     "xlsx": (make_sheets.make, read.of_sheets),
     "mat": (make_arrays.make_mat, read.of_mat),
     "hdf5": (make_arrays.make_hdf5, read.of_hdf5),
+    "t01": (make_t01.make, make_t01.read),
 }
 # Of numbers that scales compute in another order, or by iteration.
 TOLERANCE = 1e-9

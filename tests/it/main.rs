@@ -28,6 +28,7 @@ mod identification;
 #[cfg(unix)]
 mod links;
 mod mesh;
+mod openradioss;
 mod paper_study;
 mod paraview;
 mod picture;

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::Shape;
 
-/// Triangles around a body.
-const SIDES: usize = 96;
+/// Most rings of facets from a pole to the equator.
+const RINGS: usize = 24;
 
 /// Share of the radius by which the mesh of a body is smaller where a penalty needs room.
 const INSET: f64 = 0.01;
@@ -30,50 +30,97 @@ impl Shape {
     }
 
     /// Largest distance of facets below it, m.
-    pub(super) fn facet_depth(self) -> f64 {
-        // Along the diagonal of a facet at the equator.
-        self.radius() * (1.0 - (PI / SIDES as f64).cos().powi(2))
+    pub(super) fn facet_depth(self, rings: usize) -> f64 {
+        let mesh = self.triangles(0.0, rings);
+        let below = |corners: &[usize; 3]| {
+            let middle =
+                [0, 1, 2].map(|axis| corners.map(|corner| mesh.points[corner][axis]).iter().sum::<f64>() / 3.0);
+            let along = middle[2] - middle[2].clamp(-self.half(), self.half());
+            self.radius() - length([middle[0], middle[1], along])
+        };
+        mesh.corners.iter().map(below).fold(0.0, f64::max)
     }
 
-    /// Its triangles, smaller by `inset` (m) along its normals, about its centre.
-    pub(super) fn triangles(self, inset: f64) -> Triangles {
-        let radius = self.radius() - inset;
-        let half = match self {
+    /// Half the length of the shaft, m.
+    fn half(self) -> f64 {
+        match self {
             Shape::Sphere { .. } => 0.0,
             Shape::Capsule { length, .. } => 0.5 * length,
-        };
-        // Rings from the lower pole to the upper one; the shaft of a capsule lies between two of them.
-        let quarter = SIDES / 4;
-        let angle = |ring: usize| 0.5 * PI * (ring as f64 / quarter as f64 - 1.0);
-        let lower = (1..=quarter).map(|ring| (angle(ring), -half));
-        let upper = (quarter..2 * quarter).map(|ring| (angle(ring), half));
-        let rings: Vec<(f64, f64)> = lower.chain(upper.skip(usize::from(half == 0.0))).collect();
-        let mut points = vec![[0.0, 0.0, -half - radius]];
-        for (latitude, middle) in &rings {
-            points.extend((0..SIDES).map(|side| {
-                let longitude = 2.0 * PI * side as f64 / SIDES as f64;
-                let out = latitude.cos();
-                let [x, y, z] = [out * longitude.cos(), out * longitude.sin(), latitude.sin()].map(without_round_off);
-                [radius * x, radius * y, middle + radius * z]
-            }));
         }
-        let top = points.len();
-        points.push([0.0, 0.0, half + radius]);
-        let at = |ring: usize, side: usize| 1 + ring * SIDES + side % SIDES;
-        let mut corners = vec![];
-        for side in 0..SIDES {
-            corners.push([0, at(0, side + 1), at(0, side)]);
-            for ring in 1..rings.len() {
-                let [a, b, c, d] = [at(ring - 1, side), at(ring - 1, side + 1), at(ring, side + 1), at(ring, side)];
-                corners.extend([[a, b, c], [a, c, d]]);
+    }
+
+    /// Rings of facets from a pole to the equator: [`RINGS`], or as many as leave the shortest edge no less than `edge` (m).
+    pub(super) fn rings(self, edge: f64) -> usize {
+        // The equator has six points a ring, and the shortest edges.
+        ((0.99 * PI / 3.0 * (self.radius() - self.inset()) / edge) as usize).clamp(4, RINGS)
+    }
+
+    /// Its triangles, smaller by `inset` (m) along its normals, about its centre. A ring has six points more than the one before,
+    /// so that edges are alike everywhere: needles at a pole, which film meets first, make contacts that share their nodes.
+    pub(super) fn triangles(self, inset: f64, rings: usize) -> Triangles {
+        let (radius, half) = (self.radius() - inset, self.half());
+        // Distance from the axis, height, and points of each ring from the lower pole to the upper one.
+        let cap = |ring: usize| {
+            let (sin, cos) = (0.5 * PI * ring as f64 / rings as f64).sin_cos();
+            (radius * sin, -half - radius * without_round_off(cos), (6 * ring).max(1))
+        };
+        let pieces = (2.0 * half / (0.5 * PI * radius / rings as f64)).ceil() as usize;
+        let shaft = (1..pieces).map(|piece| (radius, 2.0 * half * piece as f64 / pieces as f64 - half, 6 * rings));
+        let lower: Vec<_> = (0..=rings).map(cap).collect();
+        let upper = lower.iter().rev().map(|(out, z, count)| (*out, -z, *count));
+        let all: Vec<_> = lower.iter().copied().chain(shaft).chain(upper.skip(usize::from(half == 0.0))).collect();
+        let (mut points, mut corners, mut below) = (vec![], vec![], None::<(usize, usize)>);
+        for (out, z, count) in all {
+            let first = points.len();
+            points.extend((0..count).map(|place| {
+                let (sin, cos) = (2.0 * PI * place as f64 / count as f64).sin_cos();
+                [out * without_round_off(cos), out * without_round_off(sin), z]
+            }));
+            if let Some((before, fewer)) = below {
+                band(&mut corners, [before, fewer], [first, count]);
             }
-            corners.push([at(rings.len() - 1, side), at(rings.len() - 1, side + 1), top]);
+            below = Some((first, count));
         }
         Triangles { points, corners }
     }
 }
 
+/// Triangles between two rings, the second above, as first point and number of points.
+fn band(corners: &mut Vec<[usize; 3]>, [low, fewer]: [usize; 2], [high, more]: [usize; 2]) {
+    let [below, above] = [(low, fewer), (high, more)].map(|(first, count)| move |place: usize| first + place % count);
+    if fewer == more {
+        for side in 0..fewer {
+            let [a, b, c, d] = [below(side), below(side + 1), above(side + 1), above(side)];
+            corners.extend([[a, b, c], [a, c, d]]);
+        }
+        return;
+    }
+    for sextant in 0..6 {
+        // Places in the smaller and the larger ring; a pole is all places of its ring.
+        let inner = fewer.min(more) / 6;
+        let (small, large) = (sextant * inner, sextant * (inner + 1));
+        for step in 0..=inner {
+            let (s, l) = (small + step, large + step);
+            if fewer < more {
+                corners.push([below(s), above(l + 1), above(l)]);
+                corners.extend((step < inner).then(|| [below(s), below(s + 1), above(l + 1)]));
+            } else {
+                corners.push([below(l), below(l + 1), above(s)]);
+                corners.extend((step < inner).then(|| [above(s + 1), above(s), below(l + 1)]));
+            }
+        }
+    }
+}
+
 impl Triangles {
+    /// The shortest edge, m.
+    #[cfg(test)]
+    fn shortest(&self) -> f64 {
+        let between = |a: usize, b: usize| length([0, 1, 2].map(|axis| self.points[a][axis] - self.points[b][axis]));
+        let edges = self.corners.iter().flat_map(|&[a, b, c]| [between(a, b), between(b, c), between(c, a)]);
+        edges.fold(f64::INFINITY, f64::min)
+    }
+
     /// m².
     pub(super) fn area(&self) -> f64 {
         self.corners.iter().map(|corners| 0.5 * length(self.normal(corners))).sum()
@@ -112,7 +159,7 @@ mod tests {
                 4.0 / 3.0 * PI * 8e-6 + PI * 4e-5,
             ),
         ] {
-            let found = shape.triangles(0.0);
+            let found = shape.triangles(0.0, RINGS);
             let of_corners = |corners: &[usize; 3]| {
                 let (normal, point) = (found.normal(corners), found.points[corners[0]]);
                 (0..3).map(|axis| normal[axis] * point[axis]).sum::<f64>() / 6.0
@@ -124,6 +171,24 @@ mod tests {
                 found.corners.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
             assert_eq!(edges.len(), 3 * found.corners.len());
             assert!(edges.iter().all(|[a, b]| edges.contains(&[*b, *a])));
+        }
+    }
+    /// No needles: edges are of one size, and as long as is asked for.
+    #[test]
+    fn facets_are_even() {
+        for shape in [Shape::Sphere { radius: 0.12 }, Shape::Capsule { radius: 0.02, length: 0.1 }] {
+            let mesh = shape.triangles(shape.inset(), RINGS);
+            let fair = 0.5 * PI * (shape.radius() - shape.inset()) / RINGS as f64;
+            assert!(mesh.shortest() > 0.6 * fair, "{} and {fair}", mesh.shortest());
+            let area = |corners: &[usize; 3]| 0.5 * length(mesh.normal(corners));
+            let areas: Vec<f64> = mesh.corners.iter().map(area).collect();
+            let least = areas.iter().copied().fold(f64::INFINITY, f64::min);
+            assert!(least > 0.25 * fair * fair, "{least}");
+            // As long as a gap needs.
+            let edge = 0.02 * shape.radius() * 5.0;
+            let coarse = shape.triangles(shape.inset(), shape.rings(edge));
+            assert!(coarse.shortest() >= edge, "{}", coarse.shortest());
+            assert!(shape.facet_depth(RINGS) < 1.5e-3 * shape.radius());
         }
     }
 }

@@ -87,16 +87,17 @@ findings! {
                 thin film cannot pass through it in a step";
             remedy "nothing: contact begins where it does in the test";
             message "meshes of impactors are {} mm below their surface, and contacts as much thicker", significant(1e3 * inset, 4);
+        ContactStiffness {
+            stiffness: f64, "of a node, N/m" => "stiffness_n_per_m";
+        } = "deck-contact-stiffness", Note;
+            meaning "the penalty stiffness of contacts is limited: the solver's own, of the steepest curve of the film, throws stiff film \
+                back at first contact";
+            remedy "compare with twice the stiffness where film meets a body with more than 10 N a node";
+            message "stiffness of contacts is at most {} N/mm a node", significant(1e-3 * stiffness, 3);
         Thickness = "deck-thickness", Note;
             meaning "shells of that solver keep their thickness unless they are told to change it";
             remedy "leave the option, which rubber and plastic film need";
             message "shells change their thickness with the strain (ISTUPD = 1)";
-        FromMemory {
-            what: &'static str, "of the deck" => "what";
-        } = "deck-from-memory", Warning;
-            meaning "a part of the deck follows what is remembered of the solver's manual, not the manual";
-            remedy "compare it with the manual before the deck is used";
-            message "from memory: {what}";
         NotRun {
             solver: &'static str, "whose deck it is" => "solver";
         } = "deck-not-run", Note;

@@ -27,7 +27,7 @@ const STATES: f64 = 100.0;
 /// The deck without its head.
 pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> String {
     let deck = scene.deck;
-    let depth = deck.bodies.iter().map(|body| body.shape.facet_depth()).fold(0.0, f64::max);
+    let depth = scene.facet_depth();
     let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
     losses.extend([DeckLoss::Facets { depth }, DeckLoss::Penalty { inset }, DeckLoss::NotRun { solver: "LS-DYNA" }]);
     let mut text = format!("*KEYWORD\n*TITLE\n{}\n", crate::title(deck.title));
@@ -168,7 +168,7 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     let cards =
         vec![("mid ro e pr n couple m alias", head), ("cmo con1 con2", constraints), ("lco/a1 a2 a3 v1 v2 v3", vec![])];
     text += &Keyword { name: "MAT_RIGID", title: None, cards }.text();
-    let surface = body.shape.triangles(body.shape.inset());
+    let surface = body.shape.triangles(body.shape.inset(), scene.rings(body));
     let places = surface.points.iter().map(|point| [0, 1, 2].map(|axis| start[axis] + point[axis]));
     text += &nodes(scene, places, next[0]);
     let corners =
@@ -233,7 +233,7 @@ fn contact(scene: &Scene<'_, '_>, body: &Body, place: usize, face: usize) -> Str
         ("fs fd dc vc vdc penchk bt dt", vec![friction, friction]),
         ("sfsa sfsb sast sbst sfsat sfsbt fsf vsf", vec![Real(1.0), Real(1.0), of_film, of_body]),
         // The stiffness follows from masses and the time step: film is far softer than the body.
-        ("soft sofscl lcidab maxpar sbopt depth bsort frcfrq", vec![Whole(1)]),
+        ("soft sofscl lcidab maxpar sbopt depth bsort frcfrq", vec![Whole(1), Real(0.1)]),
     ];
     Keyword { name: "CONTACT_AUTOMATIC_NODES_TO_SURFACE", title: None, cards }.text()
 }

@@ -76,6 +76,19 @@ pub struct Face<'a> {
 }
 
 impl Face<'_> {
+    /// The shortest edge of its elements where the frame holds them, m.
+    fn shortest(&self) -> f64 {
+        let of = |corners: &[u32]| {
+            let next = corners.iter().cycle().skip(1);
+            let between = |(a, b): (&u32, &u32)| {
+                let [a, b] = [a, b].map(|node| self.mounted[*node as usize]);
+                (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+            };
+            corners.iter().zip(next).map(between).fold(f64::INFINITY, f64::min)
+        };
+        self.quads.iter().map(|quad| of(quad)).chain(self.tris.iter().map(|tri| of(tri))).fold(f64::INFINITY, f64::min)
+    }
+
     /// Thickness of all layers without stress, m.
     pub fn thickness(&self) -> f64 {
         self.film.material.thickness * f64::from(self.layers)
@@ -226,6 +239,19 @@ impl Scene<'_, '_> {
         before + 0.5 * self.deck.faces[face].thickness()
     }
 
+    /// Rings of facets of a body: no edge below twice the largest gap of a penalty, nor below a tenth of the film's shortest one.
+    fn rings(&self, body: &Body) -> usize {
+        const SHARE: f64 = 0.1;
+        let gap = body.shape.inset() + self.offset(self.deck.faces.len() - 1);
+        let film = self.deck.faces.iter().map(Face::shortest).fold(f64::INFINITY, f64::min);
+        body.shape.rings((2.05 * gap).max(SHARE * film))
+    }
+
+    /// Largest distance of facets below the surface of a body, m.
+    fn facet_depth(&self) -> f64 {
+        self.deck.bodies.iter().map(|body| body.shape.facet_depth(self.rings(body))).fold(0.0, f64::max)
+    }
+
     /// Number of the first node of each face, and that of the first node behind all of them, from 1.
     fn first_nodes(&self) -> Vec<usize> {
         let ends = self.deck.faces.iter().scan(1, |end, face| {
@@ -263,6 +289,11 @@ impl Scene<'_, '_> {
 
     fn mass(&self, mass: f64) -> f64 {
         mass / (self.system.density() * self.system.length().powi(3))
+    }
+
+    /// A stiffness in N/m in the units of the deck.
+    fn stiffness(&self, stiffness: f64) -> f64 {
+        stiffness / (self.system.stress() * self.system.length())
     }
 
     fn inertia(&self, inertia: f64) -> f64 {

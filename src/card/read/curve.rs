@@ -1,16 +1,22 @@
 //! Curves of other solvers as curves of a film.
 
 use super::Points;
-use crate::film::unloading;
+use crate::film::{at, unloading};
 
 /// What the ordinates of a curve are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ordinate {
-    /// Stress of fibres or in shear, which begins at zero.
+    /// Stress of fibres, which begins at zero.
     Fibre,
+    /// Stress in shear, which is the same to both sides of zero, or written to one.
+    Shear,
     /// Flow stress.
     Flow,
 }
+
+/// Relative difference of what cards write with the fewest digits, and of shares that follow from that; unloading curves rise by as
+/// much where the film is slack.
+const DIGITS: f64 = 1e-5;
 
 /// The points from the abscissa zero on; in words why they are no curve of a film.
 pub(super) fn of_film(points: Points, kind: Ordinate) -> Result<Points, &'static str> {
@@ -20,8 +26,16 @@ pub(super) fn of_film(points: Points, kind: Ordinate) -> Result<Points, &'static
     if kind == Ordinate::Fibre && points.iter().any(|point| point[0] < 0.0 && point[1] != 0.0) {
         return Err("it has stress in compression, which fibres do not carry");
     }
+    let is_odd = |points: &Points| {
+        let most = points[points.len() - 1][1].abs();
+        let differs = |[x, y]: &[f64; 2]| (at(points, -x) + y).abs() > DIGITS * most;
+        !points.iter().filter(|[x, y]| *x < 0.0 && *y != 0.0).any(differs)
+    };
+    if kind == Ordinate::Shear && points.len() > 1 && !is_odd(&points) {
+        return Err("its negative side is another than its positive one");
+    }
     let above: Points = points.into_iter().filter(|point| point[0] >= 0.0).collect();
-    let least = if kind == Ordinate::Fibre { 2 } else { 1 };
+    let least = if kind == Ordinate::Flow { 1 } else { 2 };
     if above.len() < least {
         return Err("it has too few points from zero on");
     }
@@ -35,8 +49,6 @@ pub(super) fn of_film(points: Points, kind: Ordinate) -> Result<Points, &'static
 /// towards the strain from which film unloads (theory.md, equation 8), all by one share, within the digits of a card; none of
 /// other paths.
 pub(super) fn absorption(pairs: [(&Points, Option<Points>); 3]) -> Option<f64> {
-    /// Relative difference of what cards write with the fewest digits, and of shares that follow from that.
-    const DIGITS: f64 = 1e-5;
     let share = |(loading, path): (&Points, Option<Points>)| {
         let path = path?;
         let (&[_, [slack, _], ..], &[from, top]) = (path.as_slice(), path.last()?) else { return None };

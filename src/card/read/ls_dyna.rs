@@ -157,13 +157,17 @@ impl Reader {
         self.unread(curves, &[(6, "RL")]);
         let fibres =
             [self.by_rate(curves, 0, "LCA", Ordinate::Fibre)?, self.by_rate(curves, 1, "LCB", Ordinate::Fibre)?];
-        let shear = self.stresses(curves, 2, "LCAB")?;
+        let shear = self.stresses(curves, 2, "LCAB", Ordinate::Shear)?;
         // Of several rates the slowest is the one that unloading curves are of.
         let slowest =
             |fibre: &[(Option<f64>, Points)]| fibre.first().map_or_else(Points::new, |(_, curve)| curve.clone());
         let (md, td) = (slowest(&fibres[0]), slowest(&fibres[1]));
-        let path = |place: usize, name: &'static str| self.stresses(curves, place, name).ok();
-        let paths = [(&md, path(3, "LCUA")), (&td, path(4, "LCUB")), (&shear, path(5, "LCUAB"))];
+        let path = |place: usize, name: &'static str, kind| self.stresses(curves, place, name, kind).ok();
+        let paths = [
+            (&md, path(3, "LCUA", Ordinate::Fibre)),
+            (&td, path(4, "LCUB", Ordinate::Fibre)),
+            (&shear, path(5, "LCUAB", Ordinate::Shear)),
+        ];
         let mut absorption = curve::absorption(paths).unwrap_or_else(|| {
             self.unread(curves, &[(3, "LCUA"), (4, "LCUB"), (5, "LCUAB")]);
             0.0
@@ -181,9 +185,9 @@ impl Reader {
     }
 
     /// The curve that a field names, its ordinates stresses, without what lies below zero.
-    fn stresses(&self, card: &Card<'_>, place: usize, name: &'static str) -> Result<Points, Mistake> {
+    fn stresses(&self, card: &Card<'_>, place: usize, name: &'static str, kind: Ordinate) -> Result<Points, Mistake> {
         let number = card.whole(place, name)?.ok_or_else(|| card.mistake(place, Fault::Missing { name }))?;
-        self.curve(card, place, number, Ordinate::Fibre)
+        self.curve(card, place, number, kind)
     }
 
     fn curve(&self, card: &Card<'_>, place: usize, number: i64, kind: Ordinate) -> Result<Points, Mistake> {

@@ -113,26 +113,40 @@ impl Reader {
     }
 
     fn fabric(&mut self, block: &Block<'_>) -> Result<FoundLaw, Mistake> {
-        self.unread(block.line(1)?, &[real("B1", 2), real("B2", 6), real("FLEX", 8)]);
+        self.unread(block.line(1)?, &[real("B1", 2), real("B2", 6)]);
         self.unread(block.line(2)?, &[real("ALPHAT", 4)]);
         self.unread(block.line(3)?, &[real("DF", 0), real("DS", 2), real("GFROT", 4), whole("ZEROSTRESS", 8)]);
-        self.unread(block.line(4)?, &[real("S1", 2), real("S2", 4), real("FLEX1", 6), real("FLEX2", 8)]);
-        let curve = |place: usize, name: &'static str, unit: f64| {
-            self.curve(block.line(place)?, whole(name, 0), real("FSCALE", 2), unit, Ordinate::Fibre)
+        self.crimp(block.line(4)?)?;
+        let curve = |place: usize, name: &'static str, unit: f64, kind| {
+            self.curve(block.line(place)?, whole(name, 0), real("FSCALE", 2), unit, kind)
         };
-        let (md, td, shear) = (curve(5, "FCT_ID1", 1.0)?, curve(6, "FCT_ID2", 1.0)?, curve(7, "FCT_ID3", DEGREES)?);
+        let fibre = |place: usize, name: &'static str| curve(place, name, 1.0, Ordinate::Fibre);
+        let (md, td) = (fibre(5, "FCT_ID1")?, fibre(6, "FCT_ID2")?);
+        let shear = curve(7, "FCT_ID3", DEGREES, Ordinate::Shear)?;
         let absorption = block.line(8).map_or(0.0, |line| self.absorption(line, [&md, &td, &shear]));
         Ok(FoundLaw::Fabric { fibres: [vec![(None, md)], vec![(None, td)]], shear, absorption })
     }
 
+    /// Warns of fibres that are longer than the film: the solver takes zero for a tenth.
+    fn crimp(&mut self, line: Line<'_>) -> Result<(), Mistake> {
+        const STRAIGHT: f64 = 1e-3;
+        for field in [real("S1", 2), real("S2", 4)] {
+            let crimp = Some(line.value(field)?).filter(|crimp| *crimp != 0.0).unwrap_or(0.1);
+            if crimp > STRAIGHT {
+                let (name, value) = (field.name.to_owned(), crimp.to_string());
+                self.warnings.push(Warning::Field { line: line.number(), name, value });
+            }
+        }
+        Ok(())
+    }
+
     /// The absorption that unloading curves stand for; where they are others, they are not read.
     fn absorption(&mut self, line: Line<'_>, [md, td, shear]: [&Points; 3]) -> f64 {
-        let path =
-            |function: Field, scale: Field, unit: f64| self.curve(line, function, scale, unit, Ordinate::Fibre).ok();
+        let path = |function: Field, scale: Field, unit: f64, kind| self.curve(line, function, scale, unit, kind).ok();
         let paths = [
-            (md, path(whole("FCT_ID4", 0), real("FSCALE4", 2), 1.0)),
-            (td, path(whole("FCT_ID5", 1), real("FSCALE5", 4), 1.0)),
-            (shear, path(whole("FCT_ID6", 6), real("FSCALE6", 7), DEGREES)),
+            (md, path(whole("FCT_ID4", 0), real("FSCALE4", 2), 1.0, Ordinate::Fibre)),
+            (td, path(whole("FCT_ID5", 1), real("FSCALE5", 4), 1.0, Ordinate::Fibre)),
+            (shear, path(whole("FCT_ID6", 6), real("FSCALE6", 7), DEGREES, Ordinate::Shear)),
         ];
         curve::absorption(paths).unwrap_or_else(|| {
             self.unread(line, &[whole("FCT_ID4", 0), whole("FCT_ID5", 1), whole("FCT_ID6", 6)]);
@@ -234,11 +248,20 @@ impl Reader {
     fn by_hill(&mut self, block: &Block<'_>) -> Result<FoundLaw, Mistake> {
         let (elastic, ratios) = (block.line(1)?, block.line(3)?);
         self.unread(block.line(2)?, &[whole("FCT_IDE", 0)]);
-        self.unread(ratios, &[real("C_HARD", 6), whole("I_YIELD0", 8)]);
+        self.unread(ratios, &[real("C_HARD", 6)]);
         self.unread(block.line(4)?, &[real("EPS_P_MAX", 0), real("EPS_T", 2), real("EPS_M", 4)]);
         let r = [ratios.positive(real("R00", 0))?, ratios.positive(real("R45", 2))?, ratios.positive(real("R90", 4))?];
+        // Without I_YIELD0 the curve is the mean of all directions, and that of MD the one below.
+        let md = match ratios.function(whole("I_YIELD0", 8))? {
+            Some(_) => 1.0,
+            None => {
+                let mean = 0.25 * (r[0] + 2.0 * r[1] + r[2]);
+                (mean / (1.0 + mean) * (1.0 + 1.0 / r[0])).sqrt().recip()
+            }
+        };
         let row = |line: &Line<'_>| {
             let points = self.curve(*line, whole("FCT_ID", 0), real("FSCALE", 2), 1.0, Ordinate::Flow)?;
+            let points = points.into_iter().map(|[x, y]| [x, md * y]).collect();
             Ok((points, line.value(real("EPS_DOT", 4))?))
         };
         let rows = block.lines[5.min(block.lines.len())..].iter().filter(|line| !line.is_blank());

@@ -277,7 +277,7 @@ fn openradioss_has_the_test() {
             })
             .sum();
         let round = 4.0 * PI * 0.1188 * 0.1188;
-        assert!((area * length * length / round - 1.0).abs() < 2e-3, "{area}");
+        assert!((area * length * length / round - 1.0).abs() < 5e-3, "{area}");
         let density = number(named("MAT/LAW1/")[0][1], 1, 20);
         let thickness = number(named("PROP/TYPE1/")[0][3], 21, 40);
         close((number(body[1], 41, 60) + density * thickness * area) * mass, 2.68);

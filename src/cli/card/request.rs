@@ -23,9 +23,9 @@ pub(crate) struct RequestArgs {
     /// Most points of a curve
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub points: u16,
-    /// Poisson's ratio of incompressible film in elements that need one
-    #[arg(long, value_name = "NUMBER", default_value = "0.4995", value_parser = poisson)]
-    pub poisson: f64,
+    /// Poisson's ratio of incompressible film in elements that need one [default: 0.4995 or more, by the stress of the film]
+    #[arg(long, value_name = "NUMBER", value_parser = poisson)]
+    pub poisson: Option<f64>,
     /// Strain from which unloading curves are exact [default: the end of each curve]
     #[arg(long, value_name = "STRAIN", value_parser = strain)]
     pub unloading_from: Option<f64>,

@@ -10,6 +10,7 @@ use super::format::Format;
 use super::hdf5::{self, Hdf5};
 use super::matlab::{self, Matlab};
 use super::stored::{self, Catalogue};
+use super::t01::{self, T01};
 use super::tdms::{self, Tdms};
 use super::workbook::{self, Workbook};
 pub use super::{ChannelSelection, ReadOptions};
@@ -133,6 +134,7 @@ fn catalogue(path: &Path) -> Result<Option<Box<dyn Catalogue>>, ReadError> {
         _ if hdf5::is_own(&first) => Hdf5::open(path).map(boxed),
         _ if workbook::is_own(&first) => Workbook::open(path).map(boxed),
         _ if tdms::is_own(&first) => Tdms::open(path).map(boxed),
+        _ if t01::is_own(&first) => T01::open(path).map(boxed),
         _ if matlab::is_of_level_4(path, &first) => Err(matlab::Fault::Level4.into()),
         Some(format) => Err(stored::Fault::Refused(format)),
         None => return Ok(None),

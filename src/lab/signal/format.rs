@@ -1,7 +1,7 @@
 //! The formats of recordings: those that are read, and those that are known by their first bytes and refused with the
 //! conversion that helps.
 
-use super::{hdf5, matlab, tdms, workbook};
+use super::{hdf5, matlab, t01, tdms, workbook};
 
 /// A format of recordings.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ pub enum Support {
 }
 
 /// All formats, those that are read first.
-pub const FORMATS: [Format; 16] = [
+pub const FORMATS: [Format; 17] = [
     Format {
         name: "Table in text",
         endings: ".csv, .txt, .tsv, .dat",
@@ -74,6 +74,15 @@ pub const FORMATS: [Format; 16] = [
              from the attribute unit or units",
         ),
         is_own: hdf5::is_own,
+    },
+    Format {
+        name: "Time history of OpenRadioss",
+        endings: "T01",
+        support: Support::Read(
+            "energies of the model, GROUP/DZ of nodes, GROUP/impulse FZ of rigid bodies, in SI; of a deck of droptower's also \
+             displacement_m, velocity_m_s and acceleration_m_s2 of the impactor over the time of the test",
+        ),
+        is_own: t01::is_own,
     },
     Format {
         name: "Exports of tensile machines",

@@ -26,6 +26,7 @@ mod recording;
 pub mod resample;
 mod series;
 pub mod stored;
+pub mod t01;
 pub mod tdms;
 pub mod text;
 mod warning;

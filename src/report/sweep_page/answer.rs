@@ -17,7 +17,9 @@ pub(super) fn sentence(page: &SweepPage, columns: &Columns) -> String {
     let results = page.results;
     let scatter = columns.figures.first().and_then(|figure| {
         let of = quantiles(results, figure)?;
-        Some(format!("{} {}{}", capital(&figure.words), range(&figure.reading, of), cause(page, columns, figure)))
+        let runs = results.table.rows();
+        let part = if of.count < runs { format!(" (of {} of {runs} runs)", of.count) } else { String::new() };
+        Some(format!("{}{part} {}{}", capital(&figure.words), range(&figure.reading, of), cause(page, columns, figure)))
     });
     let count = results.table.rows();
     let none = match count {

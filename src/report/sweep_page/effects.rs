@@ -64,18 +64,24 @@ fn change(input: &Shown, figure: &Shown) -> Option<f64> {
 
 /// A tornado of each figure that is shown first (HTML).
 pub(super) fn tornadoes(page: &SweepPage, columns: &Columns) -> String {
-    let count = page.results.table.rows();
+    let of = |figure: &Shown| page.results.effects.iter().find(|effects| effects.figure == figure.key);
     let tornado = |figure: &Shown| {
+        let count = of(figure).map_or(0, |effects| effects.count);
         let lines: Vec<Line> = sorted(page, columns, figure).iter().map(|effect| line(effect, figure, count)).collect();
-        ranges(&capital(&figure.words), RangeLook::Bars, &lines)
+        let together = of(figure).and_then(|effects| effects.together).map_or_else(String::new, |[low, high]| {
+            let [low, high] = [low, high].map(|share| digits(rounded(share)));
+            format!("<p class=\"note\">Inputs that act together have {low} to {high} %.</p>\n")
+        });
+        ranges(&capital(&figure.words), RangeLook::Bars, &lines) + together.as_str()
     };
-    let all: String = columns.figures.iter().map(tornado).collect();
+    let rupture = page.results.table.column("ruptured").map(Shown::of_figure);
+    let all: String = columns.figures.iter().chain(rupture.as_ref().filter(|own| of(own).is_some())).map(tornado).collect();
     if all.is_empty() {
         return "<p class=\"note\">Not known: too few runs, or figures that do not vary.</p>\n".into();
     }
     let note = "Share of the variance of a figure that an input has alone, with its interval of 95 %; and by how much the \
-                figure changes from the value that 5 % of the runs are below to that which 95 % are below. What the \
-                shares lack of 100 % is due to inputs that act together.";
+                figure changes from the value that 5 % of the runs are below to that which 95 % are below. The intervals \
+                contain what the runs do not tell of any input.";
     format!("<div class=\"blocks\">\n{all}</div>\n<p class=\"note\">{note}</p>\n")
 }
 

@@ -11,7 +11,7 @@ use super::left_out::{self, LeftOut};
 use super::plan::Plan;
 use super::pulled;
 use super::rows::object;
-use super::test::{Signal, Test};
+use super::test::Test;
 use super::warning::Warning;
 use crate::identify::SearchHost;
 use crate::scenario_functions::Study;
@@ -70,7 +70,7 @@ impl Asked {
             let list = list.ok_or_else(|| refuse(format!("`{name}` must be an array of strains")))?;
             list.iter().map(|item| number(item, "a strain")).collect::<HostResult<Vec<f64>>>().map(Some)
         };
-        let ends = plan.tests.iter().filter(|test| test.pull.is_some()).flat_map(|test| &test.signals).map(end_of);
+        let ends = plan.tests.iter().filter(|test| test.pull.is_some()).flat_map(Test::recordings).map(end_of);
         let shortest = ends.fold(f64::INFINITY, f64::min);
         let strains = list("strains")?.unwrap_or_else(|| USUAL_SHARES.map(|share| share * shortest).into());
         if let Some(wrong) = strains.iter().find(|strain| !(0.0..=shortest).contains(*strain)) {
@@ -158,8 +158,8 @@ fn coupons(plan: &Plan) -> Vec<Coupon<'_>> {
     coupons
 }
 
-fn end_of(signal: &Signal) -> f64 {
-    signal.measured.time().last().copied().unwrap_or(0.0)
+fn end_of(recording: &Series) -> f64 {
+    recording.time().last().copied().unwrap_or(0.0)
 }
 
 /// Slope of stress over strain within the window, Pa.
@@ -172,18 +172,16 @@ fn modulus(series: &Series, window: [f64; 2]) -> Option<f64> {
 /// both are small, count by their stress.
 fn bias(test: &Test, simulated: &[Series]) -> f64 {
     let mut sums = [0.0; 2];
-    for (signal, simulated) in test.signals.iter().zip(simulated) {
-        for [strain, measured] in signal.measured.samples() {
-            if let Some(own) = simulated.value_at(strain) {
-                sums[0] += own - measured;
-                sums[1] += measured;
-            }
+    for [strain, measured] in test.recordings().flat_map(Series::samples) {
+        if let Some(own) = simulated.first().and_then(|own| own.value_at(strain)) {
+            sums[0] += own - measured;
+            sums[1] += measured;
         }
     }
     sums[0] / sums[1]
 }
 
-/// Error of all recordings of a test, relative to their stress.
+/// Error of the mean of the recordings of a test, relative to its stress.
 fn error(test: &Test, simulated: &[Series]) -> Option<f64> {
     let errors = test.signals.iter().zip(simulated).map(|(signal, own)| signal.errors.relative_error(own).ok());
     let squares = errors.map(|error| error.map(|error| error * error)).collect::<Option<Vec<_>>>()?;
@@ -195,7 +193,7 @@ fn row(asked: &Asked, coupon: &Coupon<'_>, fitted: &[Series], left: &LeftOut, of
     let test = coupon.test;
     let mean = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
     let measured = |value: &dyn Fn(&Series) -> Option<f64>| {
-        mean(test.signals.iter().filter_map(|signal| value(&signal.measured)).collect())
+        mean(test.recordings().filter_map(value).collect())
     };
     let of_law = |value: &dyn Fn(&Series) -> Option<f64>| fitted.first().and_then(value);
     let moduli = |series: &Series| modulus(series, asked.modulus).map(|slope| 1e-6 * slope);
@@ -242,7 +240,7 @@ fn doubt(
     }
     // What the pieces of the curves make of every modulus is no matter of the angle.
     let slope = |coupon: &Coupon<'_>| {
-        let measured = coupon.test.signals.iter().filter_map(|signal| modulus(&signal.measured, asked.modulus));
+        let measured = coupon.test.recordings().filter_map(|own| modulus(own, asked.modulus));
         let measured: Vec<f64> = measured.collect();
         let own = modulus(signals(coupon)?.first()?, asked.modulus)?;
         Some(own * measured.len() as f64 / measured.iter().sum::<f64>() - 1.0)
@@ -306,9 +304,9 @@ fn mirrored(coupons: &[Coupon<'_>]) -> Option<f64> {
     let pairs = coupons.iter().filter_map(|own| {
         let mirror = Direction::at(-own.direction.angle());
         let other = coupons.iter().find(|other| other.direction == mirror && mirror > own.direction)?;
-        let (signal, simulated) = (own.test.signals.first()?, &other.test.signals.first()?.measured);
-        let end = end_of(signal).min(end_of(other.test.signals.first()?));
-        let squares = signal.measured.samples().filter(|[strain, _]| *strain <= end).filter_map(|[strain, stress]| {
+        let [recorded, simulated] = [own.test.recordings().next()?, other.test.recordings().next()?];
+        let end = end_of(recorded).min(end_of(simulated));
+        let squares = recorded.samples().filter(|[strain, _]| *strain <= end).filter_map(|[strain, stress]| {
             simulated.value_at(strain).map(|other| [(other - stress).powi(2), stress * stress])
         });
         let [difference, level] = squares.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
@@ -393,7 +391,7 @@ fn force_plot(asked: &Asked, coupons: &[Coupon<'_>], laws: &[Law], place: usize)
 fn measured(coupons: &[Coupon<'_>], value: &dyn Fn(&Series, f64) -> Option<f64>) -> plot::Curve {
     let points = coupons.iter().flat_map(|coupon| {
         let angle = coupon.direction.degrees();
-        let values = coupon.test.signals.iter().filter_map(|signal| value(&signal.measured, coupon.section));
+        let values = coupon.test.recordings().filter_map(|own| value(own, coupon.section));
         values.map(move |own| [angle, own]).collect::<Vec<_>>()
     });
     plot::Curve { name: "coupons".into(), points: points.collect(), look: Look::Points }

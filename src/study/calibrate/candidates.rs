@@ -6,6 +6,7 @@ use serde_json::json;
 
 use super::error_model::Noise;
 use super::fit::Fit;
+use super::objective::CalibrationObjective;
 use super::plan::Plan;
 use super::pulled;
 use super::rows::object;
@@ -14,6 +15,7 @@ use super::verdict;
 use crate::scenario_functions::Scenarios;
 use crate::script::{HostResult, Row, Session, refuse};
 use nalgebra::DMatrix;
+use scene::model::Identity;
 
 /// Noise of a signal that was not recorded, as a share of it (assumed).
 const ASSUMED_NOISE: f64 = 0.01;
@@ -27,10 +29,20 @@ pub(super) fn compared(
     session: &Session,
 ) -> HostResult<Vec<Row>> {
     let mut rows = Vec::new();
+    let ends = CalibrationObjective::new(plan, fit.share, session).ends();
     for given in candidates {
-        let test = candidate(given, plan, fit, scenarios, session)?;
-        let added = derivatives(&test, plan, fit, session)?;
-        let information = verdict::information(plan, &fit.jacobian) + added.transpose() * &added;
+        let mut test = candidate(given, plan, fit, scenarios, session)?;
+        let repeated = plan.tests.iter().position(|own| is_repeat(&test, own));
+        let mut information = verdict::information(plan, &fit.jacobian);
+        if let Some(index) = repeated {
+            // One more recording of a test has less noise, and the same error of the model.
+            let rows = fit.jacobian.rows(ends[index], ends[index + 1] - ends[index]);
+            information -= rows.tr_mul(&rows);
+            test = Test { name: test.name, ..plan.tests[index].clone() };
+            test.signals.iter_mut().for_each(|own| own.errors.repeat(own.recordings.len()));
+        }
+        let added = derivatives(&test, repeated, plan, fit, session)?;
+        information += added.tr_mul(&added);
         let covariance = verdict::inverse(&information);
         for (index, unknown) in plan.unknowns.iter().enumerate() {
             let alone = information[(index, index)].sqrt().recip();
@@ -39,11 +51,18 @@ pub(super) fn compared(
             rows.push(object(json!({
                 "candidate": test.name, "parameter": unknown.name, "half_width_now": now.half_width,
                 "half_width_then": then.half_width, "reduction": 1.0 - then.deviation / now.deviation,
-                "verdict_then": then.verdict.to_string(),
+                "verdict_then": then.verdict.to_string(), "repeats": repeated.map(|index| &plan.tests[index].name),
             })));
         }
     }
     Ok(rows)
+}
+
+/// Whether a candidate is a test that was made: the same run, compared by the same signals.
+fn is_repeat(candidate: &Test, test: &Test) -> bool {
+    let names = |own: &Test| own.signals.iter().map(|signal| signal.name).collect::<Vec<_>>();
+    let runs = [candidate, test].map(|own| Identity::from_model(own.study.model()).ok());
+    !test.signals.is_empty() && names(candidate) == names(test) && runs[0].is_some() && runs[0] == runs[1]
 }
 
 /// A candidate, whose recording would be its own simulation at the best point.
@@ -74,17 +93,29 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
     map.insert("recordings".into(), signals.into());
     let tolerances = Tolerances { noise: Noise::Share(ASSUMED_NOISE), correlation: plan.correlation };
     let mut test = Test::read(&map.into(), scenarios, tolerances, session)?;
-    // Contact makes simulated signals rough, which is noise as it is of the tests.
+    let along = plan.tests.iter().flat_map(|test| &test.signals).find(|own| own.distance.is_residuals());
+    // Contact makes simulated signals rough, which is noise as it is of the tests; the model's error is as smooth as theirs.
     for signal in &mut test.signals {
-        let own = signal.measured.clone();
+        let own = signal.recordings[0].clone();
         signal.errors.add_roughness(&own).map_err(|error| refuse(format!("{}: {error}", test.name)))?;
+        if let Some(along) = along {
+            signal.errors.set_shape(along.errors.shape());
+        }
     }
     Ok(test)
 }
 
-/// Derivatives of the residuals of a test by the coordinates of all unknowns, by central differences.
-fn derivatives(test: &Test, plan: &Plan, fit: &Fit, session: &Session) -> HostResult<DMatrix<f64>> {
-    let shared: Vec<usize> = (0..plan.unknowns.len()).filter(|index| plan.unknowns[*index].test.is_none()).collect();
+/// Derivatives of the residuals of a test by the coordinates of all unknowns, by central differences; of one that repeats a test,
+/// by those that are its own, too.
+fn derivatives(
+    test: &Test,
+    repeated: Option<usize>,
+    plan: &Plan,
+    fit: &Fit,
+    session: &Session,
+) -> HostResult<DMatrix<f64>> {
+    let shared = |index: &usize| plan.unknowns[*index].test.is_none();
+    let shared = repeated.map_or_else(|| (0..plan.unknowns.len()).filter(shared).collect(), |own| plan.acting_on(own));
     let step = |index: usize| {
         let [low, high] = plan.parameter_of(&plan.unknowns[index]).within;
         let size = if fit.values[index] == 0.0 { 1.0 } else { fit.values[index].abs() };
@@ -98,12 +129,12 @@ fn derivatives(test: &Test, plan: &Plan, fit: &Fit, session: &Session) -> HostRe
         let mut values = fit.values.clone();
         let [low, high] = plan.parameter_of(&plan.unknowns[*index]).within;
         values[*index] = (values[*index] + sign * step(*index)).clamp(low, high);
-        let study = test.study.with(plan.shared_changes(&values, &taken), session)?;
+        let shared = || plan.shared_changes(&values, &taken);
+        let study = test.study.with(repeated.map_or_else(shared, |own| plan.changes(own, &values)), session)?;
         let simulated = test.simulated(&study, session)?;
         let mut residuals = vec![values[*index]];
         for (signal, simulated) in test.signals.iter().zip(&simulated) {
-            let variances = signal.variances(share);
-            residuals.extend(signal.residuals(simulated, &variances).map_err(refuse)?);
+            residuals.extend(signal.residuals(simulated, share, false).map_err(refuse)?);
         }
         Ok(residuals)
     };

@@ -1,6 +1,8 @@
 //! How a simulated signal is compared with a measured one: residuals along it, or one number about it.
 
-use super::error_model::ErrorModel;
+use nalgebra::DVector;
+
+use super::error_model::{ErrorModel, SignalError, root_mean_square};
 use crate::script::Options;
 use base::removed;
 use lab::signal::{Series, rating};
@@ -54,22 +56,24 @@ impl Distance {
         *self == Distance::Residuals
     }
 
-    /// What a simulated signal differs by from the measured one, in coordinates whose errors are independent.
-    pub(super) fn differences(
+    /// What a simulated signal differs by from the recordings: bin by bin over the noise, or one number, the root mean square of
+    /// those of the recordings, which have the model's error in common.
+    pub(super) fn scaled(
         &self,
         errors: &ErrorModel,
-        measured: &Series,
+        recordings: &[Series],
         simulated: &Series,
-    ) -> Result<Vec<f64>, String> {
+    ) -> Result<DVector<f64>, String> {
+        let wrong = |error: SignalError| error.to_string();
         match *self {
-            Distance::Residuals => errors.rotated(simulated).map_err(|error| error.to_string()),
+            Distance::Residuals => errors.scaled(simulated).map_err(wrong),
             Distance::ErrorNorm(error) => {
-                let found = errors.relative_error(simulated).map_err(|error| error.to_string())?;
-                Ok(vec![found / error])
+                Ok(DVector::from_element(1, errors.relative_error(simulated).map_err(wrong)? / error))
             }
             Distance::Rating(error) => {
-                let found = rating::rate(measured, simulated).map_err(|error| error.to_string())?;
-                Ok(vec![(1.0 - found.overall) / error])
+                let rated = recordings.iter().map(|measured| rating::rate(measured, simulated).map(|own| 1.0 - own.overall));
+                let rated = rated.collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
+                Ok(DVector::from_element(1, root_mean_square(&rated) / error))
             }
         }
     }
@@ -78,7 +82,7 @@ impl Distance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::error_model::{Correlation, Noise};
+    use crate::calibrate::error_model::{Noise, Recorded, Shape};
 
     fn wave(shift: f64, factor: f64) -> Series {
         let time: Vec<f64> = (0..=400).map(|sample| 2.5e-4 * f64::from(sample)).collect();
@@ -89,8 +93,9 @@ mod tests {
     fn of(distance: Distance, simulated: &Series) -> f64 {
         let measured = wave(0.0, 100.0);
         let all = [f64::NEG_INFINITY, f64::INFINITY];
-        let errors = ErrorModel::new(&measured, all, Noise::FromRecording, Correlation::Share(0.03), None).unwrap();
-        distance.differences(&errors, &measured, simulated).unwrap()[0]
+        let recorded = [Recorded::new(&measured, all, None).unwrap()];
+        let errors = ErrorModel::new(&recorded, Noise::FromRecording, Shape::all(None)[0]).unwrap();
+        distance.scaled(&errors, &[measured], simulated).unwrap()[0]
     }
 
     const ALL: [Distance; 2] = [Distance::ErrorNorm(0.05), Distance::Rating(0.05)];

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::error_model::{Correlation, ErrorModel, most_likely_share};
+use super::error_model::{Correlation, Left, Shape, most_likely};
 use super::objective::CalibrationObjective;
 use super::plan::Plan;
 use super::test::Test;
@@ -23,6 +23,8 @@ use lab::signal::Series;
 const LEAST_SMOOTH: f64 = 0.01;
 /// Searches with the noise and the model's error that the last one leaves, at most.
 const ROUNDS: usize = 3;
+/// Logarithm of a likelihood over another from which on it counts as larger.
+const LIKELIER: f64 = 2.0;
 /// Change of their logarithms below which the search is not repeated.
 const SAME: f64 = 0.15;
 
@@ -96,9 +98,7 @@ impl Fit {
         // It begins where another search ended: at a bound, if that did.
         let own = result.warnings.iter().filter(|own| !matches!(own, identify::Warning::StartOnBound { .. }));
         findings.extend(own.map(Finding::new));
-        if plan.estimates_share() {
-            findings.push(Finding::new(&Warning::ModelError { share, correlation: correlation(plan) }));
-        }
+        findings.extend(of_errors(plan, &simulated, share)?.iter().map(Finding::new));
         findings.extend(over_travel(plan).map(|warning| Finding::new(&warning)));
         let Linear { jacobian, at_bounds } = linear(plan, &values, share, host, session, phases)?;
         let x = plan.coordinates(&values);
@@ -124,8 +124,10 @@ fn with_what_is_left(
     session: &Session,
     so_far: &mut SoFar,
 ) -> HostResult<(SearchResult, Vec<Vec<Series>>, f64)> {
-    let mut share = plan.first_share();
     let mut rounds = 0;
+    let mut simulated = simulated_at(plan, &values, session)?;
+    add_roughness(plan, &simulated);
+    let mut share = estimated(plan, &simulated)?;
     loop {
         let objective = CalibrationObjective::new(plan, share, session);
         let labels = so_far.labels(plan, format!("weighted by noise and model error, {}", rounds + 1));
@@ -134,15 +136,12 @@ fn with_what_is_left(
         values = found.best.x.clone();
         rounds += 1;
         let before = noises(plan);
-        let simulated = simulated_at(plan, &values, session)?;
+        simulated = simulated_at(plan, &values, session)?;
         add_roughness(plan, &simulated);
         let changes = noises(plan).into_iter().zip(before).map(|(now, before)| (now / before).ln().abs());
-        let mut change = changes.fold(0.0, f64::max);
-        if plan.estimates_share() {
-            let estimated = most_likely_share(&left(plan, &simulated)?);
-            change = change.max((estimated.max(1e-4) / share.max(1e-4)).ln().abs());
-            share = estimated;
-        }
+        let then = estimated(plan, &simulated)?;
+        let change = changes.fold((then.max(1e-4) / share.max(1e-4)).ln().abs(), f64::max);
+        share = then;
         if change < SAME {
             return Ok((found, simulated, share));
         }
@@ -151,6 +150,52 @@ fn with_what_is_left(
             return Ok((found, simulated, share));
         }
     }
+}
+
+/// The model's error that these simulated signals leave, where it is estimated; its shape becomes that of the signals, of a
+/// test where another is likelier by far than the one that they have.
+fn estimated(plan: &mut Plan, simulated: &[Vec<Series>]) -> HostResult<f64> {
+    if !plan.has_residuals() {
+        return Ok(plan.first_share());
+    }
+    let shapes: Vec<Vec<Shape>> = (0..plan.tests.len()).map(|test| plan.shapes(test)).collect();
+    let given = (!plan.estimates_share()).then(|| plan.first_share());
+    let (share, found) = most_likely(&left(plan, simulated, &shapes)?, given);
+    for (test, (shape, gain)) in plan.tests.iter_mut().zip(found) {
+        if gain > LIKELIER {
+            test.signals.iter_mut().for_each(|signal| signal.errors.set_shape(shape));
+        }
+    }
+    Ok(share)
+}
+
+/// What is said of the model's error: its estimate, and where another length than the one that is given is likelier.
+fn of_errors(plan: &Plan, simulated: &[Vec<Series>], share: f64) -> HostResult<Vec<Warning>> {
+    let along = |test: &&Test| test.signals.iter().any(|own| own.distance.is_residuals());
+    let mut found = Vec::new();
+    if plan.estimates_share() {
+        let mut shapes: Vec<String> = Vec::new();
+        for test in plan.tests.iter().filter(along) {
+            let shape = test.signals[0].errors.shape().to_string();
+            if !shapes.contains(&shape) {
+                shapes.push(shape);
+            }
+        }
+        found.push(Warning::ModelError { share, correlation: shapes.join("; ") });
+    }
+    if plan.correlation.is_some() {
+        let any = vec![Shape::all(None); plan.tests.len()];
+        let (_, others) = most_likely(&left(plan, simulated, &any)?, None);
+        let given = plan.tests.iter().map(|test| test.shapes(plan.correlation)).collect::<Vec<_>>();
+        let (_, own) = most_likely(&left(plan, simulated, &given)?, None);
+        for ((test, (shape, gain)), (_, own)) in plan.tests.iter().zip(others).zip(own).filter(|((test, _), _)| along(test)) {
+            let gain = gain - own;
+            if gain > LIKELIER {
+                found.push(Warning::ModelErrorShape { test: test.name.clone(), shape: shape.to_string(), gain });
+            }
+        }
+    }
+    Ok(found)
 }
 
 /// The end of a search in the linear model.
@@ -247,19 +292,18 @@ pub(super) fn labels(plan: &Plan) -> Labels {
     }
 }
 
-/// What these simulated signals, of those that are compared along their length, leave, in the eigenvectors of the model's error,
-/// with the weight of their test.
-fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>]) -> HostResult<Vec<(&'p ErrorModel, f64, Vec<f64>)>> {
-    let mut found = Vec::new();
-    for (test, simulated) in plan.tests.iter().zip(simulated) {
+/// What these simulated signals leave of every test, of those signals that are compared along their length; the model's error
+/// of a test may have these shapes.
+fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>], shapes: &'p [Vec<Shape>]) -> HostResult<Vec<Left<'p>>> {
+    let of_test = |((test, simulated), shapes): ((&'p Test, &Vec<Series>), &'p Vec<Shape>)| {
         let along = test.signals.iter().zip(simulated).filter(|(signal, _)| signal.distance.is_residuals());
-        for (signal, simulated) in along {
-            let rotated =
-                signal.errors.rotated(simulated).map_err(|error| refuse(format!("{}: {error}", test.name)))?;
-            found.push((&signal.errors, test.weight, rotated));
-        }
-    }
-    Ok(found)
+        let scaled = along.map(|(signal, simulated)| {
+            let scaled = signal.errors.scaled(simulated);
+            Ok((&signal.errors, scaled.map_err(|error| refuse(format!("{}: {error}", test.name)))?))
+        });
+        Ok(Left { signals: scaled.collect::<HostResult<_>>()?, weight: test.weight, shapes })
+    };
+    plan.tests.iter().zip(simulated).zip(shapes).map(of_test).collect()
 }
 
 /// Simulated signals of every test with these values.
@@ -289,16 +333,9 @@ fn noises(plan: &Plan) -> Vec<f64> {
     plan.tests.iter().flat_map(|test| &test.signals).map(|signal| signal.errors.noise()).collect()
 }
 
-fn correlation(plan: &Plan) -> String {
-    match plan.correlation {
-        Correlation::Length(length) => format!("{} ms", base::number::significant(1e3 * length, 3)),
-        Correlation::Share(share) => format!("{} % of the window", base::number::significant(100.0 * share, 3)),
-    }
-}
-
 /// The finding of signals over travel where the correlation of the model's error was given as a time.
 fn over_travel(plan: &Plan) -> Option<Warning> {
-    let Correlation::Length(_) = plan.correlation else { return None };
+    let Some(Correlation::Length(_)) = plan.correlation else { return None };
     let along = |test: &&Test| test.signals.iter().any(|own| own.is_over_travel() && own.distance.is_residuals());
     let tests: Vec<String> = plan.tests.iter().filter(along).map(|test| test.name.clone()).collect();
     (!tests.is_empty()).then_some(Warning::CorrelationOverTravel { tests })

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::outcome::Outcomes;
 use super::plan::{Plan, Stage};
-use super::test::Test;
+use super::test::{Signal, Test};
 use crate::identify::{Evaluation, FatalError, Objective, Trial};
 use crate::script::{HostResult, Session, is_numerical, refuse, thrown};
 use base::cancellation::Cancellation;
@@ -34,11 +34,7 @@ impl<'a> CalibrationObjective<'a> {
     fn residuals_of(&self, test: &Test, simulated: &[Series]) -> Result<Vec<f64>, String> {
         let mut residuals = Vec::new();
         for (signal, simulated) in test.signals.iter().zip(simulated) {
-            let variances = match self.is_plain {
-                true => signal.plain_variances(self.share),
-                false => signal.variances(self.share),
-            };
-            let own = signal.residuals(simulated, &variances)?.into_iter();
+            let own = signal.residuals(simulated, self.share, self.is_plain)?.into_iter();
             residuals.extend(own.map(|residual| test.weight.sqrt() * residual));
         }
         Ok(residuals)
@@ -53,7 +49,7 @@ impl<'a> CalibrationObjective<'a> {
             return Ok((own.simulated(&study.with(changes, session)?, session)?, Vec::new()));
         };
         let (run, demands) = outcomes.run(changes, !own.signals.is_empty(), session)?;
-        let signals = own.signals.iter().zip(run.iter().cycle()).map(|(signal, run)| signal.simulated(run));
+        let signals = run.iter().flat_map(|run| own.signals.iter().map(move |signal| signal.simulated(run)));
         Ok((signals.collect::<HostResult<_>>()?, demands))
     }
 
@@ -113,7 +109,7 @@ impl<'a> CalibrationObjective<'a> {
 
     /// Number of differences of a test's signals.
     pub(super) fn compared(&self, test: usize) -> usize {
-        self.plan.tests[test].signals.iter().map(|signal| signal.variances(self.share).len()).sum()
+        self.plan.tests[test].signals.iter().map(Signal::count).sum()
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use rhai::{Array, Dynamic, Map};
 
 use super::curve_parameter;
-use super::error_model::{Correlation, Noise, USUAL_CORRELATION};
+use super::error_model::{Correlation, Noise, Shape};
 use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
 use super::parameter::{Parameter, Role, Unknown};
 use super::test::{self, Test, Tolerances};
@@ -36,8 +36,8 @@ pub(super) struct Plan {
     pub(super) parameters: Vec<Parameter>,
     pub(super) unknowns: Vec<Unknown>,
     pub(super) discrepancy: Discrepancy,
-    /// Of the model's error.
-    pub(super) correlation: Correlation,
+    /// Length over which the model's error is correlated; none where that is not known.
+    pub(super) correlation: Option<Correlation>,
     /// Scenarios of the tests in the stages before the last, coarser as a rule.
     pub(super) stages: Vec<Vec<Stage>>,
     pub(super) search: SearchOptions,
@@ -242,6 +242,13 @@ impl Plan {
             Discrepancy::Estimated if self.estimates_share() => FIRST_SHARE,
             Discrepancy::Estimated => 0.0,
         }
+    }
+
+    /// The shapes that the model's error of a test may have; of numbers that are no differences along a signal there is one.
+    pub(super) fn shapes(&self, test: usize) -> Vec<Shape> {
+        let mut shapes = self.tests[test].shapes(self.correlation);
+        shapes.truncate(if self.has_residuals() { shapes.len() } else { 1 });
+        shapes
     }
 
     /// The model's error of a signal of which no test tells: what is given, or its median before the tests.
@@ -553,31 +560,34 @@ impl SearchOptions {
 }
 
 /// The model's error that an option gives: a share, a map of share and correlation, or "estimated".
-fn discrepancy(given: Option<&Dynamic>) -> Result<(Discrepancy, Correlation), String> {
-    let Some(given) = given else { return Ok((Discrepancy::Estimated, USUAL_CORRELATION)) };
+fn discrepancy(given: Option<&Dynamic>) -> Result<(Discrepancy, Option<Correlation>), String> {
+    let Some(given) = given else { return Ok((Discrepancy::Estimated, None)) };
     let share = |value: &Dynamic| match (value.clone().into_string(), number(value, "share")) {
         (Ok(text), _) if text == "estimated" => Ok(Discrepancy::Estimated),
         (_, Ok(share)) if (0.0..1.0).contains(&share) => Ok(Discrepancy::Given(share)),
         _ => Err(format!("the share of `discrepancy` is \"estimated\" or 0 to 1, not {value}")),
     };
-    let Some(map) = given.read_lock::<Map>() else { return Ok((share(given)?, USUAL_CORRELATION)) };
+    let Some(map) = given.read_lock::<Map>() else { return Ok((share(given)?, None)) };
     if let Some(other) = map.keys().find(|key| !["share", "correlation"].contains(&key.as_str())) {
         return Err(format!("`discrepancy` has no option `{other}`; it takes share, correlation"));
     }
     let size = map.get("share").map_or(Ok(Discrepancy::Estimated), share)?;
-    let correlation = match map.get("correlation") {
-        None => USUAL_CORRELATION,
-        Some(value) => match value.clone().into_string() {
-            Ok(text) => {
-                Correlation::Length(Time::DIMENSION.parse(&text).map_err(|error| format!("correlation: {error}"))?)
-            }
-            Err(_) => Correlation::Share(number(value, "correlation").map_err(|error| error.to_string())?),
-        },
+    Ok((size, map.get("correlation").map(correlation).transpose()?))
+}
+
+/// The length over which the model's error is correlated: a time, or a share of the window.
+fn correlation(given: &Dynamic) -> Result<Correlation, String> {
+    const OF_WINDOW: &str = "% of the window";
+    let text = given.clone().into_string().map_err(|_| {
+        format!("`correlation` is a time such as \"2 ms\" or a share such as \"3 {OF_WINDOW}\", not the number {given}")
+    })?;
+    let found = match text.strip_suffix(OF_WINDOW) {
+        Some(percent) => {
+            let share = percent.trim().parse::<f64>();
+            Correlation::Share(share.map_err(|_| format!("correlation: expected a number before {OF_WINDOW}"))? / 100.0)
+        }
+        None => Correlation::Length(Time::DIMENSION.parse(&text).map_err(|error| format!("correlation: {error}"))?),
     };
-    let (Correlation::Length(length) | Correlation::Share(length)) = correlation;
-    if length > 0.0 && length.is_finite() {
-        Ok((size, correlation))
-    } else {
-        Err("`correlation` must be above zero".into())
-    }
+    let (Correlation::Length(length) | Correlation::Share(length)) = found;
+    if length > 0.0 && length.is_finite() { Ok(found) } else { Err("`correlation` must be above zero".into()) }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::error_model::{ErrorModel, Noise, USUAL_CORRELATION};
+use super::error_model::{ErrorModel, Noise, Recorded, Shape, root_mean_square};
 use super::outcome::{self, BREAK_FACTORS};
 use super::parameter::{Role, Unknown};
 use super::plan::{BreakUnknowns, Plan};
@@ -382,7 +382,9 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
 /// the model's error and the noise of the recording; of bins that all runs reach.
 fn within_band(recorded: &Series, window: [f64; 2], class: Option<f64>, signals: &[(Series, f64)]) -> Vec<bool> {
     let reached = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(window[1], f64::min);
-    let errors = ErrorModel::new(recorded, [window[0], reached], Noise::FromRecording, USUAL_CORRELATION, class);
+    let recorded = Recorded::new(recorded, [window[0], reached], class);
+    // Of noise and means alone.
+    let errors = recorded.and_then(|own| ErrorModel::new(&[own], Noise::FromRecording, Shape::all(None)[0]));
     let Ok(errors) = errors else { return Vec::new() };
     let of_run = |(own, share): &(Series, f64)| {
         let means = errors.means(own).ok()?;
@@ -404,13 +406,6 @@ fn loading(run: &Run, all: [f64; 2]) -> [f64; 2] {
         Some(lowest) if lowest > all[0] => [all[0].max(0.0), lowest],
         _ => all,
     }
-}
-
-fn root_mean_square(values: &[f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
 /// Ends of 95 % of what one more run would have, of some runs' values, each with the deviation of its model's error: ends at the

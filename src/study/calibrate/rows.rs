@@ -32,18 +32,19 @@ pub(super) fn parameters(plan: &Plan, values: &[f64], known: &[Knowledge], basis
     plan.unknowns.iter().zip(values).zip(known).map(row).collect()
 }
 
-/// One row a signal of each recording: how well it is met.
+/// One row a signal: how well its recordings are met.
 pub(super) fn tests(plan: &Plan, fit: &Fit) -> Vec<Row> {
     let mut rows = Vec::new();
     for (test, simulated) in plan.tests.iter().zip(&fit.simulated) {
         for (signal, simulated) in test.signals.iter().zip(simulated) {
             let error = signal.errors.relative_error(simulated).ok();
-            let rotated = signal.errors.rotated(simulated).ok();
-            let squares = rotated.map(|own| signal.errors.whitened(&own, fit.share).iter().map(|r| r * r).sum::<f64>());
+            let scaled = signal.errors.scaled(simulated).ok();
+            let squares = scaled.map(|own| signal.errors.whitened(&own, fit.share).iter().map(|r| r * r).sum::<f64>());
             rows.push(object(json!({
                 "test": test.name, "signal": signal.name, "relative_error": error, "noise": signal.errors.noise(),
                 "unit": signal.column.unit, "bins": signal.errors.bins(),
                 "mean_square_residual": squares.map(|sum| sum / signal.errors.bins() as f64), "weight": test.weight,
+                "recordings": signal.recordings.len(),
             })));
         }
     }
@@ -118,15 +119,13 @@ pub(super) fn plots(plan: &Plan, fit: &Fit) -> Vec<Plot> {
                 let points = series.samples().map(|[x, y]| [x * factor, y * signal.column.factor]).collect();
                 Curve { name: name.into(), points, look }.thinned(MOST_POINTS)
             };
+            // Several recordings of one test have one calibrated curve.
+            let end = signal.recordings.iter().flat_map(|own| own.time().last()).copied().fold(f64::NEG_INFINITY, f64::max);
+            let start = signal.recordings.iter().flat_map(|own| own.time().first()).copied().fold(f64::INFINITY, f64::min);
+            let mut curves = vec![curve("calibrated", &simulated.window([start, end]), Look::Line)];
+            curves.extend(signal.recordings.iter().map(|own| curve("measured", own, Look::Dashed)));
             let title = format!("{}: {}", test.name, signal.name);
-            let measured = curve("measured", &signal.measured, Look::Dashed);
-            let [from, to] = [signal.measured.time()[0], signal.measured.time()[signal.measured.len() - 1]];
-            let own = curve("calibrated", &simulated.window([from, to]), Look::Line);
-            match plots.iter_mut().find(|plot| plot.title == title) {
-                // Several recordings of one test have one calibrated curve.
-                Some(plot) => plot.curves.push(measured),
-                None => plots.push(Plot::new(title, [x, signal.column.axis], vec![own, measured])),
-            }
+            plots.push(Plot::new(title, [x, signal.column.axis], curves));
         }
     }
     plots

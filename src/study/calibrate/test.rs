@@ -3,7 +3,9 @@
 use rhai::{Array, Dynamic, EvalAltResult, Map};
 
 use super::distance::Distance;
-use super::error_model::{Correlation, ErrorModel, Noise, USUAL_CORRELATION};
+use nalgebra::DVector;
+
+use super::error_model::{Correlation, ErrorModel, Noise, Recorded, Shape, SignalError, Spectrum};
 use super::outcome::{self, Outcomes};
 use super::parameter::texts;
 use super::pulled;
@@ -28,7 +30,7 @@ pub(super) struct Test {
     pub(super) own: Vec<String>,
     /// What its squared residuals are multiplied by.
     pub(super) weight: f64,
-    /// Its signals, once a recording.
+    /// Its signals, each with all of its recordings.
     pub(super) signals: Vec<Signal>,
     /// Whether its film held, and what else is known of its rupture.
     pub(super) outcomes: Option<Outcomes>,
@@ -36,7 +38,7 @@ pub(super) struct Test {
     pub(super) pull: Option<Across>,
 }
 
-/// A signal of a test that is compared with one recording.
+/// A signal of a test that is compared with its recordings, which share what the model is off by.
 #[derive(Clone)]
 pub(super) struct Signal {
     /// Its name in scripts.
@@ -45,8 +47,8 @@ pub(super) struct Signal {
     pub(super) column: &'static Column,
     /// What it is compared over; none for time.
     over: Option<&'static Column>,
-    /// The recording in the window.
-    pub(super) measured: Series,
+    /// The recordings in their windows.
+    pub(super) recordings: Vec<Series>,
     /// What the two may differ by.
     pub(super) errors: ErrorModel,
     /// How they are compared.
@@ -57,8 +59,8 @@ pub(super) struct Signal {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tolerances {
     pub(super) noise: Noise,
-    /// Of time signals.
-    pub(super) correlation: Correlation,
+    /// Length over which the model's error is correlated, of time signals where it is a time; none where it is not known.
+    pub(super) correlation: Option<Correlation>,
 }
 
 /// Options of a test.
@@ -144,19 +146,21 @@ impl Test {
         }
         if self.pull.is_some() {
             let reading = Reading { over: Some(&column::STRAIN), ..reading };
-            let signals = recordings.iter().map(|recording| reading.pulled(recording));
-            let signals = signals.collect::<HostResult<Vec<_>>>()?;
-            return Ok(Test { signals, ..self });
+            let recorded = recordings.iter().map(|recording| reading.pulled(recording));
+            let signal = reading.signal(&column::STRESS, recorded.collect::<HostResult<Vec<_>>>()?)?;
+            return Ok(Test { signals: vec![signal], ..self });
         }
-        let mut signals = Vec::new();
+        let mut recorded: Vec<Vec<Recorded>> = vec![Vec::new(); columns.len()];
         let mut longest: Option<(f64, Study)> = None;
         for recording in &recordings {
             let (own, end, found) = reading.recording(&self.study, recording, &columns, session)?;
-            signals.extend(found);
+            recorded.iter_mut().zip(found).for_each(|(all, one)| all.push(one));
             if longest.as_ref().is_none_or(|(latest, _)| end > *latest) {
                 longest = Some((end, own));
             }
         }
+        let signals = columns.iter().zip(recorded).map(|(column, recorded)| reading.signal(column, recorded));
+        let signals = signals.collect::<HostResult<Vec<_>>>()?;
         Ok(match longest {
             Some((_, study)) => Test { signals, study, ..self },
             None => Test { signals, ..self },
@@ -169,9 +173,22 @@ impl Test {
             let run = study.simulate(session)?;
             return self.signals.iter().map(|signal| signal.simulated(&run)).collect();
         };
-        let ends = self.signals.iter().filter_map(|signal| signal.measured.time().last());
-        let series = pulled::simulated(study, across, ends.copied().fold(0.0, f64::max))?;
-        Ok(vec![series; self.signals.len()])
+        let end = self.signals.iter().map(Signal::end).fold(0.0, f64::max);
+        Ok(vec![pulled::simulated(study, across, end)?])
+    }
+
+    /// All recordings of all signals.
+    pub(super) fn recordings(&self) -> impl Iterator<Item = &Series> {
+        self.signals.iter().flat_map(|signal| &signal.recordings)
+    }
+
+    /// The shapes that the model's error of its signals may have: of time signals those of a length that is given.
+    pub(super) fn shapes(&self, length: Option<Correlation>) -> Vec<Shape> {
+        match length {
+            // A time says nothing of a travel; a finding says so.
+            Some(Correlation::Length(_)) if self.signals.iter().any(Signal::is_over_travel) => Shape::all(None),
+            length => Shape::all(length),
+        }
     }
 }
 
@@ -192,7 +209,7 @@ impl Reading<'_> {
         recording: &Dynamic,
         columns: &[&'static Column],
         session: &Session,
-    ) -> HostResult<(Study, f64, Vec<Signal>)> {
+    ) -> HostResult<(Study, f64, Vec<Recorded>)> {
         let given = recording.read_lock::<Map>().map(|map| map.clone());
         if let Some(map) = given {
             return self.given(study, &map, columns);
@@ -222,7 +239,7 @@ impl Reading<'_> {
                 let known = "an impact is compared by `acceleration` and `displacement`";
                 return Err((self.in_test)(format!("its recording has no `{}`: {known}", column.short)));
             };
-            self.signal(column, &series, comparison.window, class)
+            self.recorded(column, &series, comparison.window, class)
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
         Ok((study, comparison.window[1], signals))
@@ -234,17 +251,17 @@ impl Reading<'_> {
     }
 
     /// Signals that the script gives, over time or over what is asked for.
-    fn given(&self, study: &Study, map: &Map, columns: &[&'static Column]) -> HostResult<(Study, f64, Vec<Signal>)> {
+    fn given(&self, study: &Study, map: &Map, columns: &[&'static Column]) -> HostResult<(Study, f64, Vec<Recorded>)> {
         let signals = columns.iter().map(|column| {
             let series =
                 map.get(column.short).and_then(|value| value.read_lock::<Series>().map(|series| series.clone()));
             let missing = || (self.in_test)(format!("a recording of signals has no `{}`", column.short));
             let series = series.ok_or_else(missing)?;
             let window = self.window(&series)?;
-            self.signal(column, &series, window, None)
+            self.recorded(column, &series, window, None)
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
-        let end = signals.iter().filter_map(|signal| signal.measured.time().last().copied()).fold(0.0, f64::max);
+        let end = signals.iter().filter_map(|own| own.series.time().last().copied()).fold(0.0, f64::max);
         Ok((study.clone(), end, signals))
     }
 
@@ -255,7 +272,7 @@ impl Reading<'_> {
         recording: &Dynamic,
         columns: &[&'static Column],
         session: &Session,
-    ) -> HostResult<(Study, f64, Vec<Signal>)> {
+    ) -> HostResult<(Study, f64, Vec<Recorded>)> {
         let path = recording.clone().into_string();
         let path = path.map_err(|_| (self.in_test)("name its `recordings`: one file or an array of files".into()))?;
         let path = std::path::Path::new(&path);
@@ -277,18 +294,18 @@ impl Reading<'_> {
                 Some(over) => over_abscissa(&channel(over)?, &channel(column)?),
             };
             let window = self.window(&series)?;
-            self.signal(column, &series, window, None)
+            self.recorded(column, &series, window, None)
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
-        let end = signals.iter().filter_map(|signal| signal.measured.time().last().copied()).fold(0.0, f64::max);
+        let end = signals.iter().filter_map(|own| own.series.time().last().copied()).fold(0.0, f64::max);
         Ok((study.clone(), end, signals))
     }
 
     /// Stress over strain of a coupon.
-    fn pulled(&self, recording: &Dynamic) -> HostResult<Signal> {
+    fn pulled(&self, recording: &Dynamic) -> HostResult<Recorded> {
         let series = pulled::recorded(recording).map_err(self.in_test)?;
         let window = pulled::window(self.window).map_err(self.in_test)?;
-        self.signal(&column::STRESS, &series, window, None)
+        self.recorded(&column::STRESS, &series, window, None)
     }
 
     /// The window that the options give, or all of the signal.
@@ -311,22 +328,21 @@ impl Reading<'_> {
         if window[0] < window[1] && !series.is_empty() { Ok(window) } else { Err(wrong()) }
     }
 
-    fn signal(
-        &self,
-        column: &'static Column,
-        series: &Series,
-        window: [f64; 2],
-        class: Option<f64>,
-    ) -> HostResult<Signal> {
-        let correlation = match (self.tolerances.correlation, self.over) {
-            // A time says nothing of a travel; a finding says so.
-            (Correlation::Length(_), Some(_)) => USUAL_CORRELATION,
-            (correlation, _) => correlation,
-        };
-        let errors = ErrorModel::new(series, window, self.tolerances.noise, correlation, class);
-        let errors = errors.map_err(|error| (self.in_test)(format!("{}: {error}", column.short)))?;
-        let measured = series.window(window);
-        Ok(Signal { name: column.short, column, over: self.over, measured, errors, distance: self.distance })
+    fn recorded(&self, column: &Column, series: &Series, window: [f64; 2], class: Option<f64>) -> HostResult<Recorded> {
+        Recorded::new(series, window, class).map_err(|error| self.of_column(column, &error))
+    }
+
+    /// A signal with all of its recordings.
+    fn signal(&self, column: &'static Column, recorded: Vec<Recorded>) -> HostResult<Signal> {
+        let length = self.tolerances.correlation.filter(|own| self.over.is_none() || matches!(own, Correlation::Share(_)));
+        let errors = ErrorModel::new(&recorded, self.tolerances.noise, Shape::all(length)[0]);
+        let errors = errors.map_err(|error| self.of_column(column, &error))?;
+        let recordings = recorded.into_iter().map(|own| own.series).collect();
+        Ok(Signal { name: column.short, column, over: self.over, recordings, errors, distance: self.distance })
+    }
+
+    fn of_column(&self, column: &Column, error: &SignalError) -> Box<EvalAltResult> {
+        (self.in_test)(format!("{}: {error}", column.short))
     }
 }
 
@@ -340,45 +356,53 @@ impl Signal {
         })
     }
 
-    /// What a simulated signal differs by from the recording, in coordinates whose errors are independent.
-    pub(super) fn differences(&self, simulated: &Series) -> Result<Vec<f64>, String> {
-        let found = self.distance.differences(&self.errors, &self.measured, simulated);
+    /// What a simulated signal differs by from the recordings, bin by bin over the noise; one number of other distances.
+    pub(super) fn scaled(&self, simulated: &Series) -> Result<DVector<f64>, String> {
+        let found = self.distance.scaled(&self.errors, &self.recordings, simulated);
         found.map_err(|error| format!("{}: {error}", self.name))
     }
 
-    /// These differences over the deviations of their errors.
-    pub(super) fn residuals(&self, simulated: &Series, variances: &[f64]) -> Result<Vec<f64>, String> {
-        let differences = self.differences(simulated)?;
-        Ok(differences.iter().zip(variances).map(|(own, variance)| own / variance.sqrt()).collect())
+    /// Independent residuals of unit variance, with a model's error of `share`; plain ones take that as independent from bin to bin.
+    pub(super) fn residuals(&self, simulated: &Series, share: f64, is_plain: bool) -> Result<Vec<f64>, String> {
+        let scaled = self.scaled(simulated)?;
+        Ok(match (self.distance.is_residuals(), is_plain) {
+            (false, _) => scaled.as_slice().to_vec(),
+            (true, true) => self.errors.plain(&scaled, share),
+            (true, false) => self.errors.whitened(&scaled, share),
+        })
     }
 
-    /// Variances of the errors of these coordinates, with a model's error of `share`.
-    pub(super) fn variances(&self, share: f64) -> Vec<f64> {
-        match self.distance.is_residuals() {
-            true => self.errors.variances(share).collect(),
-            false => vec![1.0],
+    /// Number of differences.
+    pub(super) fn count(&self) -> usize {
+        if self.distance.is_residuals() { self.errors.bins() } else { 1 }
+    }
+
+    /// The coordinates of the differences in which noise and a model's error of a shape, or of its own, are independent.
+    pub(super) fn spectrum(&self, shape: Option<Shape>) -> Spectrum {
+        match (self.distance.is_residuals(), shape) {
+            (false, _) => Spectrum::trivial(1),
+            (true, Some(shape)) => self.errors.spectrum_of(shape),
+            (true, None) => self.errors.spectrum().clone(),
         }
     }
 
-    /// Variances for an error of this share of the signal that is independent from bin to bin.
-    pub(super) fn plain_variances(&self, share: f64) -> Vec<f64> {
-        match self.distance.is_residuals() {
-            true => vec![self.errors.plain_variance(share); self.errors.bins()],
-            false => vec![1.0],
-        }
+    /// Where the last of its recordings ends.
+    pub(super) fn end(&self) -> f64 {
+        self.recordings.iter().filter_map(|own| own.time().last().copied()).fold(0.0, f64::max)
     }
 
-    /// The comparison, for plots of the search.
+    /// The comparison with the first recording, for plots of the search.
     pub(super) fn compared(&self, simulated: &Series) -> Compared {
         let all = [f64::NEG_INFINITY, f64::INFINITY];
+        let measured = &self.recordings[0];
         if self.over == Some(&column::STRAIN)
-            && let (Some(own), Some(measured)) = (pulled::curve(simulated), pulled::curve(&self.measured))
+            && let (Some(own), Some(measured)) = (pulled::curve(simulated), pulled::curve(measured))
         {
             return Compared::curves(&own, &measured);
         }
         match self.over {
-            Some(_) => Compared::over_travel(simulated, &self.measured),
-            None => Compared::signals(simulated, &self.measured, all),
+            Some(_) => Compared::over_travel(simulated, measured),
+            None => Compared::signals(simulated, measured, all),
         }
     }
 

@@ -52,11 +52,22 @@ findings! {
             message "the tables of a calibration before this one are replaced: give each a `name`";
         ModelError {
             share: f64, "the error, as a share of the root mean square of each signal" => "share";
-            correlation: String, "the assumed correlation of it" => "correlation";
+            correlation: String, "its most likely correlations" => "correlation";
         } = "model-error", Note;
-            meaning "a calibration estimated the error of the model from what the best parameters leave: intervals contain it";
+            meaning "a calibration estimated the error of the model from what the best parameters leave: intervals contain it, over \
+                every length of correlation where none is given";
             remedy "none is needed; `discrepancy` gives it another size or correlation";
-            message "the model's error is estimated as {} of each signal, correlated over {correlation} (assumed)", percent(*share);
+            message "the model's error is estimated as {} of each signal, correlated over {correlation} (most likely)", percent(*share);
+        ModelErrorShape {
+            test: String, "the test" => "test";
+            shape: String, "the correlation that is likelier" => "shape";
+            gain: f64, "logarithm of its likelihood over that of the correlation that is given" => "gain";
+        } = "model-error-shape", Warning;
+            meaning "what the best parameters leave of a test is correlated otherwise than `correlation` says, so that intervals may be far too \
+                narrow or too wide";
+            remedy "leave `correlation` out: the posterior then counts all lengths that are likely";
+            message "{test}: an error correlated over {shape} is likelier than the correlation that is given, by {} in the logarithm",
+                significant(*gain, 2);
         OfRuns {
             tests: Vec<String>, "the tests" => "tests";
             of: String, "the code of the warning of their runs" => "of";

@@ -45,7 +45,7 @@ pub struct Audit {
     #[serde(rename = "fracture_energy_J", skip_serializing_if = "Option::is_none")]
     pub fracture_energy_j: Option<f64>,
     /// Largest growth of the temperature of an element that does not tear, before film first breaks; only of film with
-    /// `thermal`.
+    /// `thermal`. An upper bound: that film cools as it is stretched elastically is left out.
     #[serde(rename = "warming_K", skip_serializing_if = "Option::is_none")]
     pub warming_k: Option<f64>,
     /// Root mean square of the errors against the displacement field of the reference; only with one.

@@ -16,7 +16,7 @@ pub struct Indent {
     /// Depth at the largest force.
     #[serde(rename = "depth_at_peak_force_m")]
     pub depth_at_peak_force: Option<f64>,
-    /// Work of the impactor: the force over the depth, J.
+    /// Work of the impactor: the force over the depth, to the break where the test ends with it, J.
     #[serde(rename = "work_J")]
     pub work: f64,
     /// Depth at rupture; none without one.
@@ -45,11 +45,17 @@ impl Indent {
         let peak = force.largest();
         let pairs = || depth.values().iter().zip(force.values());
         let slices = pairs().zip(pairs().skip(1));
+        let depth_at_break = outcome.rupture_time.map(|time| velocity * time);
+        // Between the last sample and the break the force goes on as between the last two.
+        let last = slices.clone().last().zip(depth_at_break).map(|(((a, f), (b, g)), end)| {
+            let rest = (end - b).max(0.0);
+            if b > a { rest * (g + 0.5 * rest * (g - f) / (b - a)) } else { 0.0 }
+        });
         Indent {
             peak_force: peak.map(|[_, force]| force),
             depth_at_peak_force: peak.and_then(|[time, _]| depth.value_at(time)),
-            work: slices.map(|((a, f), (b, g))| 0.5 * (f + g) * (b - a)).sum(),
-            depth_at_break: outcome.rupture_time.map(|time| velocity * time),
+            work: slices.map(|((a, f), (b, g))| 0.5 * (f + g) * (b - a)).sum::<f64>() + last.unwrap_or(0.0),
+            depth_at_break,
             final_depth: depth.values().last().copied(),
             final_force: force.values().last().copied(),
             audit: Audit::from_outcome(outcome),

@@ -16,7 +16,7 @@ use lab::signal::file::{self, ChannelSelection, ReadOptions};
 use lab::signal::filter::{self, FilterError, Standard};
 use lab::signal::norm::{NormError, relative_error};
 use lab::signal::resample::{self, ResampleError};
-use lab::signal::{Annotations, Measurement, Series, column, integrate};
+use lab::signal::{Annotations, Measurement, Series, column, integrate, t01};
 use scene::model::loading::Impact;
 use scene::model::{FieldReference, Impactor, Model, Reference, Window};
 
@@ -178,7 +178,11 @@ impl ReferenceComparison {
 
     /// Name of its curves in plots.
     pub fn label(&self) -> &'static str {
-        if self.is_virtual() { "measured (virtual)" } else { "measured" }
+        match self.annotations.virtual_mark() {
+            Some(mark) if mark.starts_with(t01::COMPUTED) => "OpenRadioss",
+            _ if self.is_virtual() => "measured (virtual)",
+            _ => "measured",
+        }
     }
 
     /// Error of a filtered acceleration (paper, equation 14).
@@ -242,7 +246,13 @@ impl Signals {
         model: &Model,
         reference: &Reference,
     ) -> Result<Option<Signals>, ReferenceError> {
-        let channel = |name| measurement.channel(name).ok().map(|channel| channel.series.clone());
+        // Of several impactors a time history of OpenRadioss has the signals of each under its name.
+        let name = model.impactors.get(reference.impactor).and_then(|impactor| impactor.name.as_deref());
+        let own = |column: &str| name.and_then(|name| measurement.channel(&format!("{name}/{column}")).ok());
+        let channel = |column: &str| {
+            let found = own(column).or_else(|| measurement.channel(column).ok());
+            found.map(|channel| channel.series.clone())
+        };
         let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
         let named = reference.acceleration.is_some() || reference.displacement.is_some();
         let filtered = match channel(column::ACCELERATION_FILTERED.name) {

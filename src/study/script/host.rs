@@ -41,6 +41,9 @@ impl Limits {
         Limits { operations: 50_000_000, bytes: 512 << 20, time: Duration::from_secs(7 * 24 * 3600) };
 }
 
+/// Most values of a list or a map, those of lists within it included: the table of a sweep of thousands of runs is one.
+const MOST_VALUES: usize = 500_000;
+
 /// Why a script cannot be read or compiled.
 #[derive(Debug, Error)]
 pub enum ReadError {
@@ -85,8 +88,8 @@ pub fn engine(limits: Limits) -> Engine {
         .set_max_variables(1000)
         .set_max_functions(500)
         .set_max_string_size(100_000)
-        .set_max_array_size(10_000)
-        .set_max_map_size(10_000);
+        .set_max_array_size(MOST_VALUES)
+        .set_max_map_size(MOST_VALUES);
     let session = Session::default();
     engine.set_module_resolver(Resolver(session.programs().clone()));
     engine.set_default_tag(session);

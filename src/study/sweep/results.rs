@@ -1,5 +1,6 @@
 //! The results of a sweep: its table and what follows from it.
 
+use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::statistics::{self, Effects, Quantiles};
@@ -56,7 +57,12 @@ impl SweepResults {
             let quantiles = statistics::of_column(column);
             quantiles.is_some_and(|of| of.deviation.is_some_and(|deviation| deviation > 1e-9 * of.mean.abs()))
         };
-        let effects = figures.iter().filter(varies).filter_map(|column| statistics::effects(&table, column)).collect();
+        let independent = sweep.variation().is_independent();
+        let of = |column: &Column| statistics::effects(&table, column, independent);
+        let of_rupture = rupture.filter(|(share, _)| *share > 0.0 && *share < 1.0).and_then(|_| of(table.column("ruptured")?));
+        let varying: Vec<&Column> = figures.iter().filter(varies).copied().collect();
+        let effects = varying.par_iter().filter_map(|column| of(column)).collect::<Vec<_>>();
+        let effects = effects.into_iter().chain(of_rupture).collect();
         Ok(SweepResults {
             reused: done.cache_hits,
             failed,
@@ -116,16 +122,20 @@ impl SweepResults {
         ordered.take(most).collect()
     }
 
-    /// The runs that are worst by a figure ([`badness`]), from zero, the worst first; failed runs come before all, those without
-    /// the figure after them.
+    /// The runs that are worst by a figure ([`badness`]), from zero, the worst first; failed runs come before all, then those whose
+    /// film ruptured; of each kind those without the figure come last.
     pub fn worst(&self, figure: &str, count: usize) -> Vec<usize> {
         let values = self.table.column(figure).map(|column| column.values.numbers()).unwrap_or_default();
-        let of = |row: usize| match self.table.failure(row) {
-            Some(_) => f64::INFINITY,
-            None => values.get(row).copied().flatten().map_or(f64::NEG_INFINITY, |value| badness(figure, value)),
+        let ruptured = match self.table.column("ruptured").map(|column| &column.values) {
+            Some(Values::Flags(flags)) => flags.as_slice(),
+            _ => &[],
+        };
+        let kind = |row: usize| (self.table.failure(row).is_some(), ruptured.get(row).copied().flatten() == Some(true));
+        let of = |row: usize| {
+            values.get(row).copied().flatten().map_or(f64::NEG_INFINITY, |value| badness(figure, value))
         };
         let mut rows: Vec<usize> = (0..self.table.rows()).collect();
-        rows.sort_by(|a, b| of(*b).total_cmp(&of(*a)).then(a.cmp(b)));
+        rows.sort_by(|a, b| kind(*b).cmp(&kind(*a)).then(of(*b).total_cmp(&of(*a))).then(a.cmp(b)));
         rows.into_iter().take(count).map(|row| self.table.number(row) - 1).collect()
     }
 }
@@ -155,6 +165,14 @@ mod tests {
             effects: vec![],
             findings: vec![],
         }
+    }
+
+    #[test]
+    fn ruptured_runs_are_worse_than_any_that_held() {
+        let mut found = results("peak_N", [Some(3.0), Some(1.0), None, Some(0.5), Some(2.0)], 4);
+        let flags = Values::Flags(vec![Some(false), Some(true), Some(true), Some(false), None]);
+        found.table.columns.push(Column { name: "ruptured".into(), values: flags });
+        assert_eq!(found.worst("peak_N", 5), [4, 1, 2, 0, 3]);
     }
 
     #[test]

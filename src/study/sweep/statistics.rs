@@ -38,6 +38,10 @@ pub struct Effects {
     pub figure: String,
     /// Of each input.
     pub effects: Vec<Effect>,
+    /// Interval of 95 % of the share that inputs have only together, where it is not zero.
+    pub together: Option<[f64; 2]>,
+    /// Runs that have the figure.
+    pub count: usize,
 }
 
 /// Share of the variance of a figure that an input has alone.
@@ -45,7 +49,7 @@ pub struct Effects {
 pub struct Effect {
     /// The input.
     pub input: String,
-    /// Its share; by chance it may be a little negative.
+    /// Its share.
     pub share: f64,
     /// Interval of 95 %.
     pub interval: Option<[f64; 2]>,
@@ -69,19 +73,26 @@ pub(super) fn probability(column: &Column) -> Option<(f64, Interval)> {
     (trials > 0).then(|| (count as f64 / trials as f64, wilson(count as u64, trials as u64, CONFIDENCE)))
 }
 
-/// The share of the variance of a figure that each input has alone; none where they are not known.
-pub(super) fn effects(table: &Table, figure: &Column) -> Option<Effects> {
+/// The share of the variance of a figure that each input has alone; none where they are not known. Inputs that are not
+/// `independent` may vary together.
+pub(super) fn effects(table: &Table, figure: &Column, independent: bool) -> Option<Effects> {
     let inputs: Vec<Vec<f64>> = table.inputs().iter().map(coordinates).collect();
     let points: Vec<Vec<f64>> = (0..table.rows()).map(|row| inputs.iter().map(|input| input[row]).collect()).collect();
     let bootstrap = Bootstrap { resamples: RESAMPLES, confidence: CONFIDENCE, seed: 0 };
-    let shares = main_effects(&points, &figure.values.numbers(), &bootstrap).ok()?;
+    let outputs = match &figure.values {
+        Values::Flags(flags) => flags.iter().map(|flag| flag.map(|own| f64::from(u8::from(own)))).collect(),
+        values => values.numbers(),
+    };
+    let found = main_effects(&points, &outputs, independent, &bootstrap).ok()?;
     let effect = |(input, share): (&Column, Estimate)| Effect {
         input: input.name.clone(),
         share: share.value,
         interval: share.interval.map(|interval| [interval.low, interval.high]),
     };
-    let effects = table.inputs().iter().zip(shares).map(effect).collect();
-    Some(Effects { figure: figure.name.clone(), effects })
+    let effects = table.inputs().iter().zip(found.shares).map(effect).collect();
+    let together = found.sum.map(|sum| [1.0 - sum.high, 1.0 - sum.low]).filter(|[low, _]| *low > 1e-9);
+    let count = outputs.iter().flatten().filter(|own| own.is_finite()).count();
+    Some(Effects { figure: figure.name.clone(), effects, together, count })
 }
 
 /// An input as numbers: words by the order in which they appear.

@@ -1,14 +1,14 @@
 //! Samples of a density by ensembles of walkers that are invariant to affine maps (Goodman, Weare 2010), and whether they
-//! suffice: R̂ of split chains (Gelman, Rubin 1992; Vehtari et al. 2021) and effective size (Sokal 1997).
+//! suffice: R̂ of the walkers and of the halves of the ensembles (Gelman, Rubin 1992), and effective size.
 //!
 //! Half of the steps stretch towards another walker, half follow the difference of two others (differential evolution,
-//! Nelson et al. 2014), which mixes better in more than about ten dimensions.
+//! Nelson et al. 2014), which mixes better in more than about ten dimensions. Coordinates that scatter about others take
+//! steps of their own, and the others two: one in which they stay where they are, one in which they stay as many
+//! deviations from their mean (Yu, Meng 2011; docs/theory.md, section 28).
 
-use hammer_and_sample::{DifferentialEvolution, MinChainLen, Mixture, Model, Serial, Stretch, sample as run};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use thiserror::Error;
 
+use crate::random::Stream;
 use crate::statistics::{mean, variance};
 
 /// Independent ensembles, which R̂ compares.
@@ -19,17 +19,48 @@ const DIFFERENCE_SPREAD: f64 = 1e-5;
 
 /// Most steps of each walker whose points are kept: of more, every second, third …
 const MOST_KEPT: usize = 1000;
-/// Steps of each walker whose points are in memory at once.
-const PIECE: usize = 250;
 
-/// Largest R̂ with which samples count as those of the density (Vehtari et al. 2021).
+/// Largest R̂ with which samples count as those of the density (Vehtari et al. 2021); R̂ of walkers is so near to one after
+/// fifty times their integrated time of autocorrelation.
 pub const LARGEST_R_HAT: f64 = 1.01;
+
+/// A density up to a constant. A function that gives the logarithm of one is a density.
+pub trait Density: Sync {
+    /// Logarithm of the factor that depends on no block; −∞ where the density is zero.
+    fn log(&self, state: &[f64]) -> f64;
+
+    /// Coordinates that scatter about others, in blocks that are independent of each other given the rest.
+    fn blocks(&self) -> &[Vec<Scattered>] {
+        &[]
+    }
+
+    /// Logarithm of the factor that depends on the coordinates of one block, and on those of no other.
+    fn log_of_block(&self, _block: usize, _state: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+impl<F: Fn(&[f64]) -> f64 + Sync> Density for F {
+    fn log(&self, state: &[f64]) -> f64 {
+        self(state)
+    }
+}
+
+/// A coordinate that scatters about another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scattered {
+    /// Its place.
+    pub place: usize,
+    /// Place of what it scatters about.
+    pub mean: usize,
+    /// Place of the logarithm of its deviation.
+    pub deviation: usize,
+}
 
 /// How a density is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Walkers of each ensemble, even, at least twice the dimensions and four; none for four times the dimensions and at least
-    /// 32.
+    /// Walkers of each ensemble, at least twice the coordinates of a step and four; none for four times these and at least 32.
     pub walkers: Option<usize>,
     /// Steps of each walker, of which the first half is discarded; doubled until R̂ and effective size suffice, each time with the
     /// first half of all discarded.
@@ -51,12 +82,12 @@ impl Default for Options {
 /// Why a density is not sampled.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EnsembleError {
-    /// The number of walkers is odd or too small.
-    #[error("{walkers} walkers for {dimensions} dimensions: an even number of at least {} is needed", fewest(*dimensions))]
+    /// The number of walkers is too small.
+    #[error("{walkers} walkers for {dimensions} dimensions: at least {} are needed", fewest(*dimensions))]
     Walkers {
         /// Their number.
         walkers: usize,
-        /// Coordinates of the density.
+        /// Coordinates of a step.
         dimensions: usize,
     },
     /// There are too few starts with a density.
@@ -77,7 +108,7 @@ pub enum EnsembleError {
 pub struct Samples {
     /// Points, in the order of the ensembles, then of steps, of which not all may be kept, then of walkers.
     pub points: Vec<Vec<f64>>,
-    /// R̂ of every coordinate over the halves of the ensembles' chains.
+    /// R̂ of every coordinate, the larger one of that over all walkers and that over the halves of the ensembles.
     pub r_hat: Vec<f64>,
     /// Effective number of independent samples of every coordinate.
     pub effective: Vec<f64>,
@@ -99,90 +130,186 @@ impl Samples {
     }
 }
 
-/// The logarithm of a density; −∞ where it is zero.
-struct Density<'a, F>(&'a F);
-
-impl<F: Fn(&[f64]) -> f64 + Sync> Model for Density<'_, F> {
-    type Params = Vec<f64>;
-
-    fn log_prob(&self, state: &Vec<f64>) -> f64 {
-        let found = (self.0)(state);
-        if found.is_nan() { f64::NEG_INFINITY } else { found }
-    }
-}
-
-/// Samples `log_density`, the logarithm of a density up to a constant, by four ensembles that start at successive draws
-/// of `start`. The samples follow from the options alone, whatever the number of threads.
+/// Samples a density by four ensembles that start at successive draws of `start`. The samples follow from the options alone,
+/// whatever the number of threads.
 ///
 /// # Errors
 /// See [`EnsembleError`].
 pub fn sample(
-    log_density: &(impl Fn(&[f64]) -> f64 + Sync),
+    density: &impl Density,
     mut start: impl FnMut() -> Vec<f64>,
     options: &Options,
 ) -> Result<Samples, EnsembleError> {
-    let dimensions = start().len();
-    if dimensions == 0 {
+    let all = start().len();
+    let blocks = density.blocks();
+    let in_block = |place: &usize| blocks.iter().flatten().any(|own| own.place == *place);
+    let others: Vec<usize> = (0..all).filter(|place| !in_block(place)).collect();
+    let dimensions = blocks.iter().map(Vec::len).chain([others.len()]).max().unwrap_or(0);
+    if others.is_empty() {
         return Err(EnsembleError::NoCoordinate);
     }
     let walkers = options.walkers.unwrap_or_else(|| (4 * dimensions).max(32));
-    if !walkers.is_multiple_of(2) || walkers < fewest(dimensions) {
+    if walkers < fewest(dimensions) {
         return Err(EnsembleError::Walkers { walkers, dimensions });
     }
-    let starts = starts(log_density, &mut start, ENSEMBLES * walkers)?;
-    let mut walk = Walk { log_density, walkers, seed: options.seed, at: starts, done: 0 };
+    let starts = starts(density, &mut start, ENSEMBLES * walkers)?;
+    let mut streams = Stream::new(options.seed);
+    let ensemble = |walkers: &[Walker]| Ensemble { walkers: walkers.to_vec(), stream: Stream::new(streams.bits()) };
+    let mut ensembles: Vec<Ensemble> = starts.chunks(walkers).map(ensemble).collect();
     // The first half of all steps is discarded, so that what doubling adds is what is kept.
     let mut steps = (options.steps / 2).max(4);
-    walk.on(steps);
+    drop(walked(density, &others, &mut ensembles, steps));
+    let mut done = steps;
     loop {
-        let kept = walk.on(steps);
-        let samples = kept.samples(walk.walkers, walk.done);
+        let kept = walked(density, &others, &mut ensembles, steps);
+        done += steps;
+        let samples = kept.samples(walkers, done);
         let is_enough = samples.is_converged() && samples.effective.iter().all(|size| *size >= options.effective);
-        if is_enough || 2 * walk.done > options.most_steps {
+        if is_enough || 2 * done > options.most_steps {
             return Ok(samples);
         }
-        steps = walk.done;
+        steps = done;
     }
 }
 
-/// Fewest walkers of an ensemble: a step along the difference of two needs two others in its half.
+/// Fewest walkers of an ensemble: steps along differences of fewer would stay in a subspace.
 fn fewest(dimensions: usize) -> usize {
     (2 * dimensions).max(4)
 }
 
 /// So many starts with a density above zero.
 fn starts(
-    log_density: &impl Fn(&[f64]) -> f64,
+    density: &impl Density,
     start: &mut impl FnMut() -> Vec<f64>,
     needed: usize,
-) -> Result<Vec<Vec<f64>>, EnsembleError> {
+) -> Result<Vec<Walker>, EnsembleError> {
     /// Draws for one start that is needed.
     const DRAWS: usize = 100;
-    let drawn = (0..DRAWS * needed).map(|_| start()).filter(|point| log_density(point).is_finite());
-    let found: Vec<Vec<f64>> = drawn.take(needed).collect();
+    let drawn = (0..DRAWS * needed).filter_map(|_| Walker::at(density, start()));
+    let found: Vec<Walker> = drawn.take(needed).collect();
     if found.len() < needed { Err(EnsembleError::Starts { found: found.len(), needed }) } else { Ok(found) }
 }
 
-/// Ensembles on their way.
-struct Walk<'a, F> {
-    log_density: &'a F,
-    /// Walkers of each ensemble.
-    walkers: usize,
-    seed: u64,
-    /// Where the walkers of all ensembles are.
-    at: Vec<Vec<f64>>,
-    /// Steps that each has taken.
-    done: usize,
+/// Where a walker is, and the logarithms of the factors of the density there: that of no block, and of each block.
+#[derive(Clone)]
+struct Walker {
+    state: Vec<f64>,
+    factors: Vec<f64>,
 }
 
-/// Steps of one ensemble.
-struct Steps {
-    /// Points that are kept.
-    kept: Vec<Vec<f64>>,
-    /// Where its walkers are in the end.
-    at: Vec<Vec<f64>>,
-    /// How many steps were accepted.
-    accepted: usize,
+impl Walker {
+    /// A walker at a state; none where the density is zero.
+    fn at(density: &impl Density, state: Vec<f64>) -> Option<Walker> {
+        let mut factors = vec![density.log(&state)];
+        for block in 0..density.blocks().len() {
+            if !(factors[block] > f64::NEG_INFINITY) {
+                return None;
+            }
+            factors.push(density.log_of_block(block, &state));
+        }
+        factors.iter().all(|factor| *factor > f64::NEG_INFINITY).then_some(Walker { state, factors })
+    }
+}
+
+/// Walkers that take their steps from each other.
+struct Ensemble {
+    walkers: Vec<Walker>,
+    stream: Stream,
+}
+
+impl Ensemble {
+    /// A step of every walker, one after the other: how many were accepted, and of how many.
+    fn step(&mut self, density: &impl Density, others: &[usize]) -> [usize; 2] {
+        let mut counts = [0; 2];
+        let blocks = density.blocks();
+        let mut count = |is_accepted: bool| {
+            counts[0] += usize::from(is_accepted);
+            counts[1] += 1;
+        };
+        for own in 0..self.walkers.len() {
+            count(self.step_of_others(own, density, others, false));
+            if !blocks.is_empty() {
+                count(self.step_of_others(own, density, others, true));
+            }
+            for (block, places) in blocks.iter().enumerate() {
+                count(self.step_of_block(own, density, block, places));
+            }
+        }
+        counts
+    }
+
+    /// A step of what is in no block; blocks stay where they are, or as many deviations from their mean.
+    fn step_of_others(&mut self, own: usize, density: &impl Density, others: &[usize], follows: bool) -> bool {
+        let [one, two] = self.partners(own);
+        let [from, one, two] = [own, one, two].map(|walker| self.walkers[walker].state.as_slice());
+        let (mut state, mut factor) = proposed(from, [one, two], others, &mut self.stream);
+        if follows {
+            for own in density.blocks().iter().flatten() {
+                let ratio = state[own.deviation] - from[own.deviation];
+                state[own.place] = state[own.mean] + (from[own.place] - from[own.mean]) * libm::exp(ratio);
+                // What the volume of the blocks grows by.
+                factor += ratio;
+            }
+        }
+        let Some(next) = Walker::at(density, state) else { return false };
+        self.accept(own, next, factor)
+    }
+
+    /// A step of a block, as far as another walker's differs from where that one is, or in deviations from its mean.
+    fn step_of_block(&mut self, own: usize, density: &impl Density, block: usize, places: &[Scattered]) -> bool {
+        let partners = self.partners(own);
+        let is_scaled = self.stream.uniform() < 0.5;
+        let from = &self.walkers[own];
+        let seen = |walker: usize| {
+            let mut state = self.walkers[walker].state.clone();
+            for own in places.iter().filter(|_| is_scaled) {
+                let deviations = (state[own.place] - state[own.mean]) / libm::exp(state[own.deviation]);
+                state[own.place] = from.state[own.mean] + deviations * libm::exp(from.state[own.deviation]);
+            }
+            state
+        };
+        let [one, two] = partners.map(seen);
+        let moved: Vec<usize> = places.iter().map(|own| own.place).collect();
+        let (state, factor) = proposed(&from.state, [&one, &two], &moved, &mut self.stream);
+        let mut factors = from.factors.clone();
+        factors[block + 1] = density.log_of_block(block, &state);
+        self.accept(own, Walker { state, factors }, factor)
+    }
+
+    /// Two other walkers.
+    fn partners(&mut self, own: usize) -> [usize; 2] {
+        let count = self.walkers.len();
+        let one = (own + 1 + self.stream.below(count - 1)) % count;
+        let two = (own + 1 + self.stream.below(count - 1)) % count;
+        if one == two { self.partners(own) } else { [one, two] }
+    }
+
+    /// Moves a walker there with the probability of Metropolis; `factor` is the logarithm of what proposals differ by.
+    fn accept(&mut self, own: usize, next: Walker, factor: f64) -> bool {
+        let [now, then] = [&self.walkers[own], &next].map(|walker| walker.factors.iter().sum::<f64>());
+        // A comparison with no number is false.
+        let is_accepted = then - now + factor >= libm::log(self.stream.uniform());
+        if is_accepted {
+            self.walkers[own] = next;
+        }
+        is_accepted
+    }
+}
+
+/// A state with other coordinates at these places, and the logarithm of the factor that makes up for the way there.
+fn proposed(own: &[f64], [one, two]: [&[f64]; 2], places: &[usize], stream: &mut Stream) -> (Vec<f64>, f64) {
+    let mut state = own.to_vec();
+    let count = places.len() as f64;
+    if stream.uniform() < 0.5 {
+        // Density of the factor ∝ 1/√z between 1/2 and 2.
+        let z = 0.5 * (1.0 + stream.uniform()).powi(2);
+        places.iter().for_each(|place| state[*place] = one[*place] + z * (own[*place] - one[*place]));
+        (state, (count - 1.0) * libm::log(z))
+    } else {
+        let factor = 2.38 / (2.0 * count).sqrt() * (1.0 + DIFFERENCE_SPREAD * stream.normal());
+        places.iter().for_each(|place| state[*place] += factor * (one[*place] - two[*place]));
+        (state, 0.0)
+    }
 }
 
 /// What is kept of some steps.
@@ -193,133 +320,74 @@ struct Kept {
     acceptance: f64,
 }
 
-impl<F: Fn(&[f64]) -> f64 + Sync> Walk<'_, F> {
-    /// So many steps on, each ensemble in a thread; at most [`MOST_KEPT`] of them are kept, evenly.
-    fn on(&mut self, steps: usize) -> Kept {
-        let every = steps.div_ceil(MOST_KEPT);
-        let (walk, count) = (&*self, self.walkers);
-        let found: Vec<Steps> = std::thread::scope(|scope| {
-            let threads: Vec<_> = self
-                .at
-                .chunks(count)
-                .enumerate()
-                .map(|(number, at)| scope.spawn(move || walk.ensemble(number, at.to_vec(), steps, every)))
-                .collect();
-            threads
-                .into_iter()
-                .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect()
-        });
-        let accepted: usize = found.iter().map(|steps| steps.accepted).sum();
-        let acceptance = accepted as f64 / (ENSEMBLES * count * steps) as f64;
-        let (mut chains, mut at) = (Vec::new(), Vec::new());
-        for steps in found {
-            chains.push(steps.kept);
-            at.extend(steps.at);
-        }
-        (self.at, self.done) = (at, self.done + steps);
-        Kept { chains, acceptance }
-    }
-
-    /// So many steps of an ensemble, of which each of so many is kept.
-    fn ensemble(&self, number: usize, mut at: Vec<Vec<f64>>, steps: usize, every: usize) -> Steps {
-        let count = self.walkers;
-        let factor = 2.38 / (2.0 * at[0].len() as f64).sqrt();
-        let moves =
-            Mixture::from(((Stretch::default(), 1), (DifferentialEvolution::new(factor, DIFFERENCE_SPREAD), 1)));
-        let (mut kept, mut accepted, mut done) = (Vec::new(), 0, 0);
-        while done < steps {
-            // A few steps at a time, since all points of them are in memory.
-            let piece = (every * PIECE.div_ceil(every)).min(steps - done);
-            let generator = |walker: usize| {
-                let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
-                // Steps before this one, so that each piece has random numbers of its own.
-                generator.set_stream(((self.done + done) * ENSEMBLES * count + number * count + walker) as u64);
-                generator
-            };
-            let start = at.into_iter().enumerate().map(|(walker, start)| (start, generator(walker)));
-            let (mut points, own) = run(&Density(self.log_density), &moves, start, MinChainLen(count * piece), Serial);
-            accepted += own;
-            at = points[points.len() - count..].to_vec();
-            if every == 1 {
-                kept.append(&mut points);
-            } else {
-                let of_step = |step: usize| step % every == every - 1;
-                kept.extend(
-                    points
-                        .chunks(count)
-                        .enumerate()
-                        .filter(|(step, _)| of_step(*step))
-                        .flat_map(|(_, own)| own.to_vec()),
-                );
+/// So many steps on, each ensemble in a thread; at most [`MOST_KEPT`] of them are kept, evenly.
+fn walked(density: &impl Density, others: &[usize], ensembles: &mut [Ensemble], steps: usize) -> Kept {
+    let every = steps.div_ceil(MOST_KEPT);
+    let walk = |ensemble: &mut Ensemble| {
+        let (mut points, mut counts) = (Vec::new(), [0; 2]);
+        for step in 1..=steps {
+            let [accepted, all] = ensemble.step(density, others);
+            counts = [counts[0] + accepted, counts[1] + all];
+            if step % every == 0 {
+                points.extend(ensemble.walkers.iter().map(|walker| walker.state.clone()));
             }
-            done += piece;
         }
-        Steps { kept, at, accepted }
-    }
+        (points, counts)
+    };
+    let found: Vec<(Vec<Vec<f64>>, [usize; 2])> = std::thread::scope(|scope| {
+        let threads: Vec<_> = ensembles.iter_mut().map(|own| scope.spawn(|| walk(own))).collect();
+        let joined = threads.into_iter().map(|own| own.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        joined.collect()
+    });
+    let [accepted, all] = [0, 1].map(|which| found.iter().map(|(_, counts)| counts[which]).sum::<usize>() as f64);
+    Kept { chains: found.into_iter().map(|(points, _)| points).collect(), acceptance: accepted / all }
 }
 
 impl Kept {
     fn samples(self, walkers: usize, steps: usize) -> Samples {
         let dimensions = self.chains[0][0].len();
-        let of = |index: usize| -> Vec<Vec<f64>> {
-            self.chains.iter().map(|chain| chain.iter().map(|point| point[index]).collect()).collect()
-        };
-        let r_hat = (0..dimensions).map(|index| r_hat(&of(index), walkers)).collect();
-        let effective = (0..dimensions).map(|index| effective_size(&of(index), walkers)).collect();
+        let known = (0..dimensions).map(|index| {
+            let of = |chain: &Vec<Vec<f64>>| chain.iter().map(|point| point[index]).collect::<Vec<f64>>();
+            known(&self.chains.iter().map(of).collect::<Vec<_>>(), walkers)
+        });
+        let (r_hat, effective) = known.map(|[r_hat, effective]| (r_hat, effective)).unzip();
         let acceptance = self.acceptance;
         Samples { points: self.chains.into_iter().flatten().collect(), r_hat, effective, acceptance, steps }
     }
 }
 
-/// R̂ over the halves of chains whose points are `walkers` a step.
-fn r_hat(chains: &[Vec<f64>], walkers: usize) -> f64 {
-    let halves: Vec<&[f64]> = chains
+/// R̂ and effective size of a coordinate, by the chains of ensembles, whose points are `walkers` a step.
+///
+/// Each walker is a chain of its own: the variance of their means over that within is the integrated time of
+/// autocorrelation of a walker over its steps (batch means), whatever the walkers have from their starts. Walkers of an
+/// ensemble may move together, which the halves of ensembles show.
+fn known(chains: &[Vec<f64>], walkers: usize) -> [f64; 2] {
+    let of_walker = |chain: &[f64], walker: usize| chain.iter().skip(walker).step_by(walkers).copied().collect();
+    let single: Vec<Vec<f64>> =
+        chains.iter().flat_map(|chain| (0..walkers).map(|walker| of_walker(chain, walker))).collect();
+    let halves: Vec<Vec<f64>> = chains
         .iter()
         .flat_map(|chain| {
-            let middle = chain.len() / walkers / 2 * walkers;
-            [&chain[..middle], &chain[middle..]]
+            let (first, second) = chain.split_at(chain.len() / walkers / 2 * walkers);
+            [first.to_vec(), second.to_vec()]
         })
         .collect();
+    let between = between_over_within(&single);
+    let effective = if between > 0.0 { (single.len() as f64 / between).min(chains.concat().len() as f64) } else { 0.0 };
+    [(1.0 + between.max(between_over_within(&halves))).sqrt(), effective]
+}
+
+/// The variance of the means of chains over the mean variance within them; infinite where nothing moves.
+fn between_over_within(chains: &[Vec<f64>]) -> f64 {
     let of =
-        |reduce: fn(&[f64]) -> Option<f64>| -> Option<Vec<f64>> { halves.iter().map(|half| reduce(half)).collect() };
+        |reduce: fn(&[f64]) -> Option<f64>| -> Option<Vec<f64>> { chains.iter().map(|chain| reduce(chain)).collect() };
     let found = || {
         let within = mean(&of(variance)?)?;
         let between = variance(&of(mean)?)?;
-        (within > 0.0).then(|| (1.0 + between / within).sqrt())
+        // Means of the same number again differ by its rounding.
+        (within > f64::EPSILON * between).then(|| between / within)
     };
     found().unwrap_or(f64::INFINITY)
-}
-
-/// Samples over the time of their autocorrelation, whose covariances are the means of all walkers; the sum ends at five
-/// times that time (Sokal 1997).
-fn effective_size(chains: &[Vec<f64>], walkers: usize) -> f64 {
-    /// Times of autocorrelation after which the sum of correlations ends.
-    const WINDOW: f64 = 5.0;
-    /// Length of a chain over the longest lag that counts.
-    const SHORTEST: usize = 4;
-    let all: Vec<f64> = chains.concat();
-    let (Some(mean), Some(variance)) = (mean(&all), variance(&all)) else { return 0.0 };
-    let steps = chains.iter().map(|chain| chain.len() / walkers).min().unwrap_or(0);
-    let correlation = |lag: usize| {
-        let (mut sum, mut count) = (0.0, 0_usize);
-        for chain in chains {
-            for place in 0..chain.len() - lag * walkers {
-                sum += (chain[place] - mean) * (chain[place + lag * walkers] - mean);
-            }
-            count += chain.len() - lag * walkers;
-        }
-        sum / count as f64 / variance
-    };
-    let mut time = 1.0;
-    // Correlations of chains that mix so slowly are noise farther out, and cost a pass over the chains each; R̂ tells of such chains.
-    for lag in 1..steps / SHORTEST {
-        time += 2.0 * correlation(lag);
-        if lag as f64 >= WINDOW * time {
-            break;
-        }
-    }
-    all.len() as f64 / time.max(1.0)
 }
 
 #[cfg(test)]

@@ -21,17 +21,8 @@ pub struct Components {
     /// Components as columns.
     modes: DMatrix<f64>,
     amplitudes: Vec<Output>,
-    /// Variance of every output that components which are left out have.
-    left_out: Vec<f64>,
-}
-
-/// The likelihood that outputs are zero but for normal noise, as a function of the amplitudes: −(aᵀ Q a + c)/2 with an
-/// amplitude of one for the mean.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Likelihood {
-    /// Q, column by column, and c.
-    form: Vec<f64>,
-    constant: f64,
+    /// Components that are left out as columns, of the size of their deviation.
+    left_out: DMatrix<f64>,
 }
 
 impl Components {
@@ -52,7 +43,7 @@ impl Components {
         if length == 0 || families.is_empty() {
             let mean = if length == 0 { DVector::zeros(0) } else { outputs.column_mean() };
             let modes = DMatrix::zeros(length, 0);
-            return Ok(Components { mean, modes, amplitudes: Vec::new(), left_out: vec![0.0; length] });
+            return Ok(Components { mean, modes: modes.clone(), amplitudes: Vec::new(), left_out: modes });
         }
         let mean = outputs.column_mean();
         let centred = DMatrix::from_fn(length, count, |row, column| outputs[(row, column)] - mean[row]);
@@ -68,15 +59,14 @@ impl Components {
             let own: Vec<f64> = (0..count).map(|sample| sizes[*mode] * right[(*mode, sample)]).collect();
             Output::fit(families, points, &own, options)
         });
-        let left_out = (0..length).map(|row| {
-            let squares = others.iter().map(|mode| (left[(row, *mode)] * sizes[*mode]).powi(2));
-            squares.sum::<f64>() / count as f64
+        let left_out = DMatrix::from_fn(length, others.len(), |row, column| {
+            left[(row, others[column])] * sizes[others[column]] / (count as f64).sqrt()
         });
         Ok(Components {
             mean,
             modes: DMatrix::from_fn(length, taken.len(), |row, column| left[(row, taken[column])]),
             amplitudes: amplitudes.collect::<Result<_, _>>()?,
-            left_out: left_out.collect(),
+            left_out,
         })
     }
 
@@ -107,17 +97,29 @@ impl Components {
 
     /// Variance of the error of all outputs together: of amplitudes by cross-validation, and of components that are left out.
     pub fn error(&self) -> f64 {
-        self.amplitudes.iter().map(Output::error).sum::<f64>() + self.left_out.iter().sum::<f64>()
+        self.amplitudes.iter().map(Output::error).sum::<f64>() + self.left_out.norm_squared()
     }
 
-    /// The likelihood where outputs have these variances of noise beside the surrogate's own, which along a component is an
-    /// error of all outputs together.
+    /// The same in other coordinates of the outputs, the rows of an orthogonal matrix.
+    ///
+    /// # Panics
+    /// The number of its columns is not that of the outputs.
+    pub fn rotated(&self, basis: &DMatrix<f64>) -> Components {
+        let amplitudes = self.amplitudes.clone();
+        Components { mean: basis * &self.mean, modes: basis * &self.modes, amplitudes, left_out: basis * &self.left_out }
+    }
+
+    /// The likelihood that outputs are zero but for normal noise of these variances, beside the surrogate's own, which along a
+    /// component is an error of all outputs together. Its logarithm, up to a constant that does not depend on the variances, is the
+    /// sum of these factors, of the products of each amplitude with itself and those before it, one for the mean as the
+    /// first; and what is added.
     ///
     /// # Panics
     /// The number of variances is not that of the outputs.
-    pub fn likelihood(&self, variances: &[f64]) -> Likelihood {
-        assert_eq!(variances.len(), self.left_out.len(), "one variance an output");
-        let diagonal = DVector::from_fn(variances.len(), |row, _| variances[row] + self.left_out[row]);
+    pub fn likelihood(&self, variances: &[f64]) -> Vec<f64> {
+        assert_eq!(variances.len(), self.mean.len(), "one variance an output");
+        let of_row = |row: usize| variances[row] + self.left_out.row(row).norm_squared();
+        let diagonal = DVector::from_fn(variances.len(), |row, _| of_row(row));
         let deviation = diagonal.map(f64::sqrt);
         // The mean and the components, each output over its deviation.
         let scaled = DMatrix::from_fn(diagonal.len(), 1 + self.count(), |row, column| {
@@ -140,25 +142,9 @@ impl Components {
             form -= projected.tr_mul(&factor.solve(&projected));
             constant += 2.0 * factor.l_dirty().diagonal().iter().map(|entry| entry.ln()).sum::<f64>();
         }
-        Likelihood { form: form.as_slice().to_vec(), constant }
-    }
-}
-
-impl Likelihood {
-    /// Its logarithm, up to a constant that does not depend on the variances either.
-    ///
-    /// # Panics
-    /// There are fewer amplitudes than components.
-    pub fn log(&self, amplitudes: &[f64]) -> f64 {
-        let size = amplitudes.len() + 1;
-        let mut square = self.form[0];
-        for (column, amplitude) in amplitudes.iter().enumerate() {
-            let own = &self.form[(column + 1) * size..(column + 2) * size];
-            // Each pair once: the form is symmetric.
-            let before = own[1..=column].iter().zip(amplitudes).map(|(entry, other)| entry * other).sum::<f64>();
-            square += amplitude * (2.0 * (own[0] + before) + own[column + 1] * amplitude);
-        }
-        -0.5 * (square + self.constant)
+        let factor = |column: usize, row: usize| if row == column { -0.5 } else { -1.0 } * form[(row, column)];
+        let pairs = (0..=self.count()).flat_map(|column| (0..=column).map(move |row| (column, row)));
+        pairs.map(|(column, row)| factor(column, row)).chain([-0.5 * constant]).collect()
     }
 }
 
@@ -166,6 +152,14 @@ impl Likelihood {
 mod tests {
     use super::*;
     use crate::random::Stream;
+
+    /// The sum of factors of products of amplitudes.
+    fn log(factors: &[f64], amplitudes: &[f64]) -> f64 {
+        let all: Vec<f64> = [&[1.0], amplitudes].concat();
+        let pairs = (0..all.len()).flat_map(|column| (0..=column).map(move |row| (column, row)));
+        let products = pairs.map(|(column, row)| all[column] * all[row]).chain([1.0]);
+        products.zip(factors).map(|(product, factor)| product * factor).sum()
+    }
 
     fn truth(x: &[f64], row: usize) -> f64 {
         20.0 * (0.1 * row as f64 * (2.0 + x[1])).sin() * (1.0 + 0.6 * (x[0] - 0.5) + 0.8 * (x[0] - 0.5).powi(2))
@@ -209,7 +203,7 @@ mod tests {
                 3,
                 3,
                 |row, column| {
-                    if row == column { variances[row] + fitted.left_out[row] } else { 0.0 }
+                    if row == column { variances[row] + fitted.left_out.row(row).norm_squared() } else { 0.0 }
                 },
             );
         for (own, mode) in fitted.amplitudes.iter().zip(fitted.modes.column_iter()) {
@@ -219,7 +213,7 @@ mod tests {
         let differences = fitted.outputs(&amplitudes);
         let square = differences.dot(&(covariance.clone().try_inverse().unwrap() * &differences));
         let expected = -0.5 * (square + covariance.determinant().ln());
-        assert!((fitted.likelihood(&variances).log(&amplitudes) - expected).abs() < 1e-12);
+        assert!((log(&fitted.likelihood(&variances), &amplitudes) - expected).abs() < 1e-12);
     }
 
     #[test]
@@ -228,7 +222,7 @@ mod tests {
         let fitted = Components::fit(&[], &[Vec::new()], &outputs, &Options::default()).unwrap();
         assert!(fitted.count() == 0 && fitted.outputs(&fitted.amplitudes(&[])) == DVector::from_element(2, 3.0));
         let expected = -0.5 * (9.0 / 2.0 + 9.0 / 4.0 + 8.0_f64.ln());
-        assert!((fitted.likelihood(&[2.0, 4.0]).log(&[]) - expected).abs() < 1e-14);
+        assert!((log(&fitted.likelihood(&[2.0, 4.0]), &[]) - expected).abs() < 1e-14);
         let none = Components::fit(&[Family::Legendre], &[], &outputs, &Options::default());
         assert_eq!(none, Err(SurrogateError::Outputs { points: 0, outputs: 1 }));
     }

@@ -16,7 +16,7 @@ use crate::random::Stream;
 use crate::statistics::present;
 use basis::Degrees;
 pub use basis::Family;
-pub use components::{Components, Likelihood};
+pub use components::Components;
 pub use output::Output;
 use pursuit::Pursuit;
 use validation::cross_validated;

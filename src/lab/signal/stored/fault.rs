@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
 use crate::signal::format::{Format, Support};
-use crate::signal::{export, hdf5, matlab, tdms, workbook};
+use crate::signal::{export, hdf5, matlab, t01, tdms, workbook};
 use base::diagnostic::listed;
 use base::file::FileError;
 use base::number::significant;
@@ -49,6 +49,9 @@ pub enum Fault {
     /// The file is not as NI describes TDMS.
     #[error(transparent)]
     Tdms(#[from] tdms::Fault),
+    /// The file is not as OpenRadioss writes time histories.
+    #[error(transparent)]
+    T01(#[from] t01::Fault),
     /// The file is not as MathWorks describes MAT-files.
     #[error(transparent)]
     Matlab(#[from] matlab::Fault),

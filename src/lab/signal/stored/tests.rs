@@ -110,6 +110,16 @@ fn hdf5_is_read_as_h5py_reads_it() {
 }
 
 #[test]
+fn time_histories_are_read_as_they_were_made() {
+    check("t01");
+}
+
+#[test]
+fn damaged_time_histories_are_read_or_refused() {
+    damage("t01");
+}
+
+#[test]
 fn damaged_arrays_are_read_or_refused() {
     damage("mat");
     damage("hdf5");

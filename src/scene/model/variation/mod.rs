@@ -31,6 +31,11 @@ pub struct Variation {
 }
 
 impl Variation {
+    /// Whether the values of different keys do not depend on each other, as the rows of a table may.
+    pub fn is_independent(&self) -> bool {
+        self.correlation.is_none() && !matches!(self.method, Method::Table(_))
+    }
+
     /// How the values of the runs are chosen, in words.
     pub fn description(&self) -> String {
         let seed = self.seed;

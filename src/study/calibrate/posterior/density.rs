@@ -3,6 +3,7 @@
 
 use super::surrogate::{Shares, TestSurrogate};
 use crate::calibrate::plan::{BreakUnknowns, Plan, SHARE_BEFORE};
+use uncertainty::ensemble;
 use uncertainty::normal;
 
 /// Model errors that are considered.
@@ -16,6 +17,9 @@ pub(super) struct Layout {
     pub(super) scattered: Vec<Scattered>,
     /// Place of the logarithm of the model's error.
     pub(super) share: Option<usize>,
+    /// What scatters, test by test, and these tests: given the rest, one test does not depend on the other.
+    blocks: Vec<Vec<ensemble::Scattered>>,
+    of_blocks: Vec<usize>,
 }
 
 /// An unknown whose value differs from specimen to specimen.
@@ -38,7 +42,7 @@ impl Layout {
             next += 1;
             next - 1
         };
-        let scattered = scattered
+        let scattered: Vec<Scattered> = scattered
             .iter()
             .map(|(unknown, expected)| Scattered {
                 unknown: *unknown,
@@ -48,7 +52,15 @@ impl Layout {
             })
             .collect();
         let share = plan.estimates_share().then(&mut place);
-        Layout { unknowns: plan.unknowns.len(), scattered, share }
+        let in_test = |test: usize| {
+            let own = scattered.iter().flat_map(|own| own.values.iter().map(move |(of, place)| (own, *of, *place)));
+            let own = own.filter(|(_, of, _)| *of == test);
+            own.map(|(own, _, place)| ensemble::Scattered { place, mean: own.unknown, deviation: own.deviation }).collect()
+        };
+        let blocks = (0..plan.tests.len()).map(|test| (test, in_test(test)));
+        let blocks = blocks.filter(|(_, own): &(usize, Vec<ensemble::Scattered>)| !own.is_empty());
+        let (of_blocks, blocks) = blocks.unzip();
+        Layout { unknowns: plan.unknowns.len(), scattered, share, blocks, of_blocks }
     }
 
     /// Number of coordinates.
@@ -108,7 +120,7 @@ fn mass_between(low: f64, high: f64) -> f64 {
     (normal::cumulative(high) - normal::cumulative(low)).max(f64::MIN_POSITIVE)
 }
 
-/// A posterior on surrogates of the tests.
+/// A posterior on surrogates of the tests; its logarithm is one up to a constant.
 pub(super) struct Density<'a> {
     pub(super) plan: &'a Plan,
     pub(super) layout: &'a Layout,
@@ -119,48 +131,60 @@ pub(super) struct Density<'a> {
     pub(super) surrogates: &'a [TestSurrogate],
 }
 
-impl Density<'_> {
-    /// Its logarithm at a state, up to a constant.
-    pub(super) fn log(&self, state: &[f64]) -> f64 {
+impl ensemble::Density for Density<'_> {
+    fn log(&self, state: &[f64]) -> f64 {
         let before = self.before(state);
         if !before.is_finite() {
             return f64::NEG_INFINITY;
         }
-        let share = self.layout.share(state, self.plan);
-        let mut sum = before;
-        for (test, surrogate) in self.surrogates.iter().enumerate() {
-            let x = self.layout.in_test(state, test);
-            let own: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
-            let Some(found) = surrogate.predicted(&own) else { return f64::NEG_INFINITY };
-            let own = &self.plan.tests[test];
-            sum += own.weight * surrogate.log_likelihood(&found, share);
-            if let Some(outcomes) = &own.outcomes {
-                let breaks = self.breaks[test].with_values(&self.plan.values(&x));
-                sum += own.weight * outcomes.log_likelihood(&found.demands, surrogate.demand_errors(), &breaks);
-            }
-        }
-        sum
+        let is_other = |test: &usize| !self.layout.of_blocks.contains(test);
+        before + (0..self.surrogates.len()).filter(is_other).map(|test| self.of_test(test, state)).sum::<f64>()
     }
 
-    /// What is known before the tests.
+    fn blocks(&self) -> &[Vec<ensemble::Scattered>] {
+        &self.layout.blocks
+    }
+
+    /// The specimen of a test about the mean, and what the test says of it.
+    fn log_of_block(&self, block: usize, state: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for own in &self.layout.blocks[block] {
+            let [low, high] = self.plan.parameter_of(&self.plan.unknowns[own.mean]).ends();
+            let logarithm = state[own.deviation];
+            let standard = |x: f64| (x - state[own.mean]) / logarithm.exp();
+            if !(low..=high).contains(&state[own.place]) {
+                return f64::NEG_INFINITY;
+            }
+            // Specimens lie within the bounds, too: what lies beyond them of the normal distribution is shared out.
+            let inside = mass_between(standard(low), standard(high)).ln();
+            sum -= 0.5 * standard(state[own.place]).powi(2) + logarithm + inside;
+        }
+        sum + self.of_test(self.layout.of_blocks[block], state)
+    }
+}
+
+impl Density<'_> {
+    /// What a test says of a state.
+    fn of_test(&self, test: usize, state: &[f64]) -> f64 {
+        let x = self.layout.in_test(state, test);
+        let acting: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
+        let (own, surrogate) = (&self.plan.tests[test], &self.surrogates[test]);
+        let Some(found) = surrogate.predicted(&acting) else { return f64::NEG_INFINITY };
+        let of_signals = surrogate.log_likelihood(&found, self.layout.share(state, self.plan));
+        let of_outcomes = own.outcomes.as_ref().map_or(0.0, |outcomes| {
+            let breaks = self.breaks[test].with_values(&self.plan.values(&x));
+            outcomes.log_likelihood(&found.demands, surrogate.demand_errors(), &breaks)
+        });
+        own.weight * (of_signals + of_outcomes)
+    }
+
+    /// What is known before the tests of all but the specimens.
     fn before(&self, state: &[f64]) -> f64 {
         let unknowns = self.plan.unknowns.iter().zip(state);
         let mut sum: f64 = unknowns.map(|(unknown, x)| self.plan.parameter_of(unknown).log_prior(*x)).sum();
         for own in &self.layout.scattered {
-            let logarithm = state[own.deviation];
-            let deviation = logarithm.exp();
             // A half-normal distribution of the deviation; the logarithm has its density times the deviation.
-            sum += logarithm - 0.5 * (deviation / own.expected).powi(2);
-            let ends = self.plan.parameter_of(&self.plan.unknowns[own.unknown]).ends();
-            let standard = |x: f64| (x - state[own.unknown]) / deviation;
-            // Specimens lie within the bounds, too: what lies beyond them of the normal distribution is shared out.
-            let inside = mass_between(standard(ends[0]), standard(ends[1])).ln();
-            for (_, place) in &own.values {
-                if !(ends[0]..=ends[1]).contains(&state[*place]) {
-                    return f64::NEG_INFINITY;
-                }
-                sum -= 0.5 * standard(state[*place]).powi(2) + logarithm + inside;
-            }
+            sum += state[own.deviation] - 0.5 * (state[own.deviation].exp() / own.expected).powi(2);
         }
         if let Some(place) = self.layout.share {
             let [median, spread] = SHARE_BEFORE;

@@ -4,7 +4,7 @@ mod beginning;
 mod density;
 mod surrogate;
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 use uncertainty::design::{self, Levels, Method};
@@ -12,6 +12,7 @@ use uncertainty::ensemble::{self, LARGEST_R_HAT, Samples};
 use uncertainty::random::Stream;
 use uncertainty::statistics::quantiles;
 
+use super::error_model::{Shape, Spectrum};
 use super::objective::CalibrationObjective;
 use super::plan::{BreakUnknowns, Plan};
 use super::verdict;
@@ -40,6 +41,10 @@ const MOVES: usize = 3;
 const SMALL_ERROR: f64 = 0.5;
 /// Most steps of the walkers of rounds before the last.
 const LOOK: usize = 1000;
+/// Drawings of points of a region at most, of which the model refuses a part.
+const DRAWINGS: usize = 8;
+/// Least share of samples that the model does not refuse.
+const LEAST_SUPPORTED: f64 = 0.02;
 /// Samples that are kept.
 const KEPT: usize = 4000;
 /// Distance of an end of an interval of 95 % from a bound, as a share of the distance of the bounds, at which the posterior is
@@ -105,8 +110,12 @@ struct Sampling<'a> {
     plan: &'a Arc<Plan>,
     objective: CalibrationObjective<'a>,
     layout: Layout,
+    /// Of every test and every shape that the model's error may have there.
+    spectra: Vec<Vec<Spectrum>>,
     acting: Vec<Vec<usize>>,
     breaks: Vec<BreakUnknowns>,
+    /// Why the scenario of each test refused the first point that it did.
+    refused: Vec<Mutex<Option<String>>>,
     session: &'a Session,
     host: &'a SearchHost,
     options: &'a PosteriorOptions,
@@ -125,8 +134,10 @@ impl Posterior {
             plan,
             objective: CalibrationObjective::new(plan, from.share, session),
             layout: Layout::new(plan, &options.scattered),
+            spectra: (0..plan.tests.len()).map(|test| spectra(plan, test)).collect(),
             acting: (0..plan.tests.len()).map(|test| plan.acting_on(test)).collect(),
             breaks: (0..plan.tests.len()).map(|test| plan.break_unknowns(test)).collect(),
+            refused: plan.tests.iter().map(|_| Mutex::default()).collect(),
             session,
             host,
             options,
@@ -214,23 +225,22 @@ impl Sampling<'_> {
         let mut centre = self.first_states(from, &regions);
         let mut stream = Stream::new(self.options.seed);
         for round in 0.. {
-            let points = regions.iter().zip(&runs).map(|(region, runs)| self.design(region, runs, round));
+            let points = regions.iter().zip(&runs).enumerate();
+            let points = points.map(|(test, (region, runs))| self.design(test, region, runs, round));
             let points = points.collect::<HostResult<Vec<_>>>()?;
             computed += self.compute(&points, &mut runs, &mut failed)?;
             let surrogates = regions.iter().zip(&runs).enumerate().map(|(test, (region, runs))| {
                 let name = &self.plan.tests[test].name;
                 let compared = self.objective.compared(test);
-                let variances = |share| self.variances(test, share);
-                TestSurrogate::fit(region.clone(), runs, compared, self.layout.shares(self.plan), variances).map_err(
-                    |error| {
-                        let (count, cause) = &failed[test];
-                        let of_runs = match count {
-                            0 => String::new(),
-                            _ => format!("; {count} of its runs failed, the first: {cause}"),
-                        };
-                        refuse(format!("the surrogate of {name}: {error}{of_runs}"))
-                    },
-                )
+                let shares = self.layout.shares(self.plan);
+                TestSurrogate::fit(region.clone(), runs, compared, shares, &self.spectra[test]).map_err(|error| {
+                    let (count, cause) = &failed[test];
+                    let of_runs = match count {
+                        0 => String::new(),
+                        _ => format!("; {count} of its runs failed, the first: {cause}"),
+                    };
+                    refuse(format!("the surrogate of {name}: {error}{of_runs}"))
+                })
             });
             let surrogates = surrogates.collect::<HostResult<Vec<_>>>()?;
             let samples = self.samples(&surrogates, &centre, round, false, &mut stream)?;
@@ -261,8 +271,11 @@ impl Sampling<'_> {
         let largest = errors.iter().copied().fold(0.0, f64::max);
         let cut = if is_inside { "" } else { ", samples reach the ends of a region" };
         let of = format!("{}, posterior, round {} of {}", self.plan.title(), round + 1, MOVES * self.options.rounds);
-        let largest = base::number::significant(largest, 2);
-        self.host.tell(&format!("{of} at most: {computed} runs, surrogates off by at most {largest} deviations{cut}"));
+        let off = match largest.is_finite() {
+            true => format!("surrogates off by at most {} deviations", base::number::significant(largest, 2)),
+            false => "no run at new points has a value".into(),
+        };
+        self.host.tell(&format!("{of} at most: {computed} runs, {off}{cut}"));
     }
 
     /// The covariance of a linear model about the best point whose tests are tempered, of all tests or of one.
@@ -299,7 +312,7 @@ impl Sampling<'_> {
     }
 
     /// Points that a region lacks beside these runs: a Latin hypercube.
-    fn design(&self, region: &Region, runs: &Runs, round: usize) -> HostResult<Vec<Vec<f64>>> {
+    fn design(&self, test: usize, region: &Region, runs: &Runs, round: usize) -> HostResult<Vec<Vec<f64>>> {
         if region.low.is_empty() {
             return Ok(if runs.is_empty() { vec![Vec::new()] } else { Vec::new() });
         }
@@ -309,9 +322,72 @@ impl Sampling<'_> {
         if missing == 0 {
             return Ok(Vec::new());
         }
-        let seed = self.options.seed.wrapping_add(round as u64);
-        let points = design::points(Method::LatinHypercube, &factors, missing, seed);
-        Ok(points.map_err(refuse)?.iter().map(|unit| region.point(unit)).collect())
+        // Where the model refuses a part of the region, points are drawn until the rest of it has enough.
+        let mut found = Vec::new();
+        for drawing in 0..DRAWINGS {
+            let seed = self.options.seed.wrapping_add((round * DRAWINGS + drawing) as u64);
+            let points = design::points(Method::LatinHypercube, &factors, missing, seed).map_err(refuse)?;
+            let points = points.iter().map(|unit| region.point(unit)).collect::<Vec<_>>();
+            let count = found.len() + points.len();
+            found.extend(self.supported(test, points));
+            if found.len() == count {
+                break;
+            }
+        }
+        found.truncate(missing);
+        Ok(found)
+    }
+
+    /// Those of the points of a test that its scenario does not refuse: the others have no probability before the tests.
+    fn supported(&self, test: usize, points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let is_supported = |point: &Vec<f64>| {
+            let changes = self.plan.changes(test, &self.values_at(test, point));
+            match self.plan.tests[test].study.with(changes, self.session) {
+                Ok(_) => true,
+                Err(error) => {
+                    let mut refused = self.refused[test].lock().unwrap_or_else(PoisonError::into_inner);
+                    refused.get_or_insert_with(|| cause(&error));
+                    false
+                }
+            }
+        };
+        points.into_par_iter().filter(is_supported).collect()
+    }
+
+    /// The samples that no test refuses, of tests that have refused any point: at most [`KEPT`] of them.
+    fn within_support(&self, samples: Samples) -> HostResult<Samples> {
+        let refusing: Vec<usize> = (0..self.refused.len()).filter(|test| self.refusal(*test).is_some()).collect();
+        if refusing.is_empty() {
+            return Ok(samples);
+        }
+        let mut points = kept(samples.points, self.options.seed);
+        let before = points.len() as f64;
+        for test in &refusing {
+            let in_test = |state: &Vec<f64>| self.acting[*test].iter().map(|index| self.layout.in_test(state, *test)[*index]).collect();
+            let supported = self.supported(*test, points.iter().map(in_test).collect());
+            let mut supported = supported.into_iter().peekable();
+            points.retain(|state| supported.next_if_eq(&in_test(state)).is_some());
+        }
+        let share = points.len() as f64 / before;
+        if share < LEAST_SUPPORTED {
+            let cause = refusing.iter().find_map(|test| self.refusal(*test)).unwrap_or_default();
+            return Err(refuse(format!("the posterior lies where scenarios are refused: {cause}")));
+        }
+        let effective = samples.effective.iter().map(|size| size * share).collect();
+        Ok(Samples { points, effective, ..samples })
+    }
+
+    fn refusal(&self, test: usize) -> Option<String> {
+        self.refused[test].lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Values of all unknowns at a point of a test.
+    fn values_at(&self, test: usize, point: &[f64]) -> Vec<f64> {
+        let mut values = self.plan.start();
+        for (index, coordinate) in self.acting[test].iter().zip(point) {
+            values[*index] = self.plan.parameter_of(&self.plan.unknowns[*index]).value(*coordinate);
+        }
+        values
     }
 
     /// Computes the differences of all tests at points of theirs; the number of runs.
@@ -348,10 +424,7 @@ impl Sampling<'_> {
     fn differences(&self, test: usize, point: &[f64]) -> Result<Vec<f64>, String> {
         // No run begins once the study is told to stop.
         check_stop(self.session).map_err(|error| cause(&error))?;
-        let mut values = self.plan.start();
-        for (index, coordinate) in self.acting[test].iter().zip(point) {
-            values[*index] = self.plan.parameter_of(&self.plan.unknowns[*index]).value(*coordinate);
-        }
+        let values = self.values_at(test, point);
         let session = self.session.with_trial(self.session.cancellation());
         let (simulated, demands) = self.objective.simulated(test, &values, &session).map_err(|error| cause(&error))?;
         if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
@@ -360,7 +433,7 @@ impl Sampling<'_> {
         let own = &self.plan.tests[test];
         let mut all = Vec::new();
         for (signal, simulated) in own.signals.iter().zip(&simulated) {
-            all.extend(signal.differences(simulated)?);
+            all.extend(signal.scaled(simulated)?.iter());
         }
         all.extend(demands);
         Ok(all)
@@ -441,8 +514,9 @@ impl Sampling<'_> {
             let between = centre.points[first].iter().zip(&centre.points[other]);
             between.map(|(a, b)| a + 0.5 * share * (b - a)).collect()
         };
-        ensemble::sample(&|state: &[f64]| density.log(state), start, &options)
-            .map_err(|error| refuse(format!("the posterior cannot be sampled: {error}")))
+        let found = ensemble::sample(&density, start, &options)
+            .map_err(|error| refuse(format!("the posterior cannot be sampled: {error}")))?;
+        self.within_support(found)
     }
 
     /// New points of every test: draws of the posterior.
@@ -459,11 +533,6 @@ impl Sampling<'_> {
         self.acting.iter().enumerate().map(of_test).collect()
     }
 
-    /// Variances of the differences of a test for a model's error.
-    fn variances(&self, test: usize, share: f64) -> Vec<f64> {
-        self.plan.tests[test].signals.iter().flat_map(|signal| signal.variances(share)).collect()
-    }
-
     /// Root mean square over runs of the norm of a surrogate's error, each coordinate over its standard deviation.
     fn error(&self, test: usize, surrogate: &TestSurrogate, runs: &[(Vec<f64>, Vec<f64>)], state: &[f64]) -> f64 {
         if self.acting[test].is_empty() {
@@ -473,19 +542,19 @@ impl Sampling<'_> {
         let scatter = self.breaks[test].with_values(&self.plan.values(&self.layout.in_test(state, test))).scatter;
         let own = &self.plan.tests[test];
         let demands = own.outcomes.as_ref().map_or(0, |outcomes| outcomes.numbers());
+        let spectrum = Spectrum::joined(&own.signals.iter().map(|signal| signal.spectrum(None)).collect::<Vec<_>>());
         // Demands alternate between MD and TD.
-        let variances: Vec<f64> = self
-            .variances(test, share)
-            .into_iter()
-            .chain((0..demands).map(|place| scatter[place % 2].powi(2)))
-            .collect();
+        let of_demands = (0..demands).map(|place| scatter[place % 2].powi(2));
+        let variances: Vec<f64> = spectrum.variances(share).chain(of_demands).collect();
         let squares: Vec<f64> = runs
             .iter()
             .filter_map(|(point, found)| {
                 let expected = surrogate.predicted(point)?;
-                let differences = surrogate.differences(&expected);
-                let own = differences.iter().chain(&expected.demands).zip(found).zip(&variances);
-                Some(own.map(|((a, b), variance)| (a - b).powi(2) / variance).sum::<f64>())
+                let (compared, demanded) = found.split_at(found.len() - demands);
+                let off = &*spectrum.basis * (surrogate.differences(&expected) - DVector::from_column_slice(compared));
+                let of_demands = expected.demands.iter().zip(demanded).map(|(own, found)| own - found);
+                let off = off.iter().copied().chain(of_demands);
+                Some(off.zip(&variances).map(|(off, variance)| off * off / variance).sum::<f64>())
             })
             .collect();
         if squares.is_empty() { f64::INFINITY } else { (squares.iter().sum::<f64>() / squares.len() as f64).sqrt() }
@@ -558,7 +627,8 @@ impl Sampling<'_> {
             }
         }
         for (test, own) in self.plan.tests.iter().enumerate() {
-            if errors[test] >= SMALL_ERROR {
+            // Without a run at new points there is no error; that they fail is said below.
+            if errors[test] >= SMALL_ERROR && errors[test].is_finite() {
                 let (error, runs) = (errors[test], runs[test].len());
                 warnings.push(Warning::SurrogateError { test: own.name.clone(), error, runs });
             }
@@ -581,6 +651,15 @@ impl Sampling<'_> {
             warnings,
         }
     }
+}
+
+/// The coordinates of the differences of a test, of every shape that the model's error may have there.
+fn spectra(plan: &Plan, test: usize) -> Vec<Spectrum> {
+    let of = |shape: &Shape| {
+        let signals = plan.tests[test].signals.iter();
+        Spectrum::joined(&signals.map(|signal| signal.spectrum(Some(*shape))).collect::<Vec<_>>())
+    };
+    plan.shapes(test).par_iter().map(of).collect()
 }
 
 /// Medians of all coordinates.

@@ -5,14 +5,17 @@
 //! coordinates together, and what components that are left out leave of every coordinate (docs/theory.md, equation 334).
 
 use nalgebra::{DMatrix, DVector};
-use uncertainty::surrogate::{Components, Family, Likelihood, Options, Output, SurrogateError};
+use rayon::prelude::*;
+use uncertainty::surrogate::{Components, Family, Options, Output, SurrogateError};
+
+use crate::calibrate::error_model::{Spectrum, log_mean_exp};
 
 /// Highest degree of the polynomials.
 const HIGHEST_DEGREE: usize = 6;
 /// Distance of points from the faces of the box in its unit coordinates, which are open.
 const INSIDE: f64 = 1e-6;
 /// Distance of the logarithms of the model's errors between which likelihoods are interpolated.
-const SPACING: f64 = 0.02;
+const SPACING: f64 = 0.08;
 
 /// A box of the unknowns that act on a test.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,13 +66,13 @@ pub(super) enum Shares {
 
 impl TestSurrogate {
     /// Fits runs at points of a region, of whose numbers the first `compared` are differences and the others demands; runs
-    /// outside of it are left out. `variances` are those of the differences for a model's error.
+    /// outside of it are left out. `spectra` are those of the shapes that the model's error may have.
     pub(super) fn fit(
         region: Region,
         runs: &[(Vec<f64>, Vec<f64>)],
         compared: usize,
         shares: Shares,
-        variances: impl Fn(f64) -> Vec<f64>,
+        spectra: &[Spectrum],
     ) -> Result<TestSurrogate, SurrogateError> {
         let inside: Vec<(Vec<f64>, &[f64])> =
             runs.iter().filter_map(|(point, found)| Some((region.unit(point)?, found.as_slice()))).collect();
@@ -88,7 +91,7 @@ impl TestSurrogate {
         });
         let demands = demands.collect::<Result<Vec<_>, _>>()?;
         let demand_errors = demands.iter().map(Output::error).collect();
-        let likelihood = OverShares::new(shares, |share| differences.likelihood(&variances(share)));
+        let likelihood = OverShares::new(shares, &differences, spectra);
         Ok(TestSurrogate { region, differences, likelihood, demands, demand_errors })
     }
 
@@ -104,9 +107,14 @@ impl TestSurrogate {
         self.differences.outputs(&found.amplitudes)
     }
 
-    /// Logarithm of the likelihood of the differences for a model's error, up to a constant.
+    /// Logarithm of the likelihood of the differences for a model's error of any shape, up to a constant.
     pub(super) fn log_likelihood(&self, found: &Found, share: f64) -> f64 {
-        self.likelihood.log(&found.amplitudes, share)
+        log_mean_exp(self.of_shapes(found, share).iter().copied())
+    }
+
+    /// The same for each shape.
+    pub(super) fn of_shapes(&self, found: &Found, share: f64) -> Vec<f64> {
+        self.likelihood.of_shapes(&found.amplitudes, share)
     }
 
     /// Variances of the errors of the demands.
@@ -115,77 +123,117 @@ impl TestSurrogate {
     }
 }
 
-/// The likelihood of differences for every size of the model's error that is asked for: it is a matrix for each, which samples
-/// are too many to make anew.
+/// The likelihood of differences for every size of the model's error that is asked for, and for every shape: it is a matrix for
+/// each, which samples are too many to make anew.
 struct OverShares {
     /// Logarithm of the first size.
     first: f64,
-    /// At sizes [`SPACING`] apart in their logarithm, or the one size that is given.
-    nodes: Vec<Likelihood>,
+    shapes: usize,
+    /// At sizes [`SPACING`] apart in their logarithm, or the one size that is given: of each product of two amplitudes, the mean's of
+    /// one among them, its factor for every shape; then what is added.
+    nodes: Vec<Vec<f64>>,
 }
 
 impl OverShares {
     /// Nodes that are interpolated between.
     const POINTS: usize = 4;
 
-    fn new(shares: Shares, at: impl Fn(f64) -> Likelihood) -> OverShares {
-        match shares {
-            Shares::Given(share) => OverShares { first: 0.0, nodes: vec![at(share)] },
+    fn new(shares: Shares, differences: &Components, spectra: &[Spectrum]) -> OverShares {
+        let (first, sizes) = match shares {
+            Shares::Given(share) => (0.0, vec![share]),
             Shares::Between(ends) => {
                 let [low, high] = ends.map(f64::ln);
                 let intervals = ((high - low) / SPACING).ceil().max(1.0) as usize;
                 // One beyond either end, so that every size lies between two of each side.
                 let first = low - SPACING;
-                let node = |place: usize| at((first + SPACING * place as f64).exp());
-                OverShares { first, nodes: (0..=intervals + 2).map(node).collect() }
+                (first, (0..=intervals + 2).map(|place| (first + SPACING * place as f64).exp()).collect())
             }
-        }
+        };
+        let of_shape = |spectrum: &Spectrum| -> Vec<Vec<f64>> {
+            let own = differences.rotated(&spectrum.basis);
+            let at = |share: &f64| own.likelihood(&spectrum.variances(*share).collect::<Vec<_>>());
+            sizes.iter().map(at).collect()
+        };
+        let all: Vec<Vec<Vec<f64>>> = spectra.par_iter().map(of_shape).collect();
+        let node = |size: usize| {
+            let factors = all[0][size].len();
+            (0..factors).flat_map(|factor| all.iter().map(move |own| own[size][factor])).collect()
+        };
+        OverShares { first, shapes: spectra.len(), nodes: (0..sizes.len()).map(node).collect() }
     }
 
     /// By the cubic through the nodes about a size.
-    fn log(&self, amplitudes: &[f64], share: f64) -> f64 {
-        if let [only] = &self.nodes[..] {
-            return only.log(amplitudes);
-        }
-        let place = (share.ln() - self.first) / SPACING;
-        let from = (place.floor() as usize).saturating_sub(1).min(self.nodes.len() - Self::POINTS);
-        let t = place - from as f64;
-        let weight = |own: usize| {
-            let others = (0..Self::POINTS).filter(|other| *other != own);
-            others.map(|other| (t - other as f64) / (own as f64 - other as f64)).product::<f64>()
+    fn of_shapes(&self, amplitudes: &[f64], share: f64) -> Vec<f64> {
+        let nodes = match self.nodes.len() {
+            1 => vec![(0, 1.0)],
+            count => {
+                let place = (share.ln() - self.first) / SPACING;
+                let from = (place.floor() as usize).saturating_sub(1).min(count - Self::POINTS);
+                let t = place - from as f64;
+                let weight = |own: usize| {
+                    let others = (0..Self::POINTS).filter(|other| *other != own);
+                    others.map(|other| (t - other as f64) / (own as f64 - other as f64)).product::<f64>()
+                };
+                (0..Self::POINTS).map(|own| (from + own, weight(own))).collect()
+            }
         };
-        (0..Self::POINTS).map(|own| weight(own) * self.nodes[from + own].log(amplitudes)).sum()
+        let with_mean = || std::iter::once(1.0).chain(amplitudes.iter().copied());
+        // Each pair of amplitudes once, then one for what is added.
+        let pairs = with_mean().enumerate().flat_map(|(column, own)| with_mean().take(column + 1).map(move |other| own * other));
+        let products: Vec<f64> = pairs.chain([1.0]).collect();
+        let mut found = vec![0.0; self.shapes];
+        for (node, weight) in nodes {
+            for (factors, product) in self.nodes[node].chunks_exact(self.shapes).zip(&products) {
+                found.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += weight * product * factor);
+            }
+        }
+        found
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
 
-    /// Interpolated likelihoods are those of the variances at every size of the model's error, also where differences are fifty
-    /// deviations.
+    /// Interpolated likelihoods are those of the covariance written out, at every size of the model's error and for both of two
+    /// shapes, also where differences are fifty deviations.
     #[test]
-    fn likelihoods_between_sizes_are_those_of_their_variances() {
+    fn likelihoods_between_sizes_are_those_of_their_covariance() {
         let region = Region { low: vec![-1.0], high: vec![1.0] };
+        let differences = |x: f64| DVector::from_fn(40, |row, _| 50.0 * (0.2 * row as f64).sin() * (1.0 + 0.5 * x + 0.2 * x * x));
         let runs: Vec<(Vec<f64>, Vec<f64>)> = (0..30)
             .map(|run| {
                 let x = f64::from(run) / 15.0 - 0.97;
-                (vec![x], (0..40).map(|row| 50.0 * (0.1 * f64::from(row) * (2.0 + x)).sin()).collect())
+                (vec![x], differences(x).as_slice().to_vec())
             })
             .collect();
-        let variances = |share: f64| (0..40).map(|row| 1.0 + (100.0 * share).powi(2) * 0.9_f64.powi(row)).collect();
-        let of = |shares| TestSurrogate::fit(region.clone(), &runs, 40, shares, variances).unwrap();
-        let interpolated = of(Shares::Between([1e-5, 1.0]));
+        let covariance = |length: f64| DMatrix::from_fn(40, 40, |a, b| 1e4 * (-(a.abs_diff(b) as f64) / length).exp());
+        let spectrum = |length: f64| {
+            let eigen = nalgebra::SymmetricEigen::new(covariance(length));
+            Spectrum { basis: Arc::new(eigen.eigenvectors.transpose()), eigenvalues: eigen.eigenvalues.as_slice().to_vec() }
+        };
+        let lengths = [3.0, 12.0];
+        let all = Shares::Between([1e-5, 1.0]);
+        let found = TestSurrogate::fit(region.clone(), &runs, 40, all, &lengths.map(spectrum)).unwrap();
         for share in [1e-5, 1.3e-4, 2e-3, 0.0123, 0.1, 0.7, 1.0] {
             for x in [-0.9, 0.1, 0.8] {
-                let found = interpolated.predicted(&[x]).unwrap();
-                let exact = of(Shares::Given(share)).log_likelihood(&found, share);
-                let off = interpolated.log_likelihood(&found, share) - exact;
-                assert!(off.abs() < 1e-6 * exact.abs().max(10.0), "{share} {x}: {off} of {exact}");
+                let at = found.predicted(&[x]).unwrap();
+                let exact = lengths.map(|length| {
+                    let whole = DMatrix::identity(40, 40) + share * share * covariance(length);
+                    let factor = whole.cholesky().unwrap();
+                    let own = found.differences(&at);
+                    let constant = 2.0 * factor.l().diagonal().iter().map(|own| own.ln()).sum::<f64>();
+                    -0.5 * (own.dot(&factor.solve(&own)) + constant)
+                });
+                for (own, exact) in found.of_shapes(&at, share).iter().zip(exact) {
+                    assert!((own - exact).abs() < 2e-3 * exact.abs().max(10.0), "{share} {x}: {own} for {exact}");
+                }
             }
         }
-        assert!(interpolated.predicted(&[1.1]).is_none());
-        let none = TestSurrogate::fit(region.clone(), &[], 0, Shares::Given(0.0), |_| Vec::new());
+        assert!(found.predicted(&[1.1]).is_none());
+        let none = TestSurrogate::fit(region.clone(), &[], 0, Shares::Given(0.0), &[Spectrum::trivial(0)]);
         assert!(matches!(none.err(), Some(SurrogateError::TooFewSamples { samples: 0, .. })));
     }
 }

@@ -1,0 +1,10 @@
+//! Time histories of OpenRadioss.
+//!
+//! Readers: src/lab/signal/t01
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+use droptower_fuzz::read_recording;
+
+fuzz_target!(|input: &[u8]| read_recording("filmT01", input));
