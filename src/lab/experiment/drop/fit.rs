@@ -13,14 +13,15 @@ const STEPS: Unknowns = [1e-3, 1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-3, 1e-3, 1e-5, 1
 /// Most steps of the search, and the change of the sum of squares that ends it.
 const MOST_STEPS: usize = 100;
 const CONVERGED: f64 = 1e-6;
-/// Exponents of the force and shares of the friction that goes on after contact to start from.
-const STARTS: [[f64; 2]; 4] = [[1.0, 0.95], [1.8, 0.95], [3.0, 0.95], [1.8, 0.05]];
+/// Exponents of the force, shares of the friction that go on after contact and that grow with the speed to start from.
+const STARTS: [[f64; 3]; 5] =
+    [[1.0, 0.95, 0.02], [1.8, 0.95, 0.02], [3.0, 0.95, 0.02], [1.8, 0.05, 0.02], [1.8, 0.95, 0.4]];
 /// Draws, and the most that are tried for them.
 const DRAWS: usize = 400;
 const MOST_TRIED: usize = 200_000;
 /// Least variance of the draws over that of the density: the model of release and onset is not exact. Assumed; with it
 /// the intervals of docs/verification.md hold what they say.
-const LEAST_COLOUR: f64 = 1.25;
+const LEAST_COLOUR: f64 = 1.15;
 /// Standard deviations beyond a bound from which on an unknown is taken to lie at it.
 const AT_BOUND: f64 = 2.0;
 /// Length of the bins whose means show noise that is not white, s.
@@ -41,9 +42,9 @@ pub(super) struct Fit {
 impl Fit {
     /// The best of searches from several exponents of the force, near `start`.
     pub(super) fn find(model: &Model<'_>, start: &Unknowns) -> Option<Fit> {
-        let from = |[exponent, goes_on]: [f64; 2]| {
+        let from = |[exponent, goes_on, of_speed]: [f64; 3]| {
             let mut start = *start;
-            (start[of::EXPONENT], start[of::GOES_ON]) = (exponent, goes_on);
+            (start[of::EXPONENT], start[of::GOES_ON], start[of::OF_SPEED]) = (exponent, goes_on, of_speed);
             Fit::descend(model, start)
         };
         STARTS.into_iter().map(from).filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))

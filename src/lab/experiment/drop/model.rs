@@ -257,7 +257,7 @@ impl Model<'_> {
         bounds[of::INVERSE] = self.known.inverse.map_or([0.0, 100.0], |given| [given; 2]);
         bounds[of::DURATION] = [2.0 * self.step, 0.1];
         bounds[of::FRICTION] = [-0.03, 0.9];
-        bounds[of::OF_SPEED] = [0.0, 1.0];
+        bounds[of::OF_SPEED] = [-0.2, 1.0];
         bounds[of::GOES_ON] = [0.0, 2.0];
         bounds[of::EXPONENT] = [0.3, 6.0];
         bounds[of::HEIGHT] = [1e-3, 100.0];

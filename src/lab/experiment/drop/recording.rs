@@ -11,7 +11,9 @@ use crate::signal::Series;
 /// writes the end of its range, or zero.
 const HELD: usize = 20;
 /// Share of the peak's rise up to which the force is fitted: there a bent power of the travel describes film.
-const ONSET: f64 = 0.25;
+const ONSET: f64 = 0.2;
+/// Share of the force to which the model describes it: one standard deviation. Assumed.
+const ONSET_ERROR: f64 = 0.01;
 /// Share from which on contact is guessed.
 const EARLY: f64 = 0.08;
 /// Samples of the onset beyond that.
@@ -43,7 +45,8 @@ pub(super) struct Recorded {
     pub onset_end: f64,
     /// Guess of the contact, s.
     contact: f64,
-    /// Rise of the reading from before contact to its first peak, m/s².
+    /// The reading before contact, and its rise from there to the first peak, m/s².
+    base: f64,
     rise: f64,
     /// The samples of a laser until then.
     laser: Vec<[f64; 2]>,
@@ -56,11 +59,11 @@ impl Recorded {
     /// The landmarks of an evenly sampled `reading` (m/s²) under `gravity` (m/s²), beside the recorded `laser` (m).
     pub(super) fn find(reading: &Series, laser: Option<&Series>, gravity: f64) -> Result<Recorded, ReleaseError> {
         let release = Release::find(reading, gravity)?;
-        let Onset { contact, end: onset_end, rise } = Onset::of(reading, &release);
+        let Onset { contact, end: onset_end, base, rise } = Onset::of(reading, &release);
         let (laser, held) = laser.map_or_else(Default::default, |laser| moving(laser, [release.flank[0], onset_end]));
         let laser_noise = third_differences(&laser).max(LEAST_LASER_NOISE);
         let noise = release.noise.max(LEAST_NOISE);
-        Ok(Recorded { reading: reading.clone(), release, noise, onset_end, contact, rise, laser, laser_noise, held })
+        Ok(Recorded { reading: reading.clone(), release, noise, onset_end, contact, base, rise, laser, laser_noise, held })
     }
 
     pub(super) fn has_laser(&self) -> bool {
@@ -131,8 +134,10 @@ impl Recorded {
             let is_fine = (time[first] - self.release.flank[0]).abs() < ABOUT_RELEASE || time[first] > from;
             let last = (first + count(if is_fine { FINE } else { COARSE })).min(time.len());
             let mean = |of: &[f64]| of[first..last].iter().sum::<f64>() / (last - first) as f64;
-            let deviation = self.noise / ((last - first) as f64).sqrt();
-            samples.push(Sample { time: mean(time), reading: mean(values), deviation });
+            let (time, reading) = (mean(time), mean(values));
+            let force = if time > self.contact { (reading - self.base).abs() } else { 0.0 };
+            let deviation = (self.noise / ((last - first) as f64).sqrt()).hypot(ONSET_ERROR * force);
+            samples.push(Sample { time, reading, deviation });
             first = last;
         }
         samples
@@ -154,7 +159,6 @@ impl Recorded {
             (of::RELEASE, self.contact - lasts),
             (of::DURATION, duration),
             (of::FRICTION, friction),
-            (of::OF_SPEED, 0.02),
             (of::HEIGHT, height),
             (of::LEVEL, (ONSET * self.rise).ln()),
         ])
@@ -168,7 +172,8 @@ struct Onset {
     contact: f64,
     /// When the reading has risen by a share of it, s.
     end: f64,
-    /// From the reading before contact to the peak, m/s².
+    /// The reading before contact, and its rise to the peak, m/s².
+    base: f64,
     rise: f64,
 }
 
@@ -192,7 +197,7 @@ impl Onset {
         };
         let [early, late] = [EARLY, ONSET].map(reaches);
         let duration = (late - early).max(step) / (1.0 - (EARLY / ONSET).powf(1.0 / 1.7));
-        Onset { contact: (late - duration).max(release.flank[1]), end: late + BEYOND * step, rise }
+        Onset { contact: (late - duration).max(release.flank[1]), end: late + BEYOND * step, base, rise }
     }
 }
 

@@ -210,40 +210,45 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower) -> Result<Explained,
     let friction = known.friction.or(Some(ANY_FRICTION));
     let unknown = Known { height: None, speed: None, contact_time: None, friction, ..known };
     let free = fit(&recorded, &unknown).ok_or_else(no_fit)?;
+    let blind = recorded.has_laser().then(|| recorded.clone().without_laser());
+    let without_laser = blind.as_ref().and_then(|blind| fit(blind, &known));
+    // What is left of the best of them is noise.
+    let colour = without_laser.iter().map(|fit| fit.colour).fold(free.colour.min(all.colour), f64::min);
+    let evidence =
+        |recorded: &Recorded, known: &Known, fit: &Fit| recorded.model(known, gravity).evidence(&fit.best) / colour;
+    let of_all = evidence(&recorded, &known, &all);
+    let excess = of_all - evidence(&recorded, &unknown, &free);
     let model = recorded.model(&unknown, gravity);
-    let evidence = |known: &Known, fit: &Fit| recorded.model(known, gravity).evidence(&fit.best);
-    let of_all = evidence(&known, &all);
-    let excess = (of_all - evidence(&unknown, &free)) / free.colour;
     let [contact, speed] = model.contact(&free.best);
+    if let Some((blind, without)) = blind.zip(without_laser) {
+        let gained = of_all - evidence(&blind, &known, &without) - recorded.laser_rows() as f64 / colour;
+        if gained > excess.max(0.0) + CONTRADICTS {
+            let reached = blind.model(&known, gravity).contact(&without.best)[1];
+            let disagreement = Some(Warning::LaserSpeedDiffers { reached, laser: speed });
+            return Ok(Explained { known, recorded: blind, fit: without, disagreement });
+        }
+    }
     let deviations = deviations(&model, &free);
     let stated = [
-        known.height.map(|[stated, _]| ("height", "m", free.best[of::HEIGHT], deviations[0], stated)),
-        known.speed.map(|[stated, _]| ("impact speed", "m/s", speed, deviations[1], stated)),
-        known.contact_time.map(|[stated, _]| ("time of contact", "s", contact, deviations[2], stated)),
+        known.height.map(|[stated, by]| ("height", "m", free.best[of::HEIGHT], deviations[0].hypot(by), stated)),
+        known.speed.map(|[stated, by]| ("impact speed", "m/s", speed, deviations[1].hypot(by), stated)),
+        known.contact_time.map(|[stated, by]| ("time of contact", "s", contact, deviations[2].hypot(by), stated)),
     ];
     let differs = |(what, _, found, deviation, stated): &(&str, &str, f64, f64, f64)| {
         let least = if *what == "time of contact" { 1e-3 } else { DIFFERS * stated };
         (found - stated).abs() > least.max(3.0 * deviation)
     };
     let other = stated.into_iter().flatten().find(differs).filter(|_| excess > CONTRADICTS);
-    let Some((what, unit, found, deviation, stated)) = other else {
-        return Ok(Explained { known, recorded, fit: all, disagreement: None });
-    };
-    if !recorded.has_laser() {
-        return Err(DropError::Contradicts { what, unit, found, error: 2.0 * deviation, stated });
+    match other {
+        None => Ok(Explained { known, recorded, fit: all, disagreement: None }),
+        Some((what, unit, found, _, stated)) if recorded.has_laser() => {
+            let disagreement = Some(Warning::DropHeightDiffers { what, unit, found, stated });
+            Ok(Explained { known: unknown, recorded, fit: free, disagreement })
+        }
+        Some((what, unit, found, deviation, stated)) => {
+            Err(DropError::Contradicts { what, unit, found, error: 2.0 * deviation, stated })
+        }
     }
-    // Either the laser or what is known is wrong: what is left out is the one whose absence explains more.
-    let blind = recorded.clone().without_laser();
-    let without = fit(&blind, &known).ok_or_else(no_fit)?;
-    let of_blind = blind.model(&known, gravity).evidence(&without.best);
-    let gained = (of_all - of_blind - recorded.laser_rows() as f64) / without.colour;
-    if gained > excess {
-        let reached = blind.model(&known, gravity).contact(&without.best)[1];
-        let disagreement = Some(Warning::LaserSpeedDiffers { reached, laser: speed });
-        return Ok(Explained { known, recorded: blind, fit: without, disagreement });
-    }
-    let disagreement = Some(Warning::DropHeightDiffers { what, unit, found, stated });
-    Ok(Explained { known: unknown, recorded, fit: free, disagreement })
 }
 
 /// Standard deviations of height (m), impact speed (m/s) and time of contact (s).
@@ -303,6 +308,12 @@ fn finish(
     let is_whole = clipping.is_none();
     let draws = fit.draws(model);
     let intervals = ramp.is_none().then(|| intervals::of(recorded, model, fit, &draws, body)).flatten();
+    // The figures are of the whole reading, the intervals of its means.
+    let intervals = intervals.map(|all| Intervals {
+        displacement: holding(all.displacement, displacement.iter().copied().fold(0.0, f64::min)),
+        energy_absorption: all.energy_absorption.zip(absorption.ok()).map(|(ends, value)| holding(ends, value)),
+        ..all
+    });
     let intervals = intervals.map(|all| match is_whole && absorption.is_ok() {
         true => all,
         false => Intervals { energy_absorption: None, rebound_speed: None, ..all },
@@ -361,6 +372,10 @@ fn finish(
 
 fn film_absorption_of(tower: &Tower, guide: &GuideFriction, velocity: &[f64], displacement: &[f64]) -> Option<f64> {
     film_absorption(tower.body, guide, velocity, displacement).ok()
+}
+
+fn holding([low, high]: [f64; 2], value: f64) -> [f64; 2] {
+    [low.min(value), high.max(value)]
 }
 
 /// The friction of the guide in the fall.
@@ -430,7 +445,7 @@ fn saturated(clipping: &Clipping, signals: &Recording) -> Warning {
 }
 
 /// The unknowns to search from.
-pub(super) fn unknowns(values: [(usize, f64); 8]) -> Unknowns {
+pub(super) fn unknowns(values: [(usize, f64); 7]) -> Unknowns {
     let mut unknowns = [0.0; COUNT];
     values.into_iter().for_each(|(place, value)| unknowns[place] = value);
     unknowns
