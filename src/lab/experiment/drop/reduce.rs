@@ -236,7 +236,7 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower) -> Result<Explained,
     ];
     let differs = |(what, _, found, deviation, stated): &(&str, &str, f64, f64, f64)| {
         let least = if *what == "time of contact" { 1e-3 } else { DIFFERS * stated };
-        (found - stated).abs() > least.max(3.0 * deviation)
+        (found - stated).abs() > least.max(4.0 * deviation)
     };
     let other = stated.into_iter().flatten().find(differs).filter(|_| excess > CONTRADICTS);
     match other {
