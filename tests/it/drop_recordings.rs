@@ -73,11 +73,16 @@ fn any_sensor_is_reduced_and_its_intervals_hold_the_truth() {
     let count = if thorough() { 400 } else { 40 };
     let setups: Vec<Setup> = (0..count).map(Setup::of).collect();
     let all: Vec<Result<Found, String>> = setups.par_iter().map(reduced).collect();
-    let refused: Vec<String> =
-        setups.iter().zip(&all).filter_map(|(setup, found)| Some(format!("{setup:?}: {}", found.as_ref().err()?))).collect();
+    let refused: Vec<String> = setups
+        .iter()
+        .zip(&all)
+        .filter_map(|(setup, found)| Some(format!("{setup:?}: {}", found.as_ref().err()?)))
+        .collect();
     println!("{} of {count} refused", refused.len());
     assert!(refused.len() * 100 <= setups.len(), "{refused:#?}");
-    println!("| recordings | n | contact | speed | travel | absorption | contact (ms) | speed (%) | travel (%) | absorption (points) |");
+    println!(
+        "| recordings | n | contact | speed | travel | absorption | contact (ms) | speed (%) | travel (%) | absorption (points) |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let mut faults = vec![];
     for (name, is_in) in GROUPS {

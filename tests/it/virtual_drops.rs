@@ -113,7 +113,11 @@ fn with_a_laser_a_wrong_height_has_a_warning() {
     for height in [0.5, 0.9, 1.5, 3.0] {
         let drop = reduce(height).expect("a drop");
         assert!((drop.contact.velocity / right.contact.velocity - 1.0).abs() < 2e-3, "{height}: {:?}", drop.contact);
-        assert!(drop.figures().notes.iter().any(|note| note.contains("show a height of ")), "{height}: {:?}", drop.warnings);
+        assert!(
+            drop.figures().notes.iter().any(|note| note.contains("show a height of ")),
+            "{height}: {:?}",
+            drop.warnings
+        );
     }
 }
 

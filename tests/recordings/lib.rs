@@ -230,7 +230,8 @@ impl Film {
         let mut film = Film { stiffness: 1.0, exponent, softens: softens * travel, steeper, remains, most: [0.0; 2] };
         let steps = 2000;
         let work: f64 = (0..steps).map(|i| film.loaded((f64::from(i) + 0.5) / f64::from(steps) * travel)).sum();
-        film.stiffness = GRAVITY * (setup.height + travel) * (1.0 - setup.friction) / (work * travel / f64::from(steps));
+        film.stiffness =
+            GRAVITY * (setup.height + travel) * (1.0 - setup.friction) / (work * travel / f64::from(steps));
         film
     }
 

@@ -334,7 +334,8 @@ impl Reading<'_> {
 
     /// A signal with all of its recordings.
     fn signal(&self, column: &'static Column, recorded: Vec<Recorded>) -> HostResult<Signal> {
-        let length = self.tolerances.correlation.filter(|own| self.over.is_none() || matches!(own, Correlation::Share(_)));
+        let length =
+            self.tolerances.correlation.filter(|own| self.over.is_none() || matches!(own, Correlation::Share(_)));
         let errors = ErrorModel::new(&recorded, self.tolerances.noise, Shape::all(length)[0]);
         let errors = errors.map_err(|error| self.of_column(column, &error))?;
         let recordings = recorded.into_iter().map(|own| own.series).collect();

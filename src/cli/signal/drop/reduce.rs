@@ -132,10 +132,8 @@ impl Reducer<'_> {
                         write `# height: 1 m` into its header";
             return Err(missing("the height of fall", hint));
         }
-        let replaced = [
-            replaced("mass", "kg", given.mass, stated.mass),
-            replaced("height", "m", given.height, stated.height),
-        ];
+        let replaced =
+            [replaced("mass", "kg", given.mass, stated.mass), replaced("height", "m", given.height, stated.height)];
         let replaced = replaced.into_iter().flatten();
         let replaced = replaced.map(|what| Warning::HeadReplaced { path: path.to_owned(), what }).collect();
         Ok((Tower { body: Body { mass, gravity: args.gravity }, height }, replaced))

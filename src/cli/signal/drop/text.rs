@@ -88,7 +88,9 @@ pub(super) fn rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<(&'stat
         format!("{speed:.3} m/s{interval} at {:.1} ms", 1e3 * time)
     });
     rows.insert(6, ("rebound", or_none(rebound)));
-    rows.extend(figures.widest_input.zip(figures.widest_share).map(|(input, share)| ("intervals", intervals(input, share))));
+    rows.extend(
+        figures.widest_input.zip(figures.widest_share).map(|(input, share)| ("intervals", intervals(input, share))),
+    );
     rows
 }
 

@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-use super::reduce::{DropError, reduce};
+use super::error::DropError;
+use super::reduce::reduce;
 use super::result::Drop;
 use super::tower::{Class, Reduction, Tower};
 use crate::experiment::Warning;

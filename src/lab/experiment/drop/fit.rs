@@ -71,9 +71,7 @@ impl Fit {
             let free: Vec<usize> = (0..COUNT).filter(is_free).collect();
             let mut gain = 0.0;
             for _ in 0..12 {
-                let damped = |a: usize, b: usize| {
-                    normal[(free[a], free[b])] * if a == b { 1.0 + damping } else { 1.0 }
-                };
+                let damped = |a: usize, b: usize| normal[(free[a], free[b])] * if a == b { 1.0 + damping } else { 1.0 };
                 let damped = DMatrix::from_fn(free.len(), free.len(), damped).cholesky();
                 let step = damped.map(|c| c.solve(&DVector::from_fn(free.len(), |a, _| -gradient[free[a]])));
                 let mut tried = best;

@@ -138,7 +138,8 @@ impl Impact {
         let (mut integral, mut before): (f64, Option<[f64; 2]>) = (0.0, None);
         let mut last: Option<f64> = None;
         let (mut v, mut z) = (-speed, 0.0_f64);
-        let mut found = Impact { contact, speed, travel: 0.0, rebound: f64::NEG_INFINITY, absorbed: 0.0, absorption: 0.0 };
+        let mut found =
+            Impact { contact, speed, travel: 0.0, rebound: f64::NEG_INFINITY, absorbed: 0.0, absorption: 0.0 };
         let (mut loading, mut unloading) = ([at_contact; 2], [f64::INFINITY, f64::NEG_INFINITY]);
         for [t, r] in means {
             integral += before.map_or(0.0, |[t0, r0]| 0.5 * (r + r0) * (t - t0));

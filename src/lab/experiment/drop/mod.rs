@@ -3,6 +3,7 @@
 mod bridge;
 mod channels;
 mod clipping;
+mod error;
 mod fit;
 mod intervals;
 mod model;
@@ -20,8 +21,9 @@ mod tower;
 
 pub use bridge::{Bridged, bridged, longest_gap};
 pub use channels::{ChannelNames, DropChannels, DropChannelsError};
+pub use error::DropError;
 pub use ramp::GravityRamp;
-pub use reduce::{DropError, reduce};
+pub use reduce::reduce;
 pub use release::{Release, ReleaseError};
 pub use result::{Contact, Drop, Figures, Input, Intervals, Landmarks, SpeedSource};
 pub use stated::{Stated, StatedError};

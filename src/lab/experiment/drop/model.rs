@@ -37,7 +37,7 @@ pub(super) mod of {
 /// Standard deviations that are assumed where nothing is given (theory.md, table of section 12).
 const DRIFT: f64 = 0.05;
 const DURATION: f64 = 0.03;
-const OF_SPEED: f64 = 0.3;
+const OF_SPEED: f64 = 0.1;
 const GOES_ON: f64 = 0.2;
 const EXPONENT: [f64; 2] = [1.7, 1.0];
 const BEND: f64 = 0.5;
@@ -212,9 +212,11 @@ impl Model<'_> {
                 Some(z0 + (z1 - z0) * (time - t0) / (t1 - t0))
             }
         };
-        rows.extend(self.laser.iter().map(|[time, z]| {
-            place(*time).map_or(0.0, |place| (z - place - u[of::LASER]) / self.laser_deviation)
-        }));
+        rows.extend(
+            self.laser
+                .iter()
+                .map(|[time, z]| place(*time).map_or(0.0, |place| (z - place - u[of::LASER]) / self.laser_deviation)),
+        );
         rows.extend(self.beforehand(u, [contact, speed]));
         rows
     }
@@ -257,7 +259,7 @@ impl Model<'_> {
         bounds[of::INVERSE] = self.known.inverse.map_or([0.0, 100.0], |given| [given; 2]);
         bounds[of::DURATION] = [2.0 * self.step, 0.1];
         bounds[of::FRICTION] = [-0.03, 0.9];
-        bounds[of::OF_SPEED] = [-0.2, 1.0];
+        bounds[of::OF_SPEED] = [0.0, 1.0];
         bounds[of::GOES_ON] = [0.0, 2.0];
         bounds[of::EXPONENT] = [0.3, 6.0];
         bounds[of::HEIGHT] = [1e-3, 100.0];

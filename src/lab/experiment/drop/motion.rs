@@ -1,6 +1,6 @@
 //! Motion and energies from contact on.
 
-use super::reduce::DropError;
+use super::error::DropError;
 use super::result::Contact;
 use crate::experiment::absorption::Body;
 use crate::signal::{Channel, Recording, Series, column, integrate, resample};

@@ -1,7 +1,6 @@
 //! A recording whose rest, release and impact are known: what of it the model is fitted to.
 
-use super::model::{Model, Sample, Unknowns, of};
-use super::reduce::unknowns;
+use super::model::{COUNT, Model, Sample, Unknowns, of};
 use super::release::{Release, ReleaseError};
 use super::tower::Known;
 use crate::experiment::Warning;
@@ -63,7 +62,18 @@ impl Recorded {
         let (laser, held) = laser.map_or_else(Default::default, |laser| moving(laser, [release.flank[0], onset_end]));
         let laser_noise = third_differences(&laser).max(LEAST_LASER_NOISE);
         let noise = release.noise.max(LEAST_NOISE);
-        Ok(Recorded { reading: reading.clone(), release, noise, onset_end, contact, base, rise, laser, laser_noise, held })
+        Ok(Recorded {
+            reading: reading.clone(),
+            release,
+            noise,
+            onset_end,
+            contact,
+            base,
+            rise,
+            laser,
+            laser_noise,
+            held,
+        })
     }
 
     pub(super) fn has_laser(&self) -> bool {
@@ -80,8 +90,7 @@ impl Recorded {
 
     /// The report of samples that the laser held.
     pub(super) fn held_laser(&self) -> Option<Warning> {
-        let is_used = self.held > 0 && self.has_laser();
-        is_used.then_some(Warning::LaserOutOfRange { samples: self.held, run: HELD })
+        (self.held > 0).then_some(Warning::LaserOutOfRange { samples: self.held, run: HELD })
     }
 
     /// First time that counts, s.
@@ -153,15 +162,15 @@ impl Recorded {
         let friction = known.friction.filter(|[_, error]| *error < 0.1).map_or(1.0 - height / free, |[given, _]| given);
         let friction = friction.clamp(-0.02, 0.6);
         let lasts = (2.0 * height / (gravity * (1.0 - friction))).sqrt() + duration / 3.0;
-        unknowns([
-            (of::OFFSET, self.release.offset),
-            (of::INVERSE, 0.5),
-            (of::RELEASE, self.contact - lasts),
-            (of::DURATION, duration),
-            (of::FRICTION, friction),
-            (of::HEIGHT, height),
-            (of::LEVEL, (ONSET * self.rise).ln()),
-        ])
+        let mut guess = [0.0; COUNT];
+        guess[of::OFFSET] = self.release.offset;
+        guess[of::INVERSE] = 0.5;
+        guess[of::RELEASE] = self.contact - lasts;
+        guess[of::DURATION] = duration;
+        guess[of::FRICTION] = friction;
+        guess[of::HEIGHT] = height;
+        guess[of::LEVEL] = (ONSET * self.rise).ln();
+        guess
     }
 }
 

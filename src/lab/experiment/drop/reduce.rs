@@ -1,102 +1,25 @@
 //! From the readings of the sensors to contact, speed, travel and energies: a recording, a fit of its model, the figures.
 
-use thiserror::Error;
-
 use super::clipping::Clipping;
+use super::error::DropError;
 use super::fit::Fit;
 use super::intervals;
-use super::model::{COUNT, Model, Unknowns, of};
+use super::model::{Model, Unknowns, of};
 use super::motion;
 use super::plausibility::{self, Impact};
-use super::ramp::{GravityRamp, RampError};
+use super::ramp::GravityRamp;
 use super::recording::Recorded;
-use super::release::ReleaseError;
-use super::result::{Contact, Drop, Intervals, SpeedSource};
+use super::release::{Release, ReleaseError};
+use super::result::{Contact, Drop, Intervals, Landmarks, SpeedSource};
 use super::tower::{Class, Correction, Known, Reduction, Tower};
 use crate::experiment::Warning;
 use crate::experiment::absorption::{energy_absorption, film_absorption};
 use crate::experiment::coupling;
 use crate::signal::column::Column;
-use crate::signal::filter::{self, ChannelFilter, FilterError, Standard};
-use crate::signal::gap::Gap;
+use crate::signal::filter::{self, ChannelFilter, Standard};
 use crate::signal::resample::{self, ResampleError};
 use crate::signal::{Recording, Series, column, gap};
-use base::number::significant;
 use membrane::engine::GuideFriction;
-
-/// Why a recording cannot be reduced.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum DropError {
-    /// A quantity of the tower or of the correction is not positive.
-    #[error("the {what} is {}, but must be positive", significant(*value, 6))]
-    NotPositive {
-        /// Mass, gravity, height or time constant, as the message names it.
-        what: &'static str,
-        /// Its value in the SI unit.
-        value: f64,
-    },
-    /// The samples are too far apart for a drop.
-    #[error(
-        "acceleration: its samples are {} s apart, too far for an impact; are the times in milliseconds?",
-        significant(*step, 6)
-    )]
-    TooSlow {
-        /// Time between two samples, s.
-        step: f64,
-    },
-    /// The acceleration has a gap.
-    #[error("acceleration: {0}")]
-    NotMeasured(Gap),
-    /// The channel filter cannot be applied to the acceleration.
-    #[error("acceleration: {0}")]
-    Filter(#[from] FilterError),
-    /// The acceleration cannot be brought to equal steps.
-    #[error("acceleration: {0}")]
-    Resample(#[from] ResampleError),
-    /// The recording has no rest, release or impact.
-    #[error(transparent)]
-    Release(#[from] ReleaseError),
-    /// The recording has no gravity ramp.
-    #[error(transparent)]
-    Ramp(#[from] RampError),
-    /// Nothing says how far the impactor fell, or how fast it became.
-    #[error("neither height, impact speed nor time of contact is known")]
-    NothingKnown,
-    /// No motion explains the recording.
-    #[error(
-        "acceleration: no rest, release, fall and impact explain the reading between {from:.4} s and {to:.4} s; check column and unit"
-    )]
-    NoFit {
-        /// First time of the recording, s.
-        from: f64,
-        /// End of the onset of the force, s.
-        to: f64,
-    },
-    /// What is known excludes the fall that was recorded.
-    #[error(
-        "acceleration: the fall that was recorded has {what} {} ± {} {unit}, not {} {unit}; check the {what}, the column \
-         and its unit",
-        significant(*found, 4), significant(*error, 2), significant(*stated, 6)
-    )]
-    Contradicts {
-        /// The height, the impact speed or the time of contact.
-        what: &'static str,
-        /// Its unit.
-        unit: &'static str,
-        /// As the recording shows it.
-        found: f64,
-        /// Two standard deviations of that.
-        error: f64,
-        /// As it was given.
-        stated: f64,
-    },
-    /// The recording has no samples after first contact.
-    #[error("acceleration: the recording ends with first contact at {contact:.4} s")]
-    EndsAtContact {
-        /// Time of first contact, s.
-        contact: f64,
-    },
-}
 
 /// Largest time between samples of a drop, s.
 const SLOWEST: f64 = 5e-3;
@@ -444,9 +367,19 @@ fn saturated(clipping: &Clipping, signals: &Recording) -> Warning {
     }
 }
 
-/// The unknowns to search from.
-pub(super) fn unknowns(values: [(usize, f64); 7]) -> Unknowns {
-    let mut unknowns = [0.0; COUNT];
-    values.into_iter().for_each(|(place, value)| unknowns[place] = value);
-    unknowns
+impl Landmarks {
+    /// What an `acceleration` (m/s²) shows under `gravity` (m/s²) although its reduction failed with this `error`.
+    pub fn of_failed(acceleration: &Series, gravity: f64, error: &DropError) -> Landmarks {
+        let found = even(acceleration).ok().and_then(|reading| Release::find(&reading, gravity).ok());
+        let found = found.map_or_else(Landmarks::default, |release| Landmarks {
+            release: Some(release.flank[0]),
+            impact: Some(release.blow),
+            ..Landmarks::default()
+        });
+        match *error {
+            DropError::Release(ReleaseError::NoRelease { blow, .. }) => Landmarks { impact: Some(blow), ..found },
+            DropError::Release(ReleaseError::NoRest { release, .. }) => Landmarks { release: Some(release), ..found },
+            _ => found,
+        }
+    }
 }

@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-
 use crate::experiment::fit::least_squares;
 use crate::signal::Series;
 use crate::signal::gap::{self, Gap};

@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 use super::ramp::GravityRamp;
-use super::reduce::{self, DropError};
-use super::release::{Release, ReleaseError};
+use super::release::Release;
 use crate::experiment::Warning;
 use crate::signal::{Recording, Series, column, integrate};
 use base::number::clean_time;
@@ -140,7 +139,9 @@ impl Drop {
     /// where the accelerometer was at the end of its range before.
     pub fn lowest_point(&self) -> Option<[f64; 2]> {
         let displacement = self.signals.series(column::DISPLACEMENT.name)?;
-        displacement.smallest().filter(|sample| displacement.time().last() > Some(&sample[0]) && self.is_measured(sample))
+        displacement
+            .smallest()
+            .filter(|sample| displacement.time().last() > Some(&sample[0]) && self.is_measured(sample))
     }
 
     /// Time from contact (s) and velocity (m/s, upward) at which the film lets go of the impactor: the largest after the
@@ -321,21 +322,6 @@ impl Landmarks {
             impact: None,
             lowest_point: drop.lowest_point().map(clock),
             rebound: drop.rebound().map(clock),
-        }
-    }
-
-    /// What an `acceleration` (m/s²) shows under `gravity` (m/s²) although its reduction failed with this `error`.
-    pub fn of_failed(acceleration: &Series, gravity: f64, error: &DropError) -> Landmarks {
-        let found = reduce::even(acceleration).ok().and_then(|reading| Release::find(&reading, gravity).ok());
-        let found = found.map_or_else(Landmarks::default, |release| Landmarks {
-            release: Some(release.flank[0]),
-            impact: Some(release.blow),
-            ..Landmarks::default()
-        });
-        match *error {
-            DropError::Release(ReleaseError::NoRelease { blow, .. }) => Landmarks { impact: Some(blow), ..found },
-            DropError::Release(ReleaseError::NoRest { release, .. }) => Landmarks { release: Some(release), ..found },
-            _ => found,
         }
     }
 

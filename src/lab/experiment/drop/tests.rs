@@ -168,9 +168,7 @@ fn a_known_speed_or_contact_time_is_used_or_refused() {
             let reduction = Reduction { speed, contact_time: contact, ..Reduction::default() };
             reduce(&reading(&recording), None, &tower, &reduction)
         };
-        for (speed, contact) in
-            [(Some(SPEED), None), (None, Some(contact_time)), (Some(SPEED), Some(contact_time))]
-        {
+        for (speed, contact) in [(Some(SPEED), None), (None, Some(contact_time)), (Some(SPEED), Some(contact_time))] {
             let drop = with(speed, contact).unwrap();
             assert!((drop.contact.time - contact_time).abs() < 2e-3, "seed {seed}: {:?}", drop.contact);
             assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 0.03, "seed {seed}: {:?}", drop.contact);
@@ -212,10 +210,8 @@ fn other_units_and_signs_are_named() {
     let (recording, ..) = recorded(&Sensors { accelerometer, laser: None, ..Sensors::default() }, 1);
     let reading = reading(&recording);
     let times = |factor: f64| reading.with_values(reading.values().iter().map(|r| factor * r).collect());
-    let milliseconds = Series::new(
-        reading.time().iter().map(|t| 1e3 * t).collect::<Vec<_>>(),
-        reading.values().to_vec(),
-    );
+    let milliseconds =
+        Series::new(reading.time().iter().map(|t| 1e3 * t).collect::<Vec<_>>(), reading.values().to_vec());
     for (series, expected) in [
         (times(9.81), "as if it were in m/s² and was read in g"),
         (times(1.0 / 9.81), "as if it were in g and was read in m/s²"),
@@ -295,7 +291,8 @@ fn doubtful_figures_have_warnings() {
 fn a_time_constant_that_is_known_is_used() {
     let (recording, ..) = recorded(&Sensors::default(), 1);
     let given = Correction::Coupling { time_constant: Some(0.15) };
-    let drop = reduced(&recording, &Reduction { correction: given, class: Class::None, ..Reduction::default() }).unwrap();
+    let drop =
+        reduced(&recording, &Reduction { correction: given, class: Class::None, ..Reduction::default() }).unwrap();
     assert_eq!(drop.time_constant, Some(0.15));
     let raw = drop.signals.channel("acceleration_m_s2");
     assert_eq!(raw, drop.signals.channel("acceleration_filtered_m_s2"));
@@ -341,9 +338,7 @@ fn the_ramp_lasts_as_long_as_the_reading_falls() {
 #[test]
 fn the_total_energy_drifts_by_the_work_that_the_filter_removes() {
     let (recording, ..) = recorded(&Sensors::default(), 6);
-    let drift = |class| {
-        reduced(&recording, &Reduction { class, ..Reduction::default() }).unwrap().total_energy_drift
-    };
+    let drift = |class| reduced(&recording, &Reduction { class, ..Reduction::default() }).unwrap().total_energy_drift;
     let [none, cfc_1000, cfc_60] = [Class::None, Class::Given(1000.0), Class::Given(60.0)].map(drift);
     assert!(none < 1e-10 && none < cfc_1000 && 10.0 * cfc_1000 < cfc_60, "{none} {cfc_1000} {cfc_60}");
 }
