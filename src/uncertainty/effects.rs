@@ -116,7 +116,10 @@ fn of_factorial(points: &[&Vec<f64>], outputs: &[f64]) -> MainEffects {
     let exact = |value: f64| Interval { low: value, high: value };
     let values: Vec<f64> = (0..points[0].len()).map(|factor| share(factor).clamp(0.0, 1.0)).collect();
     let sum = Some(exact(values.iter().sum::<f64>().min(1.0)));
-    MainEffects { shares: values.iter().map(|own| Estimate { value: *own, interval: Some(exact(*own)) }).collect(), sum }
+    MainEffects {
+        shares: values.iter().map(|own| Estimate { value: *own, interval: Some(exact(*own)) }).collect(),
+        sum,
+    }
 }
 
 /// By a polynomial chaos of the ranks.
@@ -149,10 +152,8 @@ fn ranks(points: &[&Vec<f64>], factor: usize) -> Vec<f64> {
     let mut order: Vec<f64> = points.iter().map(|point| point[factor]).collect();
     order.sort_by(f64::total_cmp);
     let place = |point: &&Vec<f64>| {
-        let [below, up_to] = [
-            order.partition_point(|own| *own < point[factor]),
-            order.partition_point(|own| *own <= point[factor]),
-        ];
+        let [below, up_to] =
+            [order.partition_point(|own| *own < point[factor]), order.partition_point(|own| *own <= point[factor])];
         0.5 * (below + up_to) as f64 / order.len() as f64
     };
     points.iter().map(place).collect()
@@ -230,11 +231,19 @@ mod tests {
                         let Interval { low, high } = own.interval.unwrap();
                         0.0 <= low && low <= own.value && own.value <= high && high <= 1.0
                     }));
-                    held += found.shares.iter().zip(&exact).filter(|(own, exact)| own.interval.unwrap().contains(**exact)).count();
+                    held += found
+                        .shares
+                        .iter()
+                        .zip(&exact)
+                        .filter(|(own, exact)| own.interval.unwrap().contains(**exact))
+                        .count();
                     held += usize::from(sum.contains(exact.iter().sum()));
                     all += 5;
                     if samples == 256 {
-                        assert!(found.shares.iter().zip(&exact).all(|(own, exact)| (own.value - exact).abs() < 0.05), "{found:?}");
+                        assert!(
+                            found.shares.iter().zip(&exact).all(|(own, exact)| (own.value - exact).abs() < 0.05),
+                            "{found:?}"
+                        );
                         assert!(sum.high < 1.0, "{sum:?}");
                     }
                 }
@@ -264,7 +273,8 @@ mod tests {
     fn a_full_factorial_has_the_shares_of_its_parts() {
         let levels = [-2.0, -1.0, 0.0, 1.0, 2.0];
         let points: Vec<Vec<f64>> = levels.iter().flat_map(|a| levels.iter().map(|b| vec![*a, *b])).collect();
-        let outputs: Vec<Option<f64>> = points.iter().map(|p| Some(3.0 + p[0] + (p[1] * p[1] - 2.0) + 0.5 * p[0] * p[1])).collect();
+        let outputs: Vec<Option<f64>> =
+            points.iter().map(|p| Some(3.0 + p[0] + (p[1] * p[1] - 2.0) + 0.5 * p[0] * p[1])).collect();
         // Variances over the levels: 2, (4 + 1 + 4 + 1 + 4)/5 = 2.8, and 0.25·2·2 of the product.
         let found = main_effects(&points, &outputs, true, &Bootstrap::default()).unwrap();
         let values: Vec<f64> = found.shares.iter().map(|own| own.value).collect();
@@ -286,7 +296,8 @@ mod tests {
 
     #[test]
     fn what_tells_nothing_is_refused() {
-        let points: Vec<Vec<f64>> = (0..9).map(|place| [0.09, 0.05].map(|step| 0.1 + step * f64::from(place)).to_vec()).collect();
+        let points: Vec<Vec<f64>> =
+            (0..9).map(|place| [0.09, 0.05].map(|step| 0.1 + step * f64::from(place)).to_vec()).collect();
         let found = |outputs: &[Option<f64>]| main_effects(&points, outputs, true, &Bootstrap::default());
         assert_eq!(found(&[Some(1.0); 9]), Err(MainEffectsError::Constant));
         let few = found(&[Some(1.0), Some(2.0), None, None, None, None, None, None, Some(2.0)]);

@@ -75,7 +75,8 @@ pub(super) fn tornadoes(page: &SweepPage, columns: &Columns) -> String {
         ranges(&capital(&figure.words), RangeLook::Bars, &lines) + together.as_str()
     };
     let rupture = page.results.table.column("ruptured").map(Shown::of_figure);
-    let all: String = columns.figures.iter().chain(rupture.as_ref().filter(|own| of(own).is_some())).map(tornado).collect();
+    let all: String =
+        columns.figures.iter().chain(rupture.as_ref().filter(|own| of(own).is_some())).map(tornado).collect();
     if all.is_empty() {
         return "<p class=\"note\">Not known: too few runs, or figures that do not vary.</p>\n".into();
     }

@@ -192,9 +192,7 @@ fn error(test: &Test, simulated: &[Series]) -> Option<f64> {
 fn row(asked: &Asked, coupon: &Coupon<'_>, fitted: &[Series], left: &LeftOut, of_axes: Option<&LeftOut>) -> Row {
     let test = coupon.test;
     let mean = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-    let measured = |value: &dyn Fn(&Series) -> Option<f64>| {
-        mean(test.recordings().filter_map(value).collect())
-    };
+    let measured = |value: &dyn Fn(&Series) -> Option<f64>| mean(test.recordings().filter_map(value).collect());
     let of_law = |value: &dyn Fn(&Series) -> Option<f64>| fitted.first().and_then(value);
     let moduli = |series: &Series| modulus(series, asked.modulus).map(|slope| 1e-6 * slope);
     let from_axes = of_axes.and_then(|left| left.signals(coupon.index));

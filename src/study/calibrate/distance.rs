@@ -71,7 +71,8 @@ impl Distance {
                 Ok(DVector::from_element(1, errors.relative_error(simulated).map_err(wrong)? / error))
             }
             Distance::Rating(error) => {
-                let rated = recordings.iter().map(|measured| rating::rate(measured, simulated).map(|own| 1.0 - own.overall));
+                let rated =
+                    recordings.iter().map(|measured| rating::rate(measured, simulated).map(|own| 1.0 - own.overall));
                 let rated = rated.collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
                 Ok(DVector::from_element(1, root_mean_square(&rated) / error))
             }

@@ -66,7 +66,10 @@ impl Shape {
     /// The shapes that count beside each other with this length, or with any.
     pub(super) fn all(length: Option<Correlation>) -> Vec<Shape> {
         let lengths = length.map_or_else(|| LENGTHS.map(Correlation::Share).to_vec(), |own| vec![own]);
-        [1, 3, 5, 0].into_iter().flat_map(|order| lengths.iter().map(move |length| Shape { order, length: *length })).collect()
+        [1, 3, 5, 0]
+            .into_iter()
+            .flat_map(|order| lengths.iter().map(move |length| Shape { order, length: *length }))
+            .collect()
     }
 
     /// Correlation of the error at two places, so many lengths apart.
@@ -481,9 +484,8 @@ pub(super) fn most_likely(tests: &[Left<'_>], given: Option<f64>) -> (f64, Vec<(
         }
         sums
     };
-    let of_test = |left: &Left<'_>| -> Vec<Vec<f64>> {
-        left.shapes.par_iter().map(|shape| of_shape(left, *shape)).collect()
-    };
+    let of_test =
+        |left: &Left<'_>| -> Vec<Vec<f64>> { left.shapes.par_iter().map(|shape| of_shape(left, *shape)).collect() };
     let all: Vec<Vec<Vec<f64>>> = tests.iter().map(of_test).collect();
     let at = |place: usize| {
         let of_test = |shapes: &Vec<Vec<f64>>| log_mean_exp(shapes.iter().map(|own| own[place]));
@@ -493,7 +495,8 @@ pub(super) fn most_likely(tests: &[Left<'_>], given: Option<f64>) -> (f64, Vec<(
     let shape = |(left, shapes): (&Left<'_>, &Vec<Vec<f64>>)| {
         let most = (0..shapes.len()).max_by(|a, b| shapes[*a][best].total_cmp(&shapes[*b][best])).unwrap_or(0);
         let has = left.signals.first().map(|(model, _)| model.shape());
-        let now = left.shapes.iter().position(|own| Some(*own) == has).map_or(f64::NEG_INFINITY, |own| shapes[own][best]);
+        let now =
+            left.shapes.iter().position(|own| Some(*own) == has).map_or(f64::NEG_INFINITY, |own| shapes[own][best]);
         (left.shapes[most], shapes[most][best] - now)
     };
     (shares[best], tests.iter().zip(&all).map(shape).collect())
@@ -701,9 +704,11 @@ mod tests {
 
     /// Parts of the law: the wave and its stiffening.
     fn parts() -> [Series; 2] {
-        let time: Vec<f64> = (0..SAMPLES_OF_STUDY).map(|sample| 0.1 * sample as f64 / (SAMPLES_OF_STUDY - 1) as f64).collect();
+        let time: Vec<f64> =
+            (0..SAMPLES_OF_STUDY).map(|sample| 0.1 * sample as f64 / (SAMPLES_OF_STUDY - 1) as f64).collect();
         let x = |t: &f64| (std::f64::consts::PI * t / 0.1).sin();
-        let of = |f: fn(f64) -> f64| Series::new(time.clone(), time.iter().map(|t| 140.0 * f(x(t))).collect::<Vec<_>>());
+        let of =
+            |f: fn(f64) -> f64| Series::new(time.clone(), time.iter().map(|t| 140.0 * f(x(t))).collect::<Vec<_>>());
         [of(|x| x), of(|x| x * x * x)]
     }
 
@@ -743,7 +748,11 @@ mod tests {
                     log -= 0.5 * variances.iter().map(|own| own.ln()).sum::<f64>();
                     for a in 0..3 {
                         for b in 0..3 {
-                            normal[a][b] += variances.iter().enumerate().map(|(i, v)| columns[a][i] * columns[b][i] / v).sum::<f64>();
+                            normal[a][b] += variances
+                                .iter()
+                                .enumerate()
+                                .map(|(i, v)| columns[a][i] * columns[b][i] / v)
+                                .sum::<f64>();
                         }
                     }
                 }
@@ -770,7 +779,13 @@ mod tests {
 
     /// Shares of the intervals of 95, 80 and 50 % of both parameters and the size that hold the truth; the median size found over
     /// the true one.
-    fn coverage(studies: u64, process: Process, recordings: usize, shapes: &[Shape], is_pooled: bool) -> ([f64; 3], f64, f64) {
+    fn coverage(
+        studies: u64,
+        process: Process,
+        recordings: usize,
+        shapes: &[Shape],
+        is_pooled: bool,
+    ) -> ([f64; 3], f64, f64) {
         let all: Vec<Study> = (0..studies)
             .into_par_iter()
             .map(|seed| study(process, recordings, shapes, is_pooled, &mut Stream::new(1 + seed)))
@@ -822,7 +837,9 @@ mod tests {
     /// Errors of other lengths and other smoothness than any that counts.
     #[test]
     fn errors_of_any_length_and_smoothness_are_covered() {
-        for process in [Process::Rough(0.03), Process::Rough(0.1), Process::Rough(0.3), Process::Smooth(0.1), Process::Smooth(0.3)] {
+        for process in
+            [Process::Rough(0.03), Process::Rough(0.1), Process::Rough(0.3), Process::Smooth(0.1), Process::Smooth(0.3)]
+        {
             let ([of_95, ..], ..) = coverage(studies(), process, 1, &Shape::all(None), true);
             assert!(of_95 > 0.85, "{of_95}");
         }
@@ -838,11 +855,16 @@ mod tests {
         for (process, is_smooth) in [(Process::Rough(0.1), false), (Process::Smooth(0.1), true)] {
             let mut stream = Stream::new(3);
             let error = process.draw(SAMPLES_OF_STUDY, &mut stream);
-            let values = series[0].values().iter().zip(error).map(|(own, error)| own + 0.04 * level * error + 0.1 * stream.normal());
+            let values = series[0]
+                .values()
+                .iter()
+                .zip(error)
+                .map(|(own, error)| own + 0.04 * level * error + 0.1 * stream.normal());
             let measured = Series::new(series[0].time().to_vec(), values.collect::<Vec<_>>());
             let model = model(&measured, ROUGH);
             let shapes = Shape::all(None);
-            let left = Left { signals: vec![(&model, model.scaled(&series[0]).unwrap())], weight: 1.0, shapes: &shapes };
+            let left =
+                Left { signals: vec![(&model, model.scaled(&series[0]).unwrap())], weight: 1.0, shapes: &shapes };
             let (share, found) = most_likely(&[left], None);
             assert!((0.015..0.09).contains(&share), "{share}");
             assert_eq!(found[0].0.order != 1, is_smooth, "{}", found[0].0);

@@ -188,7 +188,9 @@ fn of_errors(plan: &Plan, simulated: &[Vec<Series>], share: f64) -> HostResult<V
         let (_, others) = most_likely(&left(plan, simulated, &any)?, None);
         let given = plan.tests.iter().map(|test| test.shapes(plan.correlation)).collect::<Vec<_>>();
         let (_, own) = most_likely(&left(plan, simulated, &given)?, None);
-        for ((test, (shape, gain)), (_, own)) in plan.tests.iter().zip(others).zip(own).filter(|((test, _), _)| along(test)) {
+        for ((test, (shape, gain)), (_, own)) in
+            plan.tests.iter().zip(others).zip(own).filter(|((test, _), _)| along(test))
+        {
             let gain = gain - own;
             if gain > LIKELIER {
                 found.push(Warning::ModelErrorShape { test: test.name.clone(), shape: shape.to_string(), gain });

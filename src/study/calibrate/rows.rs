@@ -120,8 +120,10 @@ pub(super) fn plots(plan: &Plan, fit: &Fit) -> Vec<Plot> {
                 Curve { name: name.into(), points, look }.thinned(MOST_POINTS)
             };
             // Several recordings of one test have one calibrated curve.
-            let end = signal.recordings.iter().flat_map(|own| own.time().last()).copied().fold(f64::NEG_INFINITY, f64::max);
-            let start = signal.recordings.iter().flat_map(|own| own.time().first()).copied().fold(f64::INFINITY, f64::min);
+            let end =
+                signal.recordings.iter().flat_map(|own| own.time().last()).copied().fold(f64::NEG_INFINITY, f64::max);
+            let start =
+                signal.recordings.iter().flat_map(|own| own.time().first()).copied().fold(f64::INFINITY, f64::min);
             let mut curves = vec![curve("calibrated", &simulated.window([start, end]), Look::Line)];
             curves.extend(signal.recordings.iter().map(|own| curve("measured", own, Look::Dashed)));
             let title = format!("{}: {}", test.name, signal.name);

@@ -59,7 +59,8 @@ impl SweepResults {
         };
         let independent = sweep.variation().is_independent();
         let of = |column: &Column| statistics::effects(&table, column, independent);
-        let of_rupture = rupture.filter(|(share, _)| *share > 0.0 && *share < 1.0).and_then(|_| of(table.column("ruptured")?));
+        let of_rupture =
+            rupture.filter(|(share, _)| *share > 0.0 && *share < 1.0).and_then(|_| of(table.column("ruptured")?));
         let varying: Vec<&Column> = figures.iter().filter(varies).copied().collect();
         let effects = varying.par_iter().filter_map(|column| of(column)).collect::<Vec<_>>();
         let effects = effects.into_iter().chain(of_rupture).collect();
@@ -131,9 +132,8 @@ impl SweepResults {
             _ => &[],
         };
         let kind = |row: usize| (self.table.failure(row).is_some(), ruptured.get(row).copied().flatten() == Some(true));
-        let of = |row: usize| {
-            values.get(row).copied().flatten().map_or(f64::NEG_INFINITY, |value| badness(figure, value))
-        };
+        let of =
+            |row: usize| values.get(row).copied().flatten().map_or(f64::NEG_INFINITY, |value| badness(figure, value));
         let mut rows: Vec<usize> = (0..self.table.rows()).collect();
         rows.sort_by(|a, b| kind(*b).cmp(&kind(*a)).then(of(*b).total_cmp(&of(*a))).then(a.cmp(b)));
         rows.into_iter().take(count).map(|row| self.table.number(row) - 1).collect()

@@ -106,7 +106,12 @@ impl Components {
     /// The number of its columns is not that of the outputs.
     pub fn rotated(&self, basis: &DMatrix<f64>) -> Components {
         let amplitudes = self.amplitudes.clone();
-        Components { mean: basis * &self.mean, modes: basis * &self.modes, amplitudes, left_out: basis * &self.left_out }
+        Components {
+            mean: basis * &self.mean,
+            modes: basis * &self.modes,
+            amplitudes,
+            left_out: basis * &self.left_out,
+        }
     }
 
     /// The likelihood that outputs are zero but for normal noise of these variances, beside the surrogate's own, which along a
@@ -198,14 +203,9 @@ mod tests {
         let fitted = Components::fit(&[Family::Legendre], &points, &outputs, &Options::default()).unwrap();
         let variances = [1.0, 2.0, 0.5];
         let amplitudes = fitted.amplitudes(&[0.3]);
-        let mut covariance =
-            DMatrix::from_fn(
-                3,
-                3,
-                |row, column| {
-                    if row == column { variances[row] + fitted.left_out.row(row).norm_squared() } else { 0.0 }
-                },
-            );
+        let mut covariance = DMatrix::from_fn(3, 3, |row, column| {
+            if row == column { variances[row] + fitted.left_out.row(row).norm_squared() } else { 0.0 }
+        });
         for (own, mode) in fitted.amplitudes.iter().zip(fitted.modes.column_iter()) {
             covariance += own.error() * mode * mode.transpose();
         }

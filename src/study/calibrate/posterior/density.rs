@@ -55,7 +55,8 @@ impl Layout {
         let in_test = |test: usize| {
             let own = scattered.iter().flat_map(|own| own.values.iter().map(move |(of, place)| (own, *of, *place)));
             let own = own.filter(|(_, of, _)| *of == test);
-            own.map(|(own, _, place)| ensemble::Scattered { place, mean: own.unknown, deviation: own.deviation }).collect()
+            own.map(|(own, _, place)| ensemble::Scattered { place, mean: own.unknown, deviation: own.deviation })
+                .collect()
         };
         let blocks = (0..plan.tests.len()).map(|test| (test, in_test(test)));
         let blocks = blocks.filter(|(_, own): &(usize, Vec<ensemble::Scattered>)| !own.is_empty());

@@ -363,7 +363,9 @@ impl Sampling<'_> {
         let mut points = kept(samples.points, self.options.seed);
         let before = points.len() as f64;
         for test in &refusing {
-            let in_test = |state: &Vec<f64>| self.acting[*test].iter().map(|index| self.layout.in_test(state, *test)[*index]).collect();
+            let in_test = |state: &Vec<f64>| {
+                self.acting[*test].iter().map(|index| self.layout.in_test(state, *test)[*index]).collect()
+            };
             let supported = self.supported(*test, points.iter().map(in_test).collect());
             let mut supported = supported.into_iter().peekable();
             points.retain(|state| supported.next_if_eq(&in_test(state)).is_some());

@@ -179,7 +179,9 @@ impl OverShares {
         };
         let with_mean = || std::iter::once(1.0).chain(amplitudes.iter().copied());
         // Each pair of amplitudes once, then one for what is added.
-        let pairs = with_mean().enumerate().flat_map(|(column, own)| with_mean().take(column + 1).map(move |other| own * other));
+        let pairs = with_mean()
+            .enumerate()
+            .flat_map(|(column, own)| with_mean().take(column + 1).map(move |other| own * other));
         let products: Vec<f64> = pairs.chain([1.0]).collect();
         let mut found = vec![0.0; self.shapes];
         for (node, weight) in nodes {
@@ -202,7 +204,8 @@ mod tests {
     #[test]
     fn likelihoods_between_sizes_are_those_of_their_covariance() {
         let region = Region { low: vec![-1.0], high: vec![1.0] };
-        let differences = |x: f64| DVector::from_fn(40, |row, _| 50.0 * (0.2 * row as f64).sin() * (1.0 + 0.5 * x + 0.2 * x * x));
+        let differences =
+            |x: f64| DVector::from_fn(40, |row, _| 50.0 * (0.2 * row as f64).sin() * (1.0 + 0.5 * x + 0.2 * x * x));
         let runs: Vec<(Vec<f64>, Vec<f64>)> = (0..30)
             .map(|run| {
                 let x = f64::from(run) / 15.0 - 0.97;
@@ -212,7 +215,10 @@ mod tests {
         let covariance = |length: f64| DMatrix::from_fn(40, 40, |a, b| 1e4 * (-(a.abs_diff(b) as f64) / length).exp());
         let spectrum = |length: f64| {
             let eigen = nalgebra::SymmetricEigen::new(covariance(length));
-            Spectrum { basis: Arc::new(eigen.eigenvectors.transpose()), eigenvalues: eigen.eigenvalues.as_slice().to_vec() }
+            Spectrum {
+                basis: Arc::new(eigen.eigenvectors.transpose()),
+                eigenvalues: eigen.eigenvalues.as_slice().to_vec(),
+            }
         };
         let lengths = [3.0, 12.0];
         let all = Shares::Between([1e-5, 1.0]);
