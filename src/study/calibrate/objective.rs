@@ -1,7 +1,5 @@
 //! The objective of a calibration: independent residuals of unit variance of all tests, and of what is known before.
 
-use std::path::PathBuf;
-
 use super::outcome::Outcomes;
 use super::plan::{Plan, Stage};
 use super::test::{Signal, Test};
@@ -126,9 +124,5 @@ impl Objective for CalibrationObjective<'_> {
         let session = self.session.with_trial(cancellation);
         let evaluation = self.evaluated(x, &session);
         Trial { evaluation, compared: session.trial().compared }
-    }
-
-    fn inputs(&self) -> Vec<(PathBuf, String)> {
-        self.session.inputs().into_iter().collect()
     }
 }

@@ -276,7 +276,6 @@ impl Reading<'_> {
         let path = recording.clone().into_string();
         let path = path.map_err(|_| (self.in_test)("name its `recordings`: one file or an array of files".into()))?;
         let path = std::path::Path::new(&path);
-        session.add_recording_files(path);
         let measurement =
             file::read(path, &ReadOptions::default()).map_err(|error| (self.in_test)(error.to_string()))?;
         session.add_recording(path, measurement.annotations.is_virtual());
@@ -334,7 +333,8 @@ impl Reading<'_> {
 
     /// A signal with all of its recordings.
     fn signal(&self, column: &'static Column, recorded: Vec<Recorded>) -> HostResult<Signal> {
-        let length = self.tolerances.correlation.filter(|own| self.over.is_none() || matches!(own, Correlation::Share(_)));
+        let length =
+            self.tolerances.correlation.filter(|own| self.over.is_none() || matches!(own, Correlation::Share(_)));
         let errors = ErrorModel::new(&recorded, self.tolerances.noise, Shape::all(length)[0]);
         let errors = errors.map_err(|error| self.of_column(column, &error))?;
         let recordings = recorded.into_iter().map(|own| own.series).collect();
