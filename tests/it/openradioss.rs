@@ -244,7 +244,7 @@ fn cards_follow_the_rules_of_openradioss() {
             for more in from {
                 let card =
                     ["card", "write", film, "--for", "openradioss", "--units", units, "-o", "film.rad", "--force"];
-                let written = run(&[&card[..], more].concat());
+                let written = run(&[&card[..], *more].concat());
                 assert!(written.status.success(), "{film}: {}", error(&written));
                 check(
                     &fs::read_to_string(bench.path().join("film.rad")).expect("the card"),
