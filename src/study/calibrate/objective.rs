@@ -33,7 +33,7 @@ impl<'a> CalibrationObjective<'a> {
         let mut residuals = Vec::new();
         for (signal, simulated) in test.signals.iter().zip(simulated) {
             let own = signal.residuals(simulated, self.share, self.is_plain)?.into_iter();
-            residuals.extend(own.map(|residual| test.weight.sqrt() * residual));
+            residuals.extend(own.map(|residual| (test.weight * test.of_signals).sqrt() * residual));
         }
         Ok(residuals)
     }
