@@ -144,7 +144,7 @@ fn run(args: Map) -> Outcome<ScriptOutput> {
     let collector = OutputCollector::new(Vec::new());
     functions::register_output(&mut engine, &collector);
     scenario_functions::register(&mut engine, &scenario_functions::Scenarios::default());
-    identify::register(&mut engine, &SearchHost::new(None, |_| {}));
+    identify::register(&mut engine, &SearchHost::new(|_| {}));
     Arguments::register(&mut engine);
     let mut scope = Scope::new();
     scope.push_constant("args", Arguments::new(args));

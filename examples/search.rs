@@ -5,7 +5,7 @@ use std::error::Error;
 use droptower::confidence::{Colour, Confidence, ConfidenceOptions};
 use droptower::diagnostic::{Diagnostic, render};
 use droptower::identify::{
-    Evaluation, LinearizationError, Method, Objective, Problem, Search, linearize_at_start, minimize, with_evaluator,
+    Evaluation, LinearizationError, Method, Objective, Search, linearize_at_start, minimize, with_evaluator,
 };
 use droptower::model;
 use droptower::scenario::{Assignment, Document};
@@ -61,10 +61,10 @@ fn displacement(document: &Document, ke: f64, cancellation: &Cancellation) -> Re
 pub fn fit(objective: &dyn Objective, names: &[&str], start: Vec<f64>) -> Result<String, Box<dyn Error>> {
     let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
     let search = Search { difference: 0.01, names: names.clone(), ..Search::new(Method::LevenbergMarquardt, start) };
-    let result = with_evaluator(Problem::new(objective), 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
+    let result = with_evaluator(objective, 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
     let options = ConfidenceOptions { colour: Colour::White, relative: true, ..ConfidenceOptions::new(names) };
     let estimate = Search { start: result.best.x.clone(), ..search };
-    let confidence = with_evaluator(Problem::new(objective), 2, |evaluator| {
+    let confidence = with_evaluator(objective, 2, |evaluator| {
         Ok::<_, LinearizationError>(Confidence::from_linearization(
             &linearize_at_start(&estimate, evaluator)?,
             &options,

@@ -27,6 +27,7 @@ const fn row(kind: Kind, name: &'static str, instead: &'static str) -> Removed {
 }
 
 const DISTANCES: &str = "`distance` is \"residuals\", \"error-norm\" or \"rating\"";
+const HISTORY: &str = "the store has the runs of a search, so that one that is started again repeats none";
 const IMPORTANCE: &str =
     "`failure_probability` has the methods \"subset\" and \"monte-carlo\", not importance sampling";
 const MASTER: &str =
@@ -104,6 +105,8 @@ const REMOVED: &[Removed] = &[
     row(Kind::Finding, "deck-rotation", "decks are written for LS-DYNA and OpenRadioss"),
     row(Kind::Finding, "hardening-scatters", PLASTIC),
     row(Kind::Finding, "impact-speed-differs", "a speed that the recording excludes is refused; beside a laser it is `drop-height-differs`"),
+    row(Kind::Finding, "history-read", HISTORY),
+    row(Kind::Finding, "history-set-aside", HISTORY),
     row(Kind::Finding, "lower-than-estimate", PROFILES),
     row(Kind::Finding, "no-bound", PROFILES),
     row(Kind::Finding, "no-design-point", IMPORTANCE),

@@ -13,7 +13,7 @@ use rhai::{Dynamic, Engine, EvalAltResult};
 
 /// An interpreter with `calibrate`, and what it leaves.
 fn engine() -> (Engine, OutputCollector) {
-    engine_with(SearchHost::new(None, |_| {}))
+    engine_with(SearchHost::new(|_| {}))
 }
 
 fn engine_with(host: SearchHost) -> (Engine, OutputCollector) {
@@ -64,7 +64,7 @@ const HELPERS: &str = r#"
 fn a_calibration_stops_with_its_study() {
     let (stop, begun) = (Arc::new(OnceLock::<Cancellation>::new()), Arc::new(AtomicUsize::new(0)));
     let (told, counted) = (Arc::clone(&stop), Arc::clone(&begun));
-    let host = SearchHost::new(None, move |event| {
+    let host = SearchHost::new(move |event| {
         if let SearchEvent::Trial(_, TrialEvent::Begun { .. }) = event {
             counted.fetch_add(1, Ordering::Relaxed);
             told.get().expect("the study's").cancel();

@@ -1,4 +1,4 @@
-//! Searches: resumed after a kill, on any number of threads, their results and their errors.
+//! Searches: started again after a kill, on any number of threads, their results and their errors.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -93,16 +93,10 @@ impl Bench {
         self.over_the_recording("search.rhai", scenario, &[&window, more].concat())
     }
 
-    /// The history of the results `out`, which one search leaves.
-    fn history(&self, out: &str) -> Option<PathBuf> {
-        let mut files = fs::read_dir(self.path(&format!("{out}.history"))).ok()?.flatten();
-        files.next().map(|file| file.path())
-    }
-
-    /// Trials in the history of the results `out`, one line each.
-    fn trials(&self, out: &str) -> Vec<String> {
-        let text = self.history(out).map(|file| fs::read_to_string(file).expect("text")).unwrap_or_default();
-        text.lines().filter(|line| line.contains("\"seconds\"")).map(str::to_owned).collect()
+    /// Files of the store of runs.
+    fn stored(&self) -> u64 {
+        let files = fs::read_dir(self.path("runs/.evaluations")).into_iter().flatten().flatten();
+        files.filter_map(|file| file.metadata().ok()).map(|file| file.len()).sum()
     }
 
     fn table(&self, out: &str, name: &str) -> Vec<u8> {
@@ -118,53 +112,38 @@ fn error(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// A killed search that is started again takes its runs from the store.
 #[test]
-fn a_killed_search_resumes_with_the_same_bits_and_repeats_no_trial() {
+fn a_killed_search_continues_with_the_same_bits() {
     let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
-    let through = bench.droptower(&bench.search(&scenario, "through", &["--threads", "2"]));
+    let (other, killed) = (Bench::new("40 mm"), bench.search(&scenario, "killed", &["--threads", "2"]));
+    let through = other.droptower(&other.search(&scenario, "through", &["--threads", "2"]));
     assert!(through.status.success(), "{}", error(&through));
 
     // One that ends before it is killed, on a busy machine, is started over.
     loop {
-        let mut command = bench.command(&bench.search(&scenario, "killed", &["--threads", "2"]));
-        let mut child = command.stderr(Stdio::null()).stdout(Stdio::null()).spawn().expect("the binary starts");
-        let has_trials = await_of(&mut child, || bench.trials("killed").len() >= 5);
+        let before = bench.stored();
+        let mut child =
+            bench.command(&killed).stderr(Stdio::null()).stdout(Stdio::null()).spawn().expect("the binary starts");
+        let has_trials = await_of(&mut child, || bench.stored() > before + 4000);
         child.kill().expect("killed");
         child.wait().expect("gone");
         assert!(has_trials, "the search fails");
         if !bench.path("killed").exists() {
             break;
         }
-        for path in ["killed", "killed.history"] {
+        for path in ["killed", "runs/.evaluations"] {
             fs::remove_dir_all(bench.path(path)).expect("results");
         }
     }
-
-    let held = fs::File::open(bench.history("killed").expect("a history")).expect("readable");
-    held.lock().expect("locked");
-    let another = bench.droptower(&bench.search(&scenario, "killed", &[]));
-    assert_eq!(another.status.code(), Some(2));
-    assert!(error(&another).contains("another search is writing the history"), "{}", error(&another));
-    drop(held);
-
-    let before = bench.trials("killed").len();
-    let last = bench.droptower(&bench.search(&scenario, "killed", &["--threads", "1"]));
+    let mut last = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    last.current_dir(bench.folder.path()).args(bench.search(&scenario, "killed", &["--threads", "1"]));
+    let last = last.output().expect("the binary starts");
     assert!(last.status.success(), "{}", error(&last));
+    assert!(error(&last).contains("runs were computed before"), "{}", error(&last));
     for name in ["history", "best"] {
-        assert!(bench.table("through", name) == bench.table("killed", name), "{name} differs");
+        assert!(other.table("through", name) == bench.table("killed", name), "{name} differs");
     }
-    let trials = bench.trials("killed");
-    assert!(trials.len() > before);
-    let places =
-        |trials: &[String]| trials.iter().map(|line| line.split("\"f\"").next().map(str::to_owned)).collect::<Vec<_>>();
-    let (mut once, all) = (places(&trials), places(&trials).len());
-    once.sort();
-    once.dedup();
-    assert_eq!(once.len(), all, "a trial was repeated");
-
-    let again = bench.droptower(&bench.search(&scenario, "killed", &[]));
-    assert!(again.status.success(), "{}", error(&again));
-    assert_eq!(bench.trials("killed"), trials, "a finished search evaluates no trials");
 }
 
 #[test]
@@ -196,9 +175,6 @@ fn intervals_of_multipliers_contain_them_and_do_not_depend_on_threads() {
     for name in ["confidence", "correlation"] {
         assert!(bench.table("1", name) == bench.table("2", name), "{name} differs");
     }
-    let trials = |out: &str| fs::read_dir(bench.path(&format!("{out}.history"))).expect("histories").count();
-    assert_eq!((trials("1"), trials("2")), (2, 2), "search and confidence have a history each");
-
     let tables = &summary["tables"];
     let figure = |table: &str, row: usize, name: &str| tables[table][row][name].as_f64().expect("a number");
     let counts = [figure("counts", 0, "samples"), figure("counts", 0, "effective")];
@@ -212,7 +188,7 @@ fn intervals_of_multipliers_contain_them_and_do_not_depend_on_threads() {
 
 /// An engine in which `recorded` is the scenario 1008 on a coarse mesh with the recording of `bench` as its reference.
 fn engine(bench: &Bench, changes: &[&str]) -> Engine {
-    engine_with(bench, changes, SearchHost::new(None, |_| {}))
+    engine_with(bench, changes, SearchHost::new(|_| {}))
 }
 
 fn engine_with(bench: &Bench, changes: &[&str], host: SearchHost) -> Engine {
@@ -283,7 +259,7 @@ fn the_curves_of_a_search_are_those_of_its_best_point() {
     let searched = |threads| {
         let seen: Arc<Mutex<Vec<ConvergenceHistory>>> = Arc::default();
         let events = Arc::clone(&seen);
-        let host = SearchHost::new(None, move |event| {
+        let host = SearchHost::new(move |event| {
             if let SearchEvent::Finished(convergence) = event {
                 events.lock().expect("whole").push(convergence.clone());
             }
@@ -358,9 +334,9 @@ fn errors_in_a_search_are_reported() {
     }
 }
 
-/// Concurrent searches of two tests, resumed after a kill, have the results of each alone.
+/// Concurrent searches of two tests have the results of each alone, with any number of threads.
 #[test]
-fn concurrent_searches_resume() {
+fn concurrent_searches_find_what_each_does() {
     let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
     let both = r#"
         let test = scenario(args.scenario);
@@ -383,13 +359,6 @@ fn concurrent_searches_resume() {
     run("together", &["--threads", "2"]);
     assert!(bench.table("apart", "found") == bench.table("together", "found"), "they differ");
 
-    // Files after a kill: complete lines up to some trial, and half of the next.
-    let files = || fs::read_dir(bench.path("together.history")).expect("histories").flatten().map(|file| file.path());
-    assert_eq!(files().count(), 2);
-    for (file, share) in files().zip([3, 5]) {
-        let bytes = fs::read(&file).expect("a history");
-        fs::write(&file, &bytes[..bytes.len() * share / 8]).expect("cut");
-    }
     let before = bench.table("together", "found");
     let page = || fs::read_to_string(bench.path("together/report.html")).expect("a page");
     let pictures = page();
@@ -418,7 +387,7 @@ fn a_numerical_failure_is_no_error_of_the_script() {
     ] {
         fs::write(bench.path("wrong.rhai"), format!("let test = scenario(args.scenario);\n{body};")).expect("writable");
         let more = ["--set", diamond, "--set", measured, "--out", "wrong"];
-        // The second time, the outcome of the trial comes from the history.
+        // The second time, what ran comes from the store.
         for _ in 0..2 {
             let output = bench.droptower(&bench.over_the_recording("wrong.rhai", &scenario, &more));
             assert_eq!(output.status.code(), Some(status), "{body}: {}", error(&output));

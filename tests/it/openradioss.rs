@@ -236,10 +236,15 @@ fn cards_follow_the_rules_of_openradioss() {
     for film in &films {
         let film = film.to_str().expect("UTF-8");
         for units in ["kg-m-s", "t-mm-s", "g-mm-ms", "kg-mm-ms", "lbf-in-s"] {
-            for more in [&[][..], &["--unloading-from", "0.69"], &["--unloading-from", "0.1"]] {
+            // Of a strain among the points of the curves, too.
+            let from: &[&[&str]] = match units {
+                "t-mm-s" => &[&[], &["--unloading-from", "0.69"], &["--unloading-from", "0.1"]],
+                _ => &[&[]],
+            };
+            for more in from {
                 let card =
                     ["card", "write", film, "--for", "openradioss", "--units", units, "-o", "film.rad", "--force"];
-                let written = run(&[&card, more].concat());
+                let written = run(&[&card[..], *more].concat());
                 assert!(written.status.success(), "{film}: {}", error(&written));
                 check(
                     &fs::read_to_string(bench.path().join("film.rad")).expect("the card"),

@@ -378,7 +378,7 @@ fn mistakes_in_a_script_have_line_and_column() {
 fn engine(folder: &Path) -> (Engine, OutputCollector) {
     let evaluations = Arc::new(Evaluations::open(&folder.join("evaluations")).expect("a store"));
     let mut engine = functions::engine(Limits::STUDY);
-    let (collector, host) = (OutputCollector::new(vec!["steps".into()]), SearchHost::new(None, |_| {}));
+    let (collector, host) = (OutputCollector::new(vec!["steps".into()]), SearchHost::new(|_| {}));
     functions::register_output(&mut engine, &collector);
     functions::register_reading(&mut engine);
     scenario_functions::register(&mut engine, &Scenarios::default());

@@ -120,7 +120,7 @@ fn post_scripts_add_figures() {
 #[test]
 fn study_scripts_compile() {
     let mut engine = functions::engine(Limits::STUDY);
-    let (collector, host) = (OutputCollector::new(Vec::new()), SearchHost::new(None, |_| {}));
+    let (collector, host) = (OutputCollector::new(Vec::new()), SearchHost::new(|_| {}));
     functions::register_output(&mut engine, &collector);
     scenario_functions::register(&mut engine, &Scenarios::default());
     identify::register(&mut engine, &host);

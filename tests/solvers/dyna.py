@@ -79,7 +79,7 @@ def elastic(film):
 
 
 def rubber(name, film, kind, **constants):
-    fields(only(card(f"{name}.toml"), kind), ro=number(film["density"]), n=0, pr=0.4995, **constants)
+    fields(only(card(f"{name}.toml", "--poisson", "0.4995"), kind), ro=number(film["density"]), n=0, pr=0.4995, **constants)
 
 
 def plastic(film):
@@ -117,7 +117,9 @@ shear = { curve = [[0.27, "4.73 MPa"], [0.8, "8.66 MPa"]] }
     }
     fields(keyword, ro=915e-12, form=-14, h=0.75, ea=slope["md"], eb=slope["td"], gab=slope["shear"], cse=1.0, aopt=2.0)
     for name, number_of_curve in (("md", keyword.lca), ("td", keyword.lcb), ("shear", keyword.lcab)):
-        points(name, curve(deck, number_of_curve), expected[name])
+        # Shear to both sides.
+        negative = [(-x, -y) for x, y in expected[name][:0:-1]] if name == "shear" else []
+        points(name, curve(deck, number_of_curve), negative + expected[name])
     # Unloading curves in place of the hysteresis: from 0.5 back to the strain that remains.
     deck = card("fabric.toml", "--unloading-from", "0.5")
     keyword = only(deck, "MatFabric")
@@ -128,6 +130,8 @@ shear = { curve = [[0.27, "4.73 MPa"], [0.8, "8.66 MPa"]] }
         (a, b), (x, y) = next(pair for pair in zip(rows, rows[1:], strict=False) if pair[1][0] >= 0.5)
         same("top of unloading", top[0], 0.5)
         same("top of unloading", top[1], b + (y - b) * (0.5 - a) / (x - a))
+        down = curve(deck, unloading)
+        assert top in rows and all(p[1] < q[1] for p, q in zip(down, down[1:], strict=False)), f"{down} and {rows}"
 
 
 def main():

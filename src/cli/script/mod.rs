@@ -26,7 +26,7 @@ use scene::scenario::Assignment;
 use study::calibrate;
 use study::evaluate::{EvaluationError, Evaluations};
 use study::functions;
-use study::identify::{self, Identity, SearchEvent, SearchHost};
+use study::identify::{self, SearchEvent, SearchHost};
 use study::scenario_functions::{self, Scenarios};
 use study::script::{
     About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, stop_beyond,
@@ -138,7 +138,7 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 
 /// Finds mistakes without running anything; no store of evaluations is opened.
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
-    let (host, collector) = (SearchHost::new(None, |_| {}), OutputCollector::new(Vec::new()));
+    let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
     let engine = engine(
         args.given.changes.assignments()?,
         &Arc::new(Evaluations::without_loading(&args.store)),
@@ -214,13 +214,10 @@ fn run_script(
         messages.note_message(&message);
     });
     let (searches, shown) = (collector.clone(), page.clone());
-    // Processes that compute a study together cannot share one history.
-    let history = (evaluations.share() == Share::WHOLE).then(|| store::history_of(place));
-    let host = SearchHost::new(history, move |event| {
+    let host = SearchHost::new(move |event| {
         shown.note_search(&event);
         match event {
             SearchEvent::Progress(_, progress) => print_line(&progress.to_string()),
-            SearchEvent::Warning(warning) => print_line(&Message::Finding(&Finding::new(warning)).to_string()),
             SearchEvent::Followed(text) => print_line(text),
             SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
             SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
@@ -229,7 +226,6 @@ fn run_script(
     });
     let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector);
     let Compiled { program, scope, call } = compiled(args, &engine, place)?;
-    host.identify(Identity { script: program.whole_text(), given: decisive(&call) });
     let stopped = |fault: Fault| match fault.numerical {
         true => Failure::numerical(script(&fault)),
         false if fault.may_pass => Failure::output(script(&fault)),
@@ -375,12 +371,6 @@ fn call(args: &ScriptArgs, given: &rhai::Map, place: &Path) -> Result<Map<String
         (run_files::WORKING_FOLDER, json!(store::path_from(place, Path::new(".")))),
     ];
     Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
-}
-
-/// The part of the call on which trials of a search depend: all but the path of the script and the working folder.
-fn decisive(call: &Map<String, Value>) -> Map<String, Value> {
-    let decisive = call.iter().filter(|(name, _)| *name != "script" && *name != run_files::WORKING_FOLDER);
-    decisive.map(|(name, value)| (name.clone(), value.clone())).collect()
 }
 
 fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {

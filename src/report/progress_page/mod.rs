@@ -119,7 +119,7 @@ impl StudyProgress {
                 self.with_search(*number, |search| search.progress = Some((*progress).clone()));
             }
             SearchEvent::Followed(text) => self.note_message(text),
-            SearchEvent::Warning(_) | SearchEvent::Finished(_) | SearchEvent::Correlation(_) => {}
+            SearchEvent::Finished(_) | SearchEvent::Correlation(_) => {}
         }
     }
 
@@ -384,7 +384,7 @@ pub fn ended_page(name: &str, report: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use study::identify::{Labels, ObjectiveValue, Phase, SearchStart, TrialEvent};
+    use study::identify::{Labels, Phase, SearchStart, TrialEvent};
     use study::store::evaluations::Key;
 
     fn progress() -> StudyProgress {
@@ -434,8 +434,9 @@ mod tests {
             let start = SearchStart { number, function, labels: &labels, unknowns: &unknowns, is_virtual };
             progress.note_search(&SearchEvent::Begun(start));
             for (x, f) in [(1.0, 3.0), (2.0, 0.25 + number as f64)] {
-                let evaluation = &ObjectiveValue::Scalar(f).into();
-                progress.note_search(&SearchEvent::Trial(number, TrialEvent::Known { x: &[x], evaluation }));
+                let trial = &study::identify::Evaluation::from(f).into();
+                let ended = TrialEvent::Ended { x: &[x], trial: Some(trial), waiting: 0 };
+                progress.note_search(&SearchEvent::Trial(number, ended));
             }
             if number == 0 {
                 progress.note_search(&SearchEvent::Ended(number));

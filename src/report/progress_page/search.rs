@@ -73,10 +73,6 @@ impl Search {
     /// Takes note of a trial.
     pub(super) fn note(&mut self, event: &TrialEvent<'_>) {
         match event {
-            TrialEvent::Known { x, evaluation } => {
-                self.counts.known += 1;
-                self.end(x, evaluation, &[]);
-            }
             TrialEvent::Begun { x, waiting } => {
                 self.counts.waiting = *waiting;
                 self.running.push(x.to_vec());
@@ -265,15 +261,14 @@ mod tests {
     }
 
     #[test]
-    fn trials_that_were_known_or_failed_are_told_apart() {
+    fn trials_that_failed_are_told_apart() {
         let mut search = search();
-        search.note(&TrialEvent::Known { x: &[1.0, 1.0], evaluation: &trial(1.0, &[]).evaluation });
         let failed = study::identify::Trial::from(Evaluation::failed("the film broke"));
         search.note(&TrialEvent::Begun { x: &[2.0, 1.0], waiting: 3 });
         search.note(&TrialEvent::Ended { x: &[2.0, 1.0], trial: Some(&failed), waiting: 2 });
         search.note(&TrialEvent::Begun { x: &[3.0, 1.0], waiting: 1 });
         search.note(&TrialEvent::Ended { x: &[3.0, 1.0], trial: None, waiting: 1 });
-        assert_eq!(search.counts(), Counts { waiting: 1, running: 0, done: 1, known: 1, failed: 1 });
+        assert_eq!(search.counts(), Counts { waiting: 1, running: 0, done: 0, known: 0, failed: 1 });
         assert!(search.causes.table("trials").contains("the film broke"));
     }
 }

@@ -487,10 +487,10 @@ const ENTRIES: &[Entry] = &[
     Entry {
         call: "calibrate(#{ tests, parameters, noise, discrepancy, stages, … })",
         gives: "the parameters with which all tests agree with their recordings, and what the tests tell of each. A test is \
-                #{ scenario, compare, over, window, recordings, own, weight, noise, distance, error, pull, set, name, outcome, \
-                failure_mass, rupture_time }: its signals (`acceleration` of an impact, else `force` or `pressure`) over time, travel \
+                #{ scenario, compare, over, window, recordings, own, weight, shared_error, noise, distance, error, pull, set, name, \
+                outcome, failure_mass, rupture_time }: its signals (`acceleration` of an impact, else `force` or `pressure`) over time, travel \
                 or depth; `recordings` beside the [reference] of an impact are files or maps of signals; `own` names parameters that \
-                have a value of their own there; with `pull: \"strip\"` (or \"free\", \"held\") a coupon is pulled as by \
+                have a value of their own there; tests with one word as `shared_error` have the model's error in common; with `pull: \"strip\"` (or \"free\", \"held\") a coupon is pulled as by \
                 `scenario.pull` and not run, its recordings are curves, compared over strain; `distance` is \"residuals\", \
                 \"error-norm\" or \"rating\"; of a drop `outcome` is \"held\", \"broke\" or an array of \
                 them, a specimen each, `failure_mass` and `rupture_time` a string such as \"104 g\" or a map with its `error`. A parameter \

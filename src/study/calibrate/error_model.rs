@@ -712,7 +712,18 @@ mod tests {
         [of(|x| x), of(|x| x * x * x)]
     }
 
-    fn study(process: Process, recordings: usize, shapes: &[Shape], is_pooled: bool, stream: &mut Stream) -> Study {
+    /// How several recordings with one error of the law count.
+    #[derive(Clone, Copy, PartialEq)]
+    enum Counted {
+        /// As recordings of one test.
+        Pooled,
+        /// As tests of their own.
+        Apart,
+        /// As tests with one `shared_error`.
+        Shared,
+    }
+
+    fn study(process: Process, recordings: usize, shapes: &[Shape], counted: Counted, stream: &mut Stream) -> Study {
         let parts = parts();
         let level = root_mean_square(parts[0].values());
         let error = process.draw(SAMPLES_OF_STUDY, stream);
@@ -722,7 +733,9 @@ mod tests {
             Recorded { series: Series::new(parts[0].time().to_vec(), values), class: None }
         };
         let all: Vec<Recorded> = (0..recordings).map(|_| recorded()).collect();
-        let groups: Vec<&[Recorded]> = if is_pooled { vec![&all[..]] } else { all.chunks(1).collect() };
+        let groups: Vec<&[Recorded]> =
+            if counted == Counted::Pooled { vec![&all[..]] } else { all.chunks(1).collect() };
+        let weight = if counted == Counted::Shared { 1.0 / recordings as f64 } else { 1.0 };
         let models: Vec<ErrorModel> =
             groups.iter().map(|own| ErrorModel::new(own, Noise::FromRecording, shapes[0]).unwrap()).collect();
         // With a flat distribution of both parameters the posterior is normal given size and shape of the error.
@@ -745,14 +758,11 @@ mod tests {
                 let mut log = -0.5 * ((share / 0.02).ln()).powi(2);
                 for (spectrum, columns) in spectra.iter().zip(&columns) {
                     let variances: Vec<f64> = spectrum.variances(*share).collect();
-                    log -= 0.5 * variances.iter().map(|own| own.ln()).sum::<f64>();
+                    log -= 0.5 * weight * variances.iter().map(|own| own.ln()).sum::<f64>();
                     for a in 0..3 {
                         for b in 0..3 {
-                            normal[a][b] += variances
-                                .iter()
-                                .enumerate()
-                                .map(|(i, v)| columns[a][i] * columns[b][i] / v)
-                                .sum::<f64>();
+                            let products = variances.iter().enumerate().map(|(i, v)| columns[a][i] * columns[b][i] / v);
+                            normal[a][b] += weight * products.sum::<f64>();
                         }
                     }
                 }
@@ -784,11 +794,11 @@ mod tests {
         process: Process,
         recordings: usize,
         shapes: &[Shape],
-        is_pooled: bool,
+        counted: Counted,
     ) -> ([f64; 3], f64, f64) {
         let all: Vec<Study> = (0..studies)
             .into_par_iter()
-            .map(|seed| study(process, recordings, shapes, is_pooled, &mut Stream::new(1 + seed)))
+            .map(|seed| study(process, recordings, shapes, counted, &mut Stream::new(1 + seed)))
             .collect();
         let within = |p: f64, level: f64| (p - 0.5).abs() < 0.5 * level;
         let held = [0.95, 0.8, 0.5].map(|level| {
@@ -820,7 +830,8 @@ mod tests {
     /// A process of the assumed shape, which bins of any size have the means of.
     #[test]
     fn an_error_that_is_a_process_is_found_at_its_size() {
-        let ([of_95, of_80, of_50], size, of_size) = coverage(studies(), Process::Rough(0.03), 1, &[ROUGH], true);
+        let ([of_95, of_80, of_50], size, of_size) =
+            coverage(studies(), Process::Rough(0.03), 1, &[ROUGH], Counted::Pooled);
         assert!((size - 1.0).abs() < 0.05 && of_size > 0.88, "{size} {of_size}");
         assert!(holds(of_95, 0.95) && holds(of_80, 0.8) && holds(of_50, 0.5), "{of_95} {of_80} {of_50}");
     }
@@ -828,10 +839,12 @@ mod tests {
     /// Six recordings of one test have one error of the law: as tests of their own they would seem to tell √6 times as much.
     #[test]
     fn recordings_of_one_test_do_not_narrow_what_the_law_is_off_by() {
-        let ([of_95, of_80, _], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], true);
+        let ([of_95, of_80, _], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Pooled);
         assert!(holds(of_95, 0.95) && holds(of_80, 0.8), "{of_95} {of_80}");
-        let ([apart, ..], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], false);
+        let ([apart, ..], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Apart);
         assert!(apart < 0.75, "{apart}");
+        let ([shared, ..], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Shared);
+        assert!(shared > 0.85, "{shared}");
     }
 
     /// Errors of other lengths and other smoothness than any that counts.
@@ -840,10 +853,10 @@ mod tests {
         for process in
             [Process::Rough(0.03), Process::Rough(0.1), Process::Rough(0.3), Process::Smooth(0.1), Process::Smooth(0.3)]
         {
-            let ([of_95, ..], ..) = coverage(studies(), process, 1, &Shape::all(None), true);
+            let ([of_95, ..], ..) = coverage(studies(), process, 1, &Shape::all(None), Counted::Pooled);
             assert!(of_95 > 0.85, "{of_95}");
         }
-        let ([fixed, ..], ..) = coverage(studies(), Process::Smooth(0.1), 1, &[ROUGH], true);
+        let ([fixed, ..], ..) = coverage(studies(), Process::Smooth(0.1), 1, &[ROUGH], Counted::Pooled);
         assert!(fixed < 0.85, "{fixed}");
     }
 

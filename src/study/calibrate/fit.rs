@@ -303,7 +303,7 @@ fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>], shapes: &'p [Vec<Shape>])
             let scaled = signal.errors.scaled(simulated);
             Ok((&signal.errors, scaled.map_err(|error| refuse(format!("{}: {error}", test.name)))?))
         });
-        Ok(Left { signals: scaled.collect::<HostResult<_>>()?, weight: test.weight, shapes })
+        Ok(Left { signals: scaled.collect::<HostResult<_>>()?, weight: test.weight * test.of_signals, shapes })
     };
     plan.tests.iter().zip(simulated).zip(shapes).map(of_test).collect()
 }

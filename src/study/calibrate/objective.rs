@@ -1,7 +1,5 @@
 //! The objective of a calibration: independent residuals of unit variance of all tests, and of what is known before.
 
-use std::path::PathBuf;
-
 use super::outcome::Outcomes;
 use super::plan::{Plan, Stage};
 use super::test::{Signal, Test};
@@ -35,7 +33,7 @@ impl<'a> CalibrationObjective<'a> {
         let mut residuals = Vec::new();
         for (signal, simulated) in test.signals.iter().zip(simulated) {
             let own = signal.residuals(simulated, self.share, self.is_plain)?.into_iter();
-            residuals.extend(own.map(|residual| test.weight.sqrt() * residual));
+            residuals.extend(own.map(|residual| (test.weight * test.of_signals).sqrt() * residual));
         }
         Ok(residuals)
     }
@@ -126,9 +124,5 @@ impl Objective for CalibrationObjective<'_> {
         let session = self.session.with_trial(cancellation);
         let evaluation = self.evaluated(x, &session);
         Trial { evaluation, compared: session.trial().compared }
-    }
-
-    fn inputs(&self) -> Vec<(PathBuf, String)> {
-        self.session.inputs().into_iter().collect()
     }
 }

@@ -430,7 +430,12 @@ fn tests(
     let listed = listed.filter(|list| !list.is_empty());
     let listed = listed.ok_or_else(|| refuse("`tests` of calibrate must be an array of one test or more"))?;
     let tests = listed.iter().map(|given| Test::read(given, scenarios, tolerances, session));
-    let tests = tests.collect::<HostResult<Vec<_>>>()?;
+    let mut tests = tests.collect::<HostResult<Vec<_>>>()?;
+    let words: Vec<Option<String>> = tests.iter().map(|test| test.shared_error.clone()).collect();
+    for test in tests.iter_mut().filter(|test| test.shared_error.is_some()) {
+        // Together they tell as much as their mean (theory.md, section 28).
+        test.of_signals = 1.0 / words.iter().filter(|word| **word == test.shared_error).count() as f64;
+    }
     for (place, test) in tests.iter().enumerate() {
         if tests[..place].iter().any(|other| other.name == test.name) {
             return Err(refuse(format!("two tests are called `{}`: give one a `name`", test.name)));

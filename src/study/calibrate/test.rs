@@ -30,6 +30,9 @@ pub(super) struct Test {
     pub(super) own: Vec<String>,
     /// What its squared residuals are multiplied by.
     pub(super) weight: f64,
+    /// The word of those tests that have the model's error in common, and what that leaves of the weight of its signals.
+    pub(super) shared_error: Option<String>,
+    pub(super) of_signals: f64,
     /// Its signals, each with all of its recordings.
     pub(super) signals: Vec<Signal>,
     /// Whether its film held, and what else is known of its rupture.
@@ -64,7 +67,7 @@ pub(super) struct Tolerances {
 }
 
 /// Options of a test.
-pub(super) const OPTIONS: [&str; 16] = [
+pub(super) const OPTIONS: [&str; 17] = [
     "scenario",
     "name",
     "set",
@@ -74,6 +77,7 @@ pub(super) const OPTIONS: [&str; 16] = [
     "recordings",
     "own",
     "weight",
+    "shared_error",
     "noise",
     "distance",
     "error",
@@ -116,7 +120,9 @@ impl Test {
         check_together(&map, outcomes.as_ref()).map_err(in_test)?;
         let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
         let pull = map.get("pull").map(|given| pulled::across(given, &study).map_err(in_test)).transpose()?;
-        let test = Test { name, study, own, weight, signals: Vec::new(), outcomes, pull };
+        let shared_error = map.get("shared_error").map(Dynamic::to_string);
+        let test =
+            Test { name, study, own, weight, shared_error, of_signals: 1.0, signals: Vec::new(), outcomes, pull };
         if test.outcomes.is_some() && !map.contains_key("compare") {
             Ok(test)
         } else {
@@ -276,7 +282,6 @@ impl Reading<'_> {
         let path = recording.clone().into_string();
         let path = path.map_err(|_| (self.in_test)("name its `recordings`: one file or an array of files".into()))?;
         let path = std::path::Path::new(&path);
-        session.add_recording_files(path);
         let measurement =
             file::read(path, &ReadOptions::default()).map_err(|error| (self.in_test)(error.to_string()))?;
         session.add_recording(path, measurement.annotations.is_virtual());

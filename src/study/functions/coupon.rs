@@ -62,9 +62,6 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Ho
     if paths.is_empty() {
         return Err(refuse(format!("no file matches `{pattern}`")));
     }
-    for path in &paths {
-        session.add_input(path);
-    }
     let reading = CouponReader::new(coupon, rules(&Options { of: "read_coupons", map: given })?);
     let read = |path: &PathBuf| {
         let recorded = reading.read_all(path)?;

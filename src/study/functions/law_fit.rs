@@ -34,7 +34,6 @@ pub(super) fn register_reading(engine: &mut Engine) {
 
 fn read(session: &Session, path: &str, kind: Option<TestKind>) -> HostResult<Map> {
     let path = Path::new(path);
-    session.add_recording_files(path);
     let reader = StressReader { kind, ..StressReader::default() };
     let set = reader.read(path).map_err(|error| match error.hint() {
         Some(hint) => refuse(format!("{error} ({hint})")),

@@ -30,7 +30,6 @@ pub(super) fn register(engine: &mut Engine) {
 /// The path is relative to the working directory.
 fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> HostResult<Measurement> {
     let (session, path) = (Session::from_context(context), Path::new(path));
-    session.add_recording_files(path);
     let measurement = file::read(path, wanted).map_err(|error| hinted(&error, error.hint()))?;
     session.add_recording(path, measurement.annotations.is_virtual());
     Ok(measurement)

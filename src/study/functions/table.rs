@@ -3,10 +3,10 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, Map};
 use thiserror::Error;
 
-use crate::script::{Entry, Session, refuse};
+use crate::script::{Entry, refuse};
 use base::file::{self, FileError};
 
 /// Longest table that is read, bytes.
@@ -34,10 +34,7 @@ enum TableError {
 
 /// Offers `read_table` to scripts that may read files.
 pub(super) fn register(engine: &mut Engine) {
-    engine.register_fn("read_table", |context: NativeCallContext, path: &str| {
-        Session::from_context(&context).add_input(Path::new(path));
-        read(Path::new(path)).map_err(refuse)
-    });
+    engine.register_fn("read_table", |path: &str| read(Path::new(path)).map_err(refuse));
 }
 
 /// One map per row, by the names in the header; `#` lines are comments, an empty cell is `()`.

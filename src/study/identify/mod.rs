@@ -2,16 +2,15 @@
 //! are known.
 //!
 //! [`minimize`] searches with one of three [methods](Method) from one or several starts. A [`TrialPool`] evaluates the
-//! trials of one or several searches in parallel, also speculatively, and writes them to a [`History`]; neither changes
-//! the result, to the bit. [`Confidence`](lab::confidence::Confidence) says how well the parameters are known. The
+//! trials of one or several searches in parallel, also speculatively, which does not change the result, to the bit. [`Confidence`](lab::confidence::Confidence) says how well the parameters are known. The
 //! bindings offer all of it to scripts.
 //!
 //! ```
-//! use droptower_study::identify::{Method, Problem, Search, SearchError, minimize, with_evaluator};
+//! use droptower_study::identify::{Method, Search, SearchError, minimize, with_evaluator};
 //!
 //! let line = |x: &[f64]| vec![x[0] - 3.1, x[0] + x[1] - 4.9, x[0] + 2.0 * x[1] - 7.0];
 //! let search = Search::new(Method::LevenbergMarquardt, vec![1.0, 1.0]);
-//! let result = with_evaluator(Problem::new(&line), 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
+//! let result = with_evaluator(&line, 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
 //! assert!((result.best.x[1] - 1.95).abs() < 1e-6);
 //! # Ok::<(), SearchError>(())
 //! ```
@@ -44,8 +43,7 @@ pub use linearization::{LinearizationError, linearize_at_start, weigh_at_start};
 pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
 pub use options::{Method, OptionsError, Search, Starts};
 pub use point::Point;
-pub use pool::history::{History, HistoryError, Identity};
-pub use pool::trial_pool::{Evaluator, PoolError, Problem, TrialEvent, TrialPool, with_evaluator};
+pub use pool::trial_pool::{Evaluator, PoolError, TrialEvent, TrialPool, with_evaluator};
 pub use progress::Progress;
 pub use result::{SearchResult, StartResult};
 pub use search::minimize;

@@ -2,7 +2,6 @@
 
 use std::error::Error;
 use std::fmt;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -21,12 +20,6 @@ pub trait Objective: Sync {
     /// The outcome at `x` with the curves that were compared with references.
     fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
         self.evaluate(x, cancellation).into()
-    }
-
-    /// Files read since the objective was made, each with a description of its content. A history whose files have
-    /// changed is not resumed from.
-    fn inputs(&self) -> Vec<(PathBuf, String)> {
-        Vec::new()
     }
 }
 

@@ -13,7 +13,7 @@ use super::warning::Warning;
 
 /// Minimizes the objective of `evaluator` from all starts of `search`; `observer` is called after each iteration.
 ///
-/// The result depends neither on the number of threads nor on trials in the history, to the bit.
+/// The result does not depend on the number of threads, to the bit.
 ///
 /// # Errors
 /// A start without a value, a fatal error of the objective, or an objective that does not suit the method.
@@ -83,14 +83,14 @@ mod tests {
     use crate::identify::bounds::{Bounds, Side};
     use crate::identify::objective::{Evaluation, Objective, ObjectiveValue};
     use crate::identify::point::unnamed;
-    use crate::identify::pool::trial_pool::{Problem, with_evaluator};
+    use crate::identify::pool::trial_pool::with_evaluator;
 
     fn banana(x: &[f64]) -> f64 {
         100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2)
     }
 
     fn found(search: &Search, objective: &dyn Objective, threads: usize) -> Result<SearchResult, SearchError> {
-        with_evaluator(Problem::new(objective), threads, |evaluator| minimize(search, evaluator, &mut |_| {}))
+        with_evaluator(objective, threads, |evaluator| minimize(search, evaluator, &mut |_| {}))
     }
 
     #[test]

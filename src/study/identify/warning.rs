@@ -79,21 +79,6 @@ findings! {
                 data do not determine the unknowns";
             remedy "fix some unknowns, or add signals or tests to the objective";
             message "{count} of {starts} starts ended at the same value elsewhere: the minimum is not unique";
-        HistorySetAside {
-            input: String, "the file that has changed" => "input";
-            renamed: String, "the file with the trials so far" => "renamed";
-        } = "history-set-aside", Note;
-            meaning "a file that an interrupted search read has changed, so its trials are no longer valid: its \
-                history was renamed and the search starts from its beginning";
-            remedy "none is needed; restore the file and the name of the history to continue that search";
-            message "{input} has changed: the trials so far are set aside in {renamed}";
-        TrialsRead {
-            trials: usize, "how many" => "trials";
-            path: String, "the history" => "path";
-        } = "history-read", Note;
-            meaning "an interrupted search continues: trials in its history are not repeated";
-            remedy "none is needed; remove the folder `.history` beside the results to repeat all trials";
-            message "{trials} trials are read from {path}";
     }
 }
 

@@ -1,6 +1,6 @@
 //! Scenarios in scripts: read, change, simulate, one or many.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -116,15 +116,6 @@ impl Study {
         session: &Session,
     ) -> HostResult<Study> {
         let model = model::check(&document).map_err(mistakes)?;
-        for path in
-            document.files().iter().map(PathBuf::as_path).chain(model.meshes().into_iter().map(|mesh| mesh.path))
-        {
-            session.add_input(path);
-        }
-        if let Some(reference) = &model.reference {
-            reference.signals.iter().for_each(|path| session.add_recording_files(path));
-            reference.field.iter().flat_map(|field| &field.files).for_each(|path| session.add_input(path));
-        }
         session.report(model::warnings(&document, &model).iter().map(Finding::new));
         let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
             Some(other) => other.plan.clone(),

@@ -48,6 +48,6 @@ pub use panic::silence_panics;
 pub use plots::PlotError;
 pub use reference::{Chapter, Entry};
 pub use run_findings::RunFindings;
-pub use session::{CallOptions, Fields, Session, Trial, fingerprint};
+pub use session::{CallOptions, Fields, Session, Trial};
 pub use value::{from_json, number, to_json, window};
 pub use warning::{CODES, Warning};

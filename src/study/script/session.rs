@@ -1,8 +1,7 @@
-//! The state that host functions share while one script runs: the files that it read, and the trial they are called in.
+//! The state that host functions share while one script runs: the recordings that it read, and the trial they are called in.
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -12,7 +11,6 @@ use super::module::{Programs, ShippedModule};
 use super::{Compared, OutputCollector, RunFindings};
 use base::budget::Budget;
 use base::cancellation::Cancellation;
-use base::file::{Digest, FileError};
 use base::finding::Finding;
 
 /// Most comparisons of one trial that are stored for plots.
@@ -43,7 +41,6 @@ pub struct CallOptions {
 /// State that host functions share while a script runs; each engine has one, as its tag. Cheap to clone.
 #[derive(Clone, Default)]
 pub struct Session {
-    inputs: Arc<Mutex<BTreeMap<PathBuf, String>>>,
     recordings: Arc<Mutex<BTreeMap<PathBuf, bool>>>,
     trial: Option<Arc<Mutex<Trial>>>,
     cancellation: Cancellation,
@@ -60,7 +57,10 @@ pub struct Session {
 
 impl fmt::Debug for Session {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Session").field("inputs", &self.inputs).field("trial", &self.trial).finish_non_exhaustive()
+        f.debug_struct("Session")
+            .field("recordings", &self.recordings)
+            .field("trial", &self.trial)
+            .finish_non_exhaustive()
     }
 }
 
@@ -229,21 +229,6 @@ impl Session {
         }
     }
 
-    /// Records that the script read the file at `path`, with its fingerprint at the first read.
-    pub fn add_input(&self, path: &Path) {
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
-        // The results rest on what was read first, whatever the file becomes while the script runs.
-        lock(&self.inputs).entry(path).or_insert_with_key(|path| fingerprint(path));
-    }
-
-    /// Records the files of a recording: an ISO-MME test has its channels in a folder beside it.
-    pub fn add_recording_files(&self, path: &Path) {
-        self.add_input(path);
-        for entry in fs::read_dir(path.with_file_name("Channel")).into_iter().flatten().flatten() {
-            self.add_input(&entry.path());
-        }
-    }
-
     /// Records whether the recording at `path` is virtual.
     pub fn add_recording(&self, path: &Path, is_virtual: bool) {
         lock(&self.recordings).insert(path.into(), is_virtual);
@@ -260,25 +245,11 @@ impl Session {
         let recordings = lock(&self.recordings);
         !recordings.is_empty() && recordings.values().all(|is_virtual| *is_virtual)
     }
-
-    /// The files that were read so far, each with its fingerprint.
-    pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
-        lock(&self.inputs).clone()
-    }
 }
 
 impl From<Session> for Dynamic {
     fn from(session: Session) -> Dynamic {
         Dynamic::from(session)
-    }
-}
-
-/// Length and checksum of the file at `path`, or that it cannot be read; devices and pipes are not read.
-pub fn fingerprint(path: &Path) -> String {
-    match Digest::of_file(path) {
-        Ok(digest) => digest.to_string(),
-        Err(FileError::NotAFile) => "not a file".into(),
-        Err(error) => format!("unreadable: {error}"),
     }
 }
 
@@ -290,20 +261,6 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use super::*;
     use crate::script::{Limits, engine};
-
-    #[test]
-    fn the_fingerprint_of_a_file_is_that_of_its_first_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.csv");
-        fs::write(&path, "1").unwrap();
-        let session = Session::default();
-        session.add_input(&path);
-        fs::write(&path, "2").unwrap();
-        session.clone().add_input(&path);
-        let inputs = session.inputs();
-        assert_eq!(inputs.len(), 1);
-        assert_ne!(inputs[&path], fingerprint(&path));
-    }
 
     #[test]
     fn virtual_and_measured_recordings_are_distinguished() {

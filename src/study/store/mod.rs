@@ -148,11 +148,6 @@ const RUNS: &str = "runs";
 /// Folder of evaluations that are never computed twice, where no other is given.
 pub const EVALUATIONS: &str = "runs/.evaluations";
 
-/// Folder of the search histories of a script whose results go to `target`.
-pub fn history_of(target: &Path) -> PathBuf {
-    sibling_name(target, ".history")
-}
-
 /// Path of the run called `name` where no output folder is given.
 ///
 /// # Errors

@@ -176,7 +176,7 @@ impl Density<'_> {
             let breaks = self.breaks[test].with_values(&self.plan.values(&x));
             outcomes.log_likelihood(&found.demands, surrogate.demand_errors(), &breaks)
         });
-        own.weight * (of_signals + of_outcomes)
+        own.weight * (own.of_signals * of_signals + of_outcomes)
     }
 
     /// What is known before the tests of all but the specimens.

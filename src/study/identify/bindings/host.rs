@@ -1,11 +1,9 @@
 //! The host of the searches of a script.
 
-use std::collections::BTreeMap;
 use std::error::Error;
 use std::iter::successors;
-use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 use rhai::{EvalAltResult, NativeCallContext};
@@ -17,20 +15,16 @@ use crate::identify::error::{SearchError, SearchFailure};
 use crate::identify::iteration::Iteration;
 use crate::identify::objective::{FatalError, Objective};
 use crate::identify::options::Search;
-use crate::identify::pool::history::{History, Identity};
-use crate::identify::pool::trial_pool::{Evaluator, PoolError, Problem, TrialEvent, TrialPool};
+use crate::identify::pool::trial_pool::{Evaluator, PoolError, TrialEvent, TrialPool};
 use crate::identify::progress::{Progress, ProgressEstimator};
 use crate::identify::result::SearchResult;
 use crate::identify::search::minimize;
-use crate::identify::warning::Warning;
 use crate::script::{Compared, ConvergenceHistory, HostResult, STACK, Session, numerical_failure, refuse};
 use plot::Correlation;
 
-/// Runs the searches of a script: their histories go to one folder, their events to one observer. Cheap to clone.
+/// Runs the searches of a script; their events go to one observer. Cheap to clone.
 #[derive(Clone)]
 pub struct SearchHost {
-    folder: Option<PathBuf>,
-    identity: Arc<OnceLock<Identity>>,
     searches: Arc<AtomicUsize>,
     observer: Arc<dyn Fn(SearchEvent<'_>) + Send + Sync>,
 }
@@ -70,8 +64,6 @@ pub enum SearchEvent<'a> {
     Ended(usize),
     /// An iteration of the search of this number has ended.
     Progress(usize, &'a Progress),
-    /// The history of a search reports this.
-    Warning(&'a Warning),
     /// A search has ended.
     Finished(&'a ConvergenceHistory),
     /// The correlation of estimated parameters is known.
@@ -81,15 +73,9 @@ pub enum SearchEvent<'a> {
 }
 
 impl SearchHost {
-    /// A host whose histories go to `folder`, if there is one and once the script is
-    /// [identified](SearchHost::identify); `observer` is called with each event.
-    pub fn new(folder: Option<PathBuf>, observer: impl Fn(SearchEvent<'_>) + Send + Sync + 'static) -> SearchHost {
-        SearchHost { folder, identity: Arc::default(), searches: Arc::default(), observer: Arc::new(observer) }
-    }
-
-    /// Sets the identity of the script. Only the first call has an effect.
-    pub fn identify(&self, identity: Identity) {
-        self.identity.get_or_init(|| identity);
+    /// A host that calls `observer` with each event.
+    pub fn new(observer: impl Fn(SearchEvent<'_>) + Send + Sync + 'static) -> SearchHost {
+        SearchHost { searches: Arc::default(), observer: Arc::new(observer) }
     }
 
     /// Runs independent searches on the same threads at the same time; the results in their order.
@@ -176,8 +162,8 @@ impl SearchHost {
         })
     }
 
-    /// Runs `job` for each of `searches` with a pool that evaluates their objectives and writes their histories; the
-    /// number and the error of the first that failed.
+    /// Runs `job` for each of `searches` with a pool that evaluates their objectives; the number and the error of the first
+    /// that failed.
     pub(crate) fn run<T: Send, E: From<PoolError> + Send>(
         &self,
         session: &Session,
@@ -188,9 +174,7 @@ impl SearchHost {
             let refused = |error| refuse(format!("{}{error}", prefix(number, searches.len())));
             search.check().map_err(refused)?;
         }
-        let begun = self.searches.load(Ordering::Relaxed);
-        let histories = searches.iter().map(|_| self.history(session.inputs()));
-        let mut histories = histories.collect::<HostResult<Vec<_>>>()?;
+        let begun = self.searches.fetch_add(searches.len(), Ordering::Relaxed);
         for (number, HostSearch { function, search, labels, .. }) in searches.iter().enumerate() {
             (self.observer)(SearchEvent::Begun(SearchStart {
                 number: begun + number,
@@ -200,11 +184,8 @@ impl SearchHost {
                 is_virtual: session.is_all_virtual(),
             }));
         }
-        let problems = searches
-            .iter()
-            .zip(&mut histories)
-            .map(|(own, history)| Problem { objective: own.objective, history: history.as_mut() });
-        let pool = TrialPool::new(problems.collect(), rayon::current_num_threads()).with_stack(STACK);
+        let objectives = searches.iter().map(|own| own.objective).collect();
+        let pool = TrialPool::new(objectives, rayon::current_num_threads()).with_stack(STACK);
         let pool = pool.with_observer(|number, event| (self.observer)(SearchEvent::Trial(begun + number, event)));
         Ok(pool.run(|evaluator, number| {
             let found = job(evaluator, number);
@@ -221,17 +202,6 @@ impl SearchHost {
     /// Says how far what follows a search is.
     pub(crate) fn tell(&self, text: &str) {
         (self.observer)(SearchEvent::Followed(text));
-    }
-
-    /// Opens the history of the next search.
-    fn history(&self, inputs: BTreeMap<PathBuf, String>) -> HostResult<Option<History>> {
-        let number = self.searches.fetch_add(1, Ordering::Relaxed) + 1;
-        let (Some(folder), Some(identity)) = (&self.folder, self.identity.get()) else {
-            return Ok(None);
-        };
-        let history = History::open(folder, identity, number, inputs).map_err(refuse)?;
-        history.warnings().iter().for_each(|warning| (self.observer)(SearchEvent::Warning(warning)));
-        Ok(Some(history))
     }
 }
 

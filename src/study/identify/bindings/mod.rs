@@ -29,6 +29,6 @@ pub const REFERENCE: &[Chapter] = &[
 #[cfg(test)]
 fn test_engine(limits: crate::script::Limits) -> Engine {
     let mut engine = crate::functions::engine(limits);
-    register(&mut engine, &SearchHost::new(None, |_| {}));
+    register(&mut engine, &SearchHost::new(|_| {}));
     engine
 }

@@ -1,6 +1,5 @@
 //! A closure of a script as an objective.
 
-use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, Map, NativeCallContext, Position};
@@ -139,10 +138,6 @@ impl Objective for ScriptObjective<'_> {
         }
         let evaluation = self.evaluation(returned, &session);
         Trial { evaluation, compared: session.trial().compared }
-    }
-
-    fn inputs(&self) -> Vec<(PathBuf, String)> {
-        self.session.inputs().into_iter().collect()
     }
 }
 

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use crate::identify::error::SearchError;
     use crate::identify::options::{Method, Search};
-    use crate::identify::pool::trial_pool::{Problem, with_evaluator};
+    use crate::identify::pool::trial_pool::with_evaluator;
 
     /// Affine residuals, which the surrogate reproduces.
     fn plane(x: &[f64]) -> Vec<f64> {
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn points_of_affine_residuals_are_predicted() {
         let search = Search::new(Method::NelderMead, vec![4.0, 3.0]);
-        let found = with_evaluator(Problem::new(&plane), 1, |evaluator| {
+        let found = with_evaluator(&plane, 1, |evaluator| {
             let trials = Trials::new(&search, evaluator);
             let mut requested = Requested(&trials, vec![]);
             let mut simplex = Simplex::around(&search.start, &mut requested)?;
@@ -154,7 +154,7 @@ mod tests {
     fn scalars_have_no_surrogate() {
         let value = |x: &[f64]| x[0] * x[0];
         let search = Search::new(Method::NelderMead, vec![4.0]);
-        let found = with_evaluator(Problem::new(&value), 1, |evaluator| {
+        let found = with_evaluator(&value, 1, |evaluator| {
             let trials = Trials::new(&search, evaluator);
             let simplex = Simplex::around(&search.start, &mut Requested(&trials, vec![]))?;
             Ok::<_, SearchError>(points(&simplex, &trials, 5))

@@ -1,7 +1,4 @@
-//! Trials in parallel: the pool of threads, its schedule, the cache of trials and their history on disk.
+//! Trials in parallel: the pool of threads and its schedule.
 
-pub(crate) mod history;
 mod schedule;
-mod trial_cache;
 pub(crate) mod trial_pool;
-mod trial_record;

@@ -1,29 +1,42 @@
 //! Which trial a thread starts next: requested trials in their order, then speculative ones.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
-use super::history::{History, HistoryError};
-use super::trial_cache::{Point, TrialCache};
-use crate::identify::objective::{Evaluation, Objective};
+use crate::identify::objective::Evaluation;
 use base::cancellation::Cancellation;
 
+/// A point by its bits.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Point(Vec<u64>);
+
+impl Point {
+    pub(super) fn new(x: &[f64]) -> Point {
+        // Bits can be hashed, and a point gets no value of one that differs from it by rounding.
+        Point(x.iter().map(|x| x.to_bits()).collect())
+    }
+
+    pub(super) fn x(&self) -> Vec<f64> {
+        self.0.iter().map(|bits| f64::from_bits(*bits)).collect()
+    }
+}
+
 /// The schedule of all searches of a pool.
-pub(super) struct Schedule<'a> {
-    searches: Vec<SearchState<'a>>,
+pub(super) struct Schedule {
+    searches: Vec<SearchState>,
     /// Requested trials that no thread has started, each with the number of its search.
     requested: VecDeque<(usize, Point)>,
     running: Vec<RunningTrial>,
 }
 
 /// The state of one search.
-struct SearchState<'a> {
-    cache: TrialCache<'a>,
+#[derive(Default)]
+struct SearchState {
+    /// Outcomes of trials that have ended.
+    known: HashMap<Point, Evaluation>,
     /// Points whose trials the search waits for.
     awaited: Vec<Point>,
     /// Points that the search may request next, the most probable first.
     speculative: VecDeque<Point>,
-    /// The first error of the history.
-    error: Option<HistoryError>,
     is_finished: bool,
 }
 
@@ -36,20 +49,21 @@ pub(super) struct RunningTrial {
     pub(super) cancellation: Cancellation,
 }
 
-impl<'a> Schedule<'a> {
-    /// The schedule of one search for each of `histories`.
-    pub(super) fn new(histories: impl Iterator<Item = Option<&'a mut History>>) -> Schedule<'a> {
-        let searches = histories.map(SearchState::new).collect();
+impl Schedule {
+    /// The schedule of so many searches.
+    pub(super) fn new(searches: usize) -> Schedule {
+        let searches = (0..searches).map(|_| SearchState::default()).collect();
         Schedule { searches, requested: VecDeque::new(), running: vec![] }
     }
 
-    pub(super) fn cache(&self, search: usize) -> &TrialCache<'a> {
-        &self.searches[search].cache
+    /// The outcome of a trial that has ended.
+    pub(super) fn known(&self, search: usize, point: &Point) -> Option<Evaluation> {
+        self.searches[search].known.get(point).cloned()
     }
 
     /// Requests the trial at `point`, unless it is known, requested or running.
     pub(super) fn request(&mut self, search: usize, point: &Point) {
-        if self.searches[search].cache.contains(point) {
+        if self.searches[search].known.contains_key(point) {
             return;
         }
         let is_requested = self.requested.iter().any(|(other, requested)| *other == search && requested == point);
@@ -98,7 +112,7 @@ impl<'a> Schedule<'a> {
 
     fn next_speculative(&mut self, search: usize) -> Option<Point> {
         let state = &self.searches[search];
-        let is_new = |point: &Point| !state.cache.contains(point) && !self.is_running(search, point);
+        let is_new = |point: &Point| !state.known.contains_key(point) && !self.is_running(search, point);
         let new = state.speculative.iter().position(is_new)?;
         // Those before it are known or running, and need no second look.
         self.searches[search].speculative.drain(..=new).next_back()
@@ -111,7 +125,7 @@ impl<'a> Schedule<'a> {
     }
 
     /// A running trial has ended; its outcome counts unless it was cancelled.
-    pub(super) fn end(&mut self, running: RunningTrial, found: Evaluation, seconds: f64, objective: &dyn Objective) {
+    pub(super) fn end(&mut self, running: RunningTrial, found: Evaluation) {
         let RunningTrial { search, point, cancellation } = running;
         // By the cancellation, not the point: a cancelled trial may still run beside a new one of its point.
         self.running.retain(|other| !other.cancellation.is(&cancellation));
@@ -120,18 +134,16 @@ impl<'a> Schedule<'a> {
         }
         let state = &mut self.searches[search];
         state.awaited.retain(|other| *other != point);
-        if let Err(error) = state.cache.insert(point, found, seconds, objective) {
-            state.error.get_or_insert(error);
-        }
+        state.known.insert(point, found);
     }
 
     /// The outcomes at `points` once all are known; an error where the search cannot go on.
     pub(super) fn outcomes(&self, search: usize, points: &[Point]) -> Result<Option<Vec<Evaluation>>, Closed> {
         let state = &self.searches[search];
-        if state.error.is_some() || state.is_finished {
+        if state.is_finished {
             return Err(Closed);
         }
-        Ok(points.iter().map(|point| state.cache.evaluation(point)).collect())
+        Ok(points.iter().map(|point| state.known.get(point).cloned()).collect())
     }
 
     /// Requested trials of a search that no thread has started.
@@ -150,24 +162,7 @@ impl<'a> Schedule<'a> {
     pub(super) fn is_finished(&self) -> bool {
         self.searches.iter().all(|search| search.is_finished)
     }
-
-    /// The first error of the history of a search.
-    pub(super) fn take_error(&mut self, search: usize) -> Option<HistoryError> {
-        self.searches[search].error.take()
-    }
 }
 
 /// A search gets no more trials.
 pub(super) struct Closed;
-
-impl<'a> SearchState<'a> {
-    fn new(history: Option<&'a mut History>) -> SearchState<'a> {
-        SearchState {
-            cache: TrialCache::new(history),
-            awaited: vec![],
-            speculative: VecDeque::new(),
-            error: None,
-            is_finished: false,
-        }
-    }
-}

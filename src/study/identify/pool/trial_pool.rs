@@ -7,26 +7,23 @@
 use std::panic::resume_unwind;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
-use std::time::Instant;
 
 use rayon::ThreadPoolBuilder;
 use thiserror::Error;
 
-use super::history::{History, HistoryError};
-use super::schedule::{Closed, RunningTrial, Schedule};
-use super::trial_cache::Point;
+use super::schedule::{Closed, Point, RunningTrial, Schedule};
 use crate::identify::objective::{Evaluation, FatalError, Objective, Trial};
 
 /// Stack of a thread of the pool, bytes, where nothing else is asked for.
 const STACK: usize = 8 << 20;
 
-/// Evaluates trials of searches in parallel, stores them, and writes them to their histories.
+/// Evaluates trials of searches in parallel, each once.
 pub struct TrialPool<'a> {
     threads: usize,
     stack: usize,
     observer: Observer<'a>,
     objectives: Vec<&'a dyn Objective>,
-    schedule: Mutex<Schedule<'a>>,
+    schedule: Mutex<Schedule>,
     changed: Condvar,
 }
 
@@ -36,13 +33,6 @@ type Observer<'a> = Box<dyn Fn(usize, TrialEvent<'_>) + Send + Sync + 'a>;
 /// What becomes of a trial of a search.
 #[derive(Clone, Copy, Debug)]
 pub enum TrialEvent<'a> {
-    /// Its outcome was known before the search began.
-    Known {
-        /// The point.
-        x: &'a [f64],
-        /// The outcome.
-        evaluation: &'a Evaluation,
-    },
     /// A thread has started it.
     Begun {
         /// The point.
@@ -61,14 +51,6 @@ pub enum TrialEvent<'a> {
     },
 }
 
-/// The problem of one search: an objective and what surrounds its trials.
-pub struct Problem<'a> {
-    /// The objective.
-    pub objective: &'a dyn Objective,
-    /// Holds known trials; others are appended.
-    pub history: Option<&'a mut History>,
-}
-
 /// Evaluates the objective of one search.
 #[derive(Clone, Copy)]
 pub struct Evaluator<'c, 'a> {
@@ -83,9 +65,6 @@ pub enum PoolError {
     /// The threads cannot be started.
     #[error("cannot start threads for trials: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A history cannot be written.
-    #[error(transparent)]
-    History(#[from] HistoryError),
     /// The objective cannot be evaluated any more.
     #[error("{0}")]
     Fatal(#[source] FatalError),
@@ -119,19 +98,10 @@ impl Drop for WorkerGuard<'_, '_> {
     }
 }
 
-impl<'a> Problem<'a> {
-    /// `objective` without a history.
-    pub fn new(objective: &'a dyn Objective) -> Problem<'a> {
-        Problem { objective, history: None }
-    }
-}
-
 impl<'a> TrialPool<'a> {
-    /// A pool of `threads` for `problems`, one for each search.
-    pub fn new(problems: Vec<Problem<'a>>, threads: usize) -> TrialPool<'a> {
-        let objectives = problems.iter().map(|problem| problem.objective).collect();
-        let schedule = Schedule::new(problems.into_iter().map(|problem| problem.history));
-        let (schedule, changed) = (Mutex::new(schedule), Condvar::new());
+    /// A pool of `threads` for `objectives`, one for each search.
+    pub fn new(objectives: Vec<&'a dyn Objective>, threads: usize) -> TrialPool<'a> {
+        let (schedule, changed) = (Mutex::new(Schedule::new(objectives.len())), Condvar::new());
         TrialPool {
             threads: threads.max(1),
             stack: STACK,
@@ -142,7 +112,7 @@ impl<'a> TrialPool<'a> {
         }
     }
 
-    /// The pool that tells `observer` of every trial, known ones first. No lock is held meanwhile.
+    /// The pool that tells `observer` of every trial. No lock is held meanwhile.
     pub fn with_observer(self, observer: impl Fn(usize, TrialEvent<'_>) + Send + Sync + 'a) -> TrialPool<'a> {
         TrialPool { observer: Box::new(observer), ..self }
     }
@@ -152,13 +122,12 @@ impl<'a> TrialPool<'a> {
         TrialPool { stack: bytes, ..self }
     }
 
-    /// Runs `search` for all problems at the same time; it gets an evaluator and the number of its problem. The results
-    /// in the order of the problems.
+    /// Runs `search` for all objectives at the same time; it gets an evaluator and the number of its objective. The results
+    /// in the order of the objectives.
     ///
     /// # Errors
-    /// The number and the error of the first problem whose search failed: its objective has a fatal error, its history
-    /// cannot be written, or `search` fails. Searches of earlier problems run to their ends, those of later ones are
-    /// ended: the error is the one that searches one after the other would give.
+    /// The number and the error of the first search that failed: its objective has a fatal error, or `search` fails. Earlier
+    /// searches run to their ends, later ones are ended: the error is the one that searches one after the other would give.
     ///
     /// # Panics
     /// Where an objective does; all searches are ended first.
@@ -192,13 +161,8 @@ impl<'a> TrialPool<'a> {
         search: &impl Fn(&Evaluator<'_, 'a>, usize) -> Result<T, E>,
     ) -> Result<T, E> {
         let evaluator = Evaluator { pool: self, number };
-        let known = self.schedule().cache(number).known();
-        known.iter().for_each(|(x, evaluation)| (self.observer)(number, TrialEvent::Known { x, evaluation }));
         let mut guard = SearchGuard { evaluator, succeeded: false };
         let result = search(&evaluator, number);
-        // The search itself saw only that it was closed; the error of its history is the cause.
-        let error = self.schedule().take_error(number);
-        let result = error.map_or(result, |error| Err(PoolError::from(error).into()));
         guard.succeeded = result.is_ok();
         result
     }
@@ -211,13 +175,11 @@ impl<'a> TrialPool<'a> {
             let (search, x) = (running.search, running.point.x());
             let waiting = self.schedule().waiting(search);
             (self.observer)(search, TrialEvent::Begun { x: &x, waiting });
-            let start = Instant::now();
             let trial = objective.trial(&x, &running.cancellation);
-            let seconds = start.elapsed().as_secs_f64();
             let ended = (!running.cancellation.is_cancelled()).then(|| trial.clone());
             let waiting = {
                 let mut schedule = self.schedule();
-                schedule.end(running, trial.evaluation, seconds, objective);
+                schedule.end(running, trial.evaluation);
                 schedule.waiting(search)
             };
             self.changed.notify_all();
@@ -239,16 +201,16 @@ impl<'a> TrialPool<'a> {
         }
     }
 
-    fn schedule(&self) -> MutexGuard<'_, Schedule<'a>> {
+    fn schedule(&self) -> MutexGuard<'_, Schedule> {
         self.schedule.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn wait<'s>(&self, schedule: MutexGuard<'s, Schedule<'a>>) -> MutexGuard<'s, Schedule<'a>> {
+    fn wait<'s>(&self, schedule: MutexGuard<'s, Schedule>) -> MutexGuard<'s, Schedule> {
         self.changed.wait(schedule).unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// Runs `search` on one problem with a pool of `threads`.
+/// Runs `search` on one objective with a pool of `threads`.
 ///
 /// # Errors
 /// The errors of [`TrialPool::run`].
@@ -256,11 +218,11 @@ impl<'a> TrialPool<'a> {
 /// # Panics
 /// Where the objective does.
 pub fn with_evaluator<T: Send, E: From<PoolError> + Send>(
-    problem: Problem<'_>,
+    objective: &dyn Objective,
     threads: usize,
     search: impl Fn(&Evaluator<'_, '_>) -> Result<T, E> + Sync,
 ) -> Result<T, E> {
-    let results = TrialPool::new(vec![problem], threads).run(|evaluator, _| search(evaluator));
+    let results = TrialPool::new(vec![objective], threads).run(|evaluator, _| search(evaluator));
     results.map_err(|(_, error)| error)?.pop().ok_or_else(|| PoolError::Closed.into())
 }
 
@@ -273,7 +235,7 @@ impl Evaluator<'_, '_> {
     /// The outcome at `x`; waits for it.
     ///
     /// # Errors
-    /// The search was ended, or its history cannot be written.
+    /// The search was ended.
     pub fn evaluate(&self, x: &[f64]) -> Result<Evaluation, PoolError> {
         let mut outcomes = self.evaluate_all(std::slice::from_ref(&x.to_vec()))?;
         outcomes.pop().ok_or(PoolError::Closed)
@@ -282,7 +244,7 @@ impl Evaluator<'_, '_> {
     /// The outcomes at `points`; waits for all.
     ///
     /// # Errors
-    /// The search was ended, or its history cannot be written.
+    /// The search was ended.
     pub fn evaluate_all(&self, points: &[Vec<f64>]) -> Result<Vec<Evaluation>, PoolError> {
         let points: Vec<Point> = points.iter().map(|x| Point::new(x)).collect();
         let mut schedule = self.pool.schedule();
@@ -299,7 +261,7 @@ impl Evaluator<'_, '_> {
 
     /// The outcome at `x` if it is known by now.
     pub fn cached(&self, x: &[f64]) -> Option<Evaluation> {
-        self.pool.schedule().cache(self.number).evaluation(&Point::new(x))
+        self.pool.schedule().known(self.number, &Point::new(x))
     }
 
     /// Replaces the speculative points: those that may be requested next, the most probable first. Running trials at
@@ -316,7 +278,7 @@ mod tests {
     use std::panic::{AssertUnwindSafe, catch_unwind};
     use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
     use std::sync::mpsc;
-    use std::time::Duration;
+    use std::time::{Duration, Instant};
 
     use rayon::prelude::*;
 
@@ -368,7 +330,7 @@ mod tests {
         ];
         for search in searches {
             let endless = Endless::default();
-            let pool = TrialPool::new(vec![Problem::new(&endless)], 2);
+            let pool = TrialPool::new(vec![&endless as &dyn Objective], 2);
             let found = pool.run(|evaluator, _| {
                 evaluator.speculate(&[vec![7.0]]);
                 search(evaluator)
@@ -390,7 +352,7 @@ mod tests {
             }
         }
         let twice = Twice(&calls, Endless::default());
-        let found = TrialPool::new(vec![Problem::new(&twice)], 2).run(|evaluator, _| {
+        let found = TrialPool::new(vec![&twice as &dyn Objective], 2).run(|evaluator, _| {
             evaluator.speculate(&[vec![7.0]]);
             evaluator.evaluate(&[1.0])?;
             evaluator.speculate(&[]);
@@ -404,7 +366,7 @@ mod tests {
     fn the_error_is_that_of_the_first_problem() {
         let value = |x: &[f64]| x[0];
         for threads in [1, 2, 4] {
-            let pool = TrialPool::new((0..4).map(|_| Problem::new(&value)).collect(), threads);
+            let pool = TrialPool::new((0..4).map(|_| &value as &dyn Objective).collect(), threads);
             let requested = AtomicUsize::new(0);
             let found: Result<Vec<()>, (usize, PoolError)> = pool.run(|evaluator, number| {
                 for trial in 0..20 {
@@ -433,7 +395,7 @@ mod tests {
                     assert!(calls.fetch_add(1, Ordering::Relaxed) != 2, "the third call");
                     x[0]
                 };
-                let pool = TrialPool::new((0..searches).map(|_| Problem::new(&panics)).collect(), threads);
+                let pool = TrialPool::new((0..searches).map(|_| &panics as &dyn Objective).collect(), threads);
                 let work = || {
                     pool.run(|evaluator, _| (0..100).try_for_each(|n| evaluator.evaluate(&[f64::from(n)]).map(drop)))
                 };
@@ -450,7 +412,7 @@ mod tests {
     fn trials_with_parallel_tasks_end() {
         let parallel = |x: &[f64]| (0..40).into_par_iter().map(|i| (f64::from(i) * x[0]).sin()).sum::<f64>().abs();
         for number in 0..400 {
-            let pool = TrialPool::new(vec![Problem::new(&parallel)], 2);
+            let pool = TrialPool::new(vec![&parallel as &dyn Objective], 2);
             let found = pool.run(|evaluator, _| evaluator.evaluate(&[f64::from(number)]));
             assert!(matches!(found.unwrap()[..], [Evaluation::Value(_)]));
         }
