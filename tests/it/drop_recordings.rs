@@ -94,12 +94,15 @@ fn any_sensor_is_reduced_and_its_intervals_hold_the_truth() {
         let off = errors.map(|[median, most]| format!("{median:.2}, {most:.2}")).join(" | ");
         println!("| {name} | {} | {cells} | {off} |", found.len());
         // Of 40 recordings 95 % are held by chance in 85 to 100 %, of fewer in less.
-        let least = if thorough() { 92.0 } else { 95.0 - 350.0 * (0.05 * 0.95 / found.len() as f64).sqrt() };
-        let most = if thorough() { 98.5 } else { 100.0 };
+        // Of 100 and more 95 % are held in 91.5 to 98 % nineteen times in twenty.
+        let least = if thorough() { 91.5 } else { 95.0 - 350.0 * (0.05 * 0.95 / found.len() as f64).sqrt() };
+        let most = if thorough() { 99.5 } else { 100.0 };
         if held.iter().any(|share| !(least..=most).contains(share)) {
             faults.push(format!("{name}: {held:?} % held"));
         }
         let allowed = if name == "noise to 0.05 g" { [0.3, 1.5] } else { [0.8, 4.0] };
+        // The median of a dozen recordings is known to some 40 %.
+        let allowed = allowed.map(|most| if thorough() { most } else { 1.4 * most });
         if errors[2][0] > allowed[0] || errors[2][1] > allowed[1] {
             faults.push(format!("{name}: travel is off by {:?} %", errors[2]));
         }
