@@ -61,7 +61,7 @@ pub use layers::{Layer, Layers, Prestrain};
 pub use loading::*;
 pub use material::{Elastic, Fabric, Fibre, Material, MountingCurve, RateCurve, Scale, Shear};
 pub use output::{Filter, Output};
-pub use plastic::{CowperSymonds, FlowCurve, FlowRate, FlowStress, HillRatios, Plastic, Voce};
+pub use plastic::{FlowCurve, FlowStress, HillRatios, Plastic, Voce};
 pub use plausible::Implausible;
 pub use point::Point;
 pub use post::Post;

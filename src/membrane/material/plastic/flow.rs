@@ -4,7 +4,6 @@
 //! monotone, so the root is unique.
 
 use super::hardening::Hardening;
-use super::overstress::Overstress;
 use super::rate::{FlowRate, RateTable};
 use super::root::root;
 use super::trial::{ROUND_OFF, Relaxed, Trial};
@@ -29,13 +28,8 @@ impl<const L: usize> Trial<'_, L> {
             return None;
         }
         Some(match rate {
-            FlowRate::CowperSymonds(law) if dt > 0.0 => {
-                Overstress { trial: self, hardening, law, dt }.flow(&excess, open)
-            }
             FlowRate::Table(table) if dt > 0.0 => self.rated(hardening, table, dt, &excess, open),
-            FlowRate::Independent | FlowRate::CowperSymonds(_) | FlowRate::Table(_) => {
-                self.slow(hardening, &excess, open)
-            }
+            FlowRate::Independent | FlowRate::Table(_) => self.slow(hardening, &excess, open),
         })
     }
 

@@ -16,7 +16,6 @@ mod hill;
 mod history;
 mod logarithm;
 mod modes;
-mod overstress;
 mod rate;
 mod root;
 #[cfg(test)]
@@ -26,7 +25,7 @@ mod trial;
 pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
 pub use hill::Hill;
 pub use history::PlasticHistory;
-pub use rate::{CowperSymonds, FlowRate, RateTable, RateTableError};
+pub use rate::{FlowRate, RateTable, RateTableError};
 
 use serde::{Deserialize, Serialize};
 
@@ -158,14 +157,13 @@ impl MembraneLaw for Plastic {
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut PlasticHistory<L>, dt: f64) -> Stress<L> {
         let log = Logarithm::from_cauchy_green(&d.metric());
         let mut amplitudes = self.amplitudes(&log, &history.strain);
-        let (before, overstress) = (history.equivalent, history.overstress);
+        let before = history.equivalent;
         let trial = Trial {
             stiffness: self.modes.stiffness,
             softest: self.modes.softest(),
             squares: self.modes.squares(&amplitudes),
             before: &before,
             flow_stress: self.hardening.flow(&before).stress,
-            overstress: &overstress,
         };
         // Where no lane flows, the rest changes nothing.
         let t = match trial.flow(&self.hardening, &self.rate, dt) {

@@ -21,8 +21,6 @@ pub(super) struct Trial<'a, const L: usize> {
     pub(super) before: &'a Lane<L>,
     /// Flow stress at p before the step, slow, Pa.
     pub(super) flow_stress: Lane<L>,
-    /// σ̄ over it after the last step, Pa.
-    pub(super) overstress: &'a Lane<L>,
 }
 
 /// σ̄, 1/(1 + γκ_i) and −dσ̄/dγ.
