@@ -148,38 +148,6 @@ fn a_failed_run_is_a_warning_and_one_without_samples_is_refused() {
 }
 
 #[test]
-fn all_mistakes_are_reported_and_nothing_is_written() {
-    let bench = bench();
-    fs::create_dir(bench.path().join("empty")).expect("a folder");
-    fs::create_dir_all(bench.path().join("damaged")).expect("a folder");
-    fs::copy(bench.path().join("runs/coupon/signals.csv"), bench.path().join("damaged/signals.csv")).expect("a copy");
-    fs::write(bench.path().join("damaged/summary.json"), "{\"peak\": ").expect("a file");
-    let refused = |arguments: &[&str]| {
-        let output = droptower(bench.path(), &[&["compare"], arguments].concat());
-        assert_eq!(output.status.code(), Some(2), "{}", error(&output));
-        assert!(!bench.path().join("runs/compare").exists());
-        error(&output)
-    };
-    let all = refused(&["runs/coupon", "runs/coupon/", "empty", "damaged", "nowhere"]);
-    for expected in [
-        "runs/coupon is given twice",
-        "empty is not a run folder of droptower: it has no signals.csv",
-        "summary.json: EOF while parsing",
-        "there is no nowhere",
-    ] {
-        assert!(all.contains(expected), "{all}");
-    }
-    assert!(refused(&["runs/coupon"]).contains("expected two or more runs, found one"));
-    let taken = refused(&["runs/coupon", "runs/drop/nine", "--out", "runs/coupon"]);
-    assert!(taken.contains("would replace runs/coupon"), "{taken}");
-    let run = refused(&["runs/drop/eight", "runs/drop/nine", "--out", "runs/coupon"]);
-    assert!(run.contains("would replace the run runs/coupon"), "{run}");
-    let misspelt = refused(&["runs/coupon", "runs/drop/nine", "--signal", "displacment_m"]);
-    assert!(misspelt.contains("did you mean `displacement_m`?"), "{misspelt}");
-    assert!(bench.path().join("runs/coupon/summary.json").exists());
-}
-
-#[test]
 fn results_of_another_scenario_are_replaced_with_force_only() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = |name: &str| root().join("scenarios/stretch").join(name).display().to_string();

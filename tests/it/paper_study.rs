@@ -64,6 +64,9 @@ const COARSE: &str = "specimen.mesh.size=40 mm";
 
 #[test]
 fn multipliers_are_found_within_two_per_cent_without_noise() {
+    if !thorough() {
+        return;
+    }
     let folder = TempDir::new().expect("a folder");
     let summary = study(&folder, &["--arg", "recordings=exact", "--set", COARSE]);
     check_table_8(&summary, 0.02);

@@ -161,7 +161,7 @@ fn puncture_tests_give_force_travel_and_energy() {
 /// step.
 fn the_failure_mass_of_a_dart_is_found(kind: &str) {
     let folder = tempfile::tempdir().expect("a folder");
-    let coarse = "specimen.mesh.size=8mm";
+    let coarse = thorough::choose("specimen.mesh.size=12mm", "specimen.mesh.size=8mm");
     let path = format!("{kind}.toml");
     printed(&droptower(folder.path(), &["new", kind, &path]));
     let search = ["script", "failure-mass.rhai", "--scenario", &path, "--set", coarse, "--arg", "scatter=0", "--force"];
@@ -216,7 +216,7 @@ fn the_failure_mass_of_scattered_specimens_is_found() {
     let folder = tempfile::tempdir().expect("a folder");
     printed(&droptower(folder.path(), &["new", "d1709-a", "d1709-a.toml"]));
     let scattered = ["script", "failure-mass.rhai", "--scenario", "d1709-a.toml", "--arg", "range=0", "--force"];
-    printed(&droptower(folder.path(), &[&scattered[..], &["--set", "specimen.mesh.size=8mm"]].concat()));
+    printed(&droptower(folder.path(), &[&scattered[..], &["--set", "specimen.mesh.size=12mm"]].concat()));
     let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
     let summary: Json = serde_json::from_slice(&summary).expect("JSON");
     close(figure(&summary, "probit_mass_kg"), figure(&summary, "failure_mass_kg"), 0.1);

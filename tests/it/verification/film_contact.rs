@@ -11,10 +11,11 @@ fn drop(faces: &str, layers: u32, [friction, between]: [f64; 2], film: bool) -> 
     } else {
         String::new()
     };
+    let size = thorough::choose(15, 10);
     run(&written(&format!(
         "specimen.shape = {{ rectangle = [\"240 mm\", \"240 mm\"] }}
          specimen.material = {{ density = 915, thickness = 12e-6, elastic = {{ young = 2e8, poisson = 0.3 }} }}
-         specimen.mesh = {{ element = \"quad4\", size = \"10 mm\" }}
+         specimen.mesh = {{ element = \"quad4\", size = \"{size} mm\" }}
          specimen.symmetry = \"quarter\"
          layers = {{ count = {layers}, faces = [{faces}], prestrain = {{ md = 0.01, td = 0.01 }} }}
          impactor = {{ shape = {{ sphere = {{ radius = \"60 mm\" }} }}, mass = 2.0, friction = {friction} }}
@@ -62,11 +63,12 @@ fn two_discs_pressed_into_each_other_are_two_membranes_of_revolution() {
     let pressure = 0.3 * young * thickness / radius;
     let sheet = Sheet { young, poisson, thickness, wrinkling: false };
     for (gap, guess) in thorough::first(1, [(0.002, [1.089, 1.064, 0.0451]), (0.006, [1.107, 1.042, 0.0352])]) {
+        let size = thorough::choose(4, 3);
         let exact = sheet.pressed_on_another(radius, gap, pressure, guess);
         let outcome = run(&written(&format!(
             "specimen.shape = {{ circle = {{ radius = {radius} }} }}
              specimen.material = {{ density = 915, thickness = {thickness}, elastic = {{ young = {young}, poisson = {poisson} }} }}
-             specimen.mesh = {{ element = \"quad4\", size = \"3 mm\" }}
+             specimen.mesh = {{ element = \"quad4\", size = \"{size} mm\" }}
              specimen.symmetry = \"quarter\"
              layers.faces = [{gap}, 0.0]
              contact = {{ film = true, film_friction = 0.0 }}

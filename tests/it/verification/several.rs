@@ -19,11 +19,12 @@ fn model(film: &str, impactors: &[String], loading: &str) -> Model {
     ))
 }
 
-/// A pre-strained square of `side` (m) with elements of 10 mm.
+/// A pre-strained square of `side` (m) with elements of 16 mm, or 10 mm.
 fn square(side: f64) -> String {
+    let size = thorough::choose(16, 10);
     format!(
         "specimen.shape = {{ rectangle = [{side}, {side}] }}
-         specimen.mesh = {{ element = \"quad4\", size = \"10 mm\" }}
+         specimen.mesh = {{ element = \"quad4\", size = \"{size} mm\" }}
          layers.prestrain = {{ md = 0.02, td = 0.02 }}"
     )
 }
