@@ -1,6 +1,5 @@
 //! Files of recorders and of tensile machines through the commands: what is read, converted and refused.
 
-use std::fs;
 use std::path::PathBuf;
 
 use crate::workbench::{droptower, error, figures, printed, root};

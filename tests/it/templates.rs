@@ -76,16 +76,6 @@ fn figures_of_list(output: &std::process::Output) -> Vec<Json> {
     serde_json::from_str(&printed(output)).expect("a list")
 }
 
-#[test]
-fn a_script_of_the_user_is_not_replaced() {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("puncture.rhai"), "log(1);").expect("writable");
-    let output = droptower(folder.path(), &["new", "d5748", "probe.toml"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("puncture.rhai already exists"), "{}", error(&output));
-    assert!(!folder.path().join("probe.toml").exists());
-}
-
 /// The summary of a template after `changes`, run in `folder`.
 fn run(folder: &Path, kind: &str, changes: &[&str]) -> Json {
     let path = format!("{kind}.toml");

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
 
-use super::preset::Preset;
+use super::style::Preset;
 use crate::argument::quantity;
 use base::units::Length;
 use picture::{self, View};

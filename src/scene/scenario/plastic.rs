@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::point::Point;
+use super::curve_file::Point;
 use super::schema;
 use base::units::{Pressure, Rate};
 

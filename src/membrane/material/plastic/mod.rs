@@ -17,24 +17,22 @@ mod history;
 mod logarithm;
 mod modes;
 mod rate;
-mod root;
 #[cfg(test)]
 mod tests;
-mod trial;
 
-pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
-pub use hill::Hill;
-pub use history::PlasticHistory;
-pub use rate::{FlowRate, RateTable, RateTableError};
-
+use flow::Trial;
+use logarithm::Logarithm;
+use modes::Modes;
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, MembraneLaw, Stiffness, Stress};
 use crate::lane::{Lane, exp, larger, splat};
-use logarithm::Logarithm;
-use modes::Modes;
-use trial::Trial;
+
+pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
+pub use hill::Hill;
+pub use history::PlasticHistory;
+pub use rate::{FlowRate, RateTable, RateTableError};
 
 /// A plastic film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
