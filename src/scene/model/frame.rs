@@ -4,7 +4,7 @@ mod bars;
 mod springs;
 
 use super::specimen::symmetry;
-use super::{Face, Frame, Hold, Loading, ModelDiagnostics, Specimen};
+use super::{Clamp, Face, Frame, Hold, Loading, ModelDiagnostics, Specimen};
 use crate::mesh::Side;
 use crate::scenario::{self, EdgeChoice, Scenario, Shape};
 
@@ -105,8 +105,6 @@ fn side(written: &scenario::Side) -> Side {
     }
 }
 
-const PATH: &str = "frame.clamp";
-
 /// The clamp; none where there is a mistake in it.
 fn check_clamp(
     written: &scenario::Clamp,
@@ -115,6 +113,7 @@ fn check_clamp(
     hold: &Hold,
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Clamp> {
+    const PATH: &str = "frame.clamp";
     if let Some(refusal) = loading.refuses_clamp() {
         refusal.report(PATH, mistakes);
         return None;

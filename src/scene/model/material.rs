@@ -1,12 +1,12 @@
 //! The material of a layer: valid curves with their multipliers.
 
-use super::{ModelDiagnostics, hyperelastic, plastic, rupture, thermal, viscous};
-use crate::scenario;
+use super::{ModelDiagnostics, hyperelastic, plastic, rupture, viscous};
 use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
 use base::number::significant;
 use base::units::Rate;
 use membrane::material::{
-    Curve, CurveError, Elastic, Fabric, FibreLaw, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
+    Curve, CurveError, Elastic, Fabric, FibreLaw, Law, Material, Multipliers, RateCurves, RateCurvesError,
+    TensionField, Thermal,
 };
 
 /// The material written at `path`, which is empty for that of a material file; none where it is invalid.

@@ -11,7 +11,7 @@ use base::finding::Finding;
 use base::number::{figure, plain, rounded, significant};
 use lab::experiment::Warning;
 use lab::experiment::material_file::fitted::{ASSUMED_POISSON, RelaxationMaterial, relaxation_text};
-use lab::experiment::relaxation::{RelaxationReadingError, fit_prony, read_relaxation};
+use lab::experiment::relaxation::{PronyFit, RelaxationReadingError, fit_prony, read_relaxation};
 use lab::signal::file::ChannelSelection;
 use plot::{Axis, Curve, Look, Plot, Scale};
 use report::{FitPage, FitTable, fit_page};

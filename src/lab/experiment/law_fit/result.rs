@@ -2,7 +2,7 @@
 
 use super::data_set::Measured;
 use super::hyperelastic::Energy;
-use super::{DataSet, Quality, Warning, Weighting};
+use super::{DataSet, Warning, Weighting};
 use crate::confidence::Confidence;
 use base::finding::Finding;
 use membrane::material::{Law, Tension};

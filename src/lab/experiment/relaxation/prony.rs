@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
-use super::Warning;
 use crate::experiment::nonnegative::nonnegative_least_squares;
 use base::findings;
 use membrane::material::PronyTerm;

@@ -22,7 +22,6 @@ use nalgebra::Point3;
 
 use super::grid::split;
 use super::{Element, Mesh, MeshError, topology};
-use crate::mesh::Mesh;
 use base::file::{self, FileError};
 
 pub use drawing::DrawingFault;
