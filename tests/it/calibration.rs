@@ -43,7 +43,8 @@ fn evaluated(engine: &Engine, scope: &mut Scope<'_>, text: &str) -> Result<Dynam
 fn refused<'a>(setup: &str, calls: impl IntoIterator<Item = (String, &'a str)>) {
     let (engine, _) = engine();
     let mut scope = Scope::new();
-    evaluated(&engine, &mut scope, setup).unwrap_or_else(|error| panic!("{setup}: {error}"));
+    let found = evaluated(&engine, &mut scope, setup);
+    assert!(found.is_ok(), "{setup}: {found:?}");
     for (call, expected) in calls {
         let error = evaluated(&engine, &mut scope, &call).expect_err(&call);
         assert!(error.contains(expected), "{call}: {error}");

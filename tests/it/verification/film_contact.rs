@@ -11,11 +11,10 @@ fn drop(faces: &str, layers: u32, [friction, between]: [f64; 2], film: bool) -> 
     } else {
         String::new()
     };
-    let size = thorough::choose(15, 10);
     run(&written(&format!(
         "specimen.shape = {{ rectangle = [\"240 mm\", \"240 mm\"] }}
          specimen.material = {{ density = 915, thickness = 12e-6, elastic = {{ young = 2e8, poisson = 0.3 }} }}
-         specimen.mesh = {{ element = \"quad4\", size = \"{size} mm\" }}
+         specimen.mesh = {{ element = \"quad4\", size = \"10 mm\" }}
          specimen.symmetry = \"quarter\"
          layers = {{ count = {layers}, faces = [{faces}], prestrain = {{ md = 0.01, td = 0.01 }} }}
          impactor = {{ shape = {{ sphere = {{ radius = \"60 mm\" }} }}, mass = 2.0, friction = {friction} }}

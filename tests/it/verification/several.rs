@@ -19,9 +19,9 @@ fn model(film: &str, impactors: &[String], loading: &str) -> Model {
     ))
 }
 
-/// A pre-strained square of `side` (m) with elements of 16 mm, or 10 mm.
+/// A pre-strained square of `side` (m) with elements of 10 mm, small ones in the fast run of 16 mm.
 fn square(side: f64) -> String {
-    let size = thorough::choose(16, 10);
+    let size = if side < 0.5 { thorough::choose(16, 10) } else { 10 };
     format!(
         "specimen.shape = {{ rectangle = [{side}, {side}] }}
          specimen.mesh = {{ element = \"quad4\", size = \"{size} mm\" }}
