@@ -20,7 +20,7 @@ use crate::workbench::{await_of, command, droptower, error};
 
 /// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
 const SLOW: [&str; 6] =
-    ["--set", "specimen.mesh.size=8mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=6ms"];
+    ["--set", "specimen.mesh.size=10mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=6ms"];
 
 /// A folder with the template of a drop test in it.
 fn bench() -> TempDir {

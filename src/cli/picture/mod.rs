@@ -9,7 +9,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use self::style::Preset;
+use self::args::Preset;
 use self::words::{find, name_of};
 use super::{Failure, Shared, output, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};

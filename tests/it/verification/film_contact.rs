@@ -36,9 +36,9 @@ fn eight_separate_layers_act_as_one_of_eightfold_thickness() {
     let mut claims = Claims::of("film on film");
     let heights: Vec<String> = (0..8).map(|k| format!("\"{:.3} mm\"", -0.012 * f64::from(k))).collect();
     let apart = heights.join(", ");
-    for (what, friction, tolerance) in
-        [("without friction", [0.0, 0.0], 1e-2), ("friction 0.3 on the impactor and between layers", [0.3, 0.3], 1e-2)]
-    {
+    let cases =
+        [("without friction", [0.0, 0.0], 1e-2), ("friction 0.3 on the impactor and between layers", [0.3, 0.3], 1e-2)];
+    for (what, friction, tolerance) in thorough::first(1, cases) {
         let (one, eight) = (drop("\"0 mm\"", 8, friction, false), drop(&apart, 1, friction, true));
         for (name, figure) in [("acceleration_m_s2", "peak deceleration"), ("displacement_m", "travel")] {
             let claim = format!("eight layers for one of eightfold thickness, {what}, {figure}");

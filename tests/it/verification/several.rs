@@ -19,12 +19,11 @@ fn model(film: &str, impactors: &[String], loading: &str) -> Model {
     ))
 }
 
-/// A pre-strained square of `side` (m) with elements of 10 mm, small ones in the fast run of 16 mm.
+/// A pre-strained square of `side` (m) with elements of 10 mm.
 fn square(side: f64) -> String {
-    let size = if side < 0.5 { thorough::choose(16, 10) } else { 10 };
     format!(
         "specimen.shape = {{ rectangle = [{side}, {side}] }}
-         specimen.mesh = {{ element = \"quad4\", size = \"{size} mm\" }}
+         specimen.mesh = {{ element = \"quad4\", size = \"10 mm\" }}
          layers.prestrain = {{ md = 0.02, td = 0.02 }}"
     )
 }
