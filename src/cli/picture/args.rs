@@ -128,27 +128,6 @@ fn family(text: &str) -> Result<String, String> {
     if is_family { Ok(text.to_owned()) } else { Err(format!("expected font families, found \"{text}\"")) }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_ranges_and_letters_are_read_and_mistakes_named() {
-        assert_eq!(ends("-2..40.5"), Ok([-2.0, 40.5]));
-        assert_eq!(size("1600x1000"), Ok([1600, 1000]));
-        assert_eq!((length("90mm"), points("8 pt"), points("0.75")), (Ok(0.09), Ok(8.0), Ok(0.75)));
-        assert!(family("Times New Roman, serif").is_ok());
-        for mistake in [ends("40..0").err(), ends("1..inf").err(), ends("5").err()] {
-            assert!(mistake.is_some_and(|text| text.starts_with("expected two ascending numbers")));
-        }
-        for mistake in [size("1600").err(), size("0x10").err(), size("9e9x9").err()] {
-            assert!(mistake.is_some_and(|text| text.starts_with("expected width and height in pixels")));
-        }
-        assert!(length("9").is_err() && length("1 um").is_err() && points("0pt").is_err());
-        assert!(family("\"><script>").is_err() && family(" ").is_err());
-    }
-}
-
 /// Size, font, lines and resolution for a purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Preset {
@@ -190,5 +169,26 @@ impl Preset {
                 Values { width: 0.19, font_size: 8.0, line: 1.0, dpi: 600.0, plot: 0.4, scene: 0.5 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_ranges_and_letters_are_read_and_mistakes_named() {
+        assert_eq!(ends("-2..40.5"), Ok([-2.0, 40.5]));
+        assert_eq!(size("1600x1000"), Ok([1600, 1000]));
+        assert_eq!((length("90mm"), points("8 pt"), points("0.75")), (Ok(0.09), Ok(8.0), Ok(0.75)));
+        assert!(family("Times New Roman, serif").is_ok());
+        for mistake in [ends("40..0").err(), ends("1..inf").err(), ends("5").err()] {
+            assert!(mistake.is_some_and(|text| text.starts_with("expected two ascending numbers")));
+        }
+        for mistake in [size("1600").err(), size("0x10").err(), size("9e9x9").err()] {
+            assert!(mistake.is_some_and(|text| text.starts_with("expected width and height in pixels")));
+        }
+        assert!(length("9").is_err() && length("1 um").is_err() && points("0pt").is_err());
+        assert!(family("\"><script>").is_err() && family(" ").is_err());
     }
 }
