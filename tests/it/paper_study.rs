@@ -250,6 +250,9 @@ measure("above_tenfold", above.call([10.0, 10.0, 1.04]));
 /// softer curve they do not, and no multipliers of it change that.
 #[test]
 fn curves_by_rate_describe_the_tests_where_the_drops_reach_them() {
+    if !thorough() {
+        return;
+    }
     let summary = own(RATES);
     let [averaged, within, above, tenfold] =
         ["averaged", "within", "above", "above_tenfold"].map(|name| figure(&summary, name));
