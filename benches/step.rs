@@ -11,9 +11,9 @@ use droptower::diagnostic;
 use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Unobserved, Vectors};
 use droptower::lane::Width;
 use droptower::material::{
-    CompressibleNeoHookean, CowperSymonds, Elastic, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic,
-    HyperelasticLaw, Law, LawVisitor, MembraneLaw, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, TensionField,
-    Viscosity, Voce,
+    CompressibleNeoHookean, Elastic, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic, HyperelasticLaw, Law,
+    LawVisitor, MembraneLaw, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, RateTable, TensionField, Viscosity,
+    Voce,
 };
 use droptower::mesh;
 use droptower::model::{self, Model};
@@ -293,13 +293,14 @@ fn plastic(model: &Model, fabric: f64) {
     println!("| plastic | elastic steps, ns an element | over fabric | every element flows, ns | over fabric |");
     println!("|---|---|---|---|---|");
     let points = [[0.0, 8e6], [0.05, 10e6], [0.2, 12e6], [0.5, 20e6]];
-    let table = || Hardening::Table(FlowCurve::new(&points).expect("a flow curve"));
+    let table = |factor: f64| FlowCurve::new(&points.map(|[p, stress]| [p, factor * stress])).expect("a flow curve");
     let voce = Hardening::Voce(Voce { initial: 8e6, saturation: 20e6, rate: 6.0 });
-    let cowper_symonds = FlowRate::CowperSymonds(CowperSymonds { reference: 40.0, exponent: 5.0 });
+    let rates = [(0.1, table(1.3)), (10.0, table(1.8)), (1000.0, table(2.9))];
+    let (slowest, rates) = RateTable::new(rates.to_vec()).expect("a table of rates");
     for (name, hardening, rate) in [
-        ("table of four points", table(), FlowRate::Independent),
+        ("table of four points", Hardening::Table(table(1.0)), FlowRate::Independent),
         ("Voce", voce, FlowRate::Independent),
-        ("table, Cowper–Symonds", table(), cowper_symonds),
+        ("tables of three rates", Hardening::Table(slowest), FlowRate::Table(rates)),
     ] {
         let elastic = Elastic { young: 2e8, poisson: 0.45 };
         let law = Plastic::new(elastic, Hill::from_strain_ratios([1.0, 0.8, 1.2]), hardening, rate);
@@ -357,12 +358,15 @@ fn laws_in_steps() {
     let elastic = "elastic = { young = \"200 MPa\", poisson = 0.45 }";
     let hyperelastic = |law: &str| format!("hyperelastic = {{ law = {law} }}");
     let neo_hookean = hyperelastic("\"neo-hookean\", mu = \"60 MPa\"");
-    let plastic = |hardening: &str, rate: &str| {
-        format!("plastic = {{ young = \"200 MPa\", poisson = 0.45, hardening = {{ {hardening} }}{rate} }}")
+    let plastic =
+        |hardening: &str| format!("plastic = {{ young = \"200 MPa\", poisson = 0.45, hardening = {{ {hardening} }} }}");
+    let curve = |factor: f64| {
+        let points = [[0.0, 8.0], [0.05, 10.0], [0.2, 12.0], [0.5, 20.0]];
+        format!("curve = [{}]", points.map(|[p, stress]| format!("[{p}, \"{} MPa\"]", factor * stress)).join(", "))
     };
-    let table = "curve = [[0.0, \"8 MPa\"], [0.05, \"10 MPa\"], [0.2, \"12 MPa\"], [0.5, \"20 MPa\"]]";
+    let rates = [[0.1, 1.3], [10.0, 1.8], [1000.0, 2.9]];
+    let rates = rates.map(|[rate, factor]| format!("{{ rate = \"{rate} 1/s\", {} }}", curve(factor))).join(", ");
     let voce = "voce = { yield = \"8 MPa\", saturation = \"20 MPa\", rate = 6 }";
-    let cowper_symonds = ", rate = { cowper_symonds = { d = \"40 1/s\", p = 5 } }";
     let ogden = hyperelastic("\"ogden\", mu = [\"63 MPa\", \"0.12 MPa\", \"-1 MPa\"], alpha = [1.3, 5.0, -2.0]");
     let fibres = "fabric = { md = { yield = [[0.26, \"8.4 MPa\"], [0.84, \"20 MPa\"]], break = [1.39, \"29.3 MPa\"] }, \
                   td = { yield = [[0.33, \"8 MPa\"], [0.69, \"10 MPa\"]], break = [7.01, \"16.2 MPa\"] }, \
@@ -375,9 +379,9 @@ fn laws_in_steps() {
         ("Mooney–Rivlin", &hyperelastic("\"mooney-rivlin\", c10 = \"25 MPa\", c01 = \"5 MPa\"")),
         ("Yeoh", &hyperelastic("\"yeoh\", c10 = \"30 MPa\", c20 = \"-0.1 MPa\", c30 = \"10 kPa\"")),
         ("Ogden, three terms", &ogden),
-        ("plastic, table of four points", &plastic(table, "")),
-        ("plastic, Voce", &plastic(voce, "")),
-        ("plastic, table, Cowper–Symonds", &plastic(table, cowper_symonds)),
+        ("plastic, table of four points", &plastic(&curve(1.0))),
+        ("plastic, Voce", &plastic(voce)),
+        ("plastic, tables of three rates", &plastic(&format!("rates = [{rates}]"))),
     ] {
         let cost = pulled(keys);
         println!("| {name} | {cost:.1} | {:.2} | |", cost / fabric);

@@ -3,7 +3,7 @@
 //! Of a line of data at most eight values. Stresses and curves of fabric: nominal, the stress first (from memory).
 
 use super::film::{
-    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, bulk_modulus, lost_hill, shear_modulus,
+    FabricCurves, Film, Refusal, Request, along_md, bulk_modulus, flow_curves, lost_hill, shear_modulus,
 };
 use super::loss::Loss;
 use super::number::in_twenty;
@@ -143,9 +143,9 @@ fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<L
     losses.extend(hill.clone().filter(|_| !has_hill));
     losses.extend(film.lost_beside_the_law());
     // Ratios are over the curve, which is that along MD.
-    let flow = FlowCurves::of(law, along_md(law), request, Rates::One, losses)?;
+    let flow = flow_curves(law, along_md(law), request, false, losses)?;
     let stress = request.system.stress();
-    let rows = flow.curves[0].1.points.iter().map(|[p, sigma]| vec![sigma / stress, *p]);
+    let rows = flow[0].1.points.iter().map(|[p, sigma]| vec![sigma / stress, *p]);
     let mut text = elastic(law.elastic(), request) + &keyword("PLASTIC", rows);
     if has_hill && hill.is_some() {
         let md = along_md(law);

@@ -300,74 +300,46 @@ pub(crate) fn bulk_modulus(shear: f64, poisson: f64) -> f64 {
     2.0 * shear * (1.0 + poisson) / (3.0 - 6.0 * poisson)
 }
 
-/// Flow curves along MD by rate of plastic strain, SI: true stress over plastic strain.
-pub(crate) struct FlowCurves {
-    /// Rate (1/s; none where the curve is of no rate, or of the one that was asked for) and curve.
-    pub(crate) curves: Vec<(Option<f64>, Sampled)>,
-    /// D (1/s) and P of Cowper and Symonds, where the target has them.
-    pub(crate) cowper_symonds: Option<[f64; 2]>,
-}
-
-/// What a target takes of strain rates.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Rates {
-    /// Nothing.
-    One,
-    /// A table of curves.
-    Table,
-    /// A table, and the law of Cowper and Symonds.
-    TableAndLaw,
-}
-
-impl FlowCurves {
-    /// The flow curves of the film, all times `factor`.
-    pub(crate) fn of(
-        law: &Plastic,
-        factor: f64,
-        request: &Request,
-        takes: Rates,
-        losses: &mut Vec<Loss>,
-    ) -> Result<FlowCurves, Refusal> {
-        /// Plastic strain up to which Voce's law, which has no end, is written.
-        const LAST: f64 = 3.0;
-        let of_points = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-            let scaled: Vec<[f64; 2]> = points.map(|[p, stress]| [p, factor * stress]).collect();
-            thinned(&scaled, request.points)
-        };
-        let slow = || match law.hardening() {
-            Hardening::Table(curve) => of_points(&mut curve.points()),
-            Hardening::Voce(_) => of_function(|p| factor * law.hardening().stress(p), LAST, request.points),
-        };
-        let mut cowper_symonds = None;
-        let curves = match (law.rate(), request.rate) {
-            (FlowRate::Independent, _) => vec![(None, slow())],
-            (FlowRate::CowperSymonds(found), None) => {
-                match takes {
-                    Rates::TableAndLaw => cowper_symonds = Some([found.reference, found.exponent]),
-                    Rates::One | Rates::Table => losses.push(Loss::RateLaw),
-                }
-                vec![(None, slow())]
-            }
-            (FlowRate::Table(table), None) => {
+/// Flow curves along MD by rate of plastic strain (1/s; none where the curve is of no rate, or of the one that was asked for), SI:
+/// true stress over plastic strain, all times `factor`. `tables`: whether the target has curves by rate.
+pub(crate) fn flow_curves(
+    law: &Plastic,
+    factor: f64,
+    request: &Request,
+    tables: bool,
+    losses: &mut Vec<Loss>,
+) -> Result<Vec<(Option<f64>, Sampled)>, Refusal> {
+    /// Plastic strain up to which Voce's law, which has no end, is written.
+    const LAST: f64 = 3.0;
+    let of_points = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let scaled: Vec<[f64; 2]> = points.map(|[p, stress]| [p, factor * stress]).collect();
+        thinned(&scaled, request.points)
+    };
+    let slow = || match law.hardening() {
+        Hardening::Table(curve) => of_points(&mut curve.points()),
+        Hardening::Voce(_) => of_function(|p| factor * law.hardening().stress(p), LAST, request.points),
+    };
+    let curves = match (law.rate(), request.rate) {
+        (FlowRate::Independent, _) => vec![(None, slow())],
+        (FlowRate::Table(table), None) => {
+            if !tables {
                 let range = law.rates().unwrap_or_default();
-                if takes == Rates::One {
-                    return Err(Refusal::ManyRates { target: request.target.name(), range });
-                }
-                let above = table.above().map(|(rate, curve)| (Some(rate), of_points(&mut curve.points())));
-                std::iter::once((Some(table.lowest()), slow())).chain(above).collect()
+                return Err(Refusal::ManyRates { target: request.target.name(), range });
             }
-            (FlowRate::CowperSymonds(_) | FlowRate::Table(_), Some(rate)) => {
-                if let Some(range) = law.rates().filter(|range| !(range[0]..=range[1]).contains(&rate)) {
-                    return Err(Refusal::OtherRate { rate, range });
-                }
-                losses.push(Loss::Rates { kept: rate });
-                let end = if law.hardening().end().is_finite() { law.hardening().end() } else { LAST };
-                vec![(None, of_function(|p| factor * law.flow_stress(p, rate), end, request.points))]
+            let above = table.above().map(|(rate, curve)| (Some(rate), of_points(&mut curve.points())));
+            std::iter::once((Some(table.lowest()), slow())).chain(above).collect()
+        }
+        (FlowRate::Table(_), Some(rate)) => {
+            if let Some(range) = law.rates().filter(|range| !(range[0]..=range[1]).contains(&rate)) {
+                return Err(Refusal::OtherRate { rate, range });
             }
-        };
-        losses.extend(sampling(curves.iter().map(|(_, curve)| curve)));
-        Ok(FlowCurves { curves, cowper_symonds })
-    }
+            losses.push(Loss::Rates { kept: rate });
+            let end = if law.hardening().end().is_finite() { law.hardening().end() } else { LAST };
+            vec![(None, of_function(|p| factor * law.flow_stress(p, rate), end, request.points))]
+        }
+    };
+    losses.extend(sampling(curves.iter().map(|(_, curve)| curve)));
+    Ok(curves)
 }
 
 impl Film<'_> {

@@ -28,10 +28,6 @@ findings! {
             meaning "the card holds the curves of one strain rate, the film those of several";
             remedy "name the rate of the load with `--rate`, and write a card for each";
             message "lost: strain rates but {} 1/s", significant(*kept, 6);
-        RateLaw = "card-rate-law", Warning;
-            meaning "the flow stress of the film rises with the rate, that of the card does not";
-            remedy "write the curve of a rate with `--rate`";
-            message "lost: the flow stress grows with the strain rate";
         LayerBreaks = "card-layer-breaks", Warning;
             meaning "the layers of the film break one after another, those of the card at once or never";
             remedy "model the layers one by one there";

@@ -4,7 +4,7 @@
 //! where a number needs them: the keyword then ends with `+`, the long format of one keyword (pydyna, `lib/deck_loader.py`).
 
 use super::film::{
-    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, lost_hill, odd, ogden_terms, paths, rising,
+    FabricCurves, Film, Refusal, Request, along_md, flow_curves, lost_hill, odd, ogden_terms, paths, rising,
     shear_modulus,
 };
 use super::loss::Loss;
@@ -307,27 +307,23 @@ fn prony(viscosity: &Viscosity, shear: f64, of: Units) -> impl Iterator<Item = (
 
 fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     let of = Units(request.system);
-    let flow = FlowCurves::of(law, along_md(law), request, Rates::TableAndLaw, losses)?;
+    let flow = flow_curves(law, along_md(law), request, true, losses)?;
     losses.extend(lost_hill(law));
     losses.push(Loss::StressOfVolume);
     losses.extend(film.lost_beside_the_law());
     let (mut numbers, mut text) = (Numbers::of(request), String::new());
     let title = "true stress over plastic strain";
-    let lcss = stresses(title, &flow.curves, request.system.stress(), &mut numbers, &mut text, request);
-    let [c, p, vp] = match flow.cowper_symonds {
-        Some([reference, exponent]) => [of.rate(reference), Real(exponent), Real(1.0)],
-        // Viscoplastic, so that a table is read at the rate of plastic strain.
-        None if flow.curves.len() > 1 => [Blank, Blank, Real(1.0)],
-        None => [Blank; 3],
-    };
+    let lcss = stresses(title, &flow, request.system.stress(), &mut numbers, &mut text, request);
+    // Viscoplastic, so that a table is read at the rate of plastic strain.
+    let vp = if flow.len() > 1 { Real(1.0) } else { Blank };
     let Elastic { young, poisson } = law.elastic();
-    let yields = flow.curves[0].1.points[0][1];
+    let yields = flow[0].1.points[0][1];
     let cards = vec![
         (
             "mid ro e pr sigy etan fail tdel",
             vec![of.id(request), of.density(film), of.stress(*young), Real(*poisson), of.stress(yields)],
         ),
-        ("c p lcss lcsr vp", vec![c, p, lcss, Blank, vp]),
+        ("c p lcss lcsr vp", vec![Blank, Blank, lcss, Blank, vp]),
         ("eps1 eps2 eps3 eps4 eps5 eps6 eps7 eps8", vec![]),
         ("es1 es2 es3 es4 es5 es6 es7 es8", vec![]),
     ];

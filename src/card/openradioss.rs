@@ -6,8 +6,7 @@
 //! rise, and unloading that does not meet loading (`starter/source/materials/mat/mat058/law58_upd.F`).
 
 use super::film::{
-    FabricCurves, Film, FlowCurves, Rates, Refusal, Request, along_md, lost_hill, odd, ogden_terms, paths,
-    shear_modulus,
+    FabricCurves, Film, Refusal, Request, along_md, flow_curves, lost_hill, odd, ogden_terms, paths, shear_modulus,
 };
 use super::loss::Loss;
 use super::number::in_columns;
@@ -264,7 +263,7 @@ fn no_law(law: &'static str) -> Refusal {
 /// LAW43 with Hill's yield function, LAW36 with von Mises'.
 fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     let is_hill = lost_hill(law).is_some();
-    let flow = FlowCurves::of(law, along_md(law), request, Rates::Table, losses)?;
+    let flow = flow_curves(law, along_md(law), request, true, losses)?;
     losses.push(Loss::StressOfVolume);
     losses.extend(film.lost_beside_the_law());
     let (stress, time) = (request.system.stress(), request.system.time());
@@ -272,7 +271,7 @@ fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<L
     let elastic = Line::default().real(young / stress).real(*poisson);
     let (mut functions, mut number) = (String::new(), 100 * i64::from(request.id));
     let mut rows = vec![];
-    for (rate, sampled) in &flow.curves {
+    for (rate, sampled) in &flow {
         number += 1;
         functions += &format!("/FUNCT/{number}\ntrue stress over plastic strain");
         functions += &rate.map_or_else(String::new, |rate| format!(" at {rate} 1/s"));

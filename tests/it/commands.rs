@@ -17,19 +17,6 @@ fn standard_output(arguments: &[&str]) -> String {
     workbench::printed(&droptower(arguments))
 }
 
-/// A file with the table of a law alone is a material of which the rest is missing.
-#[test]
-fn the_table_of_any_law_makes_a_material() {
-    let folder = tempfile::tempdir().expect("a folder");
-    for law in ["fabric", "elastic", "hyperelastic", "plastic"] {
-        let file = folder.path().join(format!("{law}.toml"));
-        std::fs::write(&file, format!("[{law}]\n")).expect("a file");
-        let output = droptower(&["check", file.to_str().expect("UTF-8")]);
-        let mistakes = String::from_utf8_lossy(&output.stderr);
-        assert!(mistakes.contains("missing key `density`") && !mistakes.contains("specimen"), "{mistakes}");
-    }
-}
-
 #[test]
 fn findings_are_printed_with_severity_and_code() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -63,40 +50,11 @@ fn findings_are_printed_with_severity_and_code() {
 }
 
 #[test]
-fn a_mesh_in_millimetres_is_a_finding() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let square = "v 0 0 0\nv 80 0 0\nv 80 80 0\nv 0 80 0\nf 1 2 3 4\n";
-    std::fs::write(folder.path().join("film.obj"), square).expect("writable");
-    let tower = workbench::root().join("tests/it/broken/parts/tower.toml");
-    let text = format!(
-        "extends = '{}'\nunset = [\"specimen.mesh.size\", \"specimen.symmetry\"]\nspecimen.shape.mesh = 'film.obj'\n",
-        tower.display()
-    );
-    let path = folder.path().join("imported.toml");
-    std::fs::write(&path, text).expect("writable");
-    let text = standard_output(&["check", path.to_str().expect("UTF-8")]);
-    let expected = "the mesh of `specimen.shape.mesh` is 80 m wide, which is implausible; coordinates in mm are `specimen.shape.mesh = {";
-    assert!(text.contains(expected), "{text}");
-}
-
-#[test]
 fn shipped_scenarios_are_plausible() {
     for pattern in ["scenarios/*/*.toml", "tests/golden/*/scenario.toml"] {
         let text = standard_output(&["check", pattern]);
         assert!(text.lines().count() > 2 && !text.contains("implausible"), "{text}");
     }
-}
-
-#[test]
-fn a_file_of_utf_16_is_no_scenario() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("utf-16.toml");
-    let text: Vec<u8> = "title = \"a\"\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
-    fs::write(&path, text).expect("writable");
-    let output = droptower(&["check", path.to_str().expect("UTF-8")]);
-    let mistakes = workbench::error(&output);
-    assert_eq!((output.status.code(), mistakes.matches("error").count()), (Some(2), 1), "{mistakes}");
-    assert!(mistakes.contains("utf-16.toml: it is UTF-16 text"), "{mistakes}");
 }
 
 #[test]

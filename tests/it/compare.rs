@@ -6,9 +6,9 @@ use std::path::Path;
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use crate::workbench::{close, data, droptower, error, figures, printed, root};
+use crate::workbench::{close, droptower, error, figures, printed, root};
 
-/// Two drops with eight and nine layers, coarse and short, and a coupon.
+/// Two drops with eight and nine layers, coarse and short.
 fn bench() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let run = |scenario: &str, more: &[&str]| {
@@ -18,7 +18,6 @@ fn bench() -> TempDir {
     let quick = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=12ms"];
     run("drop/1008.toml", &[&quick[..], &["--out", "runs/drop/eight"]].concat());
     run("drop/1008.toml", &[&quick[..], &["--set", "layers.count=9", "--out", "runs/drop/nine"]].concat());
-    run("stretch/md-0.2.toml", &["--out", "runs/coupon"]);
     folder
 }
 
@@ -79,35 +78,6 @@ fn runs_are_compared_with_the_first() {
 }
 
 #[test]
-fn signals_and_figures_that_runs_do_not_share_are_noted() {
-    let bench = bench();
-    let recording = bench.path().join("recording.csv");
-    fs::write(&recording, "# VIRTUAL: nothing fell\ntime [ms],displacement [mm]\n0,0\n1,-4\n2,-8\n").expect("a file");
-    let arguments = ["compare", "runs/drop/eight", "runs/coupon", "recording.csv", "--json", "--out", "mixed"];
-    let found = figures(&droptower(bench.path(), &arguments));
-    assert_eq!(found["errors"].as_object().expect("errors").keys().collect::<Vec<_>>(), ["displacement_m"]);
-    let notes: Vec<&str> = found["notes"].as_array().expect("notes").iter().filter_map(Json::as_str).collect();
-    assert_eq!(notes[0], "eight: its errors are against a VIRTUAL recording: nothing was measured");
-    assert_eq!(notes[1], "recording.csv is a VIRTUAL recording: nothing was measured");
-    assert!(notes[2].starts_with("only eight has `velocity_m_s`"), "{notes:?}");
-    assert_eq!(notes[3], "only coupon has `force_N`, `strain`, `stress_Pa`");
-    assert_eq!(found["figures"]["peak_force_N"]["values"][0], Json::Null);
-    // A raw recording has no channel of ours, but it can be looked at.
-    let raw = data("virtual/1008.csv").display().to_string();
-    let found = figures(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--json", "--out", "raw"]));
-    assert!(found["notes"].to_string().contains("the runs have no signal in common"));
-    let text = printed(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--out", "raw"]));
-    for line in [
-        "  note[signals-of-one-run]: only eight has ",
-        "  warning[no-common-signal]: the runs have no signal in common\n",
-        "  note[raw-recording]: 1008.csv is a raw recording with no signal of a run; that of a drop is reduced with `droptower signal drop`\n",
-        "  warning[virtual-recording]: 1008.csv is a VIRTUAL recording: nothing was measured\n",
-    ] {
-        assert!(text.contains(line), "{line}: {text}");
-    }
-}
-
-#[test]
 fn a_failed_run_is_a_warning_and_one_without_samples_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     printed(&droptower(folder.path(), &["new", "drop", "drop.toml"]));
@@ -145,58 +115,4 @@ fn a_failed_run_is_a_warning_and_one_without_samples_is_refused() {
     assert!(error(&output).contains(expected), "{}", error(&output));
     assert!(error(&output).contains("run its scenario again once the cause of the failure is removed"));
     assert!(!folder.path().join("runs/other").exists());
-}
-
-#[test]
-fn all_mistakes_are_reported_and_nothing_is_written() {
-    let bench = bench();
-    fs::create_dir(bench.path().join("empty")).expect("a folder");
-    fs::create_dir_all(bench.path().join("damaged")).expect("a folder");
-    fs::copy(bench.path().join("runs/coupon/signals.csv"), bench.path().join("damaged/signals.csv")).expect("a copy");
-    fs::write(bench.path().join("damaged/summary.json"), "{\"peak\": ").expect("a file");
-    let refused = |arguments: &[&str]| {
-        let output = droptower(bench.path(), &[&["compare"], arguments].concat());
-        assert_eq!(output.status.code(), Some(2), "{}", error(&output));
-        assert!(!bench.path().join("runs/compare").exists());
-        error(&output)
-    };
-    let all = refused(&["runs/coupon", "runs/coupon/", "empty", "damaged", "nowhere"]);
-    for expected in [
-        "runs/coupon is given twice",
-        "empty is not a run folder of droptower: it has no signals.csv",
-        "summary.json: EOF while parsing",
-        "there is no nowhere",
-    ] {
-        assert!(all.contains(expected), "{all}");
-    }
-    assert!(refused(&["runs/coupon"]).contains("expected two or more runs, found one"));
-    let taken = refused(&["runs/coupon", "runs/drop/nine", "--out", "runs/coupon"]);
-    assert!(taken.contains("would replace runs/coupon"), "{taken}");
-    let run = refused(&["runs/drop/eight", "runs/drop/nine", "--out", "runs/coupon"]);
-    assert!(run.contains("would replace the run runs/coupon"), "{run}");
-    let misspelt = refused(&["runs/coupon", "runs/drop/nine", "--signal", "displacment_m"]);
-    assert!(misspelt.contains("did you mean `displacement_m`?"), "{misspelt}");
-    assert!(bench.path().join("runs/coupon/summary.json").exists());
-}
-
-#[test]
-fn results_of_another_scenario_are_replaced_with_force_only() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = |name: &str| root().join("scenarios/stretch").join(name).display().to_string();
-    let run =
-        |name: &str, with: &[&str]| droptower(folder.path(), &[&["run", name, "--out", "out"][..], with].concat());
-    let coupon = scenario("md-0.2.toml");
-    printed(&run(&coupon, &[]));
-    printed(&run(&coupon, &["--set", "solver.step_factor=0.5"]));
-    let refused = run(&scenario("td-0.2.toml"), &[]);
-    assert_eq!(refused.status.code(), Some(2));
-    let message = error(&refused);
-    assert!(
-        message.contains("out holds the run of") && message.contains("md-0.2.toml and is not replaced"),
-        "{message}"
-    );
-    printed(&run("out/scenario.toml", &[]));
-    printed(&run(&scenario("td-0.2.toml"), &["--force"]));
-    let compared = droptower(folder.path(), &["compare", "out", &scenario("md-0.2.toml"), "--out", "out"]);
-    assert_eq!(compared.status.code(), Some(2));
 }

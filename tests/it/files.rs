@@ -1,6 +1,5 @@
 //! Files of recorders and of tensile machines through the commands: what is read, converted and refused.
 
-use std::fs;
 use std::path::PathBuf;
 
 use crate::workbench::{droptower, error, figures, printed, root};
@@ -55,29 +54,4 @@ fn specimens_of_machines_are_named_in_results() {
     let output = droptower(folder.path(), &["signal", "info", path]);
     assert_eq!(output.status.code(), Some(2));
     assert!(error(&output).contains("`droptower tensile reduce`"), "{}", error(&output));
-}
-
-#[test]
-fn other_formats_are_refused_with_the_conversion_that_helps() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let damaged: &[u8] = b"TDSm\x0e\0\0\0\x69\x12\0\0\x10\0\0\0\0\0\0\0\xff\0\0\0\0\0\0\0";
-    for (name, content, expected) in [
-        ("a.mdf", &b"MDF     3.30    "[..], "convert it with asammdf"),
-        ("a.mf4", b"MDF     4.10    ", "convert it with asammdf"),
-        ("a.unv", b"    -1\n    58\n", "pyuff"),
-        ("a.xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "save it as .xlsx"),
-        ("a.parquet", b"PAR1", "pandas.read_parquet"),
-        ("a.tdms_index", b"TDSh\x0e\0\0\0", "the .tdms file beside it"),
-        ("a.tdms", damaged, "byte 0: the raw data of the segment begin beyond its end"),
-        ("a.xlsx", b"PK\x03\x04", "not a readable zip archive"),
-        ("a.mat", b"\0\0\0\0\x01\0\0\0", "save FILE -v7"),
-    ] {
-        fs::write(folder.path().join(name), content).expect("written");
-        let output = droptower(folder.path(), &["signal", "convert", name, "-o", "out.csv"]);
-        assert_eq!(output.status.code(), Some(2), "{name}");
-        assert!(error(&output).contains(expected), "{name}: {}", error(&output));
-        assert!(!folder.path().join("out.csv").exists(), "{name}");
-    }
-    let listed = printed(&droptower(folder.path(), &["explain", "formats"]));
-    assert!(listed.contains("NI TDMS") && listed.contains("not read; in Python: pyuff"), "{listed}");
 }

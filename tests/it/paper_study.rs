@@ -64,6 +64,9 @@ const COARSE: &str = "specimen.mesh.size=40 mm";
 
 #[test]
 fn multipliers_are_found_within_two_per_cent_without_noise() {
+    if !thorough() {
+        return;
+    }
     let folder = TempDir::new().expect("a folder");
     let summary = study(&folder, &["--arg", "recordings=exact", "--set", COARSE]);
     check_table_8(&summary, 0.02);
@@ -247,6 +250,9 @@ measure("above_tenfold", above.call([10.0, 10.0, 1.04]));
 /// softer curve they do not, and no multipliers of it change that.
 #[test]
 fn curves_by_rate_describe_the_tests_where_the_drops_reach_them() {
+    if !thorough() {
+        return;
+    }
     let summary = own(RATES);
     let [averaged, within, above, tenfold] =
         ["averaged", "within", "above", "above_tenfold"].map(|name| figure(&summary, name));

@@ -20,7 +20,7 @@ use crate::workbench::{await_of, command, droptower, error};
 
 /// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
 const SLOW: [&str; 6] =
-    ["--set", "specimen.mesh.size=8mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=12ms"];
+    ["--set", "specimen.mesh.size=10mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=6ms"];
 
 /// A folder with the template of a drop test in it.
 fn bench() -> TempDir {
@@ -73,7 +73,7 @@ fn a_killed_run_resumes_to_the_same_bits() {
     let bench = bench();
     let through = run(bench.path(), &[&SLOW[..], &["--out", "runs/through", "--quiet"]].concat());
     assert!(through.status.success(), "{}", error(&through));
-    killed_after(1, bench.path(), &[&SLOW[..], &["--checkpoint-every", "2 ms"]].concat());
+    killed_after(1, bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     // Taken up with the same interval and another number of threads.
     let last = run(bench.path(), &[&SLOW[..], &["--resume", "--threads", "1"]].concat());
     assert!(last.status.success(), "{}", error(&last));

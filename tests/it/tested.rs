@@ -113,28 +113,6 @@ fn a_case_may_stand_beside_others() {
 }
 
 #[test]
-fn mistakes_end_before_anything_runs() {
-    for (expectations, arguments, words) in [
-        (EXPECTATIONS, &["--filter", "nothing"][..], "none of the 1 tests in . has \"nothing\" in its path"),
-        (EXPECTATIONS, &["elsewhere"][..], "there is no elsewhere"),
-        ("[signals.displacement_m]\nabsolute = \"1 kg\"", &[][..], "expected a length, found \"1 kg\""),
-        ("[warnings]\nmust_not = [\"energy-balanc\"]", &[][..], "there is no finding `energy-balanc`"),
-        ("[warnings]\nmust_not = [\"of-a-script\"]", &[][..], "there is no finding `of-a-script`"),
-        ("[warnings]\nmust = [\"coarse-contakt\"]", &[][..], "did you mean the finding `coarse-contact`?"),
-        (EXPECTATIONS, &["--junit", "cases/short drop/expect.toml"][..], "does not end in .xml"),
-        ("[figure]\nruptured = false", &[][..], "unknown key `figure`"),
-    ] {
-        let folder = case(expectations);
-        let output = test(folder.path(), arguments);
-        assert_eq!(output.status.code(), Some(2), "{words}");
-        assert!(error(&output).contains(words), "{}", error(&output));
-        assert!(!folder.path().join("runs").exists());
-    }
-    let folder = tempfile::tempdir().expect("a folder");
-    assert!(error(&test(folder.path(), &[])).contains("no tests in ."));
-}
-
-#[test]
 fn a_page_draws_the_corridor_that_a_signal_leaves() {
     let folder = case("[signals.displacement_m]\ncorridor = \"corridor.csv\"\n[figures]\npeak_displacment_m = 1");
     let corridor = "time_s,lower,upper\n0,-0.001,0.001\n0.01,-0.001,0.001\n";

@@ -5,6 +5,11 @@ pub fn thorough() -> bool {
     std::env::var_os("DROPTOWER_THOROUGH").is_some_and(|value| value == "1")
 }
 
+/// `usual`, or what a thorough run takes in its place.
+pub fn choose<T>(usual: T, of_thorough: T) -> T {
+    if thorough() { of_thorough } else { usual }
+}
+
 /// The first `few` of the cases of a test, or all of them.
 pub fn first<T, const N: usize>(few: usize, cases: [T; N]) -> impl Iterator<Item = T> {
     cases.into_iter().take(if thorough() { N } else { few })

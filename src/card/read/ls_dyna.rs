@@ -266,7 +266,7 @@ impl Reader {
         let (head, rate) = (keyword.card(0)?, keyword.card(1)?);
         let stress = self.system.stress();
         self.unread(head, &[(6, "FAIL"), (7, "TDEL")]);
-        self.unread(rate, &[(3, "LCSR")]);
+        self.unread(rate, &[(0, "C"), (1, "P"), (3, "LCSR")]);
         let young = head.positive(2, "E")? * stress;
         let curves = if rate.whole(2, "LCSS")?.is_some() {
             self.unread(head, &[(5, "ETAN")]);
@@ -274,9 +274,7 @@ impl Reader {
         } else {
             vec![(None, self.tabulated(keyword, young)?)]
         };
-        let (reference, exponent) = (rate.number(0, "C")?, rate.number(1, "P")?);
-        let cowper_symonds = (reference != 0.0 && exponent != 0.0).then(|| [reference / self.system.time(), exponent]);
-        Ok(FoundLaw::Plastic { young, poisson: poisson(head, 3)?, curves, cowper_symonds, hill: None })
+        Ok(FoundLaw::Plastic { young, poisson: poisson(head, 3)?, curves, hill: None })
     }
 
     /// Hardening by points of the material itself, or by a tangent modulus.

@@ -61,8 +61,6 @@ pub enum FoundLaw {
         poisson: f64,
         /// Rate (1/s; none where there is one curve) and points of plastic strain and true stress (Pa).
         curves: Vec<(Option<f64>, Points)>,
-        /// D (1/s) and P of Cowper and Symonds.
-        cowper_symonds: Option<[f64; 2]>,
         /// Hill's yield function by Lankford values at 0, 45 and 90° from MD; none for von Mises'.
         hill: Option<[f64; 3]>,
     },

@@ -284,6 +284,6 @@ impl Reader {
             let fault = Fault::Outside { name: "NU", value: poisson, expected: "0 to less than 0.5" };
             return Err(elastic.mistake(real("NU", 2), fault));
         }
-        Ok(FoundLaw::Plastic { young, poisson, curves, cowper_symonds: None, hill })
+        Ok(FoundLaw::Plastic { young, poisson, curves, hill })
     }
 }

@@ -49,7 +49,7 @@ fn law(law: &FoundLaw) -> String {
             let alpha = list(terms.iter().map(|[_, alpha]| whole(*alpha)).collect());
             format!("[hyperelastic]\nlaw   = \"ogden\"\nmu    = [{mu}]\nalpha = [{alpha}]\n")
         }
-        FoundLaw::Plastic { young, poisson, curves, cowper_symonds, hill } => {
+        FoundLaw::Plastic { young, poisson, curves, hill } => {
             let mut text = format!("[plastic]\nyoung   = {}\npoisson = {}\n", stress(*young), whole(*poisson));
             match curves.as_slice() {
                 [(None, only)] => text += &format!("hardening = {{ curve = {} }}\n", points(only)),
@@ -68,9 +68,6 @@ fn law(law: &FoundLaw) -> String {
             if let Some(r) = hill {
                 let [r0, r45, r90] = r.map(whole);
                 text += &format!("hill = {{ r0 = {r0}, r45 = {r45}, r90 = {r90} }}\n");
-            }
-            if let Some([d, p]) = cowper_symonds {
-                text += &format!("rate = {{ cowper_symonds = {{ d = \"{} 1/s\", p = {} }} }}\n", whole(*d), whole(*p));
             }
             text
         }

@@ -7,8 +7,8 @@ use droptower_card as card;
 
 use card::{Film, Loss, Refusal, Request, System, Target};
 use membrane::material::{
-    CowperSymonds, Curve, Elastic, Fabric, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic, HyperelasticLaw,
-    Law, Material, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, RateCurves, Thermal, Viscosity, Voce,
+    Curve, Elastic, Fabric, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic, HyperelasticLaw, Law, Material,
+    Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, RateCurves, Thermal, Viscosity, Voce,
 };
 
 fn film_of(law: Law) -> Material {
@@ -284,8 +284,7 @@ fn prony_moduli_add_up_to_instantaneous_film() {
 #[test]
 fn plastic_film_keeps_its_flow_and_where_it_can_its_anisotropy() {
     let hill = Hill::from_strain_ratios([0.8, 1.4, 2.1]);
-    let rate = FlowRate::CowperSymonds(CowperSymonds { reference: 40.0, exponent: 5.0 });
-    let film = plastic(hill, rate);
+    let film = plastic(hill, FlowRate::Independent);
     let flow = |p: f64| 30e6 - 20e6 * (-8.0 * p).exp();
     let dyna = written(&film, &Request::new(Target::LsDyna, System::TMmS));
     let keywords = keywords(&dyna.text);
@@ -295,10 +294,9 @@ fn plastic_film_keeps_its_flow_and_where_it_can_its_anisotropy() {
     for p in [0.0, 0.03, 0.2, 1.0] {
         close(read(curve, p) * 1e6, flow(p), 5e-3, "flow stress");
     }
-    assert_eq!([0, 1, 4].map(|place| number(&cards[1][place])), [40.0, 5.0, 1.0]);
     assert!(dyna.losses.contains(&Loss::Hill));
     let rad = written(&film, &Request::new(Target::OpenRadioss, System::TMmS));
-    assert!(!rad.losses.contains(&Loss::Hill) && rad.losses.contains(&Loss::RateLaw));
+    assert!(!rad.losses.contains(&Loss::Hill));
     let line = rad.text.lines().skip_while(|line| !line.contains("R00")).nth(1).expect("Lankford values");
     let values: Vec<f64> = (0..3).map(|i| number(line[20 * i..20 * i + 20].trim())).collect();
     values.iter().zip([0.8, 1.4, 2.1]).for_each(|(found, r)| close(*found, r, 1e-12, "Lankford value"));

@@ -1,9 +1,6 @@
 //! `droptower picture`: the scene of a stored run, or a plot of its page, as a file for slides and papers.
 
 mod args;
-mod list;
-mod plots;
-mod preset;
 mod scene;
 mod style;
 mod words;
@@ -12,12 +9,15 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-pub(super) use self::args::PictureArgs;
-use self::preset::Preset;
+use self::args::Preset;
+use self::words::{find, name_of};
 use super::{Failure, Shared, output, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use picture::{Drawing, PictureError};
+use plot::Plot;
 use report::{StoredPage, StoredPageError};
+
+pub(super) use self::args::PictureArgs;
 
 /// A picture, and what is told of it.
 struct Made {
@@ -40,7 +40,7 @@ enum Format {
 pub(super) fn run(args: &PictureArgs, shared: &Shared) -> Result<(), Failure> {
     let page = StoredPage::read(&args.run).map_err(|error| unreadable(&error));
     let Some(out) = args.out.as_deref() else {
-        return list::run(&page?, shared);
+        return words::list(&page?, shared);
     };
     let format = format(out)?;
     if format == Format::Glb {
@@ -48,7 +48,7 @@ pub(super) fn run(args: &PictureArgs, shared: &Shared) -> Result<(), Failure> {
     }
     output::check(out, format.ending(), None, Some(args.force))?;
     let Made { content, words, mut figures } = match &args.plot {
-        Some(name) => plots::draw(&page?, name, args, format)?,
+        Some(name) => draw_plots(&page?, name, args, format)?,
         None => scene::draw(page, args, format, shared)?,
     };
     output::write(out, |file| file.write_all(&content))?;
@@ -146,4 +146,22 @@ fn unknown<'a>(what: &str, written: &str, known: impl IntoIterator<Item = &'a st
         Some(close) => mistake.hint(format!("did you mean `{close}`? There are {all}")),
         None => mistake.hint(format!("there are {all}")),
     }
+}
+
+/// A plot of the page.
+fn draw_plots(page: &StoredPage, name: &str, args: &PictureArgs, format: Format) -> Result<Made, Failure> {
+    if page.plots.is_empty() {
+        return Err(Diagnostic::new("the page has no plots").into());
+    }
+    let Some(at) = find(name, page.plots.iter().map(|plot| plot.title.as_str())) else {
+        let names: Vec<String> = page.plots.iter().map(|plot| name_of(&plot.title)).collect();
+        return Err(unknown("plot", name, names.iter().map(String::as_str)).into());
+    };
+    let (style, dpi) = style::from_args(args, format)?;
+    let title = args.title.clone().unwrap_or_else(|| page.plots[at].title.clone());
+    let plot = Plot { title, ..page.plots[at].clone() };
+    let figures = Map::from_iter([("plot".to_owned(), json!(page.plots[at].title))]);
+    let words = format!("{}: {}", page.title, page.plots[at].title);
+    let made = Made::drawn(&Drawing::of_plot(&plot, &style, dpi), format, words, figures);
+    Ok(made.map_err(|error| refused(&error))?)
 }

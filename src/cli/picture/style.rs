@@ -1,8 +1,7 @@
 //! How a picture is set: presets, and what the arguments change of them.
 
 use super::Format;
-use super::args::PictureArgs;
-use super::preset::{Preset, Values};
+use super::args::{PictureArgs, Preset, Values};
 use base::diagnostic::Diagnostic;
 use picture::FAMILIES;
 use plot::Style;

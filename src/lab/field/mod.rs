@@ -9,10 +9,8 @@ mod motion;
 mod series;
 #[cfg(test)]
 mod tests;
-mod times;
 
 pub use fault::{FieldError, FileFault};
 pub use file::{FieldFile, FieldOptions, read};
 pub use motion::RigidMotion;
-pub use series::{Field, FieldState, in_order};
-pub use times::read_times;
+pub use series::{Field, FieldState, in_order, read_times};

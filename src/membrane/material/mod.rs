@@ -38,8 +38,7 @@ pub use layer_breaks::LayerBreaks;
 pub use measure::{Measure, ViscousBase, WithoutCompression};
 pub use multipliers::Multipliers;
 pub use plastic::{
-    CowperSymonds, FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Plastic, PlasticHistory, RateTable,
-    RateTableError, Voce,
+    FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Plastic, PlasticHistory, RateTable, RateTableError, Voce,
 };
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use rupture::{Criterion, Rupture};

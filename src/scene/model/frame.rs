@@ -1,11 +1,10 @@
 //! The mounting frame.
 
 mod bars;
-mod clamp;
 mod springs;
 
 use super::specimen::symmetry;
-use super::{Face, Frame, Hold, Loading, ModelDiagnostics, Specimen};
+use super::{Clamp, Face, Frame, Hold, Loading, ModelDiagnostics, Specimen};
 use crate::mesh::Side;
 use crate::scenario::{self, EdgeChoice, Scenario, Shape};
 
@@ -23,7 +22,7 @@ pub fn check(
     let shape = specimen.map(|specimen| &specimen.shape);
     let of_bars = |bars| self::bars::check(bars, scenario, (loading, &hold), shape, faces, mistakes);
     let bars = scenario.frame.bars.as_ref().and_then(of_bars);
-    let of_clamp = |clamp| self::clamp::check(clamp, scenario, loading, &hold, mistakes);
+    let of_clamp = |clamp| check_clamp(clamp, scenario, loading, &hold, mistakes);
     let clamp = scenario.frame.clamp.as_ref().and_then(of_clamp);
     let of_springs = |springs| self::springs::check(springs, scenario, loading, &hold, mistakes);
     let springs = scenario.frame.springs.as_ref().and_then(of_springs);
@@ -104,4 +103,31 @@ fn side(written: &scenario::Side) -> Side {
         scenario::Side::YMinus => Side::YMinus,
         scenario::Side::YPlus => Side::YPlus,
     }
+}
+
+/// The clamp; none where there is a mistake in it.
+fn check_clamp(
+    written: &scenario::Clamp,
+    scenario: &Scenario,
+    loading: &Loading,
+    hold: &Hold,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Clamp> {
+    const PATH: &str = "frame.clamp";
+    if let Some(refusal) = loading.refuses_clamp() {
+        refusal.report(PATH, mistakes);
+        return None;
+    }
+    if *hold == Hold::None {
+        mistakes.out_of_place(PATH, "no edge is held");
+        return None;
+    }
+    if scenario.air.as_ref().is_some_and(|air| air.cushion.is_some()) {
+        let hint = "leave the clamp or `air.cushion` out";
+        mistakes.report_with(PATH, "air between faces that slip in their clamp is not supported", hint);
+        mistakes.label("air.cushion", "the air between the faces");
+        return None;
+    }
+    let scenario::Clamp { force, friction, width } = written;
+    Some(Clamp { force: force.0, friction: *friction, width: width.map(|width| width.0) })
 }

@@ -1,11 +1,12 @@
 //! The material of a layer: valid curves with their multipliers.
 
-use super::{ModelDiagnostics, hyperelastic, plastic, rupture, thermal, viscous};
+use super::{ModelDiagnostics, hyperelastic, plastic, rupture, viscous};
 use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
 use base::number::significant;
 use base::units::Rate;
 use membrane::material::{
-    Curve, CurveError, Elastic, Fabric, FibreLaw, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
+    Curve, CurveError, Elastic, Fabric, FibreLaw, Law, Material, Multipliers, RateCurves, RateCurvesError,
+    TensionField, Thermal,
 };
 
 /// The material written at `path`, which is empty for that of a material file; none where it is invalid.
@@ -35,7 +36,7 @@ pub fn check(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagn
     let measured_rates = written_rates.or_else(|| law.rates());
     let viscosity = viscous::check(written, &law, path, mistakes);
     let rupture = rupture::check(written, &law, path, mistakes);
-    let thermal = thermal::check(written, path, mistakes);
+    let thermal = check_thermal(written, path, mistakes);
     let (density, thickness) = (written.density.0, written.thickness.0);
     Some(Material { density, thickness, law, viscosity, rupture, thermal, measured_rates })
 }
@@ -323,4 +324,30 @@ fn curve(
         CurveError::TooShort => mistakes.report(path, error.to_string()),
     }
     None
+}
+
+/// The heating of film that is written in the material at `path`; none where there is none or it is invalid.
+fn check_thermal(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Thermal> {
+    let thermal = written.thermal?;
+    let place = if path.is_empty() { "thermal".to_owned() } else { format!("{path}.thermal") };
+    let absorbs = written.plastic.is_some()
+        || !written.prony.is_empty()
+        || written.fabric.as_ref().is_some_and(|fabric| fabric.absorption > 0.0);
+    if !absorbs {
+        let message = "film that absorbs no energy does not warm up";
+        let hint = "give `fabric.absorption`, `prony` or a `plastic` law, or leave `thermal` out";
+        mistakes.report_with(&place, message, hint);
+        return None;
+    }
+    let fabric_by_rate = written.fabric.as_ref().is_some_and(|f| f.md.rates.is_some() || f.td.rates.is_some());
+    let plastic_by_rate = written.plastic.as_ref().is_some_and(|plastic| plastic.hardening.rates.is_some());
+    if fabric_by_rate || plastic_by_rate {
+        let message =
+            "film with curves by strain rate cannot also warm up: those of high rates have their heat in them";
+        mistakes.report_with(&place, message, "leave `thermal` out, or give the slowest curve alone");
+        return None;
+    }
+    // The ranges were checked before.
+    let capacity = written.density.0 * thermal.heat.0;
+    (capacity > 0.0).then_some(Thermal { capacity, softening: thermal.softening.0 })
 }

@@ -14,13 +14,10 @@ pub mod loading;
 mod material;
 mod output;
 mod plastic;
-mod post;
 mod reference;
 mod rupture;
 mod size;
-mod solver;
 mod specimen;
-mod thermal;
 mod variation;
 mod viscous;
 mod warning;
@@ -28,20 +25,20 @@ mod words;
 
 use std::path::{Path, PathBuf};
 
+use diagnostics::ModelDiagnostics;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
 use base::diagnostic::Diagnostic;
-use diagnostics::ModelDiagnostics;
-pub use identity::Identity;
-pub use loading::Loading;
 use membrane::engine::GuideFriction;
 use membrane::material::Material;
+
+pub use identity::Identity;
+pub use loading::Loading;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 pub use variation::{Factor, Input, Level, Point, Points, PointsError, Values, Variation, variation};
-pub use warning::ABSORPTION_NOT_GIVEN;
-pub use warning::{CODES, Warning, warnings};
+pub use warning::{ABSORPTION_NOT_GIVEN, CODES, Warning, warnings};
 
 /// Checks a scenario and converts it to SI values.
 ///
@@ -92,13 +89,13 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
     grading::check(scenario, &loading, graded, all, shape, mistakes);
     // Here, as the guide that decides the speed is checked with the impactors, and these need the loading.
     let loading = loading.with_impactor(first);
-    let solver = solver::check(scenario);
+    let solver = output::check_solver(scenario);
     let mut output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
     let reference = reference::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
     if let (Some(field), Some(specimen)) = (reference.as_ref().and_then(|known| known.field.as_ref()), &specimen) {
         output.motion = Some(field::motion(field, loading.run_time(&specimen.shape)));
     }
-    let post = post::check(scenario, mistakes);
+    let post = output::check_post(scenario, mistakes);
     let contact =
         contact::check(scenario, &loading, faces.as_deref(), impactors.as_deref().unwrap_or_default(), mistakes);
     if let Some(written) = &scenario.variation {

@@ -1,7 +1,9 @@
-//! The signals and snapshots that a run records.
+//! The signals and snapshots that a run records, the script behind it, and its time step.
+
+use std::path::PathBuf;
 
 use super::loading::Test;
-use super::{Loading, ModelDiagnostics, Output, Specimen};
+use super::{Loading, ModelDiagnostics, Output, Solver, Specimen};
 use crate::scenario::{Filter, Scenario};
 use base::units::Time;
 
@@ -64,4 +66,16 @@ fn class(filter: Filter) -> Option<f64> {
         Filter::Cfc60 => Some(60.0),
         Filter::None => None,
     }
+}
+
+/// The solver's settings; their range is the language's own.
+pub fn check_solver(scenario: &Scenario) -> Solver {
+    let solver = &scenario.solver;
+    Solver { step_factor: solver.step_factor, smallest_step: solver.smallest_step.map(|step| step.0) }
+}
+
+/// The script that adds to the summary.
+pub fn check_post(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<PathBuf> {
+    scenario.post.as_ref()?;
+    mistakes.file("post.script")
 }

@@ -5,8 +5,8 @@ use crate::scenario::{self, HillRatios, Point};
 use base::number::significant;
 use base::units::Rate;
 use membrane::material::{
-    CowperSymonds, CurveError, Elastic, FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Law, Plastic, RateTable,
-    RateTableError, Voce,
+    CurveError, Elastic, FlowCurve, FlowCurveError, FlowRate, Hardening, Hill, Law, Plastic, RateTable, RateTableError,
+    Voce,
 };
 
 /// The law written at `path`; none where it is invalid.
@@ -40,14 +40,9 @@ fn hill(written: &HillRatios, path: &str, mistakes: &mut ModelDiagnostics<'_>) -
 /// Hardening and dependence on the rate.
 fn flow(written: &scenario::Plastic, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<(Hardening, FlowRate)> {
     let place = format!("{path}.hardening");
-    let cowper_symonds = written.rate.map(|rate| {
-        let scenario::CowperSymonds { d, p } = rate.cowper_symonds;
-        FlowRate::CowperSymonds(CowperSymonds { reference: d.0, exponent: p })
-    });
-    let rate = cowper_symonds.unwrap_or(FlowRate::Independent);
     let hardening = &written.hardening;
     if let Some(points) = &hardening.curve {
-        return Some((Hardening::Table(curve(points, &format!("{place}.curve"), mistakes)?), rate));
+        return Some((Hardening::Table(curve(points, &format!("{place}.curve"), mistakes)?), FlowRate::Independent));
     }
     if let Some(scenario::Voce { initial, saturation, rate: approach }) = hardening.voce {
         if saturation.0 < initial.0 {
@@ -57,13 +52,9 @@ fn flow(written: &scenario::Plastic, path: &str, mistakes: &mut ModelDiagnostics
             return None;
         }
         let voce = Voce { initial: initial.0, saturation: saturation.0, rate: approach };
-        return Some((Hardening::Voce(voce), rate));
+        return Some((Hardening::Voce(voce), FlowRate::Independent));
     }
-    let rates = hardening.rates.as_ref()?;
-    if written.rate.is_some() {
-        mistakes.out_of_place(&format!("{path}.rate"), "`hardening.rates` has curves by rate");
-    }
-    by_rate(rates, &format!("{place}.rates"), mistakes)
+    by_rate(hardening.rates.as_ref()?, &format!("{place}.rates"), mistakes)
 }
 
 fn by_rate(

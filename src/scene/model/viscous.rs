@@ -40,7 +40,7 @@ pub(super) fn check(
     }
     if matches!(law, Law::Plastic(_)) {
         let message = "a plastic film cannot also have `prony`";
-        let hint = "its yield stress grows with the strain rate by `plastic.rate`; elastic, hyperelastic and fabric film relax";
+        let hint = "its yield stress grows with the strain rate by `plastic.hardening.rates`; elastic, hyperelastic and fabric film relax";
         mistakes.report_with(&place, message, hint);
         return None;
     }

@@ -1,7 +1,7 @@
 //! One change of a scenario: `key.path = value`, from `--set` or from a script, or a key that is left out.
 
+use super::merge::Unset;
 use super::tree::{self, Entry, Node, Table, Value};
-use super::unset::Unset;
 use base::diagnostic::{Diagnostic, Source, Span};
 
 /// A value for a key path, or a key path that is left out, for [`Document::with`](super::Document::with).

@@ -3,9 +3,12 @@
 use std::sync::Arc;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::tree::{Node, Value};
 use base::diagnostic::{Diagnostic, Source, Span};
+use base::units::Pressure;
 
 /// Which columns hold the curve, and the factor of the stress column to Pa.
 struct Columns {
@@ -68,3 +71,10 @@ fn point(record: &StringRecord, columns: &Columns, source: &Arc<Source>) -> Resu
 fn line_of(position: &csv::Position) -> usize {
     usize::try_from(position.line()).unwrap_or(1)
 }
+
+/// One point of a curve: engineering strain (shear angle in rad, equivalent plastic strain) and stress.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Point(
+    #[schemars(range(min = 0), extend("x-likely" = [0.0, 15.0]))] pub f64,
+    #[schemars(range(min = 0), extend("x-likely" = [1e5, 1e11]))] pub Pressure,
+);

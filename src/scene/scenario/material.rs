@@ -5,14 +5,13 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::curve_file::Point;
 use super::hyperelastic::Hyperelastic;
 use super::plastic::Plastic;
-use super::point::Point;
 use super::rupture::Rupture;
 use super::schema;
-use super::thermal::Thermal;
 use super::viscous::{PronyOf, PronyTerm, Shift};
-use base::units::{Density, Length, Pressure, Rate, Temperature};
+use base::units::{Density, HeatCapacity, Length, Pressure, Rate, SharePerTemperature, Temperature};
 
 /// Material of one layer of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -238,4 +237,18 @@ pub struct Elastic {
     /// Lowest and highest strain rate at which the modulus was measured.
     #[schemars(transform = schema::positive_items)]
     pub measured_rates: Option<[Rate; 2]>,
+}
+
+/// Adiabatic heating: all energy that the film absorbs stays in it as heat, and stress and stiffness of the law fall with its
+/// temperature. The law as written is that of film at the temperature of the room, as slow coupons measure it; curves measured
+/// at the rates of the test have the heat in them already. Film is mounted at that temperature, and warms up from then on.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Thermal {
+    /// Specific heat capacity of the film; 2.3 kJ/(kg K) for polyethylene.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [300.0, 6000.0]))]
+    pub heat: HeatCapacity,
+    /// Share of its stress that film loses with each kelvin, of what it has left: −d ln σ/dT. Some 0.6 to 0.9 %/K for
+    /// polyethylene near room temperature.
+    #[schemars(extend("minimum" = 0, "maximum" = 0.2, "x-likely" = [0.0, 0.05]))]
+    pub softening: SharePerTemperature,
 }

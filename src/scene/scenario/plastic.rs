@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::point::Point;
+use super::curve_file::Point;
 use super::schema;
 use base::units::{Pressure, Rate};
 
@@ -21,8 +21,6 @@ pub struct Plastic {
     pub hardening: FlowStress,
     /// Hill's orthotropic yield function of 1948, with MD and TD as its axes; left out: that of von Mises.
     pub hill: Option<HillRatios>,
-    /// How the flow stress grows with the rate of plastic strain; left out, and without `hardening.rates`: not at all.
-    pub rate: Option<FlowRate>,
     /// Lowest and highest strain rate at which the material was measured; left out: those of `hardening.rates`.
     #[schemars(transform = schema::positive_items)]
     pub measured_rates: Option<[Rate; 2]>,
@@ -101,22 +99,4 @@ pub struct HillRatios {
     /// Yield stress in shear along MD and TD over that of `hardening` divided by √3.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.1, 10.0]))]
     pub r12: Option<f64>,
-}
-
-/// How the flow stress grows with the rate of plastic strain.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct FlowRate {
-    /// Cowper and Symonds: the factor 1 + (rate/d)^(1/p).
-    pub cowper_symonds: CowperSymonds,
-}
-
-/// Cowper and Symonds' coefficients.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct CowperSymonds {
-    /// Rate at which the flow stress is doubled.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub d: Rate,
-    /// Exponent.
-    #[schemars(range(min = 1, max = 100))]
-    pub p: f64,
 }

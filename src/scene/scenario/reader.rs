@@ -6,9 +6,8 @@ use std::sync::Arc;
 
 use super::curve_file;
 use super::grammar::{self, Rule};
-use super::merge::merge;
+use super::merge::{Unset, merge};
 use super::tree::{self, Node, Table, Value};
-use super::unset::Unset;
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::file::{self, FileError};
 use base::units::percentage;

@@ -584,7 +584,7 @@ mod tests {
     #[test]
     fn the_noise_of_few_samples_is_that_of_their_mean() {
         const RECORDINGS: u64 = 300;
-        for samples in [33, 41, 121, 146, 241, 481, 1001] {
+        for samples in thorough::first(3, [33, 146, 1001, 41, 121, 241, 481]) {
             let time: Vec<f64> = (0..samples).map(f64::from).collect();
             let (mut expected, mut found) = (0.0, 0.0);
             for seed in 0..RECORDINGS {

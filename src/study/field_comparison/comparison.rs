@@ -3,8 +3,7 @@
 use nalgebra::Vector3;
 use thiserror::Error;
 
-use super::alignment::{self, Alignment};
-use super::pair::Pair;
+use super::alignment::{self, Alignment, Pair};
 use super::surface::FilmSurface;
 use base::number::{clean_time, rounded};
 use base::table::Column;

@@ -4,8 +4,6 @@
 mod alignment;
 mod comparison;
 mod normal_equations;
-mod pair;
-mod starts;
 mod surface;
 #[cfg(test)]
 mod tests;

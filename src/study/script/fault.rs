@@ -3,11 +3,14 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rhai::{Dynamic, Engine, EvalAltResult, FuncInfo, ImmutableString, ParseError, ParseErrorType, Position};
+use rhai::{
+    AST, ASTNode, Dynamic, Engine, EvalAltResult, Expr, FuncInfo, ImmutableString, ParseError, ParseErrorType,
+    Position, Stmt,
+};
 use thiserror::Error;
 
+use super::Session;
 use super::module::{self, SourceText, Unit};
-use super::{Session, places};
 use base::diagnostic::closest;
 
 /// A mistake in a script, found while reading or while running it.
@@ -69,7 +72,7 @@ impl Fault {
                         "a loop may never end; sums over samples are faster as functions of the signal".into(),
                     ))
             }
-            EvalAltResult::ErrorDotExpr(..) => match places::property_at(program, position) {
+            EvalAltResult::ErrorDotExpr(..) => match property_at(program, position) {
                 Some(name) if is_function(engine, &name) => {
                     at(format!("`{name}` is a function and has no brackets here"))
                         .with_hint(Some(format!("call it as `.{name}()`")))
@@ -139,7 +142,7 @@ fn of_value(unit: &Unit, position: Position, value: &Dynamic) -> Fault {
     let numerical = value.is::<NumericalFailure>();
     match value.read_lock::<KeyMistake>() {
         Some(mistake) => {
-            let place = places::place_of_key(program, &mistake.key, position).unwrap_or(position);
+            let place = place_of_key(program, &mistake.key, position).unwrap_or(position);
             Fault::located(file, place, mistake.message.to_string()).with_hint(mistake.hint.clone())
         }
         None => Fault { numerical, ..Fault::located(file, position, thrown(value)) },
@@ -302,4 +305,65 @@ pub type HostResult<T> = Result<T, Box<EvalAltResult>>;
 /// The error of a host function; the engine adds the position of the call.
 pub fn refuse(message: impl Display) -> Box<EvalAltResult> {
     message.to_string().into()
+}
+
+/// The place of the key `name` of a map among the arguments of the call at `call`; none where the map was built before.
+pub(super) fn place_of_key(program: &AST, name: &str, call: Position) -> Option<Position> {
+    let is_call = |node: &ASTNode| match node {
+        ASTNode::Expr(Expr::FnCall(_, position) | Expr::MethodCall(_, position))
+        | ASTNode::Stmt(Stmt::FnCall(_, position)) => *position == call,
+        _ => false,
+    };
+    let mut found: Vec<Position> = Vec::new();
+    program.walk(&mut |path: &[ASTNode]| {
+        if let Some(ASTNode::Expr(Expr::Map(map, _))) = path.last()
+            && path.iter().any(is_call)
+        {
+            found.extend(map.0.iter().filter(|(key, _)| key.name == name).map(|(key, _)| key.pos));
+        }
+        true
+    });
+    found.into_iter().min_by_key(|position| (position.line(), position.position()))
+}
+
+/// The property that stands at `place`, or whose dot does.
+pub(super) fn property_at(program: &AST, place: Position) -> Option<String> {
+    let mut found = None;
+    program.walk(&mut |path: &[ASTNode]| {
+        if let Some(ASTNode::Expr(Expr::Property(property, position))) = path.last()
+            && *position == place
+        {
+            found = Some(property.2.to_string());
+        }
+        true
+    });
+    found
+}
+
+/// Whether `program` reads a property `name`, has it as a text, or reads the keys of something.
+pub(super) fn mentions(program: &AST, name: &str) -> bool {
+    let mut found = false;
+    program.walk(&mut |path: &[ASTNode]| {
+        found |= match path.last() {
+            Some(ASTNode::Expr(Expr::Property(property, _))) => property.2 == name,
+            Some(ASTNode::Expr(Expr::StringConstant(text, _))) => text == name,
+            Some(ASTNode::Expr(Expr::MethodCall(call, _))) => call.name == "keys",
+            _ => false,
+        };
+        !found
+    });
+    found
+}
+
+/// Whether `program` reads the argument `name` with one of these methods of `args`.
+pub(super) fn reads_with(program: &AST, methods: &[&str], name: &str) -> bool {
+    let mut found = false;
+    program.walk(&mut |path: &[ASTNode]| {
+        if let Some(ASTNode::Expr(Expr::MethodCall(call, _))) = path.last() {
+            let is_name = |argument: &Expr| matches!(argument, Expr::StringConstant(text, _) if text == name);
+            found |= methods.contains(&call.name.as_str()) && call.args.first().is_some_and(is_name);
+        }
+        !found
+    });
+    found
 }

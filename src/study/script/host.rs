@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use super::fault::TooLarge;
 use super::module::{self, Finder, LONGEST_SCRIPT, Resolver, SourceText, Unit};
-use super::{Fault, Session, call_options, calls, fields, panic, places};
+use super::{Fault, Session, call_options, calls, fault, fields, panic};
 use base::cancellation::Cancellation;
 use base::file::{self, FileError};
 
@@ -217,12 +217,12 @@ impl Script {
     /// Whether the script may read `args.<name>`: it or a module reads a property of that name, has the name as a text, or
     /// reads all arguments.
     pub fn mentions_argument(&self, name: &str) -> bool {
-        self.units.iter().any(|unit| places::mentions(&unit.program, name))
+        self.units.iter().any(|unit| fault::mentions(&unit.program, name))
     }
 
     /// Whether the script or a module reads `args.numbers("<name>", …)` or `args.text("<name>", …)`.
     pub fn reads_list_or_text(&self, name: &str) -> bool {
-        self.units.iter().any(|unit| places::reads_with(&unit.program, &["numbers", "text"], name))
+        self.units.iter().any(|unit| fault::reads_with(&unit.program, &["numbers", "text"], name))
     }
 
     /// Runs the script with the constants in `scope` and drops its variables and last value.

@@ -168,7 +168,7 @@ fn energy_is_balanced_in_any_motion() {
             "frame.hold = \"none\"",
         ),
     ];
-    for (name, impactor, more) in cases {
+    for (name, impactor, more) in thorough::first(3, cases) {
         let outcome = scene(&impactor, "duration = 0.15", more);
         claims.at_most(&format!("{name}, energy balance error"), outcome.energy_balance_error, 1e-3);
         let touched = channel(&outcome.signals, "contact_force_N").iter().any(|force| *force != 0.0);

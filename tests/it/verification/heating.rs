@@ -98,7 +98,7 @@ fn plastic_film_softens_by_its_plastic_work() {
 #[test]
 fn drops_on_film_that_warms_up_balance() {
     let mut claims = Claims::of("heating, drops");
-    let coarse = ["specimen.mesh.size=20mm"];
+    let coarse = [thorough::choose("specimen.mesh.size=40mm", "specimen.mesh.size=20mm")];
     let mild = "specimen.material.thermal={ heat = \"2.3 kJ/(kg K)\", softening = \"0 %/K\" }";
     let prony = "specimen.material.prony=[{ share = 0.3, time = \"1 ms\" }, { share = 0.2, time = \"20 ms\" }]";
     let torn = "specimen.material.rupture={ criterion = \"strain\", limit = 0.45, energy = \"20 kJ/m2\" }";

@@ -47,11 +47,12 @@ const FILM: f64 = 50e-6;
 
 /// Results of a disc under `load` = q a/(E h).
 fn inflated(poisson: f64, load: f64, ramp: f64, element: &str) -> Outcome {
+    let size = thorough::choose(6, 4);
     let pressure = load * YOUNG * FILM / RADIUS;
     run(&written(&format!(
         "specimen.shape = {{ circle = {{ radius = {RADIUS} }} }}
          specimen.material = {{ density = 915, thickness = {FILM}, elastic = {{ young = {YOUNG}, poisson = {poisson} }} }}
-         specimen.mesh = {{ element = \"{element}\", size = \"4 mm\" }}
+         specimen.mesh = {{ element = \"{element}\", size = \"{size} mm\" }}
          specimen.symmetry = \"quarter\"
          loading.pressure = {{ pressure = {pressure}, ramp = {ramp} }}
          output.frames = 2"

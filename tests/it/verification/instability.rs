@@ -94,7 +94,7 @@ fn a_strip_localises_beyond_swifts_strain_and_says_so() {
         // With the elastic strain e = σ/E, σ is largest as dσ/dε = σ: p = n (1 − e), ε = p + e.
         let elastic = STRENGTH * n.powf(n) / YOUNG;
         let (even, swift) = ((n * (1.0 - elastic) + elastic).exp_m1(), n.exp_m1());
-        for (until, expected) in [(swift, false), (2.5 * swift, true)] {
+        for (until, expected) in thorough::first(1, [(2.5 * swift, true), (swift, false)]) {
             let outcome = run(&strip(n, YOUNG, "[\"40 mm\", \"5 mm\"]", until));
             let found = outcome.warnings.iter().find_map(|warning| match warning {
                 Warning::StrainLocalisation { time, strain, .. } => Some((*time, *strain)),

@@ -171,7 +171,7 @@ fn incompressible_discs_rise_as_membranes_of_revolution() {
         ("Mooney–Rivlin, c01/c10 0.1", Some(mooney(0.1)), vec![(0.6, 1.251661), (1.0, 2.092083), (1.6, 2.460336)]),
         ("Ogden", Some(ogden), vec![(0.6, 1.249896), (1.0, 1.888294), (1.6, 1.728814)]),
     ];
-    for (name, law, rows) in cases {
+    for (name, law, rows) in thorough::first(2, cases) {
         let outcome = law.map(|law| disc(&law, 6.0, "40 mm"));
         let outcome = outcome.as_ref().unwrap_or(&neo_hookean);
         for (apex, expected) in rows {

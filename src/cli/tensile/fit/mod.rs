@@ -2,17 +2,13 @@
 
 mod args;
 mod law;
-mod law_figures;
-mod law_page;
 mod relaxation;
-mod relaxation_figures;
-mod relaxation_page;
 mod written;
-
-pub(super) use args::FitArgs;
 
 use crate::{Failure, Shared};
 use base::diagnostic::Diagnostic;
+
+pub(super) use args::FitArgs;
 
 pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     match args.law {

@@ -1,18 +1,20 @@
 //! `droptower tensile fit --relaxation`: a Prony series fitted to a relaxation modulus.
 
+use serde::Serialize;
+
 use super::FitArgs;
-use super::relaxation_figures::RelaxationFigures;
-use super::relaxation_page::page;
 use super::written::{Places, name};
-use crate::faults;
 use crate::tensile::reduce::paths;
-use crate::{Failure, Shared, print_figures};
+use crate::{Failure, Shared, faults, findings, print_figures, table};
 use base::diagnostic::{Diagnostic, listed};
 use base::finding::Finding;
+use base::number::{figure, plain, rounded, significant};
 use lab::experiment::Warning;
 use lab::experiment::material_file::fitted::{ASSUMED_POISSON, RelaxationMaterial, relaxation_text};
-use lab::experiment::relaxation::{RelaxationReadingError, fit_prony, read_relaxation};
+use lab::experiment::relaxation::{PronyFit, RelaxationReadingError, fit_prony, read_relaxation};
 use lab::signal::file::ChannelSelection;
+use plot::{Axis, Curve, Look, Plot, Scale};
+use report::{FitPage, FitTable, fit_page};
 
 pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
     let places = Places::from_args(args)?;
@@ -46,5 +48,115 @@ fn reading(error: &RelaxationReadingError) -> Diagnostic {
     match error {
         RelaxationReadingError::Read(error) => faults::recording(error),
         other => Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) },
+    }
+}
+
+/// The page with measured and fitted modulus, errors and terms.
+pub(super) fn page(source: &str, fit: &PronyFit, findings: &[Finding], material: Option<&str>) -> String {
+    let title = format!("Relaxation of {source}");
+    let (tables, plots) = (tables(fit), plots(fit));
+    fit_page(&FitPage { title: &title, tables, plots, correlation: None, findings, material })
+}
+
+fn columns<const N: usize>(names: [&str; N]) -> Vec<String> {
+    names.map(str::to_owned).into()
+}
+
+fn tables(fit: &PronyFit) -> Vec<FitTable> {
+    let figures = [
+        ("instantaneous modulus (MPa)", figure(fit.prony.instantaneous * 1e-6, 5)),
+        ("modulus in the end (MPa)", figure(fit.prony.equilibrium() * 1e-6, 5)),
+        ("R²", format!("{:.6}", fit.r_squared)),
+        ("error rms (%)", significant(fit.relative_rms * 100.0, 3)),
+        ("largest error (%)", significant(fit.largest_error * 100.0, 3)),
+        ("at time (s)", plain(rounded(fit.at_time, 3))),
+    ];
+    let figures = figures.map(|(name, value)| vec![name.to_owned(), value]).into();
+    let terms = fit.prony.terms.iter().map(|term| vec![figure(term.share, 5), plain(rounded(term.time, 5))]);
+    vec![
+        FitTable { title: "Figures", texts: 1, columns: columns(["figure", "value"]), rows: figures },
+        FitTable { title: "Terms", texts: 0, columns: columns(["share", "time (s)"]), rows: terms.collect() },
+    ]
+}
+
+fn plots(fit: &PronyFit) -> Vec<Plot> {
+    let measured = points("measured", fit.measured.iter().map(|[time, modulus]| [*time, modulus * 1e-6]));
+    let series = Curve::line("series", fit.measured.iter().map(|[time, _]| [*time, fit.prony.modulus(*time) * 1e-6]));
+    let error = |[time, modulus]: &[f64; 2]| [*time, 100.0 * (fit.prony.modulus(*time) / modulus - 1.0)];
+    let time = || Axis { label: "time (s)".into(), scale: Scale::Logarithmic };
+    vec![
+        Plot { x: time(), ..Plot::new("Relaxation modulus", ["", "modulus (MPa)"], vec![measured, series]) },
+        Plot {
+            x: time(),
+            ..Plot::new("Error of the series", ["", "error (%)"], vec![points("error", fit.measured.iter().map(error))])
+        },
+    ]
+}
+
+fn points(name: &str, points: impl Iterator<Item = [f64; 2]>) -> Curve {
+    Curve { look: Look::Points, ..Curve::line(name, points) }
+}
+
+/// All figures; SI.
+#[derive(Serialize)]
+pub(super) struct RelaxationFigures {
+    source: String,
+    moduli: usize,
+    #[serde(rename = "instantaneous_modulus_Pa")]
+    instantaneous_modulus_pa: f64,
+    #[serde(rename = "equilibrium_modulus_Pa")]
+    equilibrium_modulus_pa: f64,
+    terms: Vec<TermFigures>,
+    r_squared: f64,
+    relative_rms: f64,
+    largest_relative_error: f64,
+    largest_error_at_time_s: f64,
+    findings: Vec<Finding>,
+    written: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct TermFigures {
+    share: f64,
+    time_s: f64,
+}
+
+impl RelaxationFigures {
+    pub(super) fn new(source: &str, fit: &PronyFit, findings: Vec<Finding>, written: Vec<String>) -> RelaxationFigures {
+        RelaxationFigures {
+            source: source.into(),
+            moduli: fit.measured.len(),
+            instantaneous_modulus_pa: fit.prony.instantaneous,
+            equilibrium_modulus_pa: fit.prony.equilibrium(),
+            terms: fit.prony.terms.iter().map(|term| TermFigures { share: term.share, time_s: term.time }).collect(),
+            r_squared: fit.r_squared,
+            relative_rms: fit.relative_rms,
+            largest_relative_error: fit.largest_error,
+            largest_error_at_time_s: fit.at_time,
+            findings,
+            written,
+        }
+    }
+
+    pub(super) fn text(&self) -> String {
+        let cells = |share: String, time: String| vec![share, time];
+        let header = cells("share".into(), "time (s)".into());
+        let rows = self.terms.iter().map(|term| cells(figure(term.share, 5), plain(rounded(term.time_s, 5))));
+        let lines: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
+        format!(
+            "{}: {} moduli, {} terms\n{}  instantaneous {} MPa, in the end {} MPa\n  R2 {:.6}, error {} % rms, {} % at most, at {} s\n{}{}",
+            self.source,
+            self.moduli,
+            self.terms.len(),
+            table::aligned(&lines, 0),
+            figure(self.instantaneous_modulus_pa * 1e-6, 5),
+            figure(self.equilibrium_modulus_pa * 1e-6, 5),
+            self.r_squared,
+            significant(self.relative_rms * 100.0, 3),
+            significant(self.largest_relative_error * 100.0, 3),
+            plain(rounded(self.largest_error_at_time_s, 3)),
+            findings::lines("", &self.findings),
+            self.written.iter().map(|file| format!("wrote {file}\n")).collect::<String>()
+        )
     }
 }

@@ -1,8 +1,11 @@
 //! How a law is fitted, and why it cannot be.
 
+use std::fmt;
+use std::str::FromStr;
+
 use thiserror::Error;
 
-use super::Weighting;
+use super::data_set::DataSet;
 
 /// How a law is fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,5 +52,64 @@ impl FitError {
             }
             FitError::NoData | FitError::StableTo(_) => None,
         }
+    }
+}
+
+/// Share of the largest stress of a test below which a stress is not divided by itself: there its error is that of the
+/// machine.
+const FLOOR: f64 = 0.02;
+
+/// Reference of differences of stresses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weighting {
+    /// The largest stress of all tests.
+    #[default]
+    Absolute,
+    /// The measured stress, but not less than 2 % of the largest of its test.
+    Relative,
+}
+
+/// Why a word is no weighting.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("expected absolute or relative, found `{word}`")]
+pub struct WeightingError {
+    /// As it was written.
+    pub word: String,
+}
+
+impl Weighting {
+    /// The factor of each stress of each set in a residual, with the weight of its set (theory.md, equation 231).
+    pub fn factors(self, sets: &[DataSet]) -> Vec<f64> {
+        let largest = |set: &DataSet| set.measured.stresses().into_iter().fold(0.0, |most: f64, p| most.max(p.abs()));
+        let of_all = sets.iter().map(largest).fold(0.0, f64::max);
+        let factors = sets.iter().flat_map(|set| {
+            let (weight, floor) = (set.weight.sqrt(), FLOOR * largest(set));
+            set.measured.stresses().into_iter().map(move |stress| match self {
+                Weighting::Absolute => weight / of_all,
+                Weighting::Relative => weight / stress.abs().max(floor),
+            })
+        });
+        factors.collect()
+    }
+}
+
+impl FromStr for Weighting {
+    type Err = WeightingError;
+
+    fn from_str(word: &str) -> Result<Weighting, WeightingError> {
+        match word {
+            "absolute" => Ok(Weighting::Absolute),
+            "relative" => Ok(Weighting::Relative),
+            other => Err(WeightingError { word: other.into() }),
+        }
+    }
+}
+
+impl fmt::Display for Weighting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Weighting::Absolute => "absolute",
+            Weighting::Relative => "relative",
+        })
     }
 }

@@ -2,8 +2,6 @@
 
 mod prony;
 mod reading;
-mod warning;
 
-pub use prony::{Prony, PronyError, PronyFit, fit_prony};
+pub use prony::{CODES, Prony, PronyError, PronyFit, Warning, fit_prony};
 pub use reading::{RelaxationFault, RelaxationReadingError, read_relaxation};
-pub use warning::{CODES, Warning};

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
-use super::Warning;
 use crate::experiment::nonnegative::nonnegative_least_squares;
+use base::findings;
 use membrane::material::PronyTerm;
 
 /// A relaxation modulus E(t) = E₀ (1 − Σ g_k (1 − exp(−t/τ_k))).
@@ -180,6 +180,20 @@ fn solved(measured: &[[f64; 2]], times: &[f64]) -> Option<Vec<f64>> {
     let moduli = nonnegative_least_squares(&matrix, &DVector::from_element(measured.len(), 1.0))?;
     // E∞ = 0 would say that film flows without end, which no measurement of finite duration shows.
     (moduli[0] > 0.0).then(|| moduli.as_slice().to_vec())
+}
+
+findings! {
+    /// A doubt about a fit that continues.
+    #[derive(Clone, Debug, PartialEq)]
+    pub enum Warning {
+        TermsLeftOut {
+            asked: usize, "number of terms that were asked for" => "asked";
+            left: usize, "number of terms that are left" => "left";
+        } = "prony-terms-left-out", Note;
+            meaning "terms of a Prony series have no share in the best fit and are left out";
+            remedy "none is needed; runs cost less with fewer terms";
+            message "{left} of {asked} terms are left: the others have no share in the best fit";
+    }
 }
 
 #[cfg(test)]

@@ -1,14 +1,12 @@
 //! Blocks of numbers below each other, each with the header above it or with that of the block before.
 
-use crate::signal::channel_fault::MOST_VALUES;
-
 use super::columns::{Group, Header, is_header};
 use super::fault::{Fault, Mistake};
 use super::head::{self, Head};
 use super::rows::{Content, Row, Rows, TextRow};
-use super::specimen::Specimen;
-use super::stated::Stated;
+use super::stated::{Specimen, Stated};
 use super::words::{Key, is_displacement, is_specimen, key};
+use crate::signal::channel_fault::MOST_VALUES;
 
 /// Rows of numbers under one header.
 struct Block {

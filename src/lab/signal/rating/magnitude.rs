@@ -8,7 +8,6 @@
 
 use std::ops::Range;
 
-use super::relative::relative;
 use base::cancellation::stop_if_cancelled;
 use membrane::lane::{LANES, Lane, Width, at_width, splat};
 
@@ -126,6 +125,11 @@ fn step(mut paths: Paths, comparison: Lane, reference: Lane) -> Paths {
         paths[2][l] += reference[l].abs();
     }
     paths
+}
+
+/// |off|₁/|size|₁; infinite where only `size` is zero.
+pub(super) fn relative(off: f64, size: f64) -> f64 {
+    if off == 0.0 { 0.0 } else { off / size }
 }
 
 #[cfg(test)]

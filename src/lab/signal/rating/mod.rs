@@ -3,16 +3,14 @@
 //! Four ratings between 0 and 1 and their weighted sum, equations 64 to 69. The curves are compared at 10 kHz and equal
 //! length, as the specification requires; the warnings of the rating report how they were resampled.
 
-mod corridor;
 mod magnitude;
 mod phase;
-mod relative;
-mod slope;
 
 use std::fmt;
 
 use thiserror::Error;
 
+use self::magnitude::relative;
 use super::gap::{self, Gap};
 use super::warning::Warning;
 use super::{Series, resample};
@@ -169,8 +167,8 @@ fn rate_curves(reference: &[f64], comparison: &[f64]) -> Rating {
     let shift = phase::best_shift(reference, comparison);
     let [r, c] = shift.cut(reference, comparison);
     // Corridor and phase are of the whole curves, magnitude and slope of what the shift leaves.
-    let (corridor, phase) = (corridor::rating(reference, comparison), shift.rating(reference.len()));
-    let (magnitude, slope) = (magnitude::rating(r, c), slope::rating(r, c));
+    let (corridor, phase) = (corridor_rating(reference, comparison), shift.rating(reference.len()));
+    let (magnitude, slope) = (magnitude::rating(r, c), slope_rating(r, c));
     let overall = 0.4 * corridor + 0.2 * phase + 0.2 * magnitude + 0.2 * slope;
     Rating {
         corridor,
@@ -242,3 +240,49 @@ fn change(curve: Curve, series: &Series, [from, to]: [f64; 2], samples: usize) -
 
 #[cfg(test)]
 mod tests;
+
+/// Samples on each side of a moving average.
+const REACH: usize = 4;
+
+/// Relative difference of the slopes as a rating: 1 for none, 0 for twice the reference.
+fn slope_rating(reference: &[f64], comparison: &[f64]) -> f64 {
+    let (r, c) = (smoothed(&slopes(reference)), smoothed(&slopes(comparison)));
+    let off = r.iter().zip(&c).map(|(r, c)| (c - r).abs()).sum();
+    let size = r.iter().map(|r| r.abs()).sum();
+    ((2.0 - relative(off, size)) / 2.0).max(0.0)
+}
+
+/// Central differences per sample, one-sided at the ends.
+fn slopes(curve: &[f64]) -> Vec<f64> {
+    let last = curve.len() - 1;
+    let slope = |i: usize| {
+        let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
+        (curve[after] - curve[before]) / (after - before) as f64
+    };
+    (0..=last).map(slope).collect()
+}
+
+/// Means of nine, of seven, five, three and one towards the ends.
+fn smoothed(values: &[f64]) -> Vec<f64> {
+    let last = values.len() - 1;
+    let mean = |i: usize| {
+        let reach = REACH.min(i).min(last - i);
+        values[i - reach..=i + reach].iter().sum::<f64>() / (2 * reach + 1) as f64
+    };
+    (0..=last).map(mean).collect()
+}
+
+/// Half widths of the corridors over the largest magnitude of the reference.
+const INNER: f64 = 0.05;
+const OUTER: f64 = 0.5;
+
+/// Mean over the samples of 1 in the inner corridor, 0 outside the outer one, and a parabola between.
+fn corridor_rating(reference: &[f64], comparison: &[f64]) -> f64 {
+    let size = reference.iter().fold(0.0, |size, value| f64::max(size, value.abs()));
+    let score = |(r, c): (&f64, &f64)| match (c - r).abs() / size {
+        d if d < INNER => 1.0,
+        d if d > OUTER => 0.0,
+        d => ((OUTER - d) / (OUTER - INNER)).powi(2),
+    };
+    reference.iter().zip(comparison).map(score).sum::<f64>() / reference.len() as f64
+}

@@ -7,7 +7,6 @@
 
 mod bytes;
 mod chunks;
-mod data;
 mod fault;
 mod file;
 mod index;

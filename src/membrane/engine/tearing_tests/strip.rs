@@ -179,9 +179,9 @@ fn a_wide_strip_tears_at_its_fracture_energy(kind: Kind, size: f64) {
 
 thorough::cases!(a_wide_strip_tears_at_its_fracture_energy {
     squares_of_10_mm: Kind::Quads, 10e-3;
+} thorough {
     squares_of_5_mm: Kind::Quads, 5e-3;
     triangles: Kind::Triangles, 5e-3;
-} thorough {
     squares_of_2_5_mm: Kind::Quads, 2.5e-3;
     full_integration: Kind::Full, 5e-3;
 });

@@ -4,11 +4,9 @@
 //! monotone, so the root is unique.
 
 use super::hardening::Hardening;
-use super::overstress::Overstress;
 use super::rate::{FlowRate, RateTable};
-use super::root::root;
-use super::trial::{ROUND_OFF, Relaxed, Trial};
-use crate::lane::{Lane, exp, ln, splat};
+use crate::lane::{Lane, exp, lanes, larger, ln, splat};
+use crate::material::elastic::Plane;
 
 /// Range of ln γ that is searched.
 const DEEPEST: f64 = 200.0;
@@ -29,13 +27,8 @@ impl<const L: usize> Trial<'_, L> {
             return None;
         }
         Some(match rate {
-            FlowRate::CowperSymonds(law) if dt > 0.0 => {
-                Overstress { trial: self, hardening, law, dt }.flow(&excess, open)
-            }
             FlowRate::Table(table) if dt > 0.0 => self.rated(hardening, table, dt, &excess, open),
-            FlowRate::Independent | FlowRate::CowperSymonds(_) | FlowRate::Table(_) => {
-                self.slow(hardening, &excess, open)
-            }
+            FlowRate::Independent | FlowRate::Table(_) => self.slow(hardening, &excess, open),
         })
     }
 
@@ -109,5 +102,112 @@ impl<const L: usize> Trial<'_, L> {
             gamma[l] = if open[l] > 0.0 { exp(log[l]) } else { 0.0 };
         }
         gamma
+    }
+}
+
+/// Value at which Newton's method takes its last step, which squares it.
+const TOLERANCE: f64 = 1e-10;
+
+/// Most steps of Newton's method or bisections: beyond the bisections of any bracket to round-off.
+const STEPS: usize = 120;
+
+/// The root of a function that grows, between `low` and `high`, from `x` on in lanes where `open` is not zero. `of`
+/// gives value and derivative.
+#[inline(always)]
+fn root<const L: usize>(
+    mut x: Lane<L>,
+    [mut low, mut high]: [Lane<L>; 2],
+    mut open: Lane<L>,
+    of: impl Fn(&Lane<L>) -> [Lane<L>; 2],
+) -> Lane<L> {
+    let mut last = splat::<L>(f64::INFINITY);
+    for _ in 0..STEPS {
+        let [value, derivative] = of(&x);
+        let mut widest = 0.0;
+        for l in 0..L {
+            let is_below = value[l] < 0.0;
+            // The bracket shrinks with every value, so bisection is always at hand.
+            low[l] = if is_below { x[l] } else { low[l] };
+            high[l] = if is_below { high[l] } else { x[l] };
+            // A kink of a table may have Newton's method jump to and fro: it must at least halve its last step, or
+            // bisection takes over.
+            let newton = x[l] - value[l] / derivative[l];
+            let is_close = value[l].abs() <= TOLERANCE;
+            let is_outside = (newton <= low[l]) | (newton >= high[l]) | ((newton - x[l]).abs() > 0.5 * last[l]);
+            // A NaN must propagate.
+            let next = if is_outside & !is_close { 0.5 * (low[l] + high[l]) } else { newton };
+            let is_open = open[l] > TOLERANCE;
+            last[l] = (next - x[l]).abs();
+            // A lane that is done keeps its bits whatever its neighbours still search: no lane depends on another.
+            x[l] = if is_open { next } else { x[l] };
+            open[l] = if is_open { value[l].abs() } else { open[l] };
+            widest = larger(open[l], widest);
+        }
+        if widest <= TOLERANCE {
+            break;
+        }
+    }
+    x
+}
+
+/// Trials above the flow stress by less than this share do not flow.
+pub(super) const ROUND_OFF: f64 = 4e-15;
+
+/// An elastic trial.
+pub(super) struct Trial<'a, const L: usize> {
+    /// κ_i, Pa.
+    pub(super) stiffness: [f64; 3],
+    /// The least of them.
+    pub(super) softest: f64,
+    /// a_i.
+    pub(super) squares: Plane<L>,
+    /// p before the step.
+    pub(super) before: &'a Lane<L>,
+    /// Flow stress at p before the step, slow, Pa.
+    pub(super) flow_stress: Lane<L>,
+}
+
+/// σ̄, 1/(1 + γκ_i) and −dσ̄/dγ.
+pub(super) struct Relaxed<const L: usize> {
+    pub(super) stress: Lane<L>,
+    pub(super) shares: Plane<L>,
+    pub(super) slope: Lane<L>,
+}
+
+impl<const L: usize> Trial<'_, L> {
+    /// σ̄ of the trial over the flow stress, less one.
+    #[inline(always)]
+    pub(super) fn excess(&self) -> Lane<L> {
+        let [a, b, c] = &self.squares;
+        lanes(|l| (a[l] + b[l] + c[l]).sqrt() / self.flow_stress[l] - 1.0)
+    }
+
+    /// The stress after the flow γ.
+    #[inline(always)]
+    pub(super) fn relaxed(&self, gamma: &Lane<L>) -> Relaxed<L> {
+        let nothing = splat(0.0);
+        let mut out = Relaxed { stress: nothing, shares: [nothing; 3], slope: nothing };
+        let mut falls = splat::<L>(0.0);
+        for i in 0..3 {
+            for l in 0..L {
+                let share = 1.0 / (1.0 + gamma[l] * self.stiffness[i]);
+                let square = self.squares[i][l] * share * share;
+                out.shares[i][l] = share;
+                out.stress[l] += square;
+                // The derivative comes with the value: both need the same quotient.
+                falls[l] += square * share * self.stiffness[i];
+            }
+        }
+        for l in 0..L {
+            out.stress[l] = out.stress[l].sqrt();
+            out.slope[l] = falls[l] / out.stress[l];
+        }
+        out
+    }
+
+    /// A bound on γ from above: σ̄ is at most that of the trial over 1 + γ min κ; a margin for round-off.
+    #[inline(always)]
+    pub(super) fn most(&self, excess: f64) -> f64 {
+        excess / self.softest * (1.0 + 1e-6)
     }
 }

@@ -16,26 +16,23 @@ mod hill;
 mod history;
 mod logarithm;
 mod modes;
-mod overstress;
 mod rate;
-mod root;
 #[cfg(test)]
 mod tests;
-mod trial;
 
-pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
-pub use hill::Hill;
-pub use history::PlasticHistory;
-pub use rate::{CowperSymonds, FlowRate, RateTable, RateTableError};
-
+use flow::Trial;
+use logarithm::Logarithm;
+use modes::Modes;
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, MembraneLaw, Stiffness, Stress};
 use crate::lane::{Lane, exp, larger, splat};
-use logarithm::Logarithm;
-use modes::Modes;
-use trial::Trial;
+
+pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
+pub use hill::Hill;
+pub use history::PlasticHistory;
+pub use rate::{FlowRate, RateTable, RateTableError};
 
 /// A plastic film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -158,14 +155,13 @@ impl MembraneLaw for Plastic {
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut PlasticHistory<L>, dt: f64) -> Stress<L> {
         let log = Logarithm::from_cauchy_green(&d.metric());
         let mut amplitudes = self.amplitudes(&log, &history.strain);
-        let (before, overstress) = (history.equivalent, history.overstress);
+        let before = history.equivalent;
         let trial = Trial {
             stiffness: self.modes.stiffness,
             softest: self.modes.softest(),
             squares: self.modes.squares(&amplitudes),
             before: &before,
             flow_stress: self.hardening.flow(&before).stress,
-            overstress: &overstress,
         };
         // Where no lane flows, the rest changes nothing.
         let t = match trial.flow(&self.hardening, &self.rate, dt) {

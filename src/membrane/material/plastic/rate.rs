@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::FlowCurve;
 use super::hardening::Flow;
-use crate::lane::{Lane, exp, ln, splat};
+use crate::lane::{Lane, ln, splat};
 use crate::material::log_interval::LogInterval;
 
 /// Dependence of the flow stress on the rate ṗ of the equivalent plastic strain.
@@ -13,48 +13,8 @@ use crate::material::log_interval::LogInterval;
 pub enum FlowRate {
     /// None.
     Independent,
-    /// The law of Cowper and Symonds.
-    CowperSymonds(CowperSymonds),
     /// Curves by rate, from that of the hardening on: interpolated in the logarithm of the rate, constant outside.
     Table(RateTable),
-}
-
-/// The flow stress σ_y (1 + (ṗ/D)^(1/P)) (theory.md, equation 260; Cowper and Symonds, Brown University, 1957).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CowperSymonds {
-    /// D, 1/s.
-    pub reference: f64,
-    /// P, at least one.
-    pub exponent: f64,
-}
-
-/// Largest exponent whose powers are products.
-const PRODUCTS: f64 = 16.0;
-
-impl CowperSymonds {
-    /// q^(P − 1) of the share `q` > 0 of the slow flow stress: products where P is a whole number, as it mostly is.
-    #[inline(always)]
-    pub(super) fn power_below<const L: usize>(&self, q: &Lane<L>) -> Lane<L> {
-        let power = self.exponent - 1.0;
-        // The branch is the same for all lanes and the whole run.
-        if power.fract() != 0.0 || power > PRODUCTS {
-            let (mut log, mut out) = (splat::<L>(0.0), splat::<L>(0.0));
-            for l in 0..L {
-                log[l] = power * ln(q[l]);
-            }
-            for l in 0..L {
-                out[l] = exp(log[l]);
-            }
-            return out;
-        }
-        let mut out = splat(1.0);
-        for _ in 0..power as u32 {
-            for l in 0..L {
-                out[l] *= q[l];
-            }
-        }
-        out
-    }
 }
 
 /// Flow curves of rising rates after that of the hardening.
@@ -160,7 +120,7 @@ impl FlowRate {
     pub fn range(&self) -> Option<[f64; 2]> {
         match self {
             FlowRate::Table(RateTable { lowest, highest, .. }) => Some([*lowest, *highest]),
-            FlowRate::Independent | FlowRate::CowperSymonds(_) => None,
+            FlowRate::Independent => None,
         }
     }
 
@@ -168,9 +128,6 @@ impl FlowRate {
     pub(super) fn stress_at(&self, slow: Flow<1>, p: f64, rate: f64) -> f64 {
         match self {
             FlowRate::Independent => slow.stress[0],
-            FlowRate::CowperSymonds(CowperSymonds { reference, exponent }) => {
-                slow.stress[0] * (1.0 + exp((ln(rate) - ln(*reference)) / exponent))
-            }
             FlowRate::Table(table) => table.flow(&slow, &[p], &[ln(rate)]).stress[0],
         }
     }

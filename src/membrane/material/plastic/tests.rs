@@ -23,10 +23,6 @@ fn orthotropic() -> Hill {
     Hill::from_strain_ratios([0.6, 1.5, 2.2])
 }
 
-fn cowper_symonds() -> FlowRate {
-    FlowRate::CowperSymonds(CowperSymonds { reference: 40.0, exponent: 5.0 })
-}
-
 fn by_rate() -> Plastic {
     let curve = |factor: f64| FlowCurve::new(&[[0.0, 8e6 * factor], [0.1, 11e6 * factor], [0.5, 20e6 * factor]]);
     let curves = [(0.01, 1.0), (1.0, 1.2), (100.0, 1.7)].map(|(rate, factor)| (rate, curve(factor).unwrap()));
@@ -47,8 +43,6 @@ fn laws() -> Vec<Plastic> {
         slow(orthotropic(), table()),
         slow(Hill::from_strain_ratios([3.0, 0.2, 0.5]), Hardening::Table(stiffening)),
         slow(orthotropic(), voce()),
-        Plastic::new(elastic(), orthotropic(), table(), cowper_symonds()),
-        Plastic::new(elastic(), Hill::default(), voce(), cowper_symonds()),
         by_rate(),
     ]
 }
@@ -191,7 +185,7 @@ impl BruteForce<'_> {
     }
 }
 
-/// 35 000 random trials, from strains far below yield to such as no step has.
+/// 25 000 random trials, from strains far below yield to such as no step has.
 #[test]
 fn flow_is_solved_to_round_off() {
     let mut random = random(21);
@@ -222,7 +216,7 @@ fn flow_is_solved_to_round_off() {
             }
         }
     }
-    assert!(flowed > 15_000, "{flowed} trials flowed");
+    assert!(flowed > 10_000, "{flowed} trials flowed");
     println!("worst {worst:e}, {flowed} flowed");
 }
 
@@ -551,48 +545,37 @@ fn equibiaxial_tension_and_shear_have_their_closed_forms() {
 /// table's first curve.
 #[test]
 fn the_rate_raises_the_flow_stress() {
-    let cowper = |exponent| {
-        let rate = FlowRate::CowperSymonds(CowperSymonds { reference: 40.0, exponent });
-        Plastic::new(elastic(), Hill::default(), voce(), rate)
-    };
-    for law in [cowper(5.0), cowper(5.5), cowper(40.0), by_rate()] {
-        for rate in [1e-4, 0.3, 20.0, 5e3] {
-            let (mut history, steps, mut along) = (Point::virgin(), 600, 0.0);
-            let mut before = 0.0;
-            for _ in 0..steps {
-                along += 0.3 / f64::from(steps);
-                before = history.equivalent[0];
-                let across = free_width(&law, along, 0, &history, 0.3 / f64::from(steps) / rate);
-                step(&law, strained([along, across, 0.0]), &mut history, 0.3 / f64::from(steps) / rate);
-            }
-            let flowed = (history.equivalent[0] - before) * f64::from(steps) * rate / 0.3;
-            assert!(flowed > 0.4 * rate, "{flowed} of {rate}");
-            let p = history.equivalent[0];
-            let expected = law.flow_stress(p, flowed);
-            let found = law.hardening.stress(p) + history.overstress[0];
-            assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    let law = by_rate();
+    for rate in [1e-4, 0.3, 20.0, 5e3] {
+        let (mut history, steps, mut along) = (Point::virgin(), 600, 0.0);
+        let mut before = 0.0;
+        for _ in 0..steps {
+            along += 0.3 / f64::from(steps);
+            before = history.equivalent[0];
+            let across = free_width(&law, along, 0, &history, 0.3 / f64::from(steps) / rate);
+            step(&law, strained([along, across, 0.0]), &mut history, 0.3 / f64::from(steps) / rate);
         }
+        let flowed = (history.equivalent[0] - before) * f64::from(steps) * rate / 0.3;
+        assert!(flowed > 0.4 * rate, "{flowed} of {rate}");
+        let p = history.equivalent[0];
+        let expected = law.flow_stress(p, flowed);
+        let found = law.hardening.stress(p) + history.overstress[0];
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
     }
 }
 
-/// One step of virgin film, of any length and strain, ends at the flow stress of the rate of that step, whatever the
-/// exponent: no product overflows, and no search ends early.
+/// One step of virgin film, of any length and strain, ends at the flow stress of the rate of that step: no product overflows, and
+/// no search ends early.
 #[test]
 fn a_step_ends_at_the_flow_stress_of_its_rate() {
-    let [exponents, references] = [vec![1.0, 1.7, 3.0, 5.0, 17.5, 100.0], vec![1e-3, 40.0, 1e6]];
-    for (exponent, reference) in exponents.iter().flat_map(|p| references.iter().map(move |d| (*p, *d))) {
-        let rate = FlowRate::CowperSymonds(CowperSymonds { reference, exponent });
-        let law = Plastic::new(elastic(), orthotropic(), table(), rate);
-        for (strain, dt) in
-            [0.06, 0.1, 0.7, 3.0].into_iter().flat_map(|e| [1e-9, 1e-6, 1e-3, 1.0, 1e3].map(|dt| (e, dt)))
-        {
-            let (f, mut history) = (strained([strain, -0.4 * strain, 0.2 * strain]), Point::virgin());
-            step(&law, f, &mut history, dt);
-            let growth = history.equivalent[0];
-            let found = effective(&law.hill, work_stress(&law, f, &history));
-            assert!(growth > 0.0 && found.is_finite(), "{exponent} {reference} {strain} {dt}: {growth} {found}");
-            let expected = law.flow_stress(growth, growth / dt);
-            assert!((found / expected - 1.0).abs() < 1e-8, "{exponent} {reference} {strain} {dt}: {found} {expected}");
-        }
+    let law = by_rate();
+    for (strain, dt) in [0.06, 0.1, 0.7, 3.0].into_iter().flat_map(|e| [1e-9, 1e-6, 1e-3, 1.0, 1e3].map(|dt| (e, dt))) {
+        let (f, mut history) = (strained([strain, -0.4 * strain, 0.2 * strain]), Point::virgin());
+        step(&law, f, &mut history, dt);
+        let growth = history.equivalent[0];
+        let found = effective(&law.hill, work_stress(&law, f, &history));
+        assert!(growth > 0.0 && found.is_finite(), "{strain} {dt}: {growth} {found}");
+        let expected = law.flow_stress(growth, growth / dt);
+        assert!((found / expected - 1.0).abs() < 1e-8, "{strain} {dt}: {found} {expected}");
     }
 }

@@ -8,12 +8,12 @@ mod fault;
 mod msh;
 mod obj;
 mod outline;
-mod stl;
 mod svg;
 mod vtu;
 
 use std::collections::{HashMap, VecDeque};
 use std::fs;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
@@ -22,6 +22,7 @@ use nalgebra::Point3;
 
 use super::grid::split;
 use super::{Element, Mesh, MeshError, topology};
+use base::file::{self, FileError};
 
 pub use drawing::DrawingFault;
 pub use fault::{Fault, MshFault, VtuFault};
@@ -142,7 +143,7 @@ impl FileState {
 
 fn read(path: &Path) -> Result<Mesh, Fault> {
     let raw = match extension(path).as_str() {
-        "stl" => merge_equal(stl::read(path)?),
+        "stl" => merge_equal(read_stl(path)?),
         "obj" => merge_equal(obj::read(path)?),
         "vtu" => vtu::read(path)?,
         "msh" => msh::read(path)?,
@@ -211,6 +212,18 @@ fn split_quads(mesh: &mut Mesh) {
     let tris: Vec<_> = tris.collect();
     mesh.tris.extend(tris);
     mesh.quads.clear();
+}
+
+/// The triangles of the file; corners at one position have one number.
+fn read_stl(path: &Path) -> Result<Mesh, Fault> {
+    let mut file = BufReader::new(file::open(path)?);
+    let stl = stl_io::read_stl(&mut file).map_err(FileError::Io)?;
+    let point = |v: &stl_io::Vertex| Point3::from(v.0.map(f64::from));
+    Ok(Mesh {
+        nodes: stl.vertices.iter().map(point).collect(),
+        tris: stl.faces.iter().map(|face| face.vertices.map(|node| node as u32)).collect(),
+        ..Mesh::default()
+    })
 }
 
 #[cfg(test)]

@@ -8,7 +8,6 @@
 mod energy;
 mod fit;
 mod separable;
-mod stresses;
 #[cfg(test)]
 mod tests;
 

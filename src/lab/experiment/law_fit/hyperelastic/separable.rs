@@ -3,10 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Energy;
-use super::stresses::stresses;
-use crate::experiment::law_fit::DataSet;
+use crate::experiment::law_fit::{DataSet, Measured};
 use crate::experiment::nonnegative::{least_squares, nonnegative_least_squares};
-use membrane::material::{CompressibleNeoHookean, Gent, Hyperelastic, HyperelasticLaw, Ogden, OgdenTerm, Polynomial};
+use membrane::material::{
+    CompressibleNeoHookean, Gent, Hyperelastic, HyperelasticLaw, Ogden, OgdenTerm, Polynomial, Tension,
+};
 
 /// Largest size of an exponent.
 const LARGEST_EXPONENT: f64 = 20.0;
@@ -208,4 +209,34 @@ fn combinations(count: usize) -> Vec<Vec<f64>> {
     let sets = (0..1_u32 << EXPONENTS.len()).filter(|bits| bits.count_ones() as usize == count);
     let exponents = |bits: u32| (0..EXPONENTS.len()).filter(move |at| bits >> at & 1 == 1).map(|at| EXPONENTS[at]);
     sets.map(|bits| exponents(bits).collect()).collect()
+}
+
+/// Points of a curve.
+const POINTS: u32 = 120;
+
+impl Measured {
+    /// Principal stretches of all points in the plane, for film of this law.
+    pub(super) fn states(&self, law: &HyperelasticLaw) -> Vec<[f64; 2]> {
+        match self {
+            Measured::Tension(tension, points) => {
+                points.iter().map(|point| law.stretches(*tension, point[0])).collect()
+            }
+            Measured::Biaxial(points) => points.iter().map(|point| point.stretches).collect(),
+        }
+    }
+}
+
+/// The law's stresses (Pa) in the order of the measured ones.
+pub(super) fn stresses(law: &HyperelasticLaw, measured: &Measured) -> Vec<f64> {
+    let states = measured.states(law).into_iter().map(|state| law.nominal_stress(state));
+    match measured {
+        Measured::Tension(..) => states.map(|stress| stress[0]).collect(),
+        Measured::Biaxial(_) => states.flatten().collect(),
+    }
+}
+
+/// The law's stress (Pa) over the stretch between two stretches.
+pub(super) fn curve(law: &HyperelasticLaw, tension: Tension, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
+    let stretches = (0..=POINTS).map(|k| from + (to - from) * f64::from(k) / f64::from(POINTS));
+    stretches.map(|stretch| [stretch, law.nominal_stress(law.stretches(tension, stretch))[0]]).collect()
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::super::*;
 use super::Energy;
-use super::stresses::stresses;
+use super::separable::stresses;
 use membrane::material::{Law, Ogden, Tension};
 
 fn rubber(name: &str) -> DataSet {

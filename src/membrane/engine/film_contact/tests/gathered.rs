@@ -15,6 +15,9 @@ fn positions<'a>(view: &'a View<'_>) -> impl Iterator<Item = Vector3<f64>> + 'a 
 /// A free square lies on a ring of straight bars, and a ball takes it through: it gathers in pleats between both.
 #[test]
 fn film_that_a_ball_takes_through_a_ring_gathers_without_crossing() {
+    if !thorough::thorough() {
+        return;
+    }
     let [thickness, opening, bar, radius] = [3e-4, 0.06, 0.008, 0.03];
     let section = Section { thickness, ..section(5e6) };
     let (film, nodes) = mount(&square(0.26, 26, 0.2), &section, |_| [0.0; 3]);
@@ -52,6 +55,9 @@ fn film_that_a_ball_takes_through_a_ring_gathers_without_crossing() {
 /// by friction, and one fold after it.
 #[test]
 fn a_fold_that_a_ball_drags_does_not_cross_itself() {
+    if !thorough::thorough() {
+        return;
+    }
     let (bend, flat, thickness) = (4e-4, 0.08, 2e-4);
     let arc = PI * bend;
     let length = 3.0 * flat + 2.0 * arc;
