@@ -776,7 +776,9 @@ mod tests {
         let largest = grid.iter().map(|own| own.0).fold(f64::NEG_INFINITY, f64::max);
         let weights: Vec<f64> = grid.iter().map(|own| (own.0 - largest).exp()).collect();
         let whole: f64 = weights.iter().sum();
-        let mean = |of: &dyn Fn(&(f64, f64, [f64; 2], [f64; 2])) -> f64| {
+        /// Logarithm of the weight, share, best values, deviations.
+        type Point = (f64, f64, [f64; 2], [f64; 2]);
+        let mean = |of: &dyn Fn(&Point) -> f64| {
             grid.iter().zip(&weights).map(|(own, weight)| weight * of(own)).sum::<f64>() / whole
         };
         let along = [0, 1].map(|which| {

@@ -47,7 +47,7 @@ impl Indent {
         let slices = pairs().zip(pairs().skip(1));
         let depth_at_break = outcome.rupture_time.map(|time| velocity * time);
         // Between the last sample and the break the force goes on as between the last two.
-        let last = slices.clone().last().zip(depth_at_break).map(|(((a, f), (b, g)), end)| {
+        let last = slices.clone().next_back().zip(depth_at_break).map(|(((a, f), (b, g)), end)| {
             let rest = (end - b).max(0.0);
             if b > a { rest * (g + 0.5 * rest * (g - f) / (b - a)) } else { 0.0 }
         });

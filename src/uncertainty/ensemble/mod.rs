@@ -202,7 +202,7 @@ impl Walker {
     fn at(density: &impl Density, state: Vec<f64>) -> Option<Walker> {
         let mut factors = vec![density.log(&state)];
         for block in 0..density.blocks().len() {
-            if !(factors[block] > f64::NEG_INFINITY) {
+            if factors[block].is_nan() || factors[block] == f64::NEG_INFINITY {
                 return None;
             }
             factors.push(density.log_of_block(block, &state));
