@@ -9,7 +9,7 @@ use base::units::STANDARD_GRAVITY;
 use droptower_fuzz::with_file;
 use lab::experiment::absorption::Body;
 use lab::experiment::coupon::{Coupon, CouponReader, Rules};
-use lab::experiment::drop::{ChannelNames, DropChannels, Height, Reduction, Tower};
+use lab::experiment::drop::{ChannelNames, DropChannels, Reduction, Tower};
 use lab::experiment::law_fit::StressReader;
 use lab::experiment::relaxation::read_relaxation;
 use lab::signal::{ReadOptions, file};
@@ -19,7 +19,7 @@ fuzz_target!(|input: &[u8]| {
         if let Ok(measurement) = file::read(path, &ReadOptions::default())
             && let Ok(channels) = DropChannels::find(&measurement, &ChannelNames::default())
         {
-            let tower = Tower { body: Body { mass: 10.0, gravity: STANDARD_GRAVITY }, height: Height::Known(1.0) };
+            let tower = Tower { body: Body { mass: 10.0, gravity: STANDARD_GRAVITY }, height: Some(1.0) };
             drop(channels.reduce(&tower, &Reduction::default()).map(|drop| drop.figures()));
         }
         let coupon = Coupon::new(5e-3, 10e-3, 12e-6).expect("a coupon");
