@@ -152,7 +152,7 @@ mod tests {
             ("let s = signal([0, 1], [0, 0]); rate(s, s)", "the reference is zero everywhere"),
             ("signal([0, 1], [1, 2]).resampled(0)", "is not positive"),
             ("signal([0, 1], [1, 2]).resampled(1e-7)", "more than a million samples"),
-            ("signal([0, 1], [1, 2]).resampled(0.00001).values()", "has 100001 samples, a list holds 10000"),
+            ("signal([0, 1], [1, 2]).resampled(0.0000015).values()", "samples, a list holds"),
             ("signal([0, 1], [1, 2]).shifted(1e30)", "times cannot be shifted"),
         ];
         assert_refused(&engine(), &cases);
