@@ -153,7 +153,13 @@ fn reduced(drop: &Figures) -> String {
         row("first contact", Some(drop.contact_time_s), drop.contact_time_interval_s, [1.0, 4.0], "s"),
         row("energy absorbed", drop.energy_absorption, drop.energy_absorption_interval, [100.0, 1.0], "%"),
     ];
-    let rows: Vec<Vec<String>> = rows.into_iter().flatten().collect();
+    let time_constant = drop.time_constant_interval_s.map(|ends| {
+        let [low, high] = ends.map(|end| end.map_or_else(|| "no limit".to_owned(), |end| format!("{:.1}", 1e3 * end)));
+        let value =
+            drop.time_constant_s.map_or_else(|| "DC-coupled, or not told".into(), |t| format!("{:.1} ms", 1e3 * t));
+        vec!["time constant of the accelerometer".to_owned(), value, format!("{low} to {high} ms")]
+    });
+    let rows: Vec<Vec<String>> = rows.into_iter().flatten().chain(time_constant).collect();
     let head = ["the recording", "value", "interval of 95 %"].map(String::from);
     html::table(&head, &rows)
 }

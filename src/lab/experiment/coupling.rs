@@ -49,8 +49,8 @@ pub fn restored(reading: &Series, inverse: f64) -> Series {
     reading.with_values(first.into_iter().chain(rest).collect())
 }
 
-/// Factors of a step of length `h`: of the reading, φ, and of the change of the input, τ(1 − φ)/h.
-fn shares(h: f64, inverse: f64) -> (f64, f64) {
+/// Factors of a step of length `h` in equation 42: of the reading, φ, and of the change of the input, τ(1 − φ)/h.
+pub(super) fn shares(h: f64, inverse: f64) -> (f64, f64) {
     let x = h * inverse;
     let lost = -(-x).exp_m1();
     (1.0 - lost, if x > 0.0 { lost / x } else { 1.0 })

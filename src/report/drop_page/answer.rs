@@ -49,7 +49,7 @@ fn with_interval(value: f64, interval: Option<[f64; 2]>, factor: f64, unit: &str
         return format!("{} {unit}", significant(factor * value, DIGITS));
     };
     let [low, high] = [a.min(b), a.max(b)];
-    let decimals = (1.0 - (high - low).max(1e-9).log10()).ceil().clamp(0.0, 6.0) as usize;
+    let decimals = (0.5 - (high - low).max(1e-9).log10()).ceil().clamp(0.0, 6.0) as usize;
     format!("{:.decimals$} {unit} (95 %: {low:.decimals$} to {high:.decimals$})", factor * value)
 }
 

@@ -88,9 +88,10 @@ pub(super) fn rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<(&'stat
         format!("{speed:.3} m/s{interval} at {:.1} ms", 1e3 * time)
     });
     rows.insert(6, ("rebound", or_none(rebound)));
-    rows.extend(
-        figures.widest_input.zip(figures.widest_share).map(|(input, share)| ("intervals", intervals(input, share))),
-    );
+    if let Some((input, share)) = figures.widest_input.zip(figures.widest_share) {
+        rows.push(("intervals", "95 % by noise, zero, coupling, friction, height, release and onset".into()));
+        rows.push(("widest by", widest(input, share)));
+    }
     rows
 }
 
@@ -116,22 +117,18 @@ fn coupling(time_constant: f64, interval: Option<[Option<f64>; 2]>) -> String {
     }
 }
 
-/// What the intervals hold, and what narrows them.
-fn intervals(input: Input, share: f64) -> String {
+/// The input that widens the interval of the travel most, and what narrows it.
+fn widest(input: Input, share: f64) -> String {
     let (what, narrower) = match input {
-        Input::Offset => ("the zero of the sensor", "a longer rest before the release, or a laser"),
-        Input::Coupling => ("the coupling of the sensor", "--time-constant from its data sheet, or a laser"),
-        Input::Friction => ("the friction of the guide", "--guide-friction, or a laser"),
-        Input::Height => ("the height of fall", "--height with a smaller error, or a laser"),
-        Input::Release => ("the time of the release", "a faster release, or a laser"),
-        Input::Onset => ("the onset of the force", "a laser, or less noise"),
-        Input::Laser => ("the zero of the laser", "a laser that is zeroed on the film"),
+        Input::Offset => ("zero of the sensor", "a longer rest before the release, or a laser"),
+        Input::Coupling => ("coupling of the sensor", "--time-constant from its data sheet, or a laser"),
+        Input::Friction => ("friction of the guide", "--guide-friction, or a laser"),
+        Input::Height => ("height of fall", "--height with a smaller error, or a laser"),
+        Input::Release => ("time of the release", "a faster release, or a laser"),
+        Input::Onset => ("onset of the force", "a laser, or less noise"),
+        Input::Laser => ("zero of the laser", "a laser that is zeroed on the film"),
     };
-    format!(
-        "[ .. ] hold 95 % by noise, zero, coupling, friction, height, release and onset; of the travel's, {what} is {:.0} % \
-         (narrower with {narrower})",
-        100.0 * share
-    )
+    format!("{what}, {:.0} % of the travel's; narrower with {narrower}", 100.0 * share)
 }
 
 /// An interval after its figure, times `factor`: ` [149.9 .. 150.5]`; nothing where there is none.

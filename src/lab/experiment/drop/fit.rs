@@ -51,7 +51,7 @@ impl Fit {
     }
 
     /// Levenberg and Marquardt's method within the bounds: an unknown at its bound stays there while the gradient holds
-    /// it.
+    /// it. Not that of `descent`, which knows no bounds: what lies at one decides the intervals.
     fn descend(model: &Model<'_>, start: Unknowns) -> Fit {
         let bounds = model.bounds();
         let within = |i: usize, value: f64| value.clamp(bounds[i][0], bounds[i][1]);

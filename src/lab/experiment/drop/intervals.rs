@@ -69,9 +69,6 @@ pub(super) fn of(
         places.iter().map(|place| correlation(&of_unknown(*place), &travels).powi(2)).fold(0.0, f64::max)
     };
     let widest = INPUTS.iter().map(|(input, places)| (*input, share(places))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let [contact, speed]: [Vec<f64>; 2] =
-        [all.iter().map(|(_, of)| of.contact).collect(), all.iter().map(|(_, of)| of.speed).collect()];
-    let both = covariance(&contact, &speed);
     let mass = body.mass;
     Some(Intervals {
         time_constant: (!is_given).then(|| time_constant(of_unknown(of::INVERSE), fit.best[of::INVERSE])),
@@ -82,7 +79,6 @@ pub(super) fn of(
         rebound_speed: (best.rebound > 0.0).then(|| over(&|of| of.rebound)),
         absorbed_energy: over(&|of| mass * of.absorbed),
         energy_absorption: Some(over(&|of| of.absorption)),
-        covariance: [[covariance(&contact, &contact), both], [both, covariance(&speed, &speed)]],
         widest,
     })
 }

@@ -2,6 +2,7 @@
 //! (theory.md, equations 40 to 46).
 
 use super::tower::Known;
+use crate::experiment::coupling;
 
 /// Number of unknowns.
 pub(super) const COUNT: usize = 13;
@@ -198,7 +199,10 @@ impl Model<'_> {
                 + after * pressed(state[1]);
             coupled = match before {
                 None => -down,
-                Some([t, last]) => high_passed(coupled, -down - last, time - t, u[of::INVERSE]),
+                Some([t, last]) => {
+                    let (decay, gain) = coupling::shares(time - t, u[of::INVERSE]);
+                    decay * coupled + gain * (-down - last)
+                }
             };
             before = Some([*time, -down]);
             let read = coupled + u[of::OFFSET] + u[of::DRIFT] * (time - self.start());
@@ -265,13 +269,6 @@ impl Model<'_> {
         bounds[of::HEIGHT] = [1e-3, 100.0];
         bounds
     }
-}
-
-/// Reading behind a high pass of the `inverse` time constant (1/s), from that before it, after the input changed by
-/// `change` over `h` (s): equation 42.
-fn high_passed(reading: f64, change: f64, h: f64, inverse: f64) -> f64 {
-    let x = inverse * h;
-    (-x).exp() * reading + integrals(x)[0] * change
 }
 
 /// Travel and speed at the time `until` (s) under an acceleration (downward) that depends on the travel.

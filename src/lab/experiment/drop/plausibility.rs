@@ -21,8 +21,9 @@ pub(super) struct Impact<'a> {
     pub ideal_speed: f64,
     /// Signals from contact on.
     pub signals: &'a Recording,
-    /// D of equation 26.
+    /// D of equation 26, and its interval of 95 %.
     pub energy_absorption: Option<f64>,
+    pub absorption_interval: Option<[f64; 2]>,
 }
 
 /// Reports that put an `impact` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at
@@ -35,7 +36,12 @@ pub(super) fn warnings(impact: &Impact<'_>, reading: &Series, rest_end: f64) -> 
 }
 
 fn absorption(impact: &Impact<'_>) -> Option<Warning> {
-    let absorption = impact.energy_absorption.filter(|d| !(0.0..=1.0).contains(d))?;
+    // One near none is impossible only where its interval does not reach what is possible.
+    let absorption = impact.energy_absorption?;
+    let [low, high] = impact.absorption_interval.unwrap_or([absorption; 2]);
+    if high >= 0.0 && low <= 1.0 {
+        return None;
+    }
     Some(Warning::ImpossibleAbsorption { absorption })
 }
 

@@ -13,7 +13,7 @@ use super::release::{Release, ReleaseError};
 use super::result::{Contact, Drop, Intervals, Landmarks, SpeedSource};
 use super::tower::{Class, Correction, Known, Reduction, Tower};
 use crate::experiment::Warning;
-use crate::experiment::absorption::{energy_absorption, film_absorption};
+use crate::experiment::absorption::{energy_absorption, film_absorption as film_absorption_by};
 use crate::experiment::coupling;
 use crate::signal::column::Column;
 use crate::signal::filter::{self, ChannelFilter, Standard};
@@ -84,14 +84,8 @@ pub(super) fn even(acceleration: &Series) -> Result<Series, DropError> {
     if resample::common_step(acceleration.time()).is_some() {
         return Ok(acceleration.clone());
     }
-    Ok(resample::uniform(acceleration, median_step(acceleration.time()))?)
-}
-
-/// s; a few times that are written twice or left out do not change it.
-fn median_step(time: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+    // A few times that are written twice or left out do not change the median.
+    Ok(resample::uniform(acceleration, gap::usual_step(acceleration.time()))?)
 }
 
 /// The class for samples `step` (s) apart, and the note that the rate allows no higher one.
@@ -126,7 +120,7 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower) -> Result<Explained,
     };
     let all = fit(&recorded, &known).ok_or_else(no_fit)?;
     let pull = recorded.model(&known, gravity).pull(&all.best);
-    if pull.abs() < PULLS && all.colour < MISFIT {
+    if pull < PULLS && all.colour < MISFIT {
         return Ok(Explained { known, recorded, fit: all, disagreement: None });
     }
     // Without them friction may be anything.
@@ -189,7 +183,8 @@ fn deviations(model: &Model<'_>, fit: &Fit) -> [f64; 3] {
     ]
 }
 
-/// The drop of a recording that is explained.
+/// The drop of a recording that is explained: signals from contact on, what follows from them, and every doubt, in one place
+/// since most figures are withheld by one rule, that of an accelerometer at the end of its range.
 fn finish(
     recorded: &Recorded,
     model: &Model<'_>,
@@ -231,32 +226,33 @@ fn finish(
     let is_whole = clipping.is_none();
     let draws = fit.draws(model);
     let intervals = ramp.is_none().then(|| intervals::of(recorded, model, fit, &draws, body)).flatten();
-    // The figures are of the whole reading, the intervals of its means.
+    // The figures are of the whole reading, the intervals of its means; what there is no figure of has none.
+    let rebounds = absorption.ok().filter(|_| is_whole);
     let intervals = intervals.map(|all| Intervals {
         displacement: holding(all.displacement, displacement.iter().copied().fold(0.0, f64::min)),
-        energy_absorption: all.energy_absorption.zip(absorption.ok()).map(|(ends, value)| holding(ends, value)),
+        energy_absorption: all.energy_absorption.zip(rebounds).map(|(ends, value)| holding(ends, value)),
+        rebound_speed: all.rebound_speed.filter(|_| rebounds.is_some()),
         ..all
-    });
-    let intervals = intervals.map(|all| match is_whole && absorption.is_ok() {
-        true => all,
-        false => Intervals { energy_absorption: None, rebound_speed: None, ..all },
     });
     let friction = Friction::of(best, &draws, model, body.mass * body.gravity);
     let guide_friction = ramp.is_none().then(|| friction.guide.clone()).flatten();
     let film_absorption = guide_friction.as_ref().filter(|_| is_whole);
-    let film_absorption = film_absorption.and_then(|guide| film_absorption_of(tower, guide, velocity, displacement));
+    let film_absorption =
+        film_absorption.and_then(|guide| film_absorption_by(body, guide, velocity, displacement).ok());
     let may_be_dc = intervals.as_ref().and_then(|all| all.time_constant).filter(|ends| ends[1].is_infinite());
     let time_constant = ramp.is_none().then(|| match may_be_dc {
         Some(_) => f64::INFINITY,
         None => 1.0 / best[of::INVERSE],
     });
     let ideal_speed = tower.height.map_or(model.speed, |height| (2.0 * body.gravity * height).sqrt());
-    let energy_absorption = absorption.ok().filter(|_| is_whole);
-    let doubts = plausibility::warnings(
-        &Impact { contact: &contact, ideal_speed, signals: &signals, energy_absorption },
-        &recorded.reading,
-        recorded.release.rest_end,
-    );
+    let impact = Impact {
+        contact: &contact,
+        ideal_speed,
+        signals: &signals,
+        energy_absorption: rebounds,
+        absorption_interval: intervals.as_ref().and_then(|all| all.energy_absorption),
+    };
+    let doubts = plausibility::warnings(&impact, &recorded.reading, recorded.release.rest_end);
     let warnings = [
         friction.faster(tower),
         without_laser(speed_from),
@@ -266,11 +262,6 @@ fn finish(
         recorded.held_laser(),
         clipping.map(|clipping| saturated(&clipping, &signals)),
     ];
-    // An absorption near none is impossible only where its interval does not reach what is possible.
-    let is_possible = intervals.as_ref().and_then(|all| all.energy_absorption);
-    let is_possible = is_possible.is_some_and(|[low, high]| high >= 0.0 && low <= 1.0);
-    let doubts =
-        doubts.into_iter().filter(|doubt| !(is_possible && matches!(doubt, Warning::ImpossibleAbsorption { .. })));
     let warnings = reports.into_iter().chain(warnings).flatten().chain(doubts).collect();
     Ok(Drop {
         release: recorded.release,
@@ -284,7 +275,7 @@ fn finish(
         offset: best[of::OFFSET],
         noise: recorded.noise,
         class,
-        energy_absorption,
+        energy_absorption: rebounds,
         film_absorption,
         total_energy_drift: motion::drift(channel(column::TOTAL_ENERGY)),
         clipped_from: clipping.map(|clipping| clipping.start - time),
@@ -293,10 +284,7 @@ fn finish(
     })
 }
 
-fn film_absorption_of(tower: &Tower, guide: &GuideFriction, velocity: &[f64], displacement: &[f64]) -> Option<f64> {
-    film_absorption(tower.body, guide, velocity, displacement).ok()
-}
-
+/// An interval that holds the figure of the whole reading, too.
 fn holding([low, high]: [f64; 2], value: f64) -> [f64; 2] {
     [low.min(value), high.max(value)]
 }

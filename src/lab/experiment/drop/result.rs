@@ -73,8 +73,6 @@ pub struct Intervals {
     pub absorbed_energy: [f64; 2],
     /// D of the paper's equation 11.
     pub energy_absorption: Option<[f64; 2]>,
-    /// Covariance of the time of contact (s) and the impact speed (m/s).
-    pub covariance: [[f64; 2]; 2],
     /// The input that widens the interval of the travel most, with its share of the variance.
     pub widest: (Input, f64),
 }
@@ -301,8 +299,6 @@ pub struct Landmarks {
     pub release: Option<f64>,
     /// First contact.
     pub contact: Option<f64>,
-    /// Interval of 95 % of first contact.
-    pub contact_interval: Option<[f64; 2]>,
     /// When the reading has risen by one gravity in the impact; of a recording that is not reduced.
     pub impact: Option<f64>,
     /// Largest travel; none where the impactor still descends at the end.
@@ -318,7 +314,6 @@ impl Landmarks {
         Landmarks {
             release: Some(drop.release.flank[0]),
             contact: Some(drop.contact.time),
-            contact_interval: drop.intervals.as_ref().map(|intervals| intervals.contact_time),
             impact: None,
             lowest_point: drop.lowest_point().map(clock),
             rebound: drop.rebound().map(clock),

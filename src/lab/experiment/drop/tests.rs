@@ -67,11 +67,10 @@ fn figures_are_found_with_and_without_laser() {
             let drop = reduced(&recording, &Reduction::default()).unwrap();
             let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
             assert!((drop.contact.time - contact_time).abs() < 2e-4, "seed {seed}: {:?}", drop.contact);
-            let off = if laser.is_some() { 5e-3 } else { 2e-2 };
-            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < off, "seed {seed}: {:?}", drop.contact);
-            assert!((travel / deepest - 1.0).abs() < 2.0 * off, "seed {seed}: {travel} for {deepest}");
+            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "seed {seed}: {:?}", drop.contact);
+            assert!((travel / deepest - 1.0).abs() < 0.01, "seed {seed}: {travel} for {deepest}");
             let found = drop.energy_absorption.unwrap();
-            assert!((found - absorption).abs() < 2.0 * off, "seed {seed}: {found} for {absorption}");
+            assert!((found - absorption).abs() < 0.01, "seed {seed}: {found} for {absorption}");
         }
     }
 }
@@ -91,9 +90,9 @@ fn without_a_step_at_contact_the_fall_still_gives_the_speed() {
         let made = virtual_drop(&acceleration, &displacement, &fall, &sensors, seed).unwrap();
         let drop = reduced(&made.recording, &Reduction::default()).unwrap();
         let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
-        assert!((drop.contact.time - made.contact_time).abs() < 2e-3, "seed {seed}: {:?}", drop.contact);
-        assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 0.02, "seed {seed}: {:?}", drop.contact);
-        assert!((travel / deepest - 1.0).abs() < 0.06, "seed {seed}: {travel} for {deepest}");
+        assert!((drop.contact.time - made.contact_time).abs() < 6e-4, "seed {seed}: {:?}", drop.contact);
+        assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "seed {seed}: {:?}", drop.contact);
+        assert!((travel / deepest - 1.0).abs() < 0.03, "seed {seed}: {travel} for {deepest}");
         let [low, high] = drop.intervals.unwrap().displacement;
         held += usize::from(low <= deepest && deepest <= high);
     }
@@ -116,14 +115,14 @@ fn friction_that_grows_with_the_speed_is_allowed_for() {
         let drop = reduced(&recording, &Reduction::default()).unwrap();
         let intervals = drop.intervals.clone().unwrap();
         let [low, high] = intervals.time_constant.unwrap();
-        assert!(high / low < 1.1, "seed {seed}: {low} to {high}");
+        assert!(high / low < 1.03, "seed {seed}: {low} to {high}");
         held += usize::from(low < 0.15 && 0.15 < high);
         let found = drop.energy_absorption.unwrap();
-        assert!((found - absorption).abs() < 0.03, "seed {seed}: {found} for {absorption}");
+        assert!((found - absorption).abs() < 0.01, "seed {seed}: {found} for {absorption}");
         let [low, high] = intervals.energy_absorption.unwrap();
-        assert!(low <= found && found <= high && high - low < 0.04, "seed {seed}: {low} to {high}");
+        assert!(low <= found && found <= high && high - low < 0.02, "seed {seed}: {low} to {high}");
     }
-    assert!(held >= 16, "{held} of 24");
+    assert!(held >= 20, "{held} of 24");
 }
 
 #[test]
@@ -152,7 +151,7 @@ fn the_friction_of_the_guide_is_that_of_the_fall() {
         let drop = reduced(&recording, &Reduction::default()).unwrap();
         let friction = drop.guide_friction.unwrap();
         let mean = BODY.mass * (GRAVITY - 0.5 * SPEED * SPEED / 1.5);
-        assert!((friction.force_at(SPEED / 1.5) / mean - 1.0).abs() < 0.15, "{share}: {friction:?} for {mean}");
+        assert!((friction.force_at(SPEED / 1.5) / mean - 1.0).abs() < 0.05, "{share}: {friction:?} for {mean}");
         let [all, film] = [drop.energy_absorption, drop.film_absorption].map(|of| of.unwrap());
         assert!(film < all && all - film < 0.05, "{film} {all}");
     }
@@ -162,7 +161,7 @@ fn the_friction_of_the_guide_is_that_of_the_fall() {
 #[test]
 fn a_known_speed_or_contact_time_is_used_or_refused() {
     let tower = Tower { height: None, ..TOWER };
-    for seed in 1..3 {
+    for seed in 0..SEEDS {
         let (recording, contact_time, absorption) = recorded(&Sensors { laser: None, ..Sensors::default() }, seed);
         let with = |speed: Option<f64>, contact: Option<f64>| {
             let reduction = Reduction { speed, contact_time: contact, ..Reduction::default() };
@@ -170,14 +169,15 @@ fn a_known_speed_or_contact_time_is_used_or_refused() {
         };
         for (speed, contact) in [(Some(SPEED), None), (None, Some(contact_time)), (Some(SPEED), Some(contact_time))] {
             let drop = with(speed, contact).unwrap();
+            // A speed is known to half a per cent, so that the soft onset of the force has its part.
             assert!((drop.contact.time - contact_time).abs() < 2e-3, "seed {seed}: {:?}", drop.contact);
-            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 0.03, "seed {seed}: {:?}", drop.contact);
+            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 0.01, "seed {seed}: {:?}", drop.contact);
             assert_eq!(drop.contact.speed_from, SpeedSource::Given);
-            assert!((drop.energy_absorption.unwrap() - absorption).abs() < 0.02, "seed {seed}");
+            assert!((drop.energy_absorption.unwrap() - absorption).abs() < 0.01, "seed {seed}");
         }
         for (speed, contact, what) in [
-            (Some(0.75 * SPEED), None, "impact speed"),
-            (Some(1.25 * SPEED), None, "impact speed"),
+            (Some(0.85 * SPEED), None, "impact speed"),
+            (Some(1.15 * SPEED), None, "impact speed"),
             (None, Some(contact_time - 0.05), "time of contact"),
             (None, Some(500.0), "time of contact"),
         ] {
@@ -277,6 +277,7 @@ fn doubtful_figures_have_warnings() {
         ideal_speed: hit.ideal_speed,
         signals: &hit.signals,
         energy_absorption: hit.energy_absorption,
+        absorption_interval: None,
     };
     let warnings = plausibility::warnings(&impact, &reading, 0.1);
     assert!(matches!(warnings[0], Warning::LatePeak { .. }), "{warnings:?}");

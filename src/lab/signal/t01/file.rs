@@ -231,6 +231,8 @@ struct Head {
 }
 
 impl Head {
+    /// In one piece since the head has no table of contents: where a value lies in an instant follows from the lengths of all
+    /// that stands before it.
     fn read(records: &mut Records<'_>) -> Result<Head, Fault> {
         let mut first = records.of_length("the title", 84)?;
         let version = first.whole();

@@ -1,0 +1,350 @@
+//! The error of a law as a process: its likelihood against dense algebra, and studies of recordings drawn at samples.
+
+use super::*;
+use uncertainty::random::Stream;
+
+const ROUGH: Shape = Shape { order: 1, length: Correlation::Share(0.03) };
+
+/// A half wave of 140 m/s² over 0.1 s at 10 kHz, with noise.
+fn half_wave(noise: f64, seed: u64) -> Series {
+    let mut stream = Stream::new(seed);
+    let time: Vec<f64> = (0..=1000).map(|sample| 1e-4 * f64::from(sample)).collect();
+    let value = |t: &f64| 140.0 * (std::f64::consts::PI * t / 0.1).sin() + noise * stream.normal();
+    let values: Vec<f64> = time.iter().map(value).collect();
+    Series::new(time, values)
+}
+
+fn of(series: &[&Series], noise: Noise, shape: Shape) -> Result<ErrorModel, SignalError> {
+    let recorded = series.iter().map(|own| Recorded::new(own, [0.0, 0.1], None)).collect::<Result<Vec<_>, _>>()?;
+    ErrorModel::new(&recorded, noise, shape)
+}
+
+fn model(series: &Series, shape: Shape) -> ErrorModel {
+    of(&[series], Noise::FromRecording, shape).unwrap()
+}
+
+/// White noise on any number of samples: the mean of all bins has the deviation that independent bins would have.
+#[test]
+fn the_noise_of_few_samples_is_that_of_their_mean() {
+    const RECORDINGS: u64 = 300;
+    for samples in thorough::first(3, [33, 146, 1001, 41, 121, 241, 481]) {
+        let time: Vec<f64> = (0..samples).map(f64::from).collect();
+        let (mut expected, mut found) = (0.0, 0.0);
+        for seed in 0..RECORDINGS {
+            let mut stream = Stream::new(seed);
+            let values: Vec<f64> = time.iter().map(|_| 50.0 + stream.normal()).collect();
+            let window = [0.0, f64::from(samples - 1)];
+            let recorded = [Recorded::new(&Series::new(time.clone(), values), window, None).unwrap()];
+            let model = ErrorModel::new(&recorded, Noise::FromRecording, ROUGH).unwrap();
+            let bins = model.bins() as f64;
+            expected += model.noise().powi(2) / bins;
+            found += (model.measured.sum() / bins - 50.0).powi(2);
+        }
+        let ratio = (found / expected).sqrt();
+        assert!((ratio - 1.0).abs() < 0.15, "{samples} samples: {ratio}");
+    }
+}
+
+#[test]
+fn the_noise_of_a_smooth_signal_is_found_and_that_of_an_exact_one_is_the_least() {
+    let found = model(&half_wave(1.5, 3), ROUGH).noise();
+    // 120 bins of 8.3 samples; white noise of 1.5 at samples: about 1.5/√8.3.
+    assert!((found / (1.5 / 8.33_f64.sqrt()) - 1.0).abs() < 0.2, "{found}");
+    let exact = model(&half_wave(0.0, 3), ROUGH).noise();
+    assert!((0.0098..0.011).contains(&exact), "{exact}");
+    // The mean of four recordings has half of it.
+    let all: Vec<Series> = (3..7).map(|seed| half_wave(1.5, seed)).collect();
+    let four = of(&all.iter().collect::<Vec<_>>(), Noise::FromRecording, ROUGH).unwrap().noise();
+    assert!((four / found / 0.5 - 1.0).abs() < 0.15, "{four} for {found}");
+}
+
+/// Covariances of means over bins of an exponential correlation have a closed form.
+#[test]
+fn means_of_an_exponential_error_have_their_closed_covariance() {
+    for bin in [0.01_f64, 0.3, 2.0, 6.0] {
+        let variance = 2.0 * (bin - 1.0 + (-bin).exp()) / (bin * bin);
+        let between = |apart: f64| (-apart * bin).exp() * 2.0 * (bin.cosh() - 1.0) / (bin * bin);
+        for (apart, exact) in [(0, variance), (1, between(1.0)), (4, between(4.0))] {
+            let own = ROUGH.of_means(apart, bin);
+            assert!((own - exact).abs() < 1e-5 * exact, "{bin} {apart}: {own} for {exact}");
+        }
+    }
+}
+
+/// The residuals are C^(−1/2) times the difference: their squares sum to dᵀ C⁻¹ d with C written out.
+#[test]
+fn whitened_residuals_have_the_norm_of_the_covariance() {
+    let (measured, simulated) = (half_wave(1.0, 1), half_wave(0.0, 1));
+    let shape = Shape { order: 3, length: Correlation::Length(2e-3) };
+    let model = of(&[&measured], Noise::Share(0.01), shape).unwrap();
+    let share = 0.05;
+    let means = DVector::from_vec(model.means(&simulated).unwrap()) - &model.measured;
+    let level = model.measured.norm() / (model.bins() as f64).sqrt();
+    let bin = 0.1 / model.bins() as f64 / 2e-3;
+    let covariance = DMatrix::from_fn(model.bins(), model.bins(), |row, column| {
+        let own = (share * level).powi(2) * shape.of_means(row.abs_diff(column), bin);
+        own + if row == column { model.noise().powi(2) } else { 0.0 }
+    });
+    let expected = means.dot(&(covariance.clone().try_inverse().unwrap() * &means));
+    let scaled = model.scaled(&simulated).unwrap();
+    let found: f64 = model.whitened(&scaled, share).iter().map(|r| r * r).sum();
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+    let log_determinant = 2.0 * covariance.cholesky().unwrap().l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+    let constant = 2.0 * model.bins() as f64 * model.noise().ln();
+    let likelihood = -0.5 * (expected + log_determinant - constant);
+    let own = model.spectrum.log_likelihood(&scaled)(share);
+    assert!((own - likelihood).abs() < 1e-6 * likelihood.abs());
+}
+
+/// An error of the law, drawn at the samples of a recording and not from the covariance of any bins.
+#[derive(Clone, Copy)]
+enum Process {
+    /// Exponential correlation over this share of the window.
+    Rough(f64),
+    /// Squared exponential correlation, by waves of random length.
+    Smooth(f64),
+}
+
+impl Process {
+    fn draw(self, samples: usize, stream: &mut Stream) -> Vec<f64> {
+        match self {
+            Process::Rough(length) => {
+                let keep = (-1.0 / (length * (samples - 1) as f64)).exp();
+                let mut own = stream.normal();
+                let mut next = || {
+                    let now = own;
+                    own = keep * own + (1.0 - keep * keep).sqrt() * stream.normal();
+                    now
+                };
+                (0..samples).map(|_| next()).collect()
+            }
+            Process::Smooth(length) => {
+                let wave = |_| [stream.normal() / length, stream.normal(), stream.normal()];
+                let waves: Vec<[f64; 3]> = (0..300).map(wave).collect();
+                let at = |sample: usize| {
+                    let x = sample as f64 / (samples - 1) as f64;
+                    let of = |[k, a, b]: &[f64; 3]| a * (k * x).cos() + b * (k * x).sin();
+                    waves.iter().map(of).sum::<f64>() / (waves.len() as f64).sqrt()
+                };
+                (0..samples).map(at).collect()
+            }
+        }
+    }
+}
+
+/// A study of a law that is linear in two parameters, the scale and the stiffening of a wave, on quadrature.
+struct Study {
+    /// Of the parameters: how far the truth is along the distribution of each.
+    along: [f64; 2],
+    /// Of the error's size.
+    of_share: f64,
+    share: f64,
+    width: f64,
+}
+
+const SAMPLES_OF_STUDY: usize = 961;
+const TRUE_SHARE: f64 = 0.02;
+
+/// Parts of the law: the wave and its stiffening.
+fn parts() -> [Series; 2] {
+    let time: Vec<f64> =
+        (0..SAMPLES_OF_STUDY).map(|sample| 0.1 * sample as f64 / (SAMPLES_OF_STUDY - 1) as f64).collect();
+    let x = |t: &f64| (std::f64::consts::PI * t / 0.1).sin();
+    let of = |f: fn(f64) -> f64| Series::new(time.clone(), time.iter().map(|t| 140.0 * f(x(t))).collect::<Vec<_>>());
+    [of(|x| x), of(|x| x * x * x)]
+}
+
+/// How several recordings with one error of the law count.
+#[derive(Clone, Copy, PartialEq)]
+enum Counted {
+    /// As recordings of one test.
+    Pooled,
+    /// As tests of their own.
+    Apart,
+    /// As tests with one `shared_error`.
+    Shared,
+}
+
+fn study(process: Process, recordings: usize, shapes: &[Shape], counted: Counted, stream: &mut Stream) -> Study {
+    let parts = parts();
+    let level = root_mean_square(parts[0].values());
+    let error = process.draw(SAMPLES_OF_STUDY, stream);
+    let mut recorded = || {
+        let own = parts[0].values().iter().zip(&error);
+        let values: Vec<f64> = own.map(|(v, e)| v + TRUE_SHARE * level * e + 0.3 * stream.normal()).collect();
+        Recorded { series: Series::new(parts[0].time().to_vec(), values), class: None }
+    };
+    let all: Vec<Recorded> = (0..recordings).map(|_| recorded()).collect();
+    let groups: Vec<&[Recorded]> = if counted == Counted::Pooled { vec![&all[..]] } else { all.chunks(1).collect() };
+    let weight = if counted == Counted::Shared { 1.0 / recordings as f64 } else { 1.0 };
+    let models: Vec<ErrorModel> =
+        groups.iter().map(|own| ErrorModel::new(own, Noise::FromRecording, shapes[0]).unwrap()).collect();
+    // With a flat distribution of both parameters the posterior is normal given size and shape of the error.
+    let mut grid: Vec<(f64, f64, [f64; 2], [f64; 2])> = Vec::new();
+    let shares: Vec<f64> = (0..48).map(|at| 0.003 * 1.08_f64.powi(at)).collect();
+    for shape in shapes {
+        let spectra: Vec<Spectrum> = models.iter().map(|model| model.spectrum_of(*shape)).collect();
+        let columns: Vec<[DVector<f64>; 3]> = models
+            .iter()
+            .zip(&spectra)
+            .map(|(model, spectrum)| {
+                let zero = Series::new(parts[0].time().to_vec(), vec![0.0; SAMPLES_OF_STUDY]);
+                let none = model.scaled(&zero).unwrap();
+                let [one, two] = [&parts[0], &parts[1]].map(|own| model.scaled(own).unwrap() - &none);
+                [&*spectrum.basis * one, &*spectrum.basis * two, -(&*spectrum.basis * none)]
+            })
+            .collect();
+        for share in &shares {
+            let mut normal = [[0.0; 3]; 3];
+            let mut log = -0.5 * ((share / 0.02).ln()).powi(2);
+            for (spectrum, columns) in spectra.iter().zip(&columns) {
+                let variances: Vec<f64> = spectrum.variances(*share).collect();
+                log -= 0.5 * weight * variances.iter().map(|own| own.ln()).sum::<f64>();
+                for a in 0..3 {
+                    for b in 0..3 {
+                        let products = variances.iter().enumerate().map(|(i, v)| columns[a][i] * columns[b][i] / v);
+                        normal[a][b] += weight * products.sum::<f64>();
+                    }
+                }
+            }
+            let [[a, b, c], [_, d, e], [_, _, f]] = normal;
+            let determinant = a * d - b * b;
+            let best = [(d * c - b * e) / determinant, (a * e - b * c) / determinant];
+            log -= 0.5 * (f - best[0] * c - best[1] * e) + 0.5 * determinant.ln();
+            grid.push((log, *share, best, [(d / determinant).sqrt(), (a / determinant).sqrt()]));
+        }
+    }
+    let largest = grid.iter().map(|own| own.0).fold(f64::NEG_INFINITY, f64::max);
+    let weights: Vec<f64> = grid.iter().map(|own| (own.0 - largest).exp()).collect();
+    let whole: f64 = weights.iter().sum();
+    /// Logarithm of the weight, share, best values, deviations.
+    type Point = (f64, f64, [f64; 2], [f64; 2]);
+    let mean = |of: &dyn Fn(&Point) -> f64| {
+        grid.iter().zip(&weights).map(|(own, weight)| weight * of(own)).sum::<f64>() / whole
+    };
+    let along = [0, 1].map(|which| {
+        let truth = [1.0, 0.0][which];
+        mean(&|own| uncertainty::normal::cumulative((truth - own.2[which]) / own.3[which]))
+    });
+    let of_share = mean(&|own| f64::from(u8::from(own.1 < TRUE_SHARE)));
+    Study { along, of_share, share: mean(&|own| own.1.ln()).exp(), width: mean(&|own| own.3[0]) }
+}
+
+/// Shares of the intervals of 95, 80 and 50 % of both parameters and the size that hold the truth; the median size found over
+/// the true one.
+fn coverage(
+    studies: u64,
+    process: Process,
+    recordings: usize,
+    shapes: &[Shape],
+    counted: Counted,
+) -> ([f64; 3], f64, f64) {
+    let all: Vec<Study> = (0..studies)
+        .into_par_iter()
+        .map(|seed| study(process, recordings, shapes, counted, &mut Stream::new(1 + seed)))
+        .collect();
+    let within = |p: f64, level: f64| (p - 0.5).abs() < 0.5 * level;
+    let held = [0.95, 0.8, 0.5].map(|level| {
+        let of = |own: &Study| own.along.iter().filter(|p| within(**p, level)).count();
+        all.iter().map(of).sum::<usize>() as f64 / (2 * all.len()) as f64
+    });
+    let of_share = all.iter().filter(|own| within(own.of_share, 0.95)).count() as f64 / all.len() as f64;
+    let mut shares: Vec<f64> = all.iter().map(|own| own.share / TRUE_SHARE).collect();
+    shares.sort_by(f64::total_cmp);
+    let width = all.iter().map(|own| own.width).sum::<f64>() / all.len() as f64;
+    println!(
+        "{studies} studies of {recordings}: 95, 80, 50 % hold {held:.3?}; size {:.2} of the true one, its 95 % {of_share:.2}; width {width:.4}",
+        shares[shares.len() / 2]
+    );
+    (held, shares[shares.len() / 2], of_share)
+}
+
+/// Studies of a fast run, and of a thorough one.
+fn studies() -> u64 {
+    if std::env::var_os("DROPTOWER_THOROUGH").is_some() { 400 } else { 60 }
+}
+
+/// 95 % hold 95 % but for what so few studies scatter by: three deviations, parameters of one study count as one.
+fn holds(found: f64, level: f64) -> bool {
+    let spread = (level * (1.0 - level) / studies() as f64).sqrt();
+    found > level - 3.0 * spread && found < level + 3.0 * spread
+}
+
+/// A process of the assumed shape, which bins of any size have the means of.
+#[test]
+fn an_error_that_is_a_process_is_found_at_its_size() {
+    let ([of_95, of_80, of_50], size, of_size) =
+        coverage(studies(), Process::Rough(0.03), 1, &[ROUGH], Counted::Pooled);
+    assert!((size - 1.0).abs() < 0.05 && of_size > 0.88, "{size} {of_size}");
+    assert!(holds(of_95, 0.95) && holds(of_80, 0.8) && holds(of_50, 0.5), "{of_95} {of_80} {of_50}");
+}
+
+/// Six recordings of one test have one error of the law: as tests of their own they would seem to tell √6 times as much.
+#[test]
+fn recordings_of_one_test_do_not_narrow_what_the_law_is_off_by() {
+    let ([of_95, of_80, _], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Pooled);
+    assert!(holds(of_95, 0.95) && holds(of_80, 0.8), "{of_95} {of_80}");
+    let ([apart, ..], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Apart);
+    assert!(apart < 0.75, "{apart}");
+    let ([shared, ..], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Shared);
+    assert!(shared > 0.85, "{shared}");
+}
+
+/// Errors of other lengths and other smoothness than any that counts.
+#[test]
+fn errors_of_any_length_and_smoothness_are_covered() {
+    for process in
+        [Process::Rough(0.03), Process::Rough(0.1), Process::Rough(0.3), Process::Smooth(0.1), Process::Smooth(0.3)]
+    {
+        let ([of_95, ..], ..) = coverage(studies(), process, 1, &Shape::all(None), Counted::Pooled);
+        assert!(of_95 > 0.85, "{of_95}");
+    }
+    let ([fixed, ..], ..) = coverage(studies(), Process::Smooth(0.1), 1, &[ROUGH], Counted::Pooled);
+    assert!(fixed < 0.85, "{fixed}");
+}
+
+/// An error that is smooth is told from a rough one, and its size is found.
+#[test]
+fn the_likelier_shape_is_found() {
+    let series = parts();
+    let level = root_mean_square(series[0].values());
+    for (process, is_smooth) in [(Process::Rough(0.1), false), (Process::Smooth(0.1), true)] {
+        let mut stream = Stream::new(3);
+        let error = process.draw(SAMPLES_OF_STUDY, &mut stream);
+        let values =
+            series[0].values().iter().zip(error).map(|(own, error)| own + 0.04 * level * error + 0.1 * stream.normal());
+        let measured = Series::new(series[0].time().to_vec(), values.collect::<Vec<_>>());
+        let model = model(&measured, ROUGH);
+        let shapes = Shape::all(None);
+        let left = Left { signals: vec![(&model, model.scaled(&series[0]).unwrap())], weight: 1.0, shapes: &shapes };
+        let (share, found) = most_likely(&[left], None);
+        assert!((0.015..0.09).contains(&share), "{share}");
+        assert_eq!(found[0].0.order != 1, is_smooth, "{}", found[0].0);
+    }
+}
+
+#[test]
+fn roughness_of_the_simulation_is_noise_too() {
+    let mut model = model(&half_wave(1.0, 1), ROUGH);
+    let before = model.noise();
+    model.add_roughness(&half_wave(1.0, 2)).unwrap();
+    assert!((model.noise() / before / 2_f64.sqrt() - 1.0).abs() < 0.15, "{} {before}", model.noise());
+}
+
+#[test]
+fn gaps_and_short_recordings_are_refused() {
+    let wave = half_wave(0.1, 1);
+    let short = Series::new(&wave.time()[..900], &wave.values()[..900]);
+    let error = model(&wave, ROUGH).scaled(&short).unwrap_err();
+    assert!(matches!(error, SignalError::Gap { of: "simulated signal", .. }), "{error}");
+    let few = Recorded::new(&wave, [0.0, 5e-4], None).unwrap();
+    let few = ErrorModel::new(&[few], Noise::Share(0.01), ROUGH).unwrap_err();
+    assert!(few.to_string().starts_with("the recording has 6 samples from 0 to 0.0005"), "{few}");
+    let late = Series::new(&wave.time()[950..], &wave.values()[950..]);
+    let apart = of(&[&Series::new(&wave.time()[..90], &wave.values()[..90]), &late], Noise::Share(0.01), ROUGH);
+    assert!(matches!(apart.unwrap_err(), SignalError::Gap { of: "recording", .. }));
+    // The longer of two recordings goes on alone.
+    assert_eq!(of(&[&wave, &short], Noise::Share(0.01), ROUGH).unwrap().bins(), MOST_BINS);
+    let zero = wave.with_values(vec![0.0; wave.len()]);
+    assert_eq!(of(&[&zero], Noise::Share(0.01), ROUGH).unwrap_err(), SignalError::Zero { from: 0.0, to: 0.1 });
+}
