@@ -55,7 +55,7 @@ const MOST_BINS: usize = 50;
 /// Where the points are all combinations of some values of each coordinate, equally often, the shares are those of the variance over
 /// these points, exactly. Of other points with independent coordinates they are those of a polynomial chaos of the ranks, times
 /// the share of the variance that it predicts in cross-validation; to the upper ends of the intervals is added what it
-/// does not predict, which may be due to any coordinate (docs/theory.md, equation 314). Coordinates that vary together share
+/// does not predict, which may be due to any coordinate (docs/methods.md, equation 314). Coordinates that vary together share
 /// what the means in √n bins have (Plischke, Borgonovo, Smith 2013), less what chance spreads these by (Kelley 1935), with the
 /// intervals of the bootstrap's deviation. Points whose output is missing are left out.
 ///
@@ -198,7 +198,7 @@ fn correlation_ratio(indices: &[usize], bin: &[usize], outputs: &[f64], bins: us
     // A resample may leave bins empty; they take no degree of freedom.
     let filled = counts.iter().filter(|&&count| count > 0).count();
     let between: f64 = counts.iter().zip(&sums).filter(|(count, _)| **count > 0).map(|(&c, s)| s * s / c as f64).sum();
-    // Unbiased within bins as without: what chance alone spreads the means by drops out (theory.md, equation 314b).
+    // Unbiased within bins as without: what chance alone spreads the means by drops out (methods.md, equation 314b).
     let within = (total - between) / (n - filled) as f64;
     (total > 0.0).then(|| 1.0 - within / (total / (n - 1) as f64))
 }

@@ -1,4 +1,4 @@
-//! Inputs that vary and what follows for outputs (docs/theory.md, section 26): pure mathematics that knows nothing else of
+//! Inputs that vary and what follows for outputs (docs/methods.md, section 26): pure mathematics that knows nothing else of
 //! droptower.
 //!
 //! [`distribution`] says how an input varies, [`design`] which points of the unit cube a study evaluates, and

@@ -70,8 +70,8 @@ fn every_direct_dependency_is_explained() {
     assert_eq!(named, explained);
 }
 
-/// The numbers that a text cites of the theory as `what`, "equation" or "section".
-fn cited(text: &str, what: &str) -> BTreeSet<String> {
+/// The numbers that a text cites of `document` as `what`, "equation" or "section".
+fn cited(text: &str, document: &str, what: &str) -> BTreeSet<String> {
     let lines = text.lines().map(|line| line.trim().trim_start_matches(['/', '!']).trim());
     let flowing = lines.collect::<Vec<_>>().join(" ");
     let is_number = |word: &&str| word.starts_with(|c: char| c.is_ascii_digit());
@@ -80,27 +80,36 @@ fn cited(text: &str, what: &str) -> BTreeSet<String> {
         let listed = words.take_while(|word| is_number(word) || ["and", "to"].contains(word));
         listed.filter(is_number).map(str::to_owned).collect::<Vec<_>>()
     };
-    flowing.split("theory.md, ").skip(1).filter_map(|rest| rest.strip_prefix(what)).flat_map(numbers).collect()
+    flowing.split(document).skip(1).filter_map(|rest| rest.strip_prefix(what)).flat_map(numbers).collect()
 }
 
+/// Each of both documents has the numbers that the sources cite of it; no number stands in both.
 #[test]
 fn the_theory_has_the_equations_and_sections_that_sources_cite() {
-    let theory = fs::read_to_string(root().join("docs/theory.md")).expect("a text");
-    let tags = theory.split("\\tag{").skip(1).filter_map(|rest| rest.split('}').next());
-    let mut equations = BTreeSet::new();
-    for tag in tags {
-        assert!(equations.insert(tag), "two equations have the number {tag}");
+    let read = |path: &str| fs::read_to_string(root().join(path)).expect("a text");
+    let texts = [("theory.md, ", read("docs/theory.md")), ("methods.md, ", read("docs/methods.md"))];
+    let mut known = BTreeSet::new();
+    for (document, text) in &texts {
+        let tags = text.split("\\tag{").skip(1).filter_map(|rest| rest.split('}').next());
+        let equations = tags.map(|number| ("equation", number));
+        let headings = text.lines().filter_map(|line| line.strip_prefix("## ")?.split('.').next());
+        for (what, number) in equations.chain(headings.map(|number| ("section", number))) {
+            let is_new = texts.iter().all(|(other, _)| !known.contains(&(*other, what, number)));
+            assert!(is_new, "two {what}s have the number {number}");
+            known.insert((*document, what, number));
+        }
     }
-    let sections: BTreeSet<&str> =
-        theory.lines().filter_map(|line| line.strip_prefix("## ")?.split('.').next()).collect();
-    assert!(equations.len() > 150 && sections.len() > 20, "{equations:?} {sections:?}");
+    assert!(known.len() > 150, "{known:?}");
     let mut count = 0;
     for source in glob::glob(&root().join("src/**/*.rs").to_string_lossy()).expect("a pattern").flatten() {
         let text = fs::read_to_string(&source).expect("a text");
-        for (what, known) in [("equation", &equations), ("section", &sections)] {
-            for number in cited(&text, what) {
-                assert!(known.contains(number.as_str()), "{}: there is no {what} {number}", source.display());
-                count += 1;
+        for (document, _) in &texts {
+            for what in ["equation", "section"] {
+                for number in cited(&text, document, what) {
+                    let is_known = known.contains(&(*document, what, number.as_str()));
+                    assert!(is_known, "{}: {document}{what} {number} does not exist", source.display());
+                    count += 1;
+                }
             }
         }
     }

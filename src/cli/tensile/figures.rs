@@ -14,7 +14,7 @@ use lab::experiment::coupon::average::SampleStatistics;
 use lab::experiment::coupon::{Coupon, CouponTest, CurveEnd, Direction, DirectionMeans, SpeedMeans};
 
 /// Width over length of a coupon beyond which its jaws hold it back: a tenth of the stress of film as strongly coupled as
-/// isotropic film (docs/theory.md, section 11).
+/// isotropic film (docs/methods.md, section 11).
 const MOST_WIDTH: f64 = 0.5;
 
 /// All figures; SI.

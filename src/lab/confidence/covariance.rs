@@ -10,7 +10,7 @@
 //! γ = ‖r‖²/(n − tr(Uᵀ R U)). White noise in one part gives the textbook's s² (JᵀJ)⁻¹.
 //!
 //! A parameter that the fit held adds its own effect on the residuals to R, and a Gaussian prior of a fitted one is a
-//! further row of S: equations (126) and (127) of docs/theory.md.
+//! further row of S: equations (126) and (127) of docs/methods.md.
 
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;

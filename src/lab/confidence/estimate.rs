@@ -548,7 +548,7 @@ mod tests {
         assert!(found.warnings.iter().any(off), "{found:?}");
     }
 
-    /// The table of coverage in docs/theory.md, section 15: shares of the intervals that hold the truth, within three
+    /// The table of coverage in docs/methods.md, section 15: shares of the intervals that hold the truth, within three
     /// standard deviations of what they promise, and far from it where coloured noise is taken for white.
     #[test]
     fn intervals_have_their_nominal_coverage() {

@@ -14,10 +14,10 @@ pub struct ConfidenceOptions {
     /// An assumed error of each part of the residuals, or one for all, instead of the noise that the residuals show.
     pub misfit: Option<Vec<Misfit>>,
     /// Standard deviations of Gaussian priors of fitted parameters about the estimate, in their units; none for
-    /// parameters that only the residuals determine, and for those behind the end. (127) of docs/theory.md.
+    /// parameters that only the residuals determine, and for those behind the end. (127) of docs/methods.md.
     pub prior: Vec<Option<f64>>,
     /// Standard deviations of parameters that the fit held at their values, in their units; none for fitted ones, and
-    /// for those behind the end. (126) of docs/theory.md.
+    /// for those behind the end. (126) of docs/methods.md.
     pub held: Vec<Option<f64>>,
 }
 

@@ -31,7 +31,7 @@ impl Body {
     }
 }
 
-/// Energy absorption D = 1 − ΔE_u/ΔE_l (theory.md, equation 26).
+/// Energy absorption D = 1 − ΔE_u/ΔE_l (methods.md, equation 26).
 ///
 /// ΔE_l and ΔE_u are the differences between the largest and the smallest E_kp before and after the
 /// largest travel. `velocity` (m/s) and `displacement` (m) count upward and share one time axis.
@@ -40,7 +40,7 @@ pub fn energy_absorption(body: Body, velocity: &[f64], displacement: &[f64]) -> 
 }
 
 /// Energy absorption of the film alone: as [`energy_absorption`], but of the energy that the impactor would have
-/// without what its guide with `friction` dissipates (theory.md, equation 53).
+/// without what its guide with `friction` dissipates (methods.md, equation 53).
 pub fn film_absorption(
     body: Body,
     friction: &GuideFriction,

@@ -6,7 +6,7 @@ use crate::signal::Series;
 use base::number::significant;
 
 /// The fall before a simulated impact: rest, the release by the magnet, then gravity less the guide's friction
-/// (theory.md, equations 48 and 49).
+/// (methods.md, equations 48 and 49).
 ///
 /// The friction is what covers the height and reaches the speed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use super::curve::{Curve, CurveError};
 
 /// Multipliers of a curve with two yield points (Polymers 2021, 13, 1537, equations 12 and 13,
-/// in the form of the identification loop's first step; theory.md, section 5).
+/// in the form of the identification loop's first step; methods.md, section 5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers {
     /// Divisor of strains up to the first yield point, besides `ke`.

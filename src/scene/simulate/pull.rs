@@ -16,7 +16,7 @@ pub enum Across {
     /// The width is held, as under `[loading.stretch]`, where all nodes of a single element are in the jaws.
     Held,
     /// The transverse force is zero: a strip that is long compared with its width. Of a plastic film the force that shears
-    /// it is zero too; fibres of fabric at an angle keep the stretches that (theory.md, equation 180) gives them.
+    /// it is zero too; fibres of fabric at an angle keep the stretches that (methods.md, equation 180) gives them.
     Free,
     /// No force acts on the long sides, across or along them: a long strip, whose film shears where its direction is
     /// none of the film's own.

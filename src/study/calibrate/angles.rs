@@ -1,5 +1,5 @@
 //! Coupons at several angles to MD: what the calibrated law makes of each, of those that it has not seen, and whether the
-//! angles between follow a law that is fitted to 0, 45 and 90 degrees (docs/theory.md, section 28).
+//! angles between follow a law that is fitted to 0, 45 and 90 degrees (docs/methods.md, section 28).
 
 use std::collections::BTreeMap;
 

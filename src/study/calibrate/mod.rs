@@ -1,5 +1,5 @@
 //! Calibration: the parameters for which several tests and their recordings agree, what the tests tell of each, and what
-//! follows for other scenarios (docs/theory.md, section 28).
+//! follows for other scenarios (docs/methods.md, section 28).
 //!
 //! A script lists tests and parameters; [`register`] offers it `calibrate`. A `Plan` is that list, checked. The
 //! objective of its search has independent residuals of unit variance, because each signal is compared through its

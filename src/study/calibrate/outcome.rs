@@ -1,5 +1,5 @@
 //! What is known of a drop besides signals: that its film held or broke, when it broke, or the mass at which half of films
-//! break (docs/theory.md, equations 335 to 337).
+//! break (docs/methods.md, equations 335 to 337).
 //!
 //! The film of such a run does not break. Its largest strains along MD and TD, over the break strains of its curves, are what
 //! the drop demands of it, and change smoothly with parameters, which whether film breaks does not. A specimen whose break

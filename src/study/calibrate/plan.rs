@@ -433,7 +433,7 @@ fn tests(
     let mut tests = tests.collect::<HostResult<Vec<_>>>()?;
     let words: Vec<Option<String>> = tests.iter().map(|test| test.shared_error.clone()).collect();
     for test in tests.iter_mut().filter(|test| test.shared_error.is_some()) {
-        // Together they tell as much as their mean (theory.md, section 28).
+        // Together they tell as much as their mean (methods.md, section 28).
         test.of_signals = 1.0 / words.iter().filter(|word| **word == test.shared_error).count() as f64;
     }
     for (place, test) in tests.iter().enumerate() {

@@ -38,7 +38,7 @@ const HUBER: f64 = 1.345;
 const OF_MEDIAN: f64 = 1.4826;
 
 impl Problem<'_> {
-    /// The residuals at a motion (theory.md, section 27): of each point its distance from the film along the normal and past the edge,
+    /// The residuals at a motion (methods.md, section 27): of each point its distance from the film along the normal and past the edge,
     /// and of each point and time the displacement, R u − u_film.
     pub fn linearized(&self, motion: &RigidMotion) -> Linearized {
         let mut rows = Vec::new();

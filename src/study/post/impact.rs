@@ -264,7 +264,7 @@ fn absorption(
     let own = |column: Column| signals.channel(&format!("{prefix}{}", column.name))?.get(from..);
     if met(signals, prefix, column::COLLISION_FORCE) {
         // Its own energy has what the others gave and took; that of the film and the guide is the rest of the balance
-        // (theory.md, equation 53a).
+        // (methods.md, equation 53a).
         let (velocity, displacement) = (own(column::VELOCITY)?, own(column::DISPLACEMENT)?);
         let [all, left_out] =
             [&impactor.guide_friction, friction].map(|friction| friction.dissipated(velocity, displacement));

@@ -4,7 +4,7 @@
 //! Half of the steps stretch towards another walker, half follow the difference of two others (differential evolution,
 //! Nelson et al. 2014), which mixes better in more than about ten dimensions. Coordinates that scatter about others take
 //! steps of their own, and the others two: one in which they stay where they are, one in which they stay as many
-//! deviations from their mean (Yu, Meng 2011; docs/theory.md, section 28).
+//! deviations from their mean (Yu, Meng 2011; docs/methods.md, section 28).
 
 use thiserror::Error;
 

@@ -64,7 +64,7 @@ impl Staircase {
         // From their own lowest level, as in the formula: A and B are then small whole numbers, without round-off.
         let steps = || of_counted.iter().map(|place| f64::from(place - lowest));
         let (a, b) = (steps().sum::<f64>(), steps().map(|i| i * i).sum::<f64>());
-        // Half a step back towards the other outcome: failures lie above the mean, survivors below it (theory.md,
+        // Half a step back towards the other outcome: failures lie above the mean, survivors below it (methods.md,
         // equation 322).
         let half = if counted == Outcome::Failed { -0.5 } else { 0.5 };
         let mean = self.level_at(lowest) + self.step * (a / n + half);

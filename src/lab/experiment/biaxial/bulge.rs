@@ -70,7 +70,7 @@ impl Bulge {
     }
 
     /// Nominal stress (Pa) over engineering strain, alike in all directions, of a spherical cap that is strained evenly
-    /// (docs/theory.md, equation 36b): `pressure` (Pa) and `height` of the top (m) sample by sample, from a tenth of the
+    /// (docs/methods.md, equation 36b): `pressure` (Pa) and `height` of the top (m) sample by sample, from a tenth of the
     /// largest height up to there, also where the pressure falls before.
     ///
     /// # Errors

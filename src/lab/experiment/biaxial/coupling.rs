@@ -50,7 +50,7 @@ const STRAINS: usize = 6;
 const LEAST_STRESS: f64 = 0.05;
 
 /// Share of its length by which the free edges of a wide coupon shorten its width at most: what two of them carry less
-/// than film in the middle, which grows with the coupling (docs/theory.md, section 11).
+/// than film in the middle, which grows with the coupling (docs/methods.md, section 11).
 const EDGES: f64 = 0.5;
 
 /// The largest share of its stress beyond that of a long coupon which a wide one lacks by its free edges, `gauge` and `width` of one unit.

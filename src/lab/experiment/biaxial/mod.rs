@@ -1,5 +1,5 @@
 //! Film that is stretched in both directions: bulges, and coupons that are wide for their length; what they say of the
-//! coupling of MD and TD (docs/theory.md, section 11).
+//! coupling of MD and TD (docs/methods.md, section 11).
 
 mod bulge;
 mod coupling;

@@ -17,7 +17,7 @@ pub struct Machine {
 }
 
 /// A load cell that reads the deflection of its spring, with the mass of the jaw on it: an oscillator of second order
-/// (theory.md, equations 184 and 185).
+/// (methods.md, equations 184 and 185).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadCell {
     /// Mass m_j of the jaw and of what moves with it, kg.

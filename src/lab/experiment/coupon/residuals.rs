@@ -17,7 +17,7 @@ pub enum ResidualError {
 }
 
 /// The differences √w (σ − σ_e)/√(Σ w σ_e²) of `curve` from `reference` at the samples of the reference, with the
-/// weights w of the trapezoidal rule over strain (theory.md, equation 162). Their norm is the relative error over
+/// weights w of the trapezoidal rule over strain (methods.md, equation 162). Their norm is the relative error over
 /// strain; samples that lie close count no more than others.
 pub fn relative_residuals(curve: &Curve, reference: &Curve) -> Result<Vec<f64>, ResidualError> {
     let weights = weights(reference.strain());

@@ -1,4 +1,4 @@
-//! The shear curve of film from a coupon at 45° whose fibres are known (theory.md, equations 180 to 183).
+//! The shear curve of film from a coupon at 45° whose fibres are known (methods.md, equations 180 to 183).
 //!
 //! Stress and strain are uniform in the coupon, and both fibre sets have the same stretch. The paper's rhombus
 //! (`shear.rs`) supposes besides that fibres do not stretch.

@@ -1,4 +1,4 @@
-//! The unknowns of a recording by maximum posterior density, and draws of them (theory.md, equations 46, 50 and 51).
+//! The unknowns of a recording by maximum posterior density, and draws of them (methods.md, equations 46, 50 and 51).
 
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,4 @@
-//! Intervals of the figures of a drop, from draws of the unknowns of its recording (theory.md, section 12).
+//! Intervals of the figures of a drop, from draws of the unknowns of its recording (methods.md, section 12).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -1,5 +1,5 @@
 //! The model of a whole recording: rest, release, fall and onset of the force, as an accelerometer and a laser read them
-//! (theory.md, equations 40 to 46).
+//! (methods.md, equations 40 to 46).
 
 use super::tower::Known;
 use crate::experiment::coupling;
@@ -35,7 +35,7 @@ pub(super) mod of {
     pub const LASER: usize = 12;
 }
 
-/// Standard deviations that are assumed where nothing is given (theory.md, table of section 12).
+/// Standard deviations that are assumed where nothing is given (methods.md, table of section 12).
 const DRIFT: f64 = 0.05;
 const DURATION: f64 = 0.03;
 const OF_SPEED: f64 = 0.1;

@@ -78,7 +78,7 @@ pub struct WeightingError {
 }
 
 impl Weighting {
-    /// The factor of each stress of each set in a residual, with the weight of its set (theory.md, equation 231).
+    /// The factor of each stress of each set in a residual, with the weight of its set (methods.md, equation 231).
     pub fn factors(self, sets: &[DataSet]) -> Vec<f64> {
         let largest = |set: &DataSet| set.measured.stresses().into_iter().fold(0.0, |most: f64, p| most.max(p.abs()));
         let of_all = sets.iter().map(largest).fold(0.0, f64::max);

@@ -69,7 +69,7 @@ impl LoadCase for Impact<'_> {
         body.kinetic_energy(body)
     }
 
-    /// Motion and energies of the impactors and the largest strains (theory.md, section 8). Of several impactors, names
+    /// Motion and energies of the impactors and the largest strains (methods.md, section 8). Of several impactors, names
     /// of channels begin with theirs.
     fn signals(&self, tracks: &Tracks, mounting: &Mounting) -> Recording {
         let strains = tracks

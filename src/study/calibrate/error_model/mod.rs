@@ -1,5 +1,5 @@
 //! What the recordings of a test may differ by from the simulated signal of a true parameter: noise of the sensor, roughness of
-//! the simulation, and an error of the model, a process along the signal that all recordings have in common (docs/theory.md,
+//! the simulation, and an error of the model, a process along the signal that all recordings have in common (docs/methods.md,
 //! section 28).
 //!
 //! Signals are compared by their means over bins, so that noise that is faster than a bin counts once. In the
@@ -543,7 +543,7 @@ fn means(series: &Series, edges: &[f64], of: &'static str) -> Result<Vec<f64>, S
 }
 
 /// The mean square noise of means over bins of so many intervals between samples, over that of their third differences
-/// (docs/theory.md, equation 331b).
+/// (docs/methods.md, equation 331b).
 ///
 /// Neighbouring bins share a sample, so that their means are correlated: third differences show less than their noise, and its
 /// sum over many bins is larger than that of independent ones. This is the noise that bins which count as independent have.

@@ -2,7 +2,7 @@
 //! of the unknowns within a box.
 //!
 //! Its likelihood contains what cross-validation leaves of each principal component of the differences, which is an error of all
-//! coordinates together, and what components that are left out leave of every coordinate (docs/theory.md, equation 334).
+//! coordinates together, and what components that are left out leave of every coordinate (docs/methods.md, equation 334).
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

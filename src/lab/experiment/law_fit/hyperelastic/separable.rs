@@ -121,7 +121,7 @@ impl<'a> Separable<'a> {
         matches!(self.energy, Energy::Ogden { .. }) && size > MOST_CANCELLED * moduli.iter().sum::<f64>().abs()
     }
 
-    /// The residuals of a law (theory.md, equation 231).
+    /// The residuals of a law (methods.md, equation 231).
     pub(super) fn residuals(&self, law: &HyperelasticLaw) -> DVector<f64> {
         DVector::from_vec(self.stresses(law)).component_mul(&self.factors) - &self.target
     }
