@@ -103,7 +103,7 @@ function keyPages(ask) {
 }
 
 function functionPage(ask) {
-  const lines = ["# Functions of scripts", "", "What a script can call, each with an example that runs. The language is that of [Rhai](https://rhai.rs);", "[Scripts](../docs/scripts.md) introduces it.", ""];
+  const lines = ["# Functions of scripts", "", "What a script can call, each with an example that runs. The language is that of [Rhai](https://rhai.rs);", "[Studies](../docs/studies.md) introduces it.", ""];
   let last = "";
   for (const { chapter, call, gives, example } of ask("explain", "functions", "--json")) {
     if (chapter !== last) lines.push(`## ${prose(chapter)}`, "");
