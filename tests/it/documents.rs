@@ -144,14 +144,14 @@ fn the_pictures_of_laws_are_those_of_their_script() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("which-law");
     let told = printed(&droptower(&root(), &["script", "scripts/which-law.rhai", "--out", &out.to_string_lossy()]));
-    let page = fs::read_to_string(root().join("docs/which-law.md")).expect("a text");
+    let page = fs::read_to_string(root().join("docs/materials.md")).expect("a text");
     let rows: Vec<&str> = told.lines().take_while(|line| line.trim() != "sets").collect();
-    assert!(rows.len() > 6 && page.contains(&rows.join("\n")), "docs/which-law.md does not show\n{}", rows.join("\n"));
+    assert!(rows.len() > 6 && page.contains(&rows.join("\n")), "docs/materials.md does not show\n{}", rows.join("\n"));
     let (shipped, made) = (pictures(&root().join("docs/pictures/laws")), pictures(&out));
     let names = |pictures: &[(String, String)]| pictures.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&shipped), names(&made));
     for ((name, shipped), (_, made)) in shipped.iter().zip(&made) {
-        assert!(page.contains(&format!("(pictures/laws/{name})")), "docs/which-law.md does not show {name}");
+        assert!(page.contains(&format!("(pictures/laws/{name})")), "docs/materials.md does not show {name}");
         let ((old, words), (new, same_words)) = (parts(shipped), parts(made));
         let is_near = |(old, new): (&f64, &f64)| (old - new).abs() < 1.5;
         let is_same = words == same_words && old.len() == new.len() && old.iter().zip(&new).all(is_near);
