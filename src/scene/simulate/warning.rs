@@ -409,7 +409,7 @@ findings! {
         BreakStrainOfCoupons { time: f64, "when film first broke, s" => "time_s" } = "break-strain-of-coupons", Note;
             meaning "fibres broke in a drop at the last strain of their curves, which coupons have at the rate of a tensile machine and \
                 under tension in one direction; of two LDPE films, whose darts' failure masses were measured, that strain would have to \
-                be a fifth to three fifths of the coupons', as the dart's friction is (docs/standards.md)";
+                be a fifth to three fifths of the coupons', as the dart's friction is (docs/scenarios.md)";
             remedy "take failure masses from it only where darts or drops were compared; `calibrate` finds the break strain \
                 (`specimen.material.fabric.md.break_factor`) from drops that held or broke and from failure masses";
             message "the film broke at {} at the break strain of its curves: coupons alone do not tell that of a drop",
