@@ -17,9 +17,9 @@ from playwright.sync_api import sync_playwright
 
 PHONE = {"width": 360, "height": 740}
 DESKTOP = {"width": 1280, "height": 900}
-# Formulas of the theory, and those with a number: fewer means that a document lost them, or that they are not found.
-FEWEST_FORMULAS = 900
-FEWEST_NUMBERS = 150
+# Formulas of theory and methods, and those with a number: fewer means that a document lost them, or that they are not found.
+FEWEST_FORMULAS = 600
+FEWEST_NUMBERS = 120
 
 BROKEN_PICTURES = "Array.from(document.images).filter(image => !image.naturalWidth).map(image => image.src)"
 LEFT_TEX = "document.querySelector('main').innerText.includes('\\\\frac') || !!document.querySelector('.katex-error')"
