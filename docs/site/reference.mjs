@@ -150,7 +150,7 @@ function commandPage(tell) {
   const nameOf = (option) => /--[a-z-]+/.exec(option)?.[0];
   const shared = new Set(common.map(nameOf).filter((name) => name !== "--version"));
   const block = (text) => ["```text", text, "```", ""];
-  const lines = ["# Commands and options", "", "What `droptower help` prints; [Commands](../docs/commands.md) tells which command does what.", ""];
+  const lines = ["# Commands and options", "", "What `droptower help` prints; [Results](../docs/results.md#exit-status) has the exit status.", ""];
   lines.push(...block(`${top}\n\nOptions of every command:\n${common.join("\n\n")}`));
   const describe = (command, depth) => {
     const [text, options] = help(tell, command);
