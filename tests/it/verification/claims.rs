@@ -14,13 +14,13 @@ impl Claims {
 
     /// `figure` is at most `bound`; NaN is not.
     pub fn at_most(&mut self, what: &str, figure: f64, bound: f64) {
-        self.line(what, &format!("{figure:.3e}, at most {bound:.0e}"), figure <= bound);
+        self.line(what, &format!("{figure:.3e}, at most {bound:e}"), figure <= bound);
     }
 
     /// `figure` lies within `share` of `reference`.
     pub fn near(&mut self, what: &str, figure: f64, reference: f64, share: f64) {
         let off = (figure / reference - 1.0).abs();
-        self.line(what, &format!("{figure:.6e} for {reference:.6e}, off by {off:.2e} of {share:.0e}"), off <= share);
+        self.line(what, &format!("{figure:.6e} for {reference:.6e}, off by {off:.2e} of {share:e}"), off <= share);
     }
 
     /// `errors` on meshes of halved element size decrease with at least `order`.

@@ -43,7 +43,6 @@ fn rupture(model: &Model, outcome: &Outcome) -> [f64; 3] {
 const FINE: &str = "{ element = \"quad4\", size = \"1.5 mm\" }";
 const GRADED: &str = "{ element = \"quad4\", size = \"12 mm\", fine = \"1.5 mm\", around = \"impactor\" }";
 
-/// docs/verification.md has the same with 0.5 mm under the tip.
 #[test]
 fn a_dart_ruptures_a_graded_film_as_one_that_is_fine_everywhere() {
     let mut claims = Claims::of("graded film");

@@ -1,5 +1,5 @@
 //! Verification of the simulation with closed forms, other methods and the published outcomes. `docs/verification.md`
-//! has the table; `cargo test --release verification -- --nocapture` prints its figures.
+//! has the table, whose figures `docs/tables` writes from what these tests print.
 
 mod axisymmetric;
 mod claims;
