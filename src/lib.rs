@@ -35,7 +35,7 @@
 //! ([`model`]), meshed ([`mesh`]), stepped through time ([`engine`], [`simulate`]), measured ([`post`]) and written
 //! ([`store`], [`report`]); [`signal`] and [`experiment`] reduce recordings, [`identify`] searches, and [`confidence`]
 //! says how well what they find is known. No module uses one that stands below it, which `tests/it/architecture.rs`
-//! checks. `docs/theory.md` has the equations that comments cite, `docs/glossary.md` the terms.
+//! checks. `docs/theory.md` and `docs/methods.md` have the equations that comments cite, `docs/glossary.md` the terms.
 #![warn(missing_docs)]
 
 #[doc(inline)]
