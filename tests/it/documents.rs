@@ -1,5 +1,5 @@
 //! Links in the documents point to files that exist; the theory has what the sources cite of it; the citation is of this
-//! version; pictures of curves are those of their script.
+//! version; examples of studies have no mistakes; pictures of curves are those of their script.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -121,6 +121,34 @@ fn the_citation_is_of_this_version() {
     let citation = fs::read_to_string(root().join("CITATION.cff")).expect("a text");
     let version = citation.lines().find_map(|line| line.strip_prefix("version: "));
     assert_eq!(version, Some(env!("CARGO_PKG_VERSION")));
+}
+
+/// The blocks of a document in a language.
+fn blocks<'text>(text: &'text str, language: &str) -> Vec<&'text str> {
+    let fence = format!("\n```{language}\n");
+    text.split(fence.as_str()).skip(1).filter_map(|rest| rest.split("\n```").next()).collect()
+}
+
+/// Scripts and sweep of the pages on studies and calibration have no mistake that is found before a run.
+#[test]
+fn examples_of_studies_have_no_mistakes() {
+    let read = |name: &str| fs::read_to_string(root().join("docs").join(name)).expect("a text");
+    let (studies, calibration) = (read("studies.md"), read("calibration.md"));
+    let scenario = root().join("scenarios/drop/1008.toml").to_string_lossy().replace('\\', "/");
+    let scripts = blocks(&studies, "rhai");
+    let [layers, main, film] = scripts[..] else { panic!("{} scripts", scripts.len()) };
+    let study = blocks(&calibration, "rhai").join("\n");
+    let sweep = format!("extends = \"{scenario}\"\n{}", blocks(&studies, "toml").join("\n"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let texts = [layers, main, film, study.as_str(), sweep.as_str()];
+    for (name, text) in ["layers.rhai", "main.rhai", "film.rhai", "study.rhai", "sweep.toml"].iter().zip(texts) {
+        fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let check = |arguments: &[&str]| printed(&droptower(folder.path(), arguments));
+    check(&["script", "layers.rhai", "--check", "--scenario", &scenario]);
+    check(&["script", "main.rhai", "--check", "--scenario", &scenario]);
+    check(&["script", "study.rhai", "--check"]);
+    check(&["check", "sweep.toml"]);
 }
 
 /// The names and texts of the pictures in a folder, by name.
