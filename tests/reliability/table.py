@@ -26,7 +26,7 @@ def main():
     faults, fuzz = rows(work / "faults"), rows(work / "fuzz")
     cases = ", ".join(f"{name} {count}" for name, count, *_ in faults)
     wrong = [name if "wrong" in found else f"{name} (skipped)" for name, _, found, *_ in faults if found != "as promised"]
-    out = f"| `tests/faults/run {flags}`".rstrip() + f" | {when} | {cases} | {result('as promised', wrong)} |\n"
+    out = f"| `{f'tests/faults/run {flags}'.strip()}` | {when} | {cases} | {result('as promised', wrong)} |\n"
     cases = ", ".join(f"{name} {count}" for name, count, *_ in fuzz)
     found = [name for name, *_, found in fuzz if found != "nothing"]
     peak = max((int(row[3]) for row in fuzz), default=0)
