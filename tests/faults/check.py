@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path.cwd()
 DROP = ROOT / "scenarios/drop/1008.toml"
 
-# Exit statuses that docs/reference promises: done, output failed, bad input, numerical failure.
+# Exit statuses that docs/results.md promises: done, output failed, bad input, numerical failure.
 DOCUMENTED = {0, 1, 2, 3}
 
 # A run of some tenths of a second with everything that a run leaves.

@@ -20,6 +20,15 @@ DESKTOP = {"width": 1280, "height": 900}
 # Formulas of theory and methods, and those with a number: fewer means that a document lost them, or that they are not found.
 FEWEST_FORMULAS = 600
 FEWEST_NUMBERS = 120
+# What newcomers look for, and a page that has the answer.
+SEARCHES = {
+    "hourglass": "docs/theory.html",
+    "failure mass": "docs/guide.html",
+    "DC accelerometer": "docs/recordings.html",
+    "LS-DYNA": "docs/solvers.html",
+    "how long": "docs/guide.html",
+    "mesh size": "docs/scenarios.html",
+}
 
 BROKEN_PICTURES = "Array.from(document.images).filter(image => !image.naturalWidth).map(image => image.src)"
 LEFT_TEX = "document.querySelector('main').innerText.includes('\\\\frac') || !!document.querySelector('.katex-error')"
@@ -134,12 +143,13 @@ def examine(browser, site, pictures):
         light = Window(browser, site, DESKTOP)
         light.open("index.html")
         light.picture(pictures, "first")
-        search_finds(light, "hourglass", "docs/theory.html")
-        light.picture(pictures, "search")
-        light.open("index.html")
+        for words, name in SEARCHES.items():
+            search_finds(light, words, name)
+            light.picture(pictures, "search")
+            light.open("index.html")
         theme_changes(light)
         dark = Window(browser, site, DESKTOP, "dark")
-        for name in ("docs/theory", "docs/gallery", "reference/impactor", "reference/functions"):
+        for name in ("docs/theory", "docs/results", "reference/impactor", "reference/functions"):
             dark.open(f"{name}.html")
             dark.picture(pictures, f"{Path(name).name}-dark")
     except Fault as fault:
