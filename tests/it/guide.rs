@@ -45,9 +45,7 @@ fn run(folder: &Path, block: &Block) {
         let has_results = words[0] == "run" && !results.is_empty();
         let changes = match words[0] {
             "run" => FEW_SNAPSHOTS.to_vec(),
-            "script" if words[1] == "failure-mass.rhai" => {
-                [&COARSE[..], &FEW_SNAPSHOTS, &["--arg", "range=0"]].concat()
-            }
+            "script" if words[1] == "failure-mass" => [&COARSE[..], &FEW_SNAPSHOTS, &["--arg", "range=0"]].concat(),
             "script" => [COARSE, FEW_SNAPSHOTS].concat(),
             _ => vec![],
         };
