@@ -6,7 +6,7 @@
 >>> run.signals.plot(x="time_s", y="displacement_m")
 """
 
-from .commands import card, check, compare, run, script, sweep, test
+from .commands import check, compare, export_card, run, script, sweep, test
 from .errors import BadInput, Diagnostic, DroptowerError, Failed, NumericalFailure, ProgramNotFound
 from .program import program, version
 from .results import Comparison, Run, Study, Sweep
@@ -24,9 +24,9 @@ __all__ = [
     "States",
     "Study",
     "Sweep",
-    "card",
     "check",
     "compare",
+    "export_card",
     "program",
     "run",
     "script",

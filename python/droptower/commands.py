@@ -118,7 +118,7 @@ def compare(
     return Comparison(Path(out))
 
 
-def card(
+def export_card(
     film: PathLike | Run,
     target: str,
     out: PathLike,
@@ -135,7 +135,7 @@ def card(
     scenario or a run. What is given back says what was written; its `findings` what the card loses.
     """
     source = str(film.path) if isinstance(film, Run) else _path(film)
-    arguments = ["card", "write", source, "--for", target, "--units", units, "-o", _path(out), "--json"]
+    arguments = ["export", "card", source, "--for", target, "--units", units, "-o", _path(out), "--json"]
     given = {"--layers": layers, "--face": face, "--rate": rate}
     for name, value in given.items():
         if value is not None:

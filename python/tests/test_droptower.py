@@ -218,11 +218,11 @@ def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_film_is_written_for_another_solver(scene: Path) -> None:
-    written = droptower.card(scene, "ls-dyna", "film.k", units="g-mm-ms")
+    written = droptower.export_card(scene, "ls-dyna", "film.k", units="g-mm-ms")
     assert written["units"] == "g-mm-ms" and "*MAT_FABRIC" in Path("film.k").read_text()
     codes = {finding["code"] for finding in written["findings"]}
     assert "card-break-strain" in codes
     with pytest.raises(droptower.BadInput, match="no law for fabric"):
-        droptower.card(droptower.run(scene), "calculix", "film.inp")
+        droptower.export_card(droptower.run(scene), "calculix", "film.inp")
     with pytest.raises(droptower.BadInput, match="already exists"):
-        droptower.card(scene, "ls-dyna", "film.k")
+        droptower.export_card(scene, "ls-dyna", "film.k")

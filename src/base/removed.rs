@@ -1,4 +1,5 @@
-//! What earlier versions had and this one has not, each with what to use instead: the one place that messages take it from.
+//! What earlier versions had and this one has not, and what users look for under another name, each with what to use instead:
+//! the one place that messages take it from.
 
 /// What kind of name a user wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,16 +15,37 @@ pub enum Kind {
     Finding,
 }
 
-/// A name that is gone.
+/// What became of a name.
+#[derive(Clone, Copy)]
+enum Fate {
+    /// It is gone; what stands instead completes "it was removed: ".
+    Gone,
+    /// It has another name, which completes "it is now ".
+    Renamed,
+    /// It never was; the whole sentence.
+    Sought,
+}
+
+/// A name that is not there.
 struct Removed {
+    fate: Fate,
     kind: Kind,
     name: &'static str,
-    /// Completes "was removed: ".
     instead: &'static str,
 }
 
 const fn row(kind: Kind, name: &'static str, instead: &'static str) -> Removed {
-    Removed { kind, name, instead }
+    Removed { fate: Fate::Gone, kind, name, instead }
+}
+
+/// A command under another name.
+const fn now(name: &'static str, instead: &'static str) -> Removed {
+    Removed { fate: Fate::Renamed, kind: Kind::Command, name, instead }
+}
+
+/// A command that users look for.
+const fn sought(name: &'static str, instead: &'static str) -> Removed {
+    Removed { fate: Fate::Sought, kind: Kind::Command, name, instead }
 }
 
 const DISTANCES: &str = "`distance` is \"residuals\", \"error-norm\" or \"rating\"";
@@ -31,7 +53,7 @@ const HISTORY: &str = "the store has the runs of a search, so that one that is s
 const IMPORTANCE: &str =
     "`failure_probability` has the methods \"subset\" and \"monte-carlo\", not importance sampling";
 const MASTER: &str =
-    "the program of a DMA makes the master curve, which --relaxation fits; `shift` of a material states its law";
+    "the program of a DMA makes the master curve, which `fit prony` fits; `shift` of a material states its law";
 const NEW_SLURM: &str = "`droptower new slurm` writes an array job to change and submit";
 const PLASTIC: &str = "`calibrate` fits plastic film to coupons: scripts/plastic-coupons.rhai";
 const PROFILES: &str =
@@ -42,14 +64,27 @@ const PROFILES: &str =
 const REMOVED: &[Removed] = &[
     row(Kind::Command, "--parquet", "the tables are written as CSV, which pandas, Polars and R read"),
     row(Kind::Command, "--vtkhdf", "`--vtu` writes the same states and arrays, which ParaView opens as film.pvd"),
-    row(Kind::Command, "card check", "`pull` in a script has the stresses of one element, `card write` its card"),
+    row(Kind::Command, "card check", "`pull` in a script has the stresses of one element, `export card` its card"),
+    now("card", "`droptower export card` and `droptower import card`"),
+    now("card read", "`droptower import card`"),
+    now("card write", "`droptower export card`"),
     row(Kind::Command, "card write --approximate", "write for a solver that has the law, or fit one that the target has"),
+    now("deck", "`droptower export deck`"),
+    now("deck write", "`droptower export deck`"),
     row(Kind::Command, "deck read", "`meshio convert --ascii --output-format gmsh` writes a mesh as .msh, which `specimen.shape.mesh` reads"),
     row(Kind::Command, "digitize", "WebPlotDigitizer reads curves out of pictures; put a line such as `time_s,force_N` on top of its CSV file"),
+    row(Kind::Command, "fit plastic", PLASTIC),
+    row(Kind::Command, "fit prony --reference", MASTER),
+    row(Kind::Command, "fit prony --shift", MASTER),
+    row(Kind::Command, "fit prony --shift-factors", MASTER),
+    row(Kind::Command, "fit rubber plastic:table", PLASTIC),
+    row(Kind::Command, "fit rubber plastic:voce", PLASTIC),
     row(Kind::Command, "new figure", "WebPlotDigitizer reads curves out of pictures"),
     row(Kind::Command, "new material nylon-fabric", "its values had no published source; `droptower new material fabric` is its law"),
     row(Kind::Command, "new material tpu", "its values had no published source; `droptower new material mooney-rivlin` is its law"),
+    sought("plot", "`droptower picture RUN --plot NAME` draws a plot of a run; its report.html has all of them"),
     row(Kind::Command, "repl", "`droptower script` computes no run twice, so a script grows line by line; so does a notebook with the Python package"),
+    sought("report", "`droptower run` writes the page report.html into the folder of the run"),
     row(Kind::Command, "schema cluster", NEW_SLURM),
     row(Kind::Command, "schema figure", "WebPlotDigitizer reads curves out of pictures"),
     row(Kind::Command, "script --profile", "`print` in the script shows where it is"),
@@ -57,17 +92,25 @@ const REMOVED: &[Removed] = &[
     row(Kind::Command, "signal convert .mme", "write a table: -o FILE.csv; ISO-MME is still read"),
     row(Kind::Command, "signal convert .parquet", "write a table: -o FILE.csv, which pandas, Polars and R read"),
     row(Kind::Command, "signal convert .zip", "write a table: -o FILE.csv; zipped ISO-MME is still read"),
+    now("signal drop", "`droptower reduce drop`"),
+    sought("simulate", "`droptower run SCENARIO` simulates a scenario"),
     row(Kind::Command, "store why", "`droptower run --resume` names the keys that differ from those of a checkpoint"),
     row(Kind::Command, "sweep --cluster", NEW_SLURM),
     row(Kind::Command, "sweep --on", NEW_SLURM),
+    now("tensile", "`droptower reduce coupon`, `bulge` and `wide`, and `droptower fit rubber` and `prony`"),
+    now("tensile bulge", "`droptower reduce bulge`"),
+    now("tensile fit", "`droptower fit rubber --law LAW`, or `droptower fit prony` for a relaxation"),
     row(Kind::Command, "tensile fit --directions", PLASTIC),
     row(Kind::Command, "tensile fit --offset", PLASTIC),
     row(Kind::Command, "tensile fit --reference", MASTER),
+    now("tensile fit --relaxation", "`droptower fit prony`"),
     row(Kind::Command, "tensile fit --shift", MASTER),
     row(Kind::Command, "tensile fit --shift-factors", MASTER),
     row(Kind::Command, "tensile fit --window", PLASTIC),
     row(Kind::Command, "tensile fit plastic:table", PLASTIC),
     row(Kind::Command, "tensile fit plastic:voce", PLASTIC),
+    now("tensile reduce", "`droptower reduce coupon`"),
+    now("tensile wide", "`droptower reduce wide`"),
     row(Kind::Command, "watch --no-page", "`watch` serves no page; report.html in the folder of the run is the page"),
     row(Kind::Command, "watch --port", "open report.html in the folder of the run, and reload it"),
     row(Kind::Key, "cluster", NEW_SLURM),
@@ -124,12 +167,15 @@ const REMOVED: &[Removed] = &[
     row(Kind::Finding, "zero-offset-doubtful", "the zero is fitted with its error: intervals hold it"),
 ];
 
-/// What to do instead of the command line `words`, of which a removed row has all words in their order; with the row's own words.
+/// What to do instead of the command line `words`, of which a row has all words in their order and the same command; with the
+/// row's own words.
 pub fn command(words: &[String]) -> Option<(&'static str, String)> {
     let words: Vec<&str> = words.iter().flat_map(|word| word.split('=')).collect();
+    let first = words.iter().find(|word| !word.starts_with('-'));
     let is_meant = |row: &&Removed| {
         let mut rest = words.iter();
-        row.name.split(' ').all(|wanted| rest.any(|word| *word == wanted))
+        let is_command = row.name.starts_with('-') || first == row.name.split(' ').next().as_ref();
+        is_command && row.name.split(' ').all(|wanted| rest.any(|word| *word == wanted))
     };
     // The row with most words says most.
     let found = REMOVED.iter().filter(|row| row.kind == Kind::Command).filter(is_meant);
@@ -163,7 +209,11 @@ fn named(kind: Kind, name: &str) -> Option<String> {
 }
 
 fn sentence(row: &Removed) -> String {
-    format!("it was removed: {}", row.instead)
+    match row.fate {
+        Fate::Gone => format!("it was removed: {}", row.instead),
+        Fate::Renamed => format!("it is now {}", row.instead),
+        Fate::Sought => row.instead.to_owned(),
+    }
 }
 
 #[cfg(test)]

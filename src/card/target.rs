@@ -102,7 +102,7 @@ impl Target {
                     "its reader of LS-DYNA decks makes the curves of *MAT_034 true, cuts them where they descend and multiplies \
                      shear angles by 57: give it the LAW58",
                     "elements and contacts of your own: Iplas 1 with LAW36 and LAW43, Ismstr 10 with LAW42, Iform 2 for friction, and a \
-                     limited contact stiffness (Stmax); `droptower deck write` has them all",
+                     limited contact stiffness (Stmax); `droptower export deck` has them all",
                     "it ends a run normally whose motion is no number: look at the signals",
                 ],
             },

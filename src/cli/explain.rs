@@ -5,7 +5,7 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::card::explain as solvers;
+use super::export::card as solvers;
 use super::{Failure, Shared, codes, columns, complete, figures, functions, print, print_json, readable};
 use base::diagnostic::{Diagnostic, closest};
 use base::removed;
@@ -50,12 +50,12 @@ pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
         Some(codes::WORD) => return codes::run(None, shared),
         Some(columns::WORD) => return columns::all(shared),
         Some(figures::WORD) => return figures::all(shared),
-        Some(solvers::WORD) => return solvers::run(None, shared),
+        Some(solvers::WORD) => return solvers::explain(None, shared),
         Some(readable::WORD) => return readable::run(shared),
         _ => {}
     }
     if let Some(target) = args.path.as_deref().and_then(solvers::find) {
-        return solvers::run(Some(target), shared);
+        return solvers::explain(Some(target), shared);
     }
     let explanations = match &args.path {
         Some(path) if path == WORD => top_keys().flat_map(|key| under(&key.name, key)).collect(),

@@ -2,7 +2,6 @@
 #![warn(missing_docs)]
 
 mod argument;
-mod card;
 mod changes;
 mod check;
 mod checkpoint;
@@ -11,19 +10,22 @@ mod columns;
 mod command_line;
 mod compare;
 mod complete;
-mod deck;
 mod digest;
 mod expectations;
 mod explain;
+mod export;
 mod failure;
 mod farm;
 mod faults;
 mod figures;
+mod film;
 mod findings;
+mod fit;
 mod folder;
 mod given;
 mod forecast;
 mod functions;
+mod import;
 mod list;
 mod man;
 #[cfg_attr(not(feature = "rerun"), path = "live_off.rs")]
@@ -34,6 +36,7 @@ mod output;
 mod picture;
 mod progress;
 mod readable;
+mod reduce;
 mod run;
 mod scenarios;
 mod schema;
@@ -43,7 +46,6 @@ mod signal;
 mod store;
 mod sweep;
 mod table;
-mod tensile;
 mod test;
 mod view;
 mod watch;
@@ -54,7 +56,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
 
 pub(crate) use self::failure::Failure;
@@ -113,47 +115,81 @@ enum Command {
     Run(run::RunArgs),
     /// Run a scenario many times, with the values of its table [variation]
     Sweep(sweep::SweepArgs),
-    /// List or remove the evaluations that are never computed twice
-    #[command(subcommand)]
-    Store(store::StoreCommand),
+    /// Run a Rhai script over scenarios: one of yours, or a shipped one by its name
+    Script(script::ScriptArgs),
     /// Check scenarios and materials without running them
     Check(check::CheckArgs),
-    /// Print the JSON Schema of scenarios, or of another kind of file, for editors
-    Schema(schema::SchemaArgs),
+    /// Write a commented scenario, test or material to start from
+    New(new::NewArgs),
     /// Explain a key (unit, range, default), a script function or the code of a finding
     Explain(explain::ExplainArgs),
-    /// Write a commented scenario, test, material or figure to start from
-    New(new::NewArgs),
-    /// Compare runs with the first of them: scenarios, figures and signals
-    Compare(compare::CompareArgs),
     /// Compare runs with what they must give: folders with scenario.toml and expect.toml
     Test(test::TestArgs),
-    /// List the scenarios of a folder
-    List(list::ListArgs),
+    /// Compare runs with the first of them: scenarios, figures and signals
+    Compare(compare::CompareArgs),
+    /// Run a scenario again whenever it, or a file that it names, is saved
+    Watch(watch::WatchArgs),
     /// Open the recordings of runs in the Rerun viewer
     View(view::ViewArgs),
     /// Draw the scene of a stored run, or a plot of its page, as PNG, SVG or, in 3-D, glTF
     Picture(picture::PictureArgs),
+    /// Reduce measured drops and coupons to a material: drop, coupon, bulge, wide
+    #[command(subcommand)]
+    Reduce(reduce::ReduceCommand),
+    /// Fit laws to measured data, and write them as a material: rubber, prony
+    #[command(subcommand)]
+    Fit(fit::FitCommand),
+    /// Read, filter, convert and rate recordings: info, filter, convert, hic, clip, rate
+    #[command(subcommand)]
+    Signal(signal::SignalCommand),
+    /// Write films and whole tests for other solvers: card, deck
+    #[command(subcommand)]
+    Export(export::ExportCommand),
+    /// Read the films of other solvers as materials: card
+    #[command(subcommand)]
+    Import(import::ImportCommand),
+    /// Print the JSON Schema of scenarios, or of another kind of file, for editors
+    Schema(schema::SchemaArgs),
     /// Print what lets a shell complete commands, options, keys and scenarios
     Completions(complete::CompletionsArgs),
     /// Print the manual page, or write those of all commands
     Man(man::ManArgs),
-    /// Run a scenario again whenever it, or a file that it names, is saved
-    Watch(watch::WatchArgs),
-    /// Run a Rhai script over scenarios
-    Script(script::ScriptArgs),
-    /// Read, filter, convert, rate and reduce recordings
+    /// List or remove the evaluations that are never computed twice
     #[command(subcommand)]
-    Signal(signal::SignalCommand),
-    /// Reduce coupon tests to a material, and fit laws to measured data
-    #[command(subcommand)]
-    Tensile(tensile::TensileCommand),
-    /// Write films in the material formats of other solvers
-    #[command(subcommand)]
-    Card(card::CardCommand),
-    /// Write whole drop tests for other solvers, and read their meshes
-    #[command(subcommand)]
-    Deck(deck::DeckCommand),
+    Store(store::StoreCommand),
+    /// List the scenarios of a folder
+    List(list::ListArgs),
+}
+
+/// The commands under their headings in the help; each stands in the order of [`Command`].
+const GROUPS: [(&str, &[&str]); 3] = [
+    ("Jobs", &["run", "sweep", "script", "check", "new", "explain", "test", "compare", "watch", "view", "picture"]),
+    ("Recordings, materials, other solvers", &["reduce", "fit", "signal", "export", "import"]),
+    ("More", &["schema", "completions", "man", "store", "list"]),
+];
+
+/// The command line: the options of every command stand once, in the top help, and the commands there by what they are for.
+fn command() -> clap::Command {
+    let command = Droptower::command();
+    let shared: Vec<Arg> = command.get_arguments().filter(|arg| arg.is_global_set()).cloned().collect();
+    let hidden = shared.into_iter().map(|arg| arg.hide(true));
+    let command = command.mut_subcommands(|one| one.args(hidden.clone()));
+    let header = *command.get_styles().get_header();
+    let literal = *command.get_styles().get_literal();
+    let line = |name: &&str| {
+        let about = command.find_subcommand(name).and_then(clap::Command::get_about);
+        let about = about.map(ToString::to_string).unwrap_or_default();
+        format!("  {literal}{name:<11}{literal:#}  {about}\n")
+    };
+    let group = |(title, names): &(&str, &[&str])| {
+        let lines: String = names.iter().map(line).collect();
+        format!("{header}{title}:{header:#}\n{lines}\n")
+    };
+    let groups: String = GROUPS.iter().map(group).collect();
+    let template = format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}{header}Options:{header:#}\n{{options}}"
+    );
+    command.help_template(template)
 }
 
 impl Command {
@@ -166,15 +202,17 @@ impl Command {
                 | Command::List(_)
                 | Command::Picture(_)
                 | Command::Signal(_)
-                | Command::Tensile(_)
+                | Command::Reduce(_)
+                | Command::Fit(_)
         )
     }
 }
 
 /// Runs the command that the arguments name; usage errors exit with status 2.
 pub fn main() -> ExitCode {
-    complete::answer(Droptower::command);
-    let Droptower { command, shared } = match Droptower::try_parse() {
+    complete::answer(command);
+    let given = command().try_get_matches().and_then(|matches| Droptower::from_arg_matches(&matches));
+    let Droptower { command, shared } = match given {
         Ok(given) => given,
         Err(error) => return unusable(&error),
     };
@@ -246,10 +284,11 @@ fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
         Command::Man(args) => man::run(args),
         Command::Watch(args) => watch::run(args, shared),
         Command::Script(args) => script::run(args, shared),
+        Command::Reduce(command) => reduce::run(command, shared),
+        Command::Fit(command) => fit::run(command, shared),
         Command::Signal(command) => signal::run(command, shared),
-        Command::Tensile(command) => tensile::run(command, shared),
-        Command::Card(command) => card::run(command, shared),
-        Command::Deck(command) => deck::run(command, shared),
+        Command::Export(command) => export::run(command, shared),
+        Command::Import(command) => import::run(command, shared),
     }
 }
 

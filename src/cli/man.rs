@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory};
+use clap::Args;
 
-use super::{Droptower, Failure, print};
+use super::{Failure, print};
 use base::diagnostic::{Diagnostic, shown_path};
 
 #[derive(Debug, Args)]
@@ -16,7 +16,7 @@ pub(super) struct ManArgs {
 }
 
 pub(super) fn run(args: &ManArgs) -> Result<(), Failure> {
-    let command = Droptower::command();
+    let command = super::command();
     let Some(folder) = &args.folder else {
         let mut page = Vec::new();
         let written = clap_mangen::Man::new(command).render(&mut page);

@@ -77,7 +77,7 @@ def compare_specimens(droptower, folder):
     expected = json.loads((folder / "expected.json").read_text())
     for name, specimens in expected.items():
         reduced = subprocess.run(
-            [droptower, "tensile", "reduce", "--json", folder / name], capture_output=True, text=True, check=True
+            [droptower, "reduce", "coupon", "--json", folder / name], capture_output=True, text=True, check=True
         )
         found = json.loads(reduced.stdout)["specimens"]
         assert [one["specimen"] for one in found] == [one["name"] for one in specimens], name

@@ -1,4 +1,4 @@
-//! `droptower card`: films that go to other solvers and come back.
+//! `droptower export card` and `import card`: films that go to other solvers and come back.
 
 use std::fs;
 
@@ -18,12 +18,12 @@ fn a_film_goes_and_comes_back() {
     {
         let [first, second] = ["a", "b"].map(|name| format!("{target}-{name}.{ending}"));
         let film = film.to_str().expect("UTF-8");
-        let written = run(&["card", "write", film, "--for", target, "-o", &first, "--force"]);
+        let written = run(&["export", "card", film, "--for", target, "-o", &first, "--force"]);
         assert_eq!(written.status.code(), Some(0), "{}", error(&written));
-        let read = run(&["card", "read", &first, "-o", "film.toml", "--force"]);
+        let read = run(&["import", "card", &first, "-o", "film.toml", "--force"]);
         assert_eq!(read.status.code(), Some(0), "{}", error(&read));
         assert_eq!(run(&["check", "film.toml"]).status.code(), Some(0));
-        let again = run(&["card", "write", "film.toml", "--for", target, "-o", &second, "--force"]);
+        let again = run(&["export", "card", "film.toml", "--for", target, "-o", &second, "--force"]);
         assert_eq!(again.status.code(), Some(0), "{}", error(&again));
         let curves = |path: &str| -> Vec<f64> {
             let text = fs::read_to_string(bench.path().join(path)).expect("the card");
@@ -44,7 +44,7 @@ fn what_a_card_loses_is_a_finding_and_what_it_cannot_hold_a_mistake() {
     let film = root().join("scenarios/materials/lldpe-rates.toml");
     let film = film.to_str().expect("UTF-8");
     let run = |arguments: &[&str]| droptower(bench.path(), arguments);
-    let one = ["card", "write", film, "--for", "openradioss", "-o", "film.rad", "--json"];
+    let one = ["export", "card", film, "--for", "openradioss", "-o", "film.rad", "--json"];
     let refused = run(&one);
     assert_eq!(refused.status.code(), Some(2));
     assert!(error(&refused).contains("--rate \"100 1/s\""), "{}", error(&refused));
@@ -55,13 +55,13 @@ fn what_a_card_loses_is_a_finding_and_what_it_cannot_hold_a_mistake() {
     assert!(codes.contains(&"card-rates") && codes.contains(&"card-unloading-from"), "{codes:?}");
     for (arguments, expected) in [
         (
-            &["card", "write", film, "--for", "calculix", "-o", "film.inp", "--rate", "4 1/s"][..],
+            &["export", "card", film, "--for", "calculix", "-o", "film.inp", "--rate", "4 1/s"][..],
             "CalculiX has no law for fabric",
         ),
-        (&["card", "write", film, "--for", "nastran", "-o", "film.dat"], "expected one of ls-dyna, openradioss"),
-        (&["card", "write", film, "--for", "ls-dyna", "-o", "film.txt"], "does not end in .k"),
-        (&["card", "write", film, "--for", "ls-dyna", "-o", "film.k", "--rate", "1e6 1/s"], "not of 1000000 1/s"),
-        (&["card", "read", film, "-o", "back.toml", "--units", "t-mm-s", "--thickness", "12 um"], "this is no card"),
+        (&["export", "card", film, "--for", "nastran", "-o", "film.dat"], "expected one of ls-dyna, openradioss"),
+        (&["export", "card", film, "--for", "ls-dyna", "-o", "film.txt"], "does not end in .k"),
+        (&["export", "card", film, "--for", "ls-dyna", "-o", "film.k", "--rate", "1e6 1/s"], "not of 1000000 1/s"),
+        (&["import", "card", film, "-o", "back.toml", "--units", "t-mm-s", "--thickness", "12 um"], "this is no card"),
     ] {
         let refused = run(arguments);
         assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
@@ -76,7 +76,7 @@ fn what_a_card_loses_is_a_finding_and_what_it_cannot_hold_a_mistake() {
 fn a_mistake_in_a_card_has_its_line_and_caret() {
     let bench = tempfile::tempdir().expect("a folder");
     fs::write(bench.path().join("film.k"), "*MAT_ELASTIC\r\n1,1e-9,2oo.,.3\r\n").expect("a card");
-    let card = ["card", "read", "film.k", "-o", "film.toml"];
+    let card = ["import", "card", "film.k", "-o", "film.toml"];
     let run = |more: &[&str]| droptower(bench.path(), &[&card[..], more].concat());
     for (more, expected) in [
         (&[][..], "--units t-mm-s"),
@@ -104,7 +104,7 @@ fn the_film_of_a_study_is_in_its_folder() {
         run(&["script", "study.rhai", "--scenario", scenario.to_str().expect("UTF-8"), "--out", "runs/study"]);
     assert_eq!(studied.status.code(), Some(0), "{}", error(&studied));
     let card = |film: &str, out: &str| {
-        let written = run(&["card", "write", film, "--for", "curves", "--layers", "8", "-o", out]);
+        let written = run(&["export", "card", film, "--for", "curves", "--layers", "8", "-o", out]);
         assert_eq!(written.status.code(), Some(0), "{}", error(&written));
         let text = fs::read_to_string(bench.path().join(out)).expect("the card");
         text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
@@ -113,7 +113,7 @@ fn the_film_of_a_study_is_in_its_folder() {
     let scaled = scenario.to_str().expect("UTF-8");
     assert_ne!(studied, card(scaled, "scenario.csv"), "the multipliers are in the curves");
     fs::create_dir(bench.path().join("empty")).expect("a folder");
-    let refused = run(&["card", "write", "empty", "--for", "curves", "-o", "empty.csv"]);
+    let refused = run(&["export", "card", "empty", "--for", "curves", "-o", "empty.csv"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(error(&refused).contains("has neither scenario.toml nor film.toml"), "{}", error(&refused));
 }

@@ -23,7 +23,7 @@ fn findings_are_printed_with_severity_and_code() {
     let out = folder.path().join("run");
     let out = out.to_str().expect("UTF-8");
     let short = ["--set", "specimen.mesh.size=40mm", "--set", "loading.impact.duration=2ms", "--out", out];
-    let drop = ["signal", "drop", "data/virtual/1509.csv", "--mass", "10.72 kg", "--height", "1.5 m"];
+    let drop = ["reduce", "drop", "data/virtual/1509.csv", "--mass", "10.72 kg", "--height", "1.5 m"];
     let cases: [(Vec<&str>, &[&str]); 3] = [
         (
             [&["run", "scenarios/drop/1509.toml"], &short[..]].concat(),

@@ -46,7 +46,7 @@ fn bulges_and_wide_coupons_show_the_coupling_of_their_film() {
         let text = signals(folder.path(), "scenarios/inflation/bulge.toml", &[&biaxial, slow, coarse]);
         let bulge = recording(folder.path(), "bulge.csv", &text);
         let size = ["--radius", "50 mm", "--thickness", "12 um"];
-        let found = of(&[&["tensile", "bulge", &bulge, "--film", FILM], &size[..]].concat());
+        let found = of(&[&["reduce", "bulge", &bulge, "--film", FILM], &size[..]].concat());
         println!("bulge, {coupling}: {}", found["coupling"]["mean"]);
         assert!((number(&found["coupling"]["mean"]) - coupling).abs() < 0.06, "{found}");
         assert!(found["tests"][0]["virtual"] == true && found["findings"][0]["code"] == "cap-assumed", "{found}");
@@ -56,7 +56,7 @@ fn bulges_and_wide_coupons_show_the_coupling_of_their_film() {
         let text = signals(folder.path(), "scenarios/stretch/md-0.02.toml", &changes);
         let coupon = recording(folder.path(), "md-0.02-1.csv", &text);
         let size = ["--gauge", "10 mm", "--width", "100 mm", "--thickness", "12 um"];
-        let found = of(&[&["tensile", "wide", &coupon, "--film", FILM], &size[..]].concat());
+        let found = of(&[&["reduce", "wide", &coupon, "--film", FILM], &size[..]].concat());
         let own = &found["tests"][0]["coupling"];
         println!("wide coupon, {coupling}: {} to {}", own["value"], own["high"]);
         let [low, high] = [number(&own["value"]), number(&own["high"])];
@@ -67,7 +67,7 @@ fn bulges_and_wide_coupons_show_the_coupling_of_their_film() {
     }
 }
 
-/// The curves that are written are tests which `tensile fit` reads, and which a law of rubber follows.
+/// The curves that are written are tests which `fit rubber` reads, and which a law of rubber follows.
 #[test]
 fn curves_of_both_directions_can_be_fitted() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -81,11 +81,11 @@ fn curves_of_both_directions_can_be_fitted() {
     });
     let text = format!("pressure [Pa],height [mm]\n{}", rows.collect::<String>());
     fs::write(folder.path().join("rubber.csv"), text).expect("writable");
-    let bulge = ["tensile", "bulge", "rubber.csv", "--radius", "50 mm", "--thickness", "1 mm"];
+    let bulge = ["reduce", "bulge", "rubber.csv", "--radius", "50 mm", "--thickness", "1 mm"];
     let shown = printed(&droptower(folder.path(), &[&bulge[..], &["-o", "rubber-curve.csv"]].concat()));
     assert!(shown.contains("wrote rubber-curve.csv") && !shown.contains("coupling of MD and TD"), "{shown}");
     let fit =
-        figures(&droptower(folder.path(), &["tensile", "fit", "rubber-curve.csv", "--law", "neo-hookean", "--json"]));
+        figures(&droptower(folder.path(), &["fit", "rubber", "rubber-curve.csv", "--law", "neo-hookean", "--json"]));
     assert!((number(&fit["coefficients"][0]["value"]) / 1e6 - 1.0).abs() < 1e-9, "{fit}");
     for (name, text) in [
         ("no-units.csv", "pressure,height\n100,0.01\n200,0.02\n"),
@@ -94,13 +94,13 @@ fn curves_of_both_directions_can_be_fitted() {
     ] {
         fs::write(folder.path().join(name), text).expect("writable");
     }
-    let of_file = |file| ["tensile", "bulge", file, "--radius", "50 mm", "--thickness", "1 mm"];
+    let of_file = |file| ["reduce", "bulge", file, "--radius", "50 mm", "--thickness", "1 mm"];
     for (arguments, expected) in [
         // Remedies that can be typed.
         (&of_file("no-units.csv")[..], "give it: --unit pressure=Pa"),
         (&of_file("negative.csv")[..], "change the sign"),
         (
-            &["tensile", "wide", "md-0.02-9.csv", "--gauge", "5 mm", "--width", "50 mm", "--thickness", "1 mm"],
+            &["reduce", "wide", "md-0.02-9.csv", "--gauge", "5 mm", "--width", "50 mm", "--thickness", "1 mm"],
             "--unit force=N",
         ),
         (&[&bulge[..3], &["--radius", "-50 mm", "--thickness", "1 mm"]].concat(), "radius"),
@@ -109,7 +109,7 @@ fn curves_of_both_directions_can_be_fitted() {
         (&[&bulge[..3], &["--radius", "0 mm", "--thickness", "1 mm"]].concat(), "radius"),
         (&[&bulge[..], &["rubber-curve.csv", "-o", "other.csv"]].concat(), "--out writes the curve of one recording"),
         (
-            &["tensile", "wide", "md-0.02-1.csv", "--gauge", "10 mm", "--width", "10 mm", "--thickness", "1 mm"],
+            &["reduce", "wide", "md-0.02-1.csv", "--gauge", "10 mm", "--width", "10 mm", "--thickness", "1 mm"],
             "md-0.02-1.csv",
         ),
     ] {

@@ -218,9 +218,9 @@ fn the_script_regenerates_the_shipped_coupons_bit_for_bit() {
 
 const STRIP: [&str; 6] = ["--gauge", "5 mm", "--width", "10 mm", "--thickness", "12 um"];
 
-/// `tensile reduce` of `recordings` with more arguments.
+/// `reduce coupon` of `recordings` with more arguments.
 fn reduce(recordings: &str, more: &[&str]) -> Output {
-    droptower(&[&["tensile", "reduce", recordings], STRIP.as_slice(), more].concat())
+    droptower(&[&["reduce", "coupon", recordings], STRIP.as_slice(), more].concat())
 }
 
 #[test]
@@ -316,7 +316,7 @@ fn mistakes_in_coupons_are_reported_and_nothing_is_written() {
         (&good, &["--window", "0.3", "0.1"], "expected a window of strain, found 0.3 to 0.1"),
         ("nothing/*.csv", &[], "no file matches"),
     ] {
-        let arguments: Vec<&str> = ["tensile", "reduce", recordings].into_iter().chain(more.iter().copied()).collect();
+        let arguments: Vec<&str> = ["reduce", "coupon", recordings].into_iter().chain(more.iter().copied()).collect();
         let strip = STRIP.chunks(2).filter(|pair| !more.contains(&pair[0])).flatten().copied();
         let output = droptower(&arguments.into_iter().chain(strip).collect::<Vec<_>>());
         let printed = String::from_utf8_lossy(&output.stderr);
@@ -589,7 +589,7 @@ fn a_simulated_coupon_at_45_degrees_follows_the_recordings() {
     assert!(rhombus[4] < -0.2 && rhombus[29] < -0.06, "at the strains 0.05 and 0.3: {rhombus:?}");
 }
 
-/// One fit of MD, TD and shear to the virtual coupons of the study: the curves that `tensile reduce` reads point by point.
+/// One fit of MD, TD and shear to the virtual coupons of the study: the curves that `reduce coupon` reads point by point.
 #[test]
 fn a_calibration_of_all_coupons_follows_their_means() {
     let bench = tempfile::tempdir().expect("a folder");
@@ -622,7 +622,7 @@ fn coupons_at_any_angle_are_reduced() {
     let files: Vec<String> =
         [0, 15, 30, 45, 60, 75, 90].map(|angle| format!("data/virtual_angles/{angle}deg-0.0005-1.csv")).into();
     let arguments: Vec<&str> =
-        ["tensile", "reduce"].into_iter().chain(files.iter().map(String::as_str)).chain(given).collect();
+        ["reduce", "coupon"].into_iter().chain(files.iter().map(String::as_str)).chain(given).collect();
     let json: Json = serde_json::from_str(&workbench::printed(&droptower(&arguments))).expect("JSON");
     let names: Vec<&str> =
         json["directions"].as_array().expect("a list").iter().filter_map(|along| along["direction"].as_str()).collect();

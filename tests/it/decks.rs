@@ -1,4 +1,4 @@
-//! `droptower deck`: whole tests that go to other solvers.
+//! `droptower export deck`: whole tests that go to other solvers.
 
 use std::fs;
 
@@ -16,7 +16,7 @@ fn a_test_goes_with_what_it_loses() {
     fs::write(bench.path().join("coarse.toml"), &coarse).expect("a scenario");
     for (target, file) in [("ls-dyna", "film.k"), ("openradioss", "film_0000.rad")] {
         let deck = format!("{target}-deck");
-        let written = run(&["deck", "write", "coarse.toml", "--for", target, "-o", &deck, "--json"]);
+        let written = run(&["export", "deck", "coarse.toml", "--for", target, "-o", &deck, "--json"]);
         assert_eq!(written.status.code(), Some(0), "{}", error(&written));
         let summary: Json = serde_json::from_slice(&written.stdout).expect("JSON");
         assert_eq!(summary["files"][0], file);
@@ -40,7 +40,7 @@ fn a_folder_is_replaced_only_where_it_is_a_deck() {
     let tower = root().join("scenarios/drop/1008.toml");
     let tower = tower.to_str().expect("UTF-8");
     let write = |more: &[&str]| {
-        droptower(bench.path(), &[&["deck", "write", tower, "--for", "ls-dyna", "-o", "deck"], more].concat())
+        droptower(bench.path(), &[&["export", "deck", tower, "--for", "ls-dyna", "-o", "deck"], more].concat())
     };
     assert_eq!(write(&[]).status.code(), Some(0));
     let again = write(&[]);
@@ -61,7 +61,7 @@ fn what_has_no_counterpart_is_refused_and_nothing_is_written() {
     let write = |more: &str, target: &str| {
         let text = format!("extends = {tower:?}\n{more}");
         fs::write(bench.path().join("test.toml"), text).expect("a scenario");
-        droptower(bench.path(), &["deck", "write", "test.toml", "--for", target, "-o", "deck"])
+        droptower(bench.path(), &["export", "deck", "test.toml", "--for", target, "-o", "deck"])
     };
     for (more, target, words) in [
         ("", "calculix", "no decks are written for CalculiX"),

@@ -14,7 +14,7 @@ use crate::workbench::{self, close, container, data, error, figures, lay_down, p
 const TOWER: [&str; 4] = ["--mass", "10.72 kg", "--height", "1 m"];
 
 fn drop(arguments: &[&str]) -> Output {
-    workbench::droptower(&root(), &[&["signal", "drop"], arguments].concat())
+    workbench::droptower(&root(), &[&["reduce", "drop"], arguments].concat())
 }
 
 fn text(path: &Path) -> &str {

@@ -1,4 +1,4 @@
-//! `droptower tensile fit`: laws fitted to rubber in three kinds of tests, and a Prony series to a relaxation modulus.
+//! `droptower fit rubber`: laws fitted to rubber in three kinds of tests, and a Prony series to a relaxation modulus.
 
 use std::fs;
 use std::path::Path;
@@ -14,9 +14,14 @@ fn rubber(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| data("rubber").join(format!("{name}.csv")).display().to_string()).collect()
 }
 
-/// `droptower tensile fit` in `folder`, on `files` and with `more`.
+/// `droptower fit rubber` in `folder`, on `files` and with `more`.
 fn fit(folder: &Path, files: &[String], more: &[&str]) -> std::process::Output {
-    let arguments = ["tensile", "fit"].into_iter().chain(files.iter().map(String::as_str)).chain(more.iter().copied());
+    fit_of(folder, "rubber", files, more)
+}
+
+/// `droptower fit` of a kind.
+fn fit_of(folder: &Path, kind: &str, files: &[String], more: &[&str]) -> std::process::Output {
+    let arguments = ["fit", kind].into_iter().chain(files.iter().map(String::as_str)).chain(more.iter().copied());
     droptower(folder, &arguments.collect::<Vec<_>>())
 }
 
@@ -137,15 +142,16 @@ fn mistakes_have_a_hint_and_nothing_is_written() {
         (&unnamed, law(&["--test", "ut", "--stable-to", "1"]), &["expected a largest stretch above 1"]),
         (&unnamed, vec!["--law", "hooke"], &["`hooke` is not a law that can be fitted: expected neo-hookean"]),
         (&unnamed, vec!["--law", "yeoh", "--test", "ut"], &["2 measured stresses for 3 coefficients"]),
-        (&unnamed, vec![], &["--law <LAW>|--relaxation"]),
-        (&relaxed, vec!["--relaxation", "--terms", "3"], &["3 measured moduli for 3 terms"]),
-        (&warm, vec!["--relaxation", "--terms", "1"], &["several temperatures", "the master curve"]),
-        (&relaxed, vec!["--relaxation", "--shift", "wlf"], &["it was removed: the program of a DMA"]),
+        (&unnamed, vec![], &["--law <LAW>"]),
         (&unnamed, vec!["--law", "plastic:voce"], &["it was removed: `calibrate` fits plastic film"]),
-        (&relaxed, vec!["--relaxation", "--terms", "2", "--poisson", "0.5"], &["Poisson's ratio from -1 to 0.5"]),
-        (&relaxed, vec!["--relaxation", "--law", "yeoh"], &["cannot be used with"]),
+        (&relaxed, vec!["--terms", "3"], &["3 measured moduli for 3 terms"]),
+        (&warm, vec!["--terms", "1"], &["several temperatures", "the master curve"]),
+        (&relaxed, vec!["--terms", "2", "--shift", "wlf"], &["it was removed: the program of a DMA"]),
+        (&relaxed, vec!["--terms", "2", "--poisson", "0.5"], &["Poisson's ratio from -1 to 0.5"]),
+        (&relaxed, vec!["--terms", "2", "--law", "yeoh"], &["unexpected argument '--law'"]),
     ] {
-        let output = fit(folder.path(), files, &more);
+        let kind = if more.contains(&"--terms") { "prony" } else { "rubber" };
+        let output = fit_of(folder.path(), kind, files, &more);
         assert_eq!(output.status.code(), Some(2), "{files:?} {more:?}: {}", error(&output));
         for part in expected {
             assert!(error(&output).contains(part), "{part} in {}", error(&output));
@@ -159,8 +165,8 @@ fn mistakes_have_a_hint_and_nothing_is_written() {
 fn a_master_curve_becomes_a_prony_series() {
     let folder = tempfile::tempdir().expect("a folder");
     let master = data("relaxation/master.csv");
-    let more = ["--relaxation", "--terms", "31", "-o", "film.toml", "--poisson", "0.4", "--json"];
-    let found = figures(&fit(folder.path(), &[master.display().to_string()], &more));
+    let more = ["--terms", "31", "-o", "film.toml", "--poisson", "0.4", "--json"];
+    let found = figures(&fit_of(folder.path(), "prony", &[master.display().to_string()], &more));
     let [rms, largest] = ["/relative_rms", "/largest_relative_error"].map(|pointer| number(&found, pointer));
     println!("ours: {rms} rms, {largest} at most, {} terms", found["terms"].as_array().expect("terms").len());
     assert!(rms < 0.003 && largest < 0.02 && number(&found, "/r_squared") > 0.9999, "{rms} {largest}");

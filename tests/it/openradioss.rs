@@ -243,7 +243,7 @@ fn cards_follow_the_rules_of_openradioss() {
             };
             for more in from {
                 let card =
-                    ["card", "write", film, "--for", "openradioss", "--units", units, "-o", "film.rad", "--force"];
+                    ["export", "card", film, "--for", "openradioss", "--units", units, "-o", "film.rad", "--force"];
                 let written = run(&[&card[..], *more].concat());
                 assert!(written.status.success(), "{film}: {}", error(&written));
                 check(
@@ -288,7 +288,7 @@ fn decks_follow_the_rules_of_openradioss() {
     for scenario in all {
         let path = scenario.to_str().expect("UTF-8");
         let written =
-            droptower(bench.path(), &["deck", "write", path, "--for", "openradioss", "-o", "deck", "--force"]);
+            droptower(bench.path(), &["export", "deck", path, "--for", "openradioss", "-o", "deck", "--force"]);
         if written.status.success() {
             decks += 1;
             check(&fs::read_to_string(bench.path().join("deck/film_0000.rad")).expect("the deck"), path);
@@ -319,7 +319,7 @@ const STATED: &[(&str, &str, f64)] = &[
 fn the_deck_of_1008_is_the_one_that_ran() {
     let bench = tempfile::tempdir().expect("a folder");
     let scenario = root().join("scenarios/drop/1008.toml");
-    let arguments = ["deck", "write", scenario.to_str().expect("UTF-8"), "--for", "openradioss", "-o", "deck"];
+    let arguments = ["export", "deck", scenario.to_str().expect("UTF-8"), "--for", "openradioss", "-o", "deck"];
     printed(&droptower(bench.path(), &arguments));
     let written = fs::read_to_string(bench.path().join("deck/film_0000.rad")).expect("the deck");
     let ran = fs::read_to_string(data("openradioss/1008_0000.rad")).expect("the deck that ran");

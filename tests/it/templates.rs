@@ -154,7 +154,7 @@ fn the_failure_mass_of_a_dart_is_found(kind: &str) {
     let coarse = "specimen.mesh.size=8mm";
     let path = format!("{kind}.toml");
     printed(&droptower(folder.path(), &["new", kind, &path]));
-    let search = ["script", "failure-mass.rhai", "--scenario", &path, "--set", coarse, "--arg", "scatter=0", "--force"];
+    let search = ["script", "failure-mass", "--scenario", &path, "--set", coarse, "--arg", "scatter=0", "--force"];
     printed(&droptower(folder.path(), &search));
     let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
     let summary: Json = serde_json::from_slice(&summary).expect("JSON");
@@ -205,7 +205,7 @@ thorough::cases!(the_failure_mass_of_a_dart_is_found {
 fn the_failure_mass_of_scattered_specimens_is_found() {
     let folder = tempfile::tempdir().expect("a folder");
     printed(&droptower(folder.path(), &["new", "d1709-a", "d1709-a.toml"]));
-    let scattered = ["script", "failure-mass.rhai", "--scenario", "d1709-a.toml", "--arg", "range=0", "--force"];
+    let scattered = ["script", "failure-mass", "--scenario", "d1709-a.toml", "--arg", "range=0", "--force"];
     printed(&droptower(folder.path(), &[&scattered[..], &["--set", "specimen.mesh.size=12mm"]].concat()));
     let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
     let summary: Json = serde_json::from_slice(&summary).expect("JSON");

@@ -271,7 +271,7 @@ fn a_run_reports_a_virtual_reference() {
 fn the_command_prints_figures_and_writes_signals() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("reduced.csv");
-    let call = ["signal", "drop", "data/virtual/1010.csv", "--mass", "10.72 kg", "--height", "10 dm", "--json"];
+    let call = ["reduce", "drop", "data/virtual/1010.csv", "--mass", "10.72 kg", "--height", "10 dm", "--json"];
     let output = droptower(&[&call[..], &["-o", out.to_str().expect("UTF-8")]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let figures: Json = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -326,7 +326,7 @@ fn bad_input_exits_with_two_and_writes_nothing() {
     ] {
         let path = folder.path().join("recording.csv");
         fs::write(&path, text).expect("a recording");
-        let mut call = vec!["signal", "drop", path.to_str().expect("UTF-8"), "--mass", "10.72 kg", "--height", "1 m"];
+        let mut call = vec!["reduce", "drop", path.to_str().expect("UTF-8"), "--mass", "10.72 kg", "--height", "1 m"];
         call.extend(["-o", out.to_str().expect("UTF-8")]);
         call.extend((!with.is_empty()).then_some(with));
         let output = droptower(&call);
@@ -343,7 +343,7 @@ fn a_recording_is_never_replaced_by_its_own_signals() {
     let path = folder.path().join("1008.csv");
     fs::copy(root().join("data/virtual/1008.csv"), &path).expect("a copy");
     let name = path.to_str().expect("UTF-8");
-    let output = droptower(&["signal", "drop", name, "--mass", "10.72 kg", "--height", "1 m", "-o", name]);
+    let output = droptower(&["reduce", "drop", name, "--mass", "10.72 kg", "--height", "1 m", "-o", name]);
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(fs::read(&path).expect("a file"), fs::read(root().join("data/virtual/1008.csv")).expect("a file"));
 }
@@ -463,7 +463,7 @@ fn a_recording_that_begins_after_contact_is_named_as_such() {
     let folder = tempfile::tempdir().expect("a folder");
     for begin in [0.62, 0.63, 0.64, 0.65, 0.66, 0.67, 0.68] {
         let path = damaged(folder.path(), |time, reading| (time >= begin).then(|| reading.to_string()));
-        let output = droptower(&[&["signal", "drop", &path][..], &TOWER_OF_1008].concat());
+        let output = droptower(&[&["reduce", "drop", &path][..], &TOWER_OF_1008].concat());
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{begin}: {error}");
         assert!(error.contains("the recording begins after contact"), "{begin}: {error}");
@@ -475,7 +475,7 @@ fn a_recording_that_begins_after_contact_is_named_as_such() {
 fn figures_of_a_clipped_accelerometer_are_withheld() {
     let folder = tempfile::tempdir().expect("a folder");
     let reduced = |path: &str| -> Json {
-        let output = droptower(&[&["signal", "drop", path][..], &TOWER_OF_1008, &["--json"]].concat());
+        let output = droptower(&[&["reduce", "drop", path][..], &TOWER_OF_1008, &["--json"]].concat());
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice(&output.stdout).expect("JSON")
     };
@@ -498,7 +498,7 @@ fn figures_of_a_clipped_accelerometer_are_withheld() {
         for (bound, key) in bounds.into_iter().zip(["peak_acceleration_m_s2", "peak_displacement_m"]) {
             assert!(figure(finding, bound) < whole[key].as_f64().expect("a figure"), "{level}: {key}");
         }
-        let text = droptower(&[&["signal", "drop", &path][..], &TOWER_OF_1008].concat());
+        let text = droptower(&[&["reduce", "drop", &path][..], &TOWER_OF_1008].concat());
         let text = String::from_utf8_lossy(&text.stdout).into_owned();
         assert!(text.contains("at least ") && text.contains("energy absorbed    withheld"), "{text}");
     }
@@ -509,7 +509,7 @@ fn figures_of_a_clipped_accelerometer_are_withheld() {
 fn gaps_can_be_bridged_and_spikes_masked() {
     let folder = tempfile::tempdir().expect("a folder");
     let exact = true_figures().into_iter().find(|(test, _)| test == "1008").expect("a test").1;
-    let reduce = |path: &str, with: &[&str]| droptower(&[&["signal", "drop", path][..], &TOWER_OF_1008, with].concat());
+    let reduce = |path: &str, with: &[&str]| droptower(&[&["reduce", "drop", path][..], &TOWER_OF_1008, with].concat());
     let check = |path: &str, with: &[&str]| {
         let output = reduce(path, &[with, &["--json"]].concat());
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -543,7 +543,7 @@ fn gaps_can_be_bridged_and_spikes_masked() {
 
 #[test]
 fn a_given_contact_takes_the_place_of_laser_and_height() {
-    let call = ["signal", "drop", "data/virtual/1008.csv", "--mass", "10.72 kg", "--json"];
+    let call = ["reduce", "drop", "data/virtual/1008.csv", "--mass", "10.72 kg", "--json"];
     let reduce = |with: &[&str]| droptower(&[&call[..], with].concat());
     let found = |with: &[&str]| -> Json {
         let output = reduce(with);

@@ -126,7 +126,7 @@ fn a_drop_is_reduced_from_an_archive() {
     let reduced = |path: &str| {
         let figures = figures(&droptower(
             bench.path(),
-            &["signal", "drop", path, "--mass", "10.72 kg", "--height", "1 m", "--json"],
+            &["reduce", "drop", path, "--mass", "10.72 kg", "--height", "1 m", "--json"],
         ));
         figures["peak_acceleration_m_s2"].as_f64().expect("a figure")
     };

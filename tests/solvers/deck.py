@@ -23,7 +23,7 @@ def main():
     tower = Path(__file__).resolve().parents[2] / "scenarios" / "drop" / "1008.toml"
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "deck"
-        subprocess.run([droptower, "deck", "write", tower, "--for", "ls-dyna", "-o", out, "--quiet"], check=True)
+        subprocess.run([droptower, "export", "deck", tower, "--for", "ls-dyna", "-o", out, "--quiet"], check=True)
         deck = Deck()
         deck.loads((out / "film.k").read_text())
     names = Counter(type(keyword).__name__ for keyword in deck.all_keywords)

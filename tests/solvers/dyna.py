@@ -29,7 +29,7 @@ def number(text):
 def card(film, *more):
     """The keywords of the card that droptower writes of a film."""
     out = Path("card.k")
-    command = [DROPTOWER, "--quiet", "card", "write", str(film), "--for", "ls-dyna", "-o", str(out), "--force", *more]
+    command = [DROPTOWER, "--quiet", "export", "card", str(film), "--for", "ls-dyna", "-o", str(out), "--force", *more]
     subprocess.run(command, check=True)
     deck = Deck()
     deck.loads(out.read_text())

@@ -77,7 +77,7 @@ def ours(name, tests):
 
 def card(name, solver, out):
     """The card that droptower writes, in t, mm, s."""
-    run(DROPTOWER, "--quiet", "card", "write", f"{name}.toml", "--for", solver, "-o", out, "--force", "--poisson", POISSON)
+    run(DROPTOWER, "--quiet", "export", "card", f"{name}.toml", "--for", solver, "-o", out, "--force", "--poisson", POISSON)
     return Path(out).read_text()
 
 

@@ -256,7 +256,7 @@ def decks(solver):
             run(DROPTOWER, "--quiet", "new", "d1709-a", "dart.toml")
             scenario = Path("dart.toml")
         folder = Path(f"deck-{name}")
-        run(DROPTOWER, "--quiet", "deck", "write", scenario, "--for", "openradioss", "-o", folder, "--force")
+        run(DROPTOWER, "--quiet", "export", "deck", scenario, "--for", "openradioss", "-o", folder, "--force")
         compare(name, drop(solver.run(folder)), (0.02, 0.02, 0.02, why), "OpenRadioss", scenario)
 
 
@@ -340,7 +340,7 @@ def element(solver, film, units, mode, largest):
         '[loading.impact]\nvelocity = "1 m/s"\ngravity = "9.81 m/s2"\nduration = "50 ms"\n'
     )
     more = ["--unloading-from", str(largest)] if mode == "uniaxial" else []
-    run(DROPTOWER, "--quiet", "deck", "write", "one.toml", "--for", "openradioss", "-o", "whole", "--force", "--units", units, *more)
+    run(DROPTOWER, "--quiet", "export", "deck", "one.toml", "--for", "openradioss", "-o", "whole", "--force", "--units", units, *more)
     text = Path("whole/film_0000.rad").read_text()
     property_of_film = next(line for line in text.splitlines() if line.startswith("/PROP/") and line.endswith("/1"))
     length, time, stress = SYSTEMS[units]

@@ -39,7 +39,7 @@ pub(super) struct Film {
 /// What a virtual dart needs beside the values of a data sheet.
 const NEEDED: &str = "Coupons are slower than a dart and pulled in one direction: a virtual dart needs beside them the curves at its rate \
                       (some 100 1/s), the strain at break under biaxial stretch, the shear curve, and the friction of its \
-                      head. `droptower new d1709-a dart.toml` is the test, `droptower script failure-mass.rhai --scenario dart.toml` \
+                      head. `droptower new d1709-a dart.toml` is the test, `droptower script failure-mass --scenario dart.toml` \
                       its mass; scripts/dart-data-sheet.rhai has what each of these changes.";
 
 impl FilmKind {
@@ -78,7 +78,7 @@ impl FilmKind {
             },
             FilmKind::Silicone => Film {
                 source: "Meunier et al., Polym. Test. 27 (2008) 765: three tests of an unfilled silicone rubber (data/rubber_sheet), \
-                         fitted by `droptower tensile fit --law yeoh` to stretches of up to 2.2",
+                         fitted by `droptower fit rubber --law yeoh` to stretches of up to 2.2",
                 assumed: "no rate, no absorption, no break",
                 dart: None,
                 keys: include_str!("templates/films/silicone.toml"),
@@ -101,7 +101,7 @@ impl Film {
             Some(format!("Source: {}.", self.source)),
             Some(format!("Assumed: {}; and what is marked so below.", self.assumed)),
             dart,
-            Some("Films of one name differ: replace the values by your own tests (`droptower tensile`).".into()),
+            Some("Films of one name differ: replace the values by your own tests (`droptower reduce coupon`).".into()),
             Some("In a scenario: [specimen] material = \"film.toml\"".into()),
         ];
         let comments: String = lines.into_iter().flatten().flat_map(|line| wrapped(&line)).collect();

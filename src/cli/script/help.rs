@@ -2,24 +2,20 @@
 
 use std::path::Path;
 
-use clap::CommandFactory;
-
-use super::super::{Droptower, Failure, Shared, print, print_figures};
-use base::diagnostic::{Diagnostic, shown_path};
-use base::file;
-use study::script::{About, Declared, Kind, LONGEST_SCRIPT};
+use super::shipped;
+use crate::{Failure, Shared, print, print_figures};
+use base::diagnostic::shown_path;
+use study::script::{About, Declared, Kind};
 
 /// Shows what the script does and its arguments; without one, what the command does.
 pub(super) fn show(script: Option<&Path>, shared: &Shared) -> Result<(), Failure> {
     let Some(path) = script else {
-        let mut command = Droptower::command();
+        let mut command = crate::command();
         command.build();
         let help = command.find_subcommand_mut("script").map(|command| command.render_long_help().to_string());
         return print(help.unwrap_or_default().trim_end());
     };
-    let text = file::read_text(path, LONGEST_SCRIPT)
-        .map_err(|error| Diagnostic::new(format!("cannot read {}: {error}", shown_path(path))))?;
-    let about = About::read(path, &text)?;
+    let about = shipped::about(path)?;
     print_figures(shared, &about, || shown(path, &about))
 }
 

@@ -1,6 +1,7 @@
 //! `droptower script`: a Rhai script over scenarios.
 
 mod help;
+mod shipped;
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use clap::Args;
 use rhai::{Dynamic, Engine, Scope};
 use serde_json::{Map, Value, json};
 
+use self::shipped::Named;
 use super::complete;
 use super::farm::{self, Ends, ShardArgs};
 use super::faults::{reading, script, storing};
@@ -39,12 +41,15 @@ use study::sweep;
 #[derive(Debug, Args)]
 #[command(disable_help_flag = true)]
 pub(super) struct ScriptArgs {
-    /// The Rhai script
-    #[arg(value_name = "SCRIPT", required_unless_present = "help", add = complete::scripts())]
+    /// The Rhai script: a file, or the name of a shipped one (`--list`)
+    #[arg(value_name = "SCRIPT", required_unless_present_any = ["help", "list"], add = complete::scripts())]
     pub path: Option<PathBuf>,
     /// Print what the script does and its arguments; without a script, what this command does
     #[arg(long, short)]
     pub help: bool,
+    /// List the shipped scripts
+    #[arg(long)]
+    pub list: bool,
     /// Find mistakes in the script and its arguments without running it
     #[arg(long)]
     pub check: bool,
@@ -91,6 +96,9 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     let begin = Instant::now();
     if args.help {
         return help::show(args.path.as_deref(), shared);
+    }
+    if args.list {
+        return shipped::list(shared);
     }
     if args.path().extension().is_some_and(|extension| extension == "toml") {
         let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(args.path())));
@@ -304,7 +312,11 @@ fn compiled(args: &ScriptArgs, engine: &Engine, place: &Path) -> Result<Compiled
     let mut scope = Scope::new();
     // The arguments are checked against what the script declares, so its text comes first.
     scope.push_constant("args", Arguments::default());
-    let program = Script::read(engine, &scope, args.path()).map_err(|error| reading(&error))?;
+    let program = match shipped::named(args.path())? {
+        Named { path, text: Some(text) } => Script::compile(engine, &scope, &path, text)
+            .map_err(|faults| faults.iter().map(script).collect::<Vec<Diagnostic>>())?,
+        Named { path, text: None } => Script::read(engine, &scope, &path).map_err(|error| reading(&error))?,
+    };
     let about = About::read(args.path(), program.text())?;
     check_declared(&program, &about)?;
     let mistakes = about.check(&given);

@@ -5,13 +5,12 @@ pub(super) mod input;
 mod acceleration;
 mod clip;
 mod convert;
-mod drop;
 mod filter;
 mod hic;
 mod info;
-mod output;
+pub(crate) mod output;
 mod rate;
-mod remarks;
+pub(crate) mod remarks;
 
 use clap::Subcommand;
 
@@ -31,8 +30,6 @@ pub(super) enum SignalCommand {
     Clip(clip::ClipArgs),
     /// Rate one recording against another (ISO/TS 18571)
     Rate(rate::RateArgs),
-    /// Contact, speed, travel, energies and absorption of a drop test
-    Drop(drop::DropArgs),
 }
 
 pub(super) fn run(command: &SignalCommand, shared: &Shared) -> Result<(), Failure> {
@@ -43,6 +40,5 @@ pub(super) fn run(command: &SignalCommand, shared: &Shared) -> Result<(), Failur
         SignalCommand::Hic(args) => hic::run(args, shared),
         SignalCommand::Clip(args) => clip::run(args, shared),
         SignalCommand::Rate(args) => rate::run(args, shared),
-        SignalCommand::Drop(args) => drop::run(args, shared),
     }
 }

@@ -10,7 +10,7 @@ use crate::Failure;
 
 /// Refuses a table whose name does not end in .csv, that would replace the input or, without `force`, anything that is
 /// there.
-pub(super) fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), Failure> {
+pub(crate) fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), Failure> {
     if isomme::is_part(out) {
         let message = format!("{} is the name of ISO-MME, but a table is written", shown_path(out));
         return Err(Diagnostic::new(message).hint("name it .csv").into());
@@ -19,7 +19,7 @@ pub(super) fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), F
 }
 
 /// Writes `recording` with `comments` before it, whole or not at all.
-pub(super) fn write_csv(out: &Path, comments: &[String], recording: &Recording) -> Result<(), Failure> {
+pub(crate) fn write_csv(out: &Path, comments: &[String], recording: &Recording) -> Result<(), Failure> {
     output::write(out, |text| {
         for line in comments {
             writeln!(text, "# {}", line.replace(char::is_control, " "))?;

@@ -8,7 +8,7 @@ use lab::signal::Annotations;
 
 /// Comments and findings of a file.
 #[derive(Serialize)]
-pub(super) struct Remarks {
+pub(crate) struct Remarks {
     /// Comments that are no finding.
     #[serde(skip)]
     comments: Vec<String>,
@@ -29,13 +29,13 @@ impl From<&Annotations> for Remarks {
 
 impl Remarks {
     /// The lines of the terminal, each ending with a line break.
-    pub(super) fn lines(&self) -> String {
+    pub(crate) fn lines(&self) -> String {
         lines(&self.comments, &self.findings)
     }
 }
 
 /// One line a finding, then one a comment, each ending with a line break.
-pub(super) fn lines<'f>(comments: &[String], findings: impl IntoIterator<Item = &'f Finding>) -> String {
+pub(crate) fn lines<'f>(comments: &[String], findings: impl IntoIterator<Item = &'f Finding>) -> String {
     let comments: String = comments.iter().map(|comment| format!("  comment: {comment}\n")).collect();
     [findings::lines("  ", findings), comments].concat()
 }

@@ -205,7 +205,7 @@ findings! {
         NoAbsorption = "no-absorption", Note;
             meaning "the material file states no energy absorption, since coupons pulled to their break do not show \
                 it; film of this material returns all energy on unloading";
-            remedy "set `absorption` in the file from a drop test (`droptower signal drop` prints it)";
+            remedy "set `absorption` in the file from a drop test (`droptower reduce drop` prints it)";
             message "the material file has no `absorption`: coupons pulled to their break do not show the energy \
                 absorbed on unloading, so a run returns all of it";
         DensityAssumed = "density-assumed", Warning;
@@ -277,7 +277,7 @@ findings! {
         CouponHeldInWidth { ratio: f64, "largest width over length" => "width_over_length" } = "coupon-held-in-width", Note;
             meaning "jaws hold the width of a coupon that is not long for it, so that its curve carries a part of the coupling of \
                 MD and TD, and a coupling that is added to such curves counts twice";
-            remedy "measure the coupling (`tensile wide`, `tensile bulge`) against curves of coupons that are at least twice as long \
+            remedy "measure the coupling (`reduce wide`, `reduce bulge`) against curves of coupons that are at least twice as long \
                 as wide, or find curves and coupling in one calibration";
             message "coupons of MD or TD are {} times as wide as long: the jaws hold their width in part, and their curves carry a part \
                 of the coupling of MD and TD", significant(*ratio, 3);

@@ -88,7 +88,7 @@ pub const FORMATS: [Format; 17] = [
         name: "Exports of tensile machines",
         endings: ".csv, .txt, .tra, .xlsx",
         support: Support::Read(
-            "by `droptower tensile reduce`: specimens side by side, below each other or one a sheet, of Zwick, Instron, MTS and \
+            "by `droptower reduce coupon`: specimens side by side, below each other or one a sheet, of Zwick, Instron, MTS and \
              Shimadzu; width, thickness, gauge, speed and direction from the head",
         ),
         is_own: |_| false,

@@ -66,7 +66,7 @@ findings! {
         } = "absorption-not-given" as ABSORPTION_NOT_GIVEN, Note;
             meaning "an impactor rebounds from film whose fabric gives no `absorption`: it is zero, so that all energy \
                 that the film stored is returned, and rebound and energy absorption say nothing about a test";
-            remedy "give the `absorption` of the fabric, from the rebound of a drop test (`droptower signal drop`), or \
+            remedy "give the `absorption` of the fabric, from the rebound of a drop test (`droptower reduce drop`), or \
                 0 where it is meant";
             message "`{key}` is not given and taken as zero: the rebound of the impactor says nothing about a test";
     }

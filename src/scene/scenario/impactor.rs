@@ -32,7 +32,7 @@ pub struct Impactor {
     /// Its degrees of freedom.
     #[serde(default)]
     pub guide: Guide,
-    /// Friction of the guide, against the motion along it; none where it is left out. `droptower signal drop` prints
+    /// Friction of the guide, against the motion along it; none where it is left out. `droptower reduce drop` prints
     /// that of a recorded fall.
     #[serde(default)]
     pub guide_friction: Option<GuideFriction>,

@@ -198,7 +198,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "reduce_drop(acceleration, laser, #{ mass, height })",
-        gives: "the drop that was recorded, from a reading that starts at rest; () in place of a laser that failed. Figures as of `droptower signal drop` \
+        gives: "the drop that was recorded, from a reading that starts at rest; () in place of a laser that failed. Figures as of `droptower reduce drop` \
                 and the signals displacement, velocity, acceleration (filtered), acceleration_raw, kinetic_energy, potential_energy, absorbed_energy, \
                 total_energy from contact on; also gravity, class (1000; () where the recording was filtered before), correction: \"ramp\", time_constant, \
                 bridge (s), the longest gap to be replaced by a straight line, mask: [from, to] or a list of them, what a straight line replaces, \

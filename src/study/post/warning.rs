@@ -102,9 +102,9 @@ findings! {
         RawRecording { run: String, "its name" => "run" } = "raw-recording", Note;
             meaning "a file that is compared is a raw recording: its channels are what sensors read, none of them a \
                 signal of a run";
-            remedy "reduce it first with `droptower signal drop`, and compare the table that it writes";
+            remedy "reduce it first with `droptower reduce drop`, and compare the table that it writes";
             message "{run} is a raw recording with no signal of a run; that of a drop is reduced with \
-                `droptower signal drop`";
+                `droptower reduce drop`";
     }
 }
 

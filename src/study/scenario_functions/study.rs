@@ -517,7 +517,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "scenario.material_text()",
         gives: "the material of the specimen, with its changes, as the text of a material file for `write_text`, \
-                `droptower card write` and other scenarios",
+                `droptower export card` and other scenarios",
         example: r#"let film = scenario(args.scenario).with(#{ "specimen.material.thickness": "13 um" });
                     film.material_text().contains("13 um")"#,
     },

@@ -126,7 +126,7 @@ impl CouponMaterial<'_> {
              # {corner}Yield points of the mean curves, mean break elongation and stress at the break; straight lines between them.\n\
              {md_fibre}{td_fibre}{remark}shear = {{ curve = {file} }}\n\
              # Coupons pulled to their break do not show the energy absorbed on unloading: none, until it is known from a\n\
-             # drop test (droptower signal drop).\n# absorption = 0.9\n\
+             # drop test (droptower reduce drop).\n# absorption = 0.9\n\
              # Slowest and fastest jaws over the gauge length.\nmeasured_rates = [\"{} 1/s\", \"{} 1/s\"]\n",
             rates[0],
             rates[1],

@@ -127,7 +127,7 @@ impl Fault {
             Fault::NamesAndColumns { .. } => "give the names of the columns: --columns time,a,b",
             Fault::NoTime { .. } | Fault::SeveralTimes { .. } => "name the column of time: --time NAME",
             Fault::Duplicate { .. } => {
-                "rename one; several specimens side by side are read by `droptower tensile reduce`"
+                "rename one; several specimens side by side are read by `droptower reduce coupon`"
             }
             Fault::UnitInCell { .. } => "units belong into the header: `accel [g]`",
             Fault::Text(TextError::NotText) => "save it as UTF-8",

@@ -1,18 +1,150 @@
-//! A checked scenario as a test in the terms of other solvers.
+//! `droptower export deck`: a whole test for another solver.
 
-use std::path::Path;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
+use serde::Serialize;
+
+use super::card::RequestArgs;
+use crate::{Failure, Shared, film, findings, output, print_figures};
 use ::card::Film;
-use ::card::deck::{Body, Deck, DeckLoss, Face, Shape, stress_free};
-use base::diagnostic::{Diagnostic, shown_path};
+use ::card::deck::{self, Body, Deck, DeckLoss, DeckRefusal, FILES, Face, File, Shape, stress_free};
+use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use base::finding::Finding;
+use base::scratch::ScratchFolder;
 use membrane::engine::{GuideFriction, Mesh};
 use scene::mesh;
 use scene::model::{self, Guide, Hold, Impactor, ImpactorShape, Model};
 use scene::scenario::Document;
 use scene::simulate;
 
+/// The options of `export deck`.
+#[derive(Debug, Args)]
+pub(crate) struct DeckArgs {
+    /// A scenario, or the folder of a run
+    pub scenario: PathBuf,
+    /// The folder to write
+    #[arg(long, short, value_name = "FOLDER")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub request: RequestArgs,
+    /// Replace the deck in the folder
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// What was written, for `--json`.
+#[derive(Serialize)]
+struct Summary {
+    out: String,
+    files: Vec<&'static str>,
+    target: &'static str,
+    units: &'static str,
+    title: String,
+    nodes: usize,
+    elements: usize,
+    findings: Vec<Finding>,
+}
+
+pub(super) fn run(args: &DeckArgs, shared: &Shared) -> Result<(), Failure> {
+    check_folder(&args.out, args.force)?;
+    let file = if args.scenario.is_dir() { film::in_folder(&args.scenario)? } else { args.scenario.clone() };
+    let test = Test::read(&file)?;
+    let origin = film::origin(&file)?;
+    let deck = test.deck(&origin)?;
+    let written = deck::write(&deck, &args.request.request()).map_err(|refusal| {
+        let mistake = Diagnostic::new(format!("{}: {refusal}", shown_path(&file)));
+        match &refusal {
+            DeckRefusal::Film { refusal, .. } => args.request.with_hint(mistake, refusal),
+            DeckRefusal::Target(_) => mistake.hint("its materials can be written: `droptower export card`"),
+            DeckRefusal::Units(_) => mistake.hint("name other ones, such as --units t-mm-s"),
+        }
+    })?;
+    write_folder(&args.out, &written.files)?;
+    let of_deck = written.losses.iter().map(Finding::new);
+    let summary = Summary {
+        out: shown_path(&args.out),
+        files: written.files.iter().map(|file| file.name).collect(),
+        target: args.request.target.name(),
+        units: args.request.units.name(),
+        title: deck.title.to_owned(),
+        nodes: deck.faces.iter().map(|face| face.mounted.len()).sum(),
+        elements: deck.faces.iter().map(|face| face.quads.len() + face.tris.len()).sum(),
+        findings: of_deck.chain(written.card_losses.iter().map(Finding::new)).collect(),
+    };
+    print_figures(shared, &summary, || {
+        let Summary { out, files, target, units, title, nodes, elements, findings } = &summary;
+        format!(
+            "{title} for {target}, {units}: {nodes} nodes and {elements} elements of film\n{}  {out}: {}",
+            findings::lines("  ", findings),
+            files.join("  ")
+        )
+    })
+}
+
+/// Refuses a folder that holds anything, unless `force` is given and it is a deck; a deck is given to a solver, so it has none of
+/// the files by which `study::store` knows its own folders.
+fn check_folder(out: &Path, force: bool) -> Result<(), Failure> {
+    let shown = shown_path(out);
+    let refused = |message: String, hint: &str| Err(Failure::from(Diagnostic::new(message).hint(hint)));
+    if out.file_name().is_none() {
+        return refused(format!("{shown} does not name a folder of its own"), "give a new folder, such as deck");
+    }
+    let entries = match fs::read_dir(out) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotADirectory => {
+            return refused(format!("{shown} is not a folder"), "give another name");
+        }
+        Err(error) => return Err(output::failed(out, &error)),
+    };
+    let mut is_empty = true;
+    for entry in entries {
+        let name = entry.map_err(|error| output::failed(out, &error))?.file_name();
+        let name = name.to_string_lossy();
+        if !FILES.contains(&&*name) {
+            return refused(format!("{shown} holds `{name}`, which is no file of a deck"), "give another folder");
+        }
+        is_empty = false;
+    }
+    if is_empty || force {
+        return Ok(());
+    }
+    refused(format!("{shown} holds a deck and is not replaced"), "give another folder, or --force")
+}
+
+/// Writes a folder beside `out` that replaces it when it is complete.
+fn write_folder(out: &Path, files: &[File]) -> Result<(), Failure> {
+    let written = || -> io::Result<()> {
+        let parent = folder_of(out);
+        fs::create_dir_all(parent)?;
+        let mut draft = ScratchFolder::new(parent)?;
+        let deck = draft.path().to_path_buf();
+        for File { name, text } in files {
+            fs::write(deck.join(name), text)?;
+        }
+        let former = ScratchFolder::new(parent)?;
+        let replaced = if out.exists() { Some(former.former(out)?) } else { None };
+        if let Some(place) = &replaced {
+            fs::rename(out, place)?;
+        }
+        if let Err(error) = fs::rename(&deck, out) {
+            // Dropping the temporary folder would delete the former deck.
+            if replaced.is_some_and(|place| fs::rename(place, out).is_err()) {
+                former.keep();
+            }
+            return Err(error);
+        }
+        draft.renamed();
+        Ok(())
+    };
+    written().map_err(|error| output::failed(out, &error))
+}
+
 /// A test that can be a deck.
-pub(super) struct Test {
+struct Test {
     model: Model,
     meshes: Vec<Mesh>,
     /// Of the film of each face.
@@ -29,7 +161,7 @@ impl Test {
     ///
     /// # Errors
     /// It has mistakes, or is no impact.
-    pub(super) fn read(file: &Path) -> Result<Test, Vec<Diagnostic>> {
+    fn read(file: &Path) -> Result<Test, Vec<Diagnostic>> {
         let document = Document::read(file)?;
         let shown = shown_path(file);
         let model = model::check(&document)?;
@@ -54,7 +186,7 @@ impl Test {
     ///
     /// # Errors
     /// An impactor or the mounting has no counterpart.
-    pub(super) fn deck<'a>(&'a self, origin: &'a [String]) -> Result<Deck<'a>, Diagnostic> {
+    fn deck<'a>(&'a self, origin: &'a [String]) -> Result<Deck<'a>, Diagnostic> {
         let model = &self.model;
         let faces: Vec<Face<'a>> = (0..model.faces.len()).map(|place| self.face(place)).collect::<Result<_, _>>()?;
         let bodies = model.impactors.iter().map(|impactor| self.body(impactor, &faces)).collect::<Result<_, _>>()?;

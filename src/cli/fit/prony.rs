@@ -1,12 +1,14 @@
-//! `droptower tensile fit --relaxation`: a Prony series fitted to a relaxation modulus.
+//! `droptower fit prony`: a Prony series fitted to a relaxation modulus.
 
+use std::path::PathBuf;
+
+use clap::Args;
 use serde::Serialize;
 
-use super::FitArgs;
-use super::written::{Places, name};
-use crate::tensile::reduce::paths;
+use super::{FittedArgs, Places, columns, name};
+use crate::argument::number;
 use crate::{Failure, Shared, faults, findings, print_figures, table};
-use base::diagnostic::{Diagnostic, listed};
+use base::diagnostic::Diagnostic;
 use base::finding::Finding;
 use base::number::{figure, plain, rounded, significant};
 use lab::experiment::Warning;
@@ -16,27 +18,41 @@ use lab::signal::file::ChannelSelection;
 use plot::{Axis, Curve, Look, Plot, Scale};
 use report::{FitPage, FitTable, fit_page};
 
-pub(super) fn run(args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
-    let places = Places::from_args(args)?;
+/// Number of terms of a Prony series where none is given.
+const TERMS: usize = 12;
+
+#[derive(Debug, Args)]
+pub(crate) struct PronyArgs {
+    /// The measured relaxation modulus, a file with `time` and `modulus`
+    #[arg(value_name = "DATA")]
+    data: PathBuf,
+    /// Most terms of the Prony series
+    #[arg(long, value_name = "N", default_value_t = TERMS)]
+    terms: usize,
+    /// Poisson's ratio, for the material file
+    #[arg(long, value_name = "RATIO", value_parser = number)]
+    poisson: Option<f64>,
+    #[command(flatten)]
+    fitted: FittedArgs,
+}
+
+pub(super) fn run(args: &PronyArgs, shared: &Shared) -> Result<(), Failure> {
+    let places = Places::from_args(&args.fitted)?;
     if let Some(poisson) = args.poisson.filter(|ratio| !(-1.0 < *ratio && *ratio < 0.5)) {
         return Err(Diagnostic::new(format!("expected a Poisson's ratio from -1 to 0.5, found {poisson}")).into());
     }
-    let data = paths(&args.data)?;
-    let [path] = &data[..] else {
-        let names: Vec<String> = data.iter().map(|path| path.display().to_string()).collect();
-        let message = format!("a relaxation is one file, and {} are given: {}", data.len(), listed(&names));
-        return Err(Diagnostic::new(message).into());
-    };
-    let points = read_relaxation(path, &args.file.options(ChannelSelection::All)?).map_err(|error| reading(&error))?;
+    let path = &args.data;
+    let points =
+        read_relaxation(path, &args.fitted.file.options(ChannelSelection::All)?).map_err(|error| reading(&error))?;
     let fit =
         fit_prony(&points, args.terms).map_err(|error| Diagnostic::new(format!("{}: {error}", path.display())))?;
-    let incomplete = args.film().missing().map(|keys| Warning::MaterialIncomplete { keys: keys.into() });
+    let incomplete = args.fitted.film().missing().map(|keys| Warning::MaterialIncomplete { keys: keys.into() });
     let assumed = args.poisson.is_none().then_some(Warning::PoissonAssumed { poisson: ASSUMED_POISSON });
     let of_material = [incomplete, assumed].into_iter().flatten().filter(|_| places.material.is_some());
     let findings: Vec<Finding> =
         fit.warnings.iter().map(Finding::new).chain(of_material.map(|one| Finding::new(&one))).collect();
     let source = name(path);
-    let (poisson, film) = (args.poisson, args.film());
+    let (poisson, film) = (args.poisson, args.fitted.film());
     let material = relaxation_text(&RelaxationMaterial { fit: &fit, source: &source, poisson, film });
     let shown = places.material.as_ref().map(|_| material.as_str());
     let written = places.write(&material, &page(&source, &fit, &findings, shown))?;
@@ -52,14 +68,10 @@ fn reading(error: &RelaxationReadingError) -> Diagnostic {
 }
 
 /// The page with measured and fitted modulus, errors and terms.
-pub(super) fn page(source: &str, fit: &PronyFit, findings: &[Finding], material: Option<&str>) -> String {
+fn page(source: &str, fit: &PronyFit, findings: &[Finding], material: Option<&str>) -> String {
     let title = format!("Relaxation of {source}");
     let (tables, plots) = (tables(fit), plots(fit));
     fit_page(&FitPage { title: &title, tables, plots, correlation: None, findings, material })
-}
-
-fn columns<const N: usize>(names: [&str; N]) -> Vec<String> {
-    names.map(str::to_owned).into()
 }
 
 fn tables(fit: &PronyFit) -> Vec<FitTable> {
@@ -99,7 +111,7 @@ fn points(name: &str, points: impl Iterator<Item = [f64; 2]>) -> Curve {
 
 /// All figures; SI.
 #[derive(Serialize)]
-pub(super) struct RelaxationFigures {
+struct RelaxationFigures {
     source: String,
     moduli: usize,
     #[serde(rename = "instantaneous_modulus_Pa")]
@@ -122,7 +134,7 @@ struct TermFigures {
 }
 
 impl RelaxationFigures {
-    pub(super) fn new(source: &str, fit: &PronyFit, findings: Vec<Finding>, written: Vec<String>) -> RelaxationFigures {
+    fn new(source: &str, fit: &PronyFit, findings: Vec<Finding>, written: Vec<String>) -> RelaxationFigures {
         RelaxationFigures {
             source: source.into(),
             moduli: fit.measured.len(),
@@ -138,7 +150,7 @@ impl RelaxationFigures {
         }
     }
 
-    pub(super) fn text(&self) -> String {
+    fn text(&self) -> String {
         let cells = |share: String, time: String| vec![share, time];
         let header = cells("share".into(), "time (s)".into());
         let rows = self.terms.iter().map(|term| cells(figure(term.share, 5), plain(rounded(term.time_s, 5))));

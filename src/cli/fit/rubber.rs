@@ -1,12 +1,13 @@
-//! `droptower tensile fit --law`: a law fitted to tests.
+//! `droptower fit rubber`: a law of rubber-like film fitted to tests.
 
 use std::path::Path;
 
+use clap::Args;
 use serde::Serialize;
 
-use super::FitArgs;
-use super::written::Places;
-use crate::tensile::reduce::{all, paths};
+use super::{FittedArgs, Places, columns};
+use crate::argument::number;
+use crate::reduce::coupon::{all, paths};
 use crate::{Failure, Shared, faults, findings, print_figures, table};
 use base::diagnostic::Diagnostic;
 use base::finding::Finding;
@@ -15,26 +16,56 @@ use lab::experiment::Warning;
 use lab::experiment::law_fit::hyperelastic::Energy;
 use lab::experiment::law_fit::{
     Coefficient, DataSet, FitError, FitOptions, LawFit, Measured, StressReader, StressReadingError, TestFit, TestKind,
-    fit_law,
+    Weighting, fit_law,
 };
 use lab::experiment::material_file::fitted::law_text;
 use lab::signal::file::ChannelSelection;
 use plot::{Correlation, Curve, Look, Plot};
 use report::{FitPage, FitTable, fit_page};
 
-pub(super) fn run(law: Energy, args: &FitArgs, shared: &Shared) -> Result<(), Failure> {
-    let places = Places::from_args(args)?;
+#[derive(Debug, Args)]
+pub(crate) struct RubberArgs {
+    /// Measured data, files or globs, with the columns `stretch` (or `strain`) and nominal `stress`; of a biaxial test
+    /// `stretch_1`, `stretch_2`, `stress_1`, `stress_2`
+    #[arg(required = true, value_name = "DATA")]
+    data: Vec<String>,
+    /// The law: neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent or ogden:N
+    #[arg(long, value_name = "LAW")]
+    law: Energy,
+    /// Kinds of the tests in the order of the files, or one for all, in place of what the files state: uniaxial (ut),
+    /// equibiaxial (et), plane (ps) or biaxial
+    #[arg(long, value_name = "KINDS", value_delimiter = ',')]
+    test: Vec<TestKind>,
+    /// Weights of the files in their order, or one for all
+    #[arg(long, value_name = "WEIGHTS", value_delimiter = ',', value_parser = number)]
+    weight: Vec<f64>,
+    /// Whether differences of stress count as they are or over the measured stress: absolute or relative
+    #[arg(long, value_name = "HOW", default_value_t)]
+    residual: Weighting,
+    /// A test to predict with the fitted law, several times; its kind as that of the data
+    #[arg(long, value_name = "FILE")]
+    predict: Vec<String>,
+    /// Stretch up to which the law must be stable in uniaxial, equibiaxial and plane tension [default: the largest of
+    /// the data]
+    #[arg(long, value_name = "STRETCH", value_parser = number)]
+    stable_to: Option<f64>,
+    #[command(flatten)]
+    fitted: FittedArgs,
+}
+
+pub(super) fn run(args: &RubberArgs, shared: &Shared) -> Result<(), Failure> {
+    let places = Places::from_args(&args.fitted)?;
     let data = paths(&args.data)?;
     let kinds = one_each(&args.test, data.len(), "kinds of tests", "--test")?;
     let weights = one_each(&args.weight, data.len(), "weights", "--weight")?;
     let sets = all(data.iter().enumerate().map(|(place, path)| set(args, path, kinds(place), weights(place))))?;
     let predicted = all(paths(&args.predict)?.iter().map(|path| set(args, path, None, None)))?;
     let options = FitOptions { weighting: args.residual, stable_to: args.stable_to };
-    let fit = fit_law(law, &sets, &predicted, &options).map_err(|error| fault(&error))?;
-    let missing = places.material.as_ref().and(args.film().missing());
+    let fit = fit_law(args.law, &sets, &predicted, &options).map_err(|error| fault(&error))?;
+    let missing = places.material.as_ref().and(args.fitted.film().missing());
     let incomplete = missing.map(|keys| Finding::new(&Warning::MaterialIncomplete { keys: keys.into() }));
     let findings: Vec<Finding> = fit.findings().into_iter().chain(incomplete).collect();
-    let material = law_text(&fit, &args.film());
+    let material = law_text(&fit, &args.fitted.film());
     let written =
         places.write(&material, &page(&fit, &findings, places.material.as_ref().map(|_| material.as_str())))?;
     let figures = LawFigures::new(&fit, findings, written);
@@ -55,8 +86,8 @@ fn one_each<'v, T: Copy>(
     Ok(move |place: usize| if values.len() == 1 { values.first().copied() } else { values.get(place).copied() })
 }
 
-fn set(args: &FitArgs, path: &Path, kind: Option<TestKind>, weight: Option<f64>) -> Result<DataSet, Diagnostic> {
-    let reader = StressReader { kind, table: args.file.options(ChannelSelection::All)? };
+fn set(args: &RubberArgs, path: &Path, kind: Option<TestKind>, weight: Option<f64>) -> Result<DataSet, Diagnostic> {
+    let reader = StressReader { kind, table: args.fitted.file.options(ChannelSelection::All)? };
     let set = reader.read(path).map_err(|error| reading(&error))?;
     set.with_weight(weight.unwrap_or(1.0)).map_err(|error| located(path, &error))
 }
@@ -77,7 +108,7 @@ fn fault(error: &FitError) -> Diagnostic {
 }
 
 /// The page with measured and fitted curves, residuals and figures.
-pub(super) fn page(fit: &LawFit, findings: &[Finding], material: Option<&str>) -> String {
+fn page(fit: &LawFit, findings: &[Finding], material: Option<&str>) -> String {
     let all: Vec<&TestFit> = fit.tests.iter().chain(&fit.predictions).collect();
     let title =
         format!("{} fitted to {} test{}", fit.choice, fit.tests.len(), if fit.tests.len() == 1 { "" } else { "s" });
@@ -94,10 +125,6 @@ pub(super) fn page(fit: &LawFit, findings: &[Finding], material: Option<&str>) -
         findings,
         material,
     })
-}
-
-fn columns<const N: usize>(names: [&str; N]) -> Vec<String> {
-    names.map(str::to_owned).into()
 }
 
 fn coefficients(fit: &LawFit) -> FitTable {
@@ -177,7 +204,7 @@ fn points(name: String, points: impl Iterator<Item = [f64; 2]>) -> Curve {
 
 /// All figures; SI.
 #[derive(Serialize)]
-pub(super) struct LawFigures {
+struct LawFigures {
     law: String,
     residual: String,
     coefficients: Vec<CoefficientFigures>,
@@ -218,7 +245,7 @@ struct TestFigures {
 }
 
 impl LawFigures {
-    pub(super) fn new(fit: &LawFit, findings: Vec<Finding>, written: Vec<String>) -> LawFigures {
+    fn new(fit: &LawFit, findings: Vec<Finding>, written: Vec<String>) -> LawFigures {
         let matrix = fit.confidence.as_ref().map(|confidence| &confidence.correlation);
         LawFigures {
             law: fit.choice.to_string(),
@@ -234,7 +261,7 @@ impl LawFigures {
         }
     }
 
-    pub(super) fn text(&self) -> String {
+    fn text(&self) -> String {
         let coefficients = self.coefficients.iter().map(CoefficientFigures::cells);
         let coefficients: Vec<Vec<String>> =
             std::iter::once(COEFFICIENTS.map(String::from).to_vec()).chain(coefficients).collect();

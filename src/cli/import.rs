@@ -1,13 +1,7 @@
-//! `droptower card read`: a card of another solver as a material.
+//! `droptower import`: a card of another solver as a material.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use serde::Serialize;
-
-use super::request::system;
 use crate::argument::quantity;
+use crate::export::card::system;
 use crate::{Failure, Shared, findings, output, print_figures};
 use ::card::System;
 use ::card::read::{self, Mistake, Reading};
@@ -15,15 +9,30 @@ use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::file;
 use base::finding::Finding;
 use base::units::Length;
+use clap::{Args, Subcommand};
 use scene::model;
 use scene::scenario::Document;
+use serde::Serialize;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// Longest card, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The options of `card read`.
+#[derive(Debug, Subcommand)]
+pub(super) enum ImportCommand {
+    /// Read the film of a card as a material
+    Card(CardArgs),
+}
+
+pub(super) fn run(command: &ImportCommand, shared: &Shared) -> Result<(), Failure> {
+    let ImportCommand::Card(args) = command;
+    card(args, shared)
+}
+
+/// The options of `import card`.
 #[derive(Debug, Args)]
-pub(crate) struct ReadArgs {
+pub(crate) struct CardArgs {
     /// A card of LS-DYNA or OpenRadioss
     pub card: PathBuf,
     /// The material to write
@@ -54,7 +63,7 @@ struct Summary {
     findings: Vec<Finding>,
 }
 
-pub(super) fn run(args: &ReadArgs, shared: &Shared) -> Result<(), Failure> {
+fn card(args: &CardArgs, shared: &Shared) -> Result<(), Failure> {
     output::check(&args.out, "toml", Some(&args.card), Some(args.force))?;
     let shown = shown_path(&args.card);
     let text = file::read_text(&args.card, MOST_BYTES)

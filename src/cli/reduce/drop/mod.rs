@@ -1,33 +1,31 @@
-//! `droptower signal drop`: contact, speed, travel and energies of drop tests.
+//! `droptower reduce drop`: contact, speed, travel and energies of drop tests.
 
 mod args;
-mod outputs;
-mod picture;
-mod places;
 mod reduce;
-mod scatter;
 mod several;
 mod text;
 
-pub(super) use args::DropArgs;
+use std::path::PathBuf;
 
+use plot::{braille, thinned};
 use serde::Serialize;
 
-use super::{output, remarks};
+pub(super) use self::args::DropArgs;
+use self::args::Recordings;
+use self::reduce::Reducer;
 use crate::command_line::command_line;
-use crate::{Failure, Shared, print_figures};
+use crate::signal::{output as table, remarks};
+use crate::{Failure, Shared, output, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use lab::experiment::drop::Figures;
 use lab::signal::{Annotations, VIRTUAL_RECORDING};
-use places::Recordings;
-use reduce::Reducer;
-use report::{DropPage, DropTest};
+use report::{DropPage, DropTest, drop_page};
 
 pub(super) fn run(args: &DropArgs, shared: &Shared) -> Result<(), Failure> {
     let reducer = Reducer::new(args)?;
     let recordings = Recordings::from_args(args)?;
-    outputs::check(args, &recordings.paths)?;
+    check(args, &recordings.paths)?;
     match &recordings.paths[..] {
         [(path, _)] if !recordings.is_list => one(args, reducer.reduced(path).test, shared),
         several => {
@@ -66,15 +64,15 @@ fn one(args: &DropArgs, test: DropTest, shared: &Shared) -> Result<(), Failure> 
     };
     if let (Some(out), Ok(drop)) = (&args.out, &test.outcome) {
         let origin =
-            format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&test.path));
+            format!("reduced from {} by droptower reduce drop; time from first contact", shown_path(&test.path));
         let comments: Vec<String> = std::iter::once(origin).chain(notes(&test)).collect();
-        output::write_csv(out, &comments, &drop.signals)?;
+        table::write_csv(out, &comments, &drop.signals)?;
     }
     if is_shown(&test) {
         let tests = std::slice::from_ref(&test);
         let command = command_line();
         let page = DropPage { tests, is_list: false, scatter: &[], figures: &rows, left_out: &[], command: &command };
-        outputs::write_page(args, &page)?;
+        write_page(args, &page)?;
     }
     if let Err(mistake) = &test.outcome {
         return Err(failure(args, mistake, &test, shared));
@@ -108,7 +106,7 @@ fn printed_text(args: &DropArgs, test: &DropTest, rows: &[(&str, String)]) -> St
     let written = [&args.out, &args.page].into_iter().flatten();
     let written: String = written.map(|path| format!("  {}\n", shown_path(path))).collect();
     let remarks = remarks::lines(&comments, &test.findings);
-    format!("{}\n{rows}{}{remarks}{written}", shown_path(&test.path), picture::picture(test))
+    format!("{}\n{rows}{}{remarks}{written}", shown_path(&test.path), picture(test))
 }
 
 /// The failure of a recording that cannot be reduced, with a drawing of it.
@@ -117,6 +115,48 @@ fn failure(args: &DropArgs, mistake: &Diagnostic, test: &DropTest, shared: &Shar
     let shows = page.map(|page| format!("{} shows the recording and what was found in it", shown_path(page)));
     let hints: Vec<String> = mistake.hint.iter().cloned().chain(shows).collect();
     let hint = (!hints.is_empty()).then(|| hints.join("; "));
-    let drawing = (is_shown(test) && !shared.quiet).then(|| picture::picture(test));
+    let drawing = (is_shown(test) && !shared.quiet).then(|| picture(test));
     Failure { drawing, ..Failure::from(Diagnostic { hint, ..mistake.clone() }) }
+}
+
+/// Refuses a table or a page that may not be written.
+fn check(args: &DropArgs, inputs: &[(PathBuf, bool)]) -> Result<(), Failure> {
+    let table = args.out.iter().map(|out| {
+        let check = |(input, _): &(PathBuf, bool)| table::check_table(out, input, args.force);
+        inputs.iter().try_for_each(check)
+    });
+    // A page holds nothing that is not computed again.
+    let page = args.page.iter().map(|page| {
+        let check = |(input, _): &(PathBuf, bool)| output::check_page(page, Some(input));
+        inputs.iter().try_for_each(check)
+    });
+    Failure::all(table.chain(page).filter_map(Result::err)).map_or(Ok(()), Err)
+}
+
+/// Writes the page where one is asked for.
+fn write_page(args: &DropArgs, page: &DropPage<'_>) -> Result<(), Failure> {
+    match &args.page {
+        Some(path) => output::write(path, |file| file.write_all(drop_page::drop_page(page).as_bytes())),
+        None => Ok(()),
+    }
+}
+
+/// Characters across and down.
+const SIZE: [usize; 2] = [72, 12];
+
+/// Most points of the curve: several a dot.
+const MOST_POINTS: usize = 4000;
+
+/// The acceleration as it was read, with the landmarks that were found below it and their times; every line ends with a
+/// line break. Empty of a recording that could not be read.
+fn picture(test: &DropTest) -> String {
+    let plots = thinned(drop_page::reading(test).into_iter().collect(), MOST_POINTS);
+    let drawn: String = plots.iter().map(|plot| braille(plot, SIZE)).collect();
+    if drawn.is_empty() {
+        return drawn;
+    }
+    let times: Vec<String> =
+        test.landmarks.named().into_iter().map(|(name, time)| format!("{name} {time:.4} s")).collect();
+    let times = if times.is_empty() { "no landmark was found".into() } else { times.join(", ") };
+    format!("{drawn}  {times}\n")
 }

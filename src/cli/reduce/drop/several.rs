@@ -4,21 +4,20 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::args::DropArgs;
-use super::outputs;
-use super::places::Recordings;
+use super::args::{DropArgs, Recordings};
 use super::reduce::{Reading, Reducer};
-use super::scatter::scatter;
+use super::write_page;
 use crate::command_line::command_line;
 use crate::failure::ExitStatus;
 use crate::{Failure, Shared, findings, output, print_figures, table};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
-use base::number::significant;
+use base::number::{rounded, significant};
 use base::table::{Column, Values, to_csv};
 use lab::experiment::drop::Figures;
-use report::drop_page::{DROP_QUANTITIES, names};
-use report::{DropPage, DropScatter, DropTest};
+use report::drop_page::{DROP_QUANTITIES, DropQuantity, names};
+use report::{DropPage, DropScatter, DropTest, FigureScatter};
+use uncertainty::statistics::quantiles;
 
 /// Significant digits of a cell.
 const DIGITS: usize = 4;
@@ -103,7 +102,7 @@ pub(super) fn run(
         left_out: &left_out,
         command: &command,
     };
-    outputs::write_page(args, &page)?;
+    write_page(args, &page)?;
     let failed = tests.iter().filter(|test| test.outcome.is_err()).count();
     let written = [&args.out, &args.page].into_iter().flatten().map(|path| shown_path(path)).collect();
     let printed = Printed {
@@ -230,4 +229,36 @@ fn columns(tests: &[DropTest]) -> Vec<Column> {
         texts("sha256", &|test| test.fingerprint.clone()),
     ];
     head.into_iter().chain(keys.into_iter().map(of_key)).chain(tail).collect()
+}
+
+/// Significant digits by which masses and heights are the same.
+const SAME: usize = 6;
+
+/// The scatter of the drops of each mass and height, in the order in which these occur.
+pub(super) fn scatter(tests: &[DropTest]) -> Vec<DropScatter> {
+    let mut groups: Vec<([Option<f64>; 2], Vec<&Figures>)> = Vec::new();
+    for test in tests {
+        let (Some(figures), Some(tower)) = (&test.figures, test.tower) else { continue };
+        let key = [Some(tower.body.mass), test.height()].map(|value| value.map(|value| rounded(value, SAME)));
+        match groups.iter_mut().find(|(other, _)| *other == key) {
+            Some((_, of_group)) => of_group.push(figures),
+            None => groups.push((key, vec![figures])),
+        }
+    }
+    let group = |([mass, height], figures): ([Option<f64>; 2], Vec<&Figures>)| DropScatter {
+        mass_kg: mass.unwrap_or(f64::NAN),
+        height_m: height,
+        drops: figures.len(),
+        figures: DROP_QUANTITIES.iter().filter_map(|quantity| of_quantity(quantity, &figures)).collect(),
+    };
+    groups.into_iter().map(group).collect()
+}
+
+fn of_quantity(quantity: &DropQuantity, figures: &[&Figures]) -> Option<FigureScatter> {
+    let values: Vec<f64> =
+        figures.iter().filter_map(|figures| (quantity.of)(figures)).filter(|value| value.is_finite()).collect();
+    let found = quantiles(&values, &[0.0, 0.25, 0.5, 0.75, 1.0])?;
+    let [least, low, median, high, largest] = found[..] else { return None };
+    let count = values.len();
+    Some(FigureScatter { figure: quantity.name, count, median, quartiles: [low, high], range: [least, largest] })
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::args::Reduced;
+use super::coupon::Reduced;
 use crate::findings;
 use base::diagnostic::shown_path;
 use base::finding::Finding;
