@@ -166,7 +166,9 @@ mod tests {
             energy_absorption: None,
             drop: None,
             annotations: Annotations::new(vec!["VIRTUAL drop test".to_owned()]),
+            contact: [[0.0; 2]; 2],
             reduction_warnings: vec![],
+            run_speed: 0.0,
             field: None,
         };
         let Signals { tracks, charts, .. } =
@@ -190,7 +192,9 @@ mod tests {
             energy_absorption: None,
             drop: None,
             annotations: Annotations::default(),
+            contact: [[0.0; 2]; 2],
             reduction_warnings: vec![],
+            run_speed: 0.0,
             field: None,
         };
         let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];

@@ -554,8 +554,12 @@ pub struct Reference {
     pub height_error: Option<f64>,
     /// Impact speed of a raw recording where it is known, m/s, positive.
     pub speed: Option<f64>,
+    /// Standard deviation of that speed, or of the impact speed of signals that count from first contact, m/s.
+    pub speed_error: Option<f64>,
     /// Time of first contact on the clock of a raw recording where it is known, s.
     pub contact_time: Option<f64>,
+    /// Standard deviation of that time, or of the first contact of signals that count from it, s.
+    pub contact_error: Option<f64>,
     /// Time constant of the coupling of the accelerometer where it is known, s.
     pub time_constant: Option<f64>,
     /// Friction of the guide and its standard deviation where they are known, N.

@@ -36,8 +36,16 @@ pub struct Reference {
     /// Impact speed of a raw recording where it is known.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub speed: Option<Velocity>,
+    /// Standard deviation of the impact speed: of that of a raw recording where it is given (half a per cent where it is left out),
+    /// else of signals that count from first contact (none). A calibration takes it up.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub speed_error: Option<Velocity>,
     /// Time of first contact on the clock of a raw recording where it is known.
     pub contact_time: Option<Time>,
+    /// Standard deviation of the time of first contact: of that of a raw recording where it is given (half a sample where it is
+    /// left out), else of signals that count from first contact (none). A calibration takes it up.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub contact_error: Option<Time>,
     /// Time constant of the coupling of the accelerometer of a raw recording where it is known.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub time_constant: Option<Time>,

@@ -66,11 +66,16 @@ impl Fit {
         let simulated = simulated_at(plan, &values, session)?;
         add_roughness(plan, &simulated);
         let mut so_far = SoFar::default();
+        so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
         let stages: Vec<_> = plan.stages.clone().into_iter().chain([plan.last_stage()]).collect();
         // Coarse searches from all starts, stage by stage, then one to the minimum: in a curved valley a coarse tolerance ends far
         // from it.
         for number in 0..=stages.len() {
             let stage = &stages[number.min(stages.len() - 1)];
+            if number > 0 && plan.has_contact_errors() {
+                let simulated = simulated_at(plan, &values, session)?;
+                so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
+            }
             let smooth = CalibrationObjective::new(plan, plan.first_share().max(LEAST_SMOOTH), session);
             let objective = CalibrationObjective { stage: stage.clone(), is_plain: true, ..smooth };
             let is_last = number == stages.len();
@@ -127,6 +132,7 @@ fn with_what_is_left(
     let mut rounds = 0;
     let mut simulated = simulated_at(plan, &values, session)?;
     add_roughness(plan, &simulated);
+    so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
     let mut share = estimated(plan, &simulated)?;
     loop {
         let objective = CalibrationObjective::new(plan, share, session);
@@ -138,6 +144,7 @@ fn with_what_is_left(
         let before = noises(plan);
         simulated = simulated_at(plan, &values, session)?;
         add_roughness(plan, &simulated);
+        so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
         let changes = noises(plan).into_iter().zip(before).map(|(now, before)| (now / before).ln().abs());
         let then = estimated(plan, &simulated)?;
         let change = changes.fold((then.max(1e-4) / share.max(1e-4)).ln().abs(), f64::max);
@@ -248,6 +255,15 @@ impl SoFar {
         Labels { phase: Some(phase), ..labels(plan) }
     }
 
+    /// Each finding once.
+    fn add_findings(&mut self, warnings: &[Warning]) {
+        for own in warnings.iter().map(Finding::new) {
+            if !self.findings.iter().any(|known| known.message == own.message) {
+                self.findings.push(own);
+            }
+        }
+    }
+
     fn add(&mut self, found: &SearchResult) {
         self.iterations += found.best.iterations;
         self.evaluations += found.screened + found.starts.iter().map(|start| start.evaluations).sum::<usize>();
@@ -329,6 +345,43 @@ fn add_roughness(plan: &mut Plan, simulated: &[Vec<Series>]) {
             drop(signal.errors.add_roughness(simulated));
         }
     }
+}
+
+/// Takes what the recordings are uncertain in at contact as errors of the differences, by these simulated signals and, where a
+/// speed is uncertain, by those of a faster impactor; the findings of runs of that which fail.
+fn add_contacts(
+    plan: &mut Plan,
+    simulated: &[Vec<Series>],
+    values: &[f64],
+    session: &Session,
+) -> HostResult<Vec<Warning>> {
+    /// By so much is the impactor faster, m/s: well above what a run rounds, well below what its film notices.
+    const FASTER: f64 = 0.02;
+    let trial = session.with_trial(session.cancellation());
+    let faster = of_tests(plan, |test| {
+        let own = &plan.tests[test];
+        if !own.signals.iter().any(|signal| signal.errors.contact_errors()[1]) {
+            return Ok(None);
+        }
+        let study = own.study.with(plan.changes_with_breaks(test, values), session)?.faster(FASTER, session);
+        Ok(Some(own.simulated(&study, &trial)))
+    })?;
+    let mut warnings = Vec::new();
+    for ((test, simulated), faster) in plan.tests.iter_mut().zip(simulated).zip(faster) {
+        let faster = match faster.transpose() {
+            Ok(found) => found,
+            Err(error) => {
+                check_stop(session)?;
+                warnings.push(Warning::RunFailed { test: test.name.clone(), cause: cause(&error) });
+                None
+            }
+        };
+        for (place, (signal, simulated)) in test.signals.iter_mut().zip(simulated).enumerate() {
+            // A signal that ends before its window shows none yet.
+            drop(signal.add_contact(simulated, faster.as_ref().map(|all| (&all[place], FASTER))));
+        }
+    }
+    Ok(warnings)
 }
 
 fn noises(plan: &Plan) -> Vec<f64> {

@@ -8,7 +8,7 @@ use super::curve_parameter;
 use super::error_model::{Correlation, Noise, Shape};
 use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
 use super::parameter::{Parameter, Role, Unknown};
-use super::test::{self, Test, Tolerances};
+use super::test::{self, Signal, Test, Tolerances};
 use crate::identify::{Bounds, Method, Search, Starts};
 use crate::scenario_functions::{Scenarios, Study};
 use crate::script::{HostResult, Options, Session, at_key, cause, number, refuse, refuse_key, refused_key};
@@ -340,6 +340,12 @@ impl Plan {
     pub(super) fn changes_with_breaks(&self, test: usize, values: &[f64]) -> Map {
         let own = self.of_test(test).map(|index| (self.parameter_of(&self.unknowns[index]), values[index]));
         curve_parameter::changes(own)
+    }
+
+    /// Whether a recording is uncertain in its contact.
+    pub(super) fn has_contact_errors(&self) -> bool {
+        let of = |signal: &Signal| signal.errors.contact_errors() != [false; 2];
+        self.tests.iter().any(|test| test.signals.iter().any(of))
     }
 
     /// The tests on which an unknown acts.

@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic, EvalAltResult, Map};
 
 use super::distance::Distance;
-use nalgebra::DVector;
+use nalgebra::{DVector, Matrix2};
 
 use super::error_model::{Correlation, ErrorModel, Noise, Recorded, Shape, SignalError, Spectrum};
 use super::outcome::{self, Outcomes};
@@ -245,7 +245,8 @@ impl Reading<'_> {
                 let known = "an impact is compared by `acceleration` and `displacement`";
                 return Err((self.in_test)(format!("its recording has no `{}`: {known}", column.short)));
             };
-            self.recorded(column, &series, comparison.window, class)
+            let recorded = self.recorded(column, &series, comparison.window, class)?;
+            Ok(Recorded { contact: Matrix2::from_fn(|row, column| comparison.contact[row][column]), ..recorded })
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
         Ok((study, comparison.window[1], signals))
@@ -258,13 +259,16 @@ impl Reading<'_> {
 
     /// Signals that the script gives, over time or over what is asked for.
     fn given(&self, study: &Study, map: &Map, columns: &[&'static Column]) -> HostResult<(Study, f64, Vec<Recorded>)> {
+        let error = |key: &str| map.get(key).map_or(Ok(0.0), |value| number(value, key));
+        let [of_time, of_speed] = [error("contact_error")?, error("speed_error")?];
+        let contact = Matrix2::from_diagonal(&[of_time * of_time, of_speed * of_speed].into());
         let signals = columns.iter().map(|column| {
             let series =
                 map.get(column.short).and_then(|value| value.read_lock::<Series>().map(|series| series.clone()));
             let missing = || (self.in_test)(format!("a recording of signals has no `{}`", column.short));
             let series = series.ok_or_else(missing)?;
             let window = self.window(&series)?;
-            self.recorded(column, &series, window, None)
+            Ok(Recorded { contact, ..self.recorded(column, &series, window, None)? })
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
         let end = signals.iter().filter_map(|own| own.series.time().last().copied()).fold(0.0, f64::max);
@@ -390,6 +394,60 @@ impl Signal {
             (true, Some(shape)) => self.errors.spectrum_of(shape),
             (true, None) => self.errors.spectrum().clone(),
         }
+    }
+
+    /// A simulated signal as it is seen by one who takes the contact to be so much later than it was, with the same speed then
+    /// (docs/theory.md, equation 331c).
+    fn later(&self, simulated: &Series, by: f64) -> Series {
+        let time = simulated.time();
+        let (Some(first), Some(last)) = (simulated.samples().next(), simulated.samples().last()) else {
+            return simulated.clone();
+        };
+        let slope_at = |place: usize| match (simulated.samples().nth(place), simulated.samples().nth(place + 1)) {
+            (Some(a), Some(b)) => (b[1] - a[1]) / (b[0] - a[0]),
+            _ => 0.0,
+        };
+        // A travel counts from contact, and its speed there is what was measured; an acceleration counts as it is.
+        let is_travel = self.column.short == column::DISPLACEMENT.short;
+        let start = if is_travel { slope_at(0) } else { 0.0 };
+        let end = slope_at(time.len().saturating_sub(2));
+        let at = |t: f64| match simulated.value_at(t) {
+            Some(value) => value,
+            None if t < first[0] => first[1] + start * (t - first[0]),
+            None => last[1] + end * (t - last[0]),
+        };
+        let [zero, turn] = match time.partition_point(|t| *t <= first[0] + by) {
+            _ if !is_travel => [0.0, 0.0],
+            0 => [at(first[0] + by) - first[1], 0.0],
+            place => [at(first[0] + by) - first[1], start - slope_at(place - 1)],
+        };
+        let value = |t: &f64| at(t + by) - zero + turn * (t - first[0]);
+        Series::new(time.to_vec(), time.iter().map(value).collect::<Vec<_>>())
+    }
+
+    /// Takes the errors of its recordings' contacts as errors of its differences, by the simulated signal and by that of an
+    /// impactor which is faster by so much.
+    pub(super) fn add_contact(
+        &mut self,
+        simulated: &Series,
+        faster: Option<(&Series, f64)>,
+    ) -> Result<(), SignalError> {
+        if self.errors.contact_errors() == [false; 2] {
+            return Ok(());
+        }
+        let of_speed = faster.map(|(faster, by)| -> Result<DVector<f64>, SignalError> {
+            let [own, faster] = [simulated, faster].map(|series| self.errors.means(series).map(DVector::from_vec));
+            let mut change = (faster? - own?) / by;
+            if self.column.short == column::DISPLACEMENT.short {
+                // The travel of the recording falls with its speed, too.
+                change.iter_mut().zip(self.errors.middles()).for_each(|(own, [time, _])| *own += time);
+            }
+            Ok(change)
+        });
+        let mut errors = self.errors.clone();
+        errors.add_contact(|by| self.later(simulated, by), of_speed.transpose()?)?;
+        self.errors = errors;
+        Ok(())
     }
 
     /// Where the last of its recordings ends.

@@ -50,7 +50,9 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
         "bridge",
         "mask",
         "speed",
+        "speed_error",
         "contact_time",
+        "contact_error",
         "height_error",
         "guide_friction",
     ])?;
@@ -67,7 +69,9 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
         correction: correction(about)?,
         class,
         speed: given("speed")?,
+        speed_error: given("speed_error")?,
         contact_time: given("contact_time")?,
+        contact_error: given("contact_error")?,
         height_error: given("height_error")?,
         guide_friction: about.map.get("guide_friction").map(window).transpose()?,
     };
@@ -202,8 +206,8 @@ pub const ENTRIES: &[Entry] = &[
                 and the signals displacement, velocity, acceleration (filtered), acceleration_raw, kinetic_energy, potential_energy, absorbed_energy, \
                 total_energy from contact on; also gravity, class (1000; () where the recording was filtered before), correction: \"ramp\", time_constant, \
                 bridge (s), the longest gap to be replaced by a straight line, mask: [from, to] or a list of them, what a straight line replaces, \
-                speed (m/s) and contact_time (s) where they are known, in place of the height or beside it, height_error (m), guide_friction: \
-                [force, deviation] (N)",
+                speed (m/s) and contact_time (s) where they are known, in place of the height or beside it, their standard deviations speed_error and \
+                contact_error, height_error (m), guide_friction: [force, deviation] (N)",
         example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
                    let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
                    let drop = reduce_drop(v.accelerometer, (), #{ mass: 10.72, height: 1 });

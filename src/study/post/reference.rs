@@ -39,10 +39,14 @@ pub struct ReferenceComparison {
     pub energy_absorption: Option<f64>,
     /// Figures of its reduction, of a raw recording; without its notes.
     pub drop: Option<Figures>,
+    /// Covariance of the time of first contact (s) and the impact speed (m/s); zero where neither has an error.
+    pub contact: [[f64; 2]; 2],
     /// Comments of the recording of signals, and the warnings of its reading.
     pub annotations: Annotations,
     /// The warnings of its reduction, of a raw recording.
     pub reduction_warnings: Vec<experiment::Warning>,
+    /// Impact speed of the run, m/s.
+    pub run_speed: f64,
     /// The displacement field, as measured.
     pub field: Option<Arc<Field>>,
 }
@@ -81,6 +85,19 @@ pub enum ReferenceError {
     NotAnImpact {
         /// The recording.
         path: PathBuf,
+    },
+    /// A raw recording whose reduction finds what an error was given of.
+    #[error(
+        "{}: `{error}` is the error of `{given}`, which is not given: the reduction finds both; {RAW}",
+        path.display()
+    )]
+    ErrorAlone {
+        /// The recording.
+        path: PathBuf,
+        /// The key of the error.
+        error: &'static str,
+        /// The key that it is an error of.
+        given: &'static str,
     },
     /// The acceleration cannot be filtered.
     #[error("{}: acceleration: {source}", path.display())]
@@ -127,6 +144,7 @@ impl ReferenceComparison {
             total_energy,
             energy_absorption,
             drop,
+            contact,
             reduction_warnings,
         } = signals;
         let window = match (reference.window, &reference.signals) {
@@ -148,8 +166,10 @@ impl ReferenceComparison {
             window,
             energy_absorption,
             drop,
+            contact,
             annotations,
             reduction_warnings,
+            run_speed: model.impactors.get(reference.impactor).map_or(f64::NAN, |impactor| -impactor.velocity[2]),
             field,
         }))
     }
@@ -161,7 +181,17 @@ impl ReferenceComparison {
             annotations.virtual_mark().map(|note| Warning::VirtualReference { note: note.to_owned() })
         };
         let marks = marks.into_iter().flatten().filter_map(mark);
-        marks.chain(self.reduction_warnings.iter().cloned().map(Warning::ReferenceReduction))
+        let speed = self.drop.as_ref().and_then(|drop| self.other_speed(drop));
+        marks.chain(speed).chain(self.reduction_warnings.iter().cloned().map(Warning::ReferenceReduction))
+    }
+
+    /// The finding of a run whose impact speed is not that of the recording.
+    fn other_speed(&self, drop: &Figures) -> Option<Warning> {
+        /// Share of the speed that is no matter.
+        const SMALL: f64 = 0.01;
+        let (run, [low, high]) = (self.run_speed, drop.impact_velocity_interval_m_s?);
+        let off = (run - drop.impact_velocity_m_s).abs() / drop.impact_velocity_m_s;
+        (off > SMALL && !(low..=high).contains(&run)).then_some(Warning::ReferenceSpeed { run, low, high })
     }
 
     /// Comments of the recording, and the warnings of its reading and of its reduction, as texts.
@@ -223,6 +253,8 @@ struct Signals {
     /// Of a raw recording.
     energy_absorption: Option<f64>,
     drop: Option<Figures>,
+    /// Covariance of the time of first contact (s) and the impact speed (m/s).
+    contact: [[f64; 2]; 2],
     /// The warnings of its reduction.
     reduction_warnings: Vec<experiment::Warning>,
 }
@@ -271,6 +303,7 @@ impl Signals {
             total_energy,
             energy_absorption: None,
             drop: None,
+            contact: [[variance(reference.contact_error), 0.0], [0.0, variance(reference.speed_error)]],
             reduction_warnings: Vec::new(),
         }))
     }
@@ -296,6 +329,14 @@ impl Signals {
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height: reference.drop_height };
         // Where nothing is written, the impactor reached the velocity of the run.
         let is_known = reference.drop_height.is_some() || reference.speed.is_some() || reference.contact_time.is_some();
+        let needed = [
+            ("contact_error", reference.contact_error, "contact_time", reference.contact_time),
+            ("speed_error", reference.speed_error, "speed", reference.speed),
+        ];
+        let is_alone = |(_, error, _, given): &(_, Option<f64>, _, Option<f64>)| error.is_some() && given.is_none();
+        if let Some((error, _, given, _)) = needed.into_iter().find(is_alone) {
+            return Err(ReferenceError::ErrorAlone { path: path(), error, given });
+        }
         // The class of the run, unless the recorder has filtered already: two filters in a row would lower the peak twice.
         let reduction = Reduction {
             correction: Correction::Coupling { time_constant: reference.time_constant },
@@ -303,6 +344,8 @@ impl Signals {
             speed: reference.speed.or((!is_known).then_some(-velocity)),
             contact_time: reference.contact_time,
             height_error: reference.height_error,
+            speed_error: reference.speed_error,
+            contact_error: reference.contact_error,
             guide_friction: reference.guide_friction,
         };
         let drop = sensed.reduce(&tower, &reduction).map_err(|source| ReferenceError::Drop { path: path(), source })?;
@@ -319,9 +362,15 @@ impl Signals {
             total_energy,
             energy_absorption,
             drop: Some(Figures { notes: Vec::new(), ..drop.figures() }),
+            contact: drop.intervals.as_ref().map_or([[0.0; 2]; 2], |intervals| intervals.contact),
             reduction_warnings: drop.warnings,
         })
     }
+}
+
+/// The square of a deviation; zero where none is given.
+fn variance(deviation: Option<f64>) -> f64 {
+    deviation.map_or(0.0, |own| own * own)
 }
 
 /// Where both channels are named, only they are read, so that a fault of another one does not matter.

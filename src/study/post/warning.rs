@@ -71,6 +71,16 @@ findings! {
             meaning "the recording that the run is compared with was computed, not measured";
             remedy "do not take an agreement with it for a validation";
             message "reference: {note}";
+        /// The run's impact speed is not that of the recording.
+        ReferenceSpeed {
+            run: f64, "impact speed of the run, m/s" => "run_m_s";
+            low: f64, "lower end of the recording's, 95 %, m/s" => "low_m_s";
+            high: f64, "its upper end, m/s" => "high_m_s";
+        } = "reference-speed", Warning;
+            meaning "the run's impact speed lies more than 1 % off the recording's, and outside of its interval of 95 %";
+            remedy "set `loading.impact.velocity` to the recording's, or correct `reference.drop_height`, mass or column";
+            message "reference: the impactor of the recording hit at {} to {} m/s (95 %), that of the run at {} m/s",
+                significant(*low, 4), significant(*high, 4), significant(*run, 4);
         /// The reduction of a raw recording is in doubt.
         ReferenceReduction(warning: experiment::Warning => ..warning.figures()) = code warning.code();
             message "reference: {warning}";

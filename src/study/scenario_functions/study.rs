@@ -139,6 +139,20 @@ impl Study {
         Study::check(self.0.document.with(&changes), Some(&*self.0), self.0.evaluations.clone(), session)
     }
 
+    /// The same scenario with an impactor, the one that is recorded, faster by so much (m/s); the scenario as written stays.
+    pub(crate) fn faster(&self, by: f64, session: &Session) -> Study {
+        let Parts { document, model, plan, evaluations, .. } = &*self.0;
+        let mut model = model.clone();
+        let recorded = model.reference.as_ref().map_or(0, |reference| reference.impactor);
+        if let Some(impactor) = model.impactors.get_mut(recorded) {
+            let speed = impactor.velocity.iter().map(|own| own * own).sum::<f64>().sqrt();
+            impactor.velocity = impactor.velocity.map(|own| own * (1.0 + by / speed));
+        }
+        let _claim = session.budget().claim(MODEL_SIZE + document.size());
+        let (document, plan, evaluations) = (document.clone(), plan.clone(), evaluations.clone());
+        Study(Arc::new(Parts { document, model, plan, evaluations, _claim }))
+    }
+
     pub(crate) fn simulate(&self, session: &Session) -> HostResult<Run> {
         if let Some(evaluations) = &self.0.evaluations {
             evaluations.tell(RunEvent::Wanted(1));

@@ -80,6 +80,7 @@ impl Reducer<'_> {
             contact_time: args.contact_time,
             height_error: args.height.and_then(|(_, error)| error),
             guide_friction: args.guide_friction.map(|(force, error)| [force, error.unwrap_or(0.1 * force)]),
+            ..Reduction::default()
         };
         let (tower, replaced) = match self.tower(path, &sensed) {
             Ok((tower, replaced)) => (Ok(tower), replaced),

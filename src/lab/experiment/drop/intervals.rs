@@ -70,7 +70,11 @@ pub(super) fn of(
     };
     let widest = INPUTS.iter().map(|(input, places)| (*input, share(places))).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let mass = body.mass;
+    let [times, speeds] = [|of: &Impact| of.contact, |of: &Impact| of.speed]
+        .map(|value| all.iter().map(|(_, of)| value(of)).collect::<Vec<f64>>());
+    let both = covariance(&times, &speeds);
     Some(Intervals {
+        contact: [[covariance(&times, &times), both], [both, covariance(&speeds, &speeds)]],
         time_constant: (!is_given).then(|| time_constant(of_unknown(of::INVERSE), fit.best[of::INVERSE])),
         contact_time: over(&|of| of.contact),
         impact_speed: over(&|of| of.speed),

@@ -75,6 +75,8 @@ pub struct Intervals {
     pub energy_absorption: Option<[f64; 2]>,
     /// The input that widens the interval of the travel most, with its share of the variance.
     pub widest: (Input, f64),
+    /// Covariance of time of contact (s) and impact speed (m/s).
+    pub contact: [[f64; 2]; 2],
 }
 
 /// A reduced drop.

@@ -47,6 +47,10 @@ pub struct Reduction {
     pub contact_time: Option<f64>,
     /// Standard deviation of the height, m.
     pub height_error: Option<f64>,
+    /// Standard deviation of a speed that is known, m/s.
+    pub speed_error: Option<f64>,
+    /// Standard deviation of a time of first contact that is known, s.
+    pub contact_error: Option<f64>,
     /// Friction of the guide and its standard deviation, N.
     pub guide_friction: Option<[f64; 2]>,
 }
@@ -59,6 +63,8 @@ impl Default for Reduction {
             speed: None,
             contact_time: None,
             height_error: None,
+            speed_error: None,
+            contact_error: None,
             guide_friction: None,
         }
     }
@@ -88,7 +94,8 @@ impl Known {
 
     /// Of a recording with samples `step` (s) apart.
     pub(super) fn new(tower: &Tower, reduction: &Reduction, step: f64) -> Known {
-        let Reduction { speed, contact_time, height_error, guide_friction, .. } = *reduction;
+        let Reduction { speed, contact_time, height_error, speed_error, contact_error, guide_friction, .. } =
+            *reduction;
         let weight = tower.body.mass * tower.body.gravity;
         let inverse = match reduction.correction {
             Correction::Coupling { time_constant } => time_constant.map(|given| 1.0 / given),
@@ -96,8 +103,8 @@ impl Known {
         };
         Known {
             height: tower.height.map(|height| [height, height_error.unwrap_or(Known::HEIGHT_ERROR * height)]),
-            speed: speed.map(|speed| [speed, Known::SPEED_ERROR * speed]),
-            contact_time: contact_time.map(|time| [time, 0.5 * step]),
+            speed: speed.map(|speed| [speed, speed_error.unwrap_or(Known::SPEED_ERROR * speed)]),
+            contact_time: contact_time.map(|time| [time, contact_error.unwrap_or(0.5 * step)]),
             friction: guide_friction.map(|friction| friction.map(|force| force / weight)),
             inverse,
         }

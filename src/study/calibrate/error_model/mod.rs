@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use base::number::significant;
 use lab::signal::Series;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Matrix2, SymmetricEigen, Vector2};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -149,15 +149,18 @@ pub(super) struct Recorded {
     pub(super) series: Series,
     /// Class of the channel filter behind it.
     pub(super) class: Option<f64>,
+    /// Covariance of the errors of its time of contact (s) and impact speed (m/s).
+    pub(super) contact: Matrix2<f64>,
 }
 
 impl Recorded {
+    /// One whose contact has no error.
     pub(super) fn new(series: &Series, window: [f64; 2], class: Option<f64>) -> Result<Recorded, SignalError> {
         let series = series.window(window);
         if series.is_empty() {
             return Err(SignalError::TooFew { found: 0, from: window[0], to: window[1] });
         }
-        Ok(Recorded { series, class })
+        Ok(Recorded { series, class, contact: Matrix2::zeros() })
     }
 
     /// Where it begins and ends.
@@ -210,6 +213,10 @@ pub(super) struct ErrorModel {
     fine: Option<(f64, f64)>,
     /// Standard deviation of the roughness of a simulated mean.
     simulated: f64,
+    /// Covariance of the mean error of the recordings' times of contact (s) and impact speeds (m/s).
+    contact: Matrix2<f64>,
+    /// The independent parts of that error, each one standard deviation long, and what they add to the differences.
+    of_contact: Vec<(Vector2<f64>, DVector<f64>)>,
     /// The shape of the model's error with which residuals are independent.
     shape: Shape,
     spectrum: Spectrum,
@@ -316,6 +323,8 @@ impl ErrorModel {
             counts,
             fine,
             simulated: 0.0,
+            contact: recordings.iter().map(|own| own.contact).sum::<Matrix2<f64>>() / (recordings.len() as f64).powi(2),
+            of_contact: Vec::new(),
             shape,
             spectrum: Spectrum::trivial(0),
         };
@@ -336,7 +345,7 @@ impl ErrorModel {
         let bin = window / bins as f64 / length;
         let scale: Vec<f64> = self.noises().map(|noise| self.level / noise).collect();
         let is_even = scale.iter().zip(&self.counts).all(|(own, count)| *own == scale[0] && *count == self.counts[0]);
-        if is_even {
+        if is_even && self.of_contact.is_empty() {
             let decomposed = decomposed(shape, bins, bin);
             let eigenvalue = |own: &f64| scale[0] * scale[0] * (own - rough / self.counts[0]);
             let eigenvalues = decomposed.1.iter().map(eigenvalue).collect();
@@ -345,8 +354,69 @@ impl ErrorModel {
         let mut matrix = covariance(shape, bins, bin);
         (0..bins).for_each(|row| matrix[(row, row)] -= rough / self.counts[row]);
         let scaled = DMatrix::from_fn(bins, bins, |row, column| scale[row] * matrix[(row, column)] * scale[column]);
-        let eigen = SymmetricEigen::new(scaled);
-        Spectrum { basis: Arc::new(eigen.eigenvectors.transpose()), eigenvalues: eigen.eigenvalues.as_slice().to_vec() }
+        let mut white = DMatrix::identity(bins, bins);
+        self.take_contact_off(&mut white, &self.noises().collect::<Vec<_>>());
+        let eigen = SymmetricEigen::new(&white * scaled * &white);
+        let basis = eigen.eigenvectors.transpose() * white;
+        Spectrum { basis: Arc::new(basis), eigenvalues: eigen.eigenvalues.as_slice().to_vec() }
+    }
+
+    /// Multiplies columns of differences over these deviations by (I + U Uᵀ)^(−1/2), with the errors of contact over the deviations
+    /// as U (equation 331c).
+    fn take_contact_off(&self, columns: &mut DMatrix<f64>, deviations: &[f64]) {
+        if self.of_contact.is_empty() {
+            return;
+        }
+        let over = |row: usize, part: usize| self.of_contact[part].1[row] / deviations[row];
+        let parts = DMatrix::from_fn(self.bins(), self.of_contact.len(), over).svd(true, false);
+        for (own, size) in parts.u.iter().flat_map(DMatrix::column_iter).zip(parts.singular_values.iter()) {
+            let along = own.transpose() * &*columns;
+            *columns += own * along * ((1.0 + size * size).sqrt().recip() - 1.0);
+        }
+    }
+
+    /// Whether recordings are uncertain in their times of contact, and in their impact speeds.
+    pub(super) fn contact_errors(&self) -> [bool; 2] {
+        [0, 1].map(|place| self.contact[(place, place)] > 0.0)
+    }
+
+    /// Takes what the recordings are uncertain in at contact as an error of the differences: how these change with the time of
+    /// contact, by the signal of [`Signal::later`](super::test::Signal::later) for a time, and with the speed (per m/s).
+    pub(super) fn add_contact(
+        &mut self,
+        later: impl Fn(f64) -> Series,
+        of_speed: Option<DVector<f64>>,
+    ) -> Result<(), SignalError> {
+        let deviation = self.contact.map_diagonal(f64::sqrt);
+        let mut factor = Matrix2::zeros();
+        let of_speed = of_speed.filter(|_| deviation[1] > 0.0).unwrap_or_else(|| DVector::zeros(self.bins()));
+        let mut of_time = DVector::zeros(self.bins());
+        if deviation[0] > 0.0 {
+            let [after, before] = [deviation[0], -deviation[0]].map(|by| self.means(&later(by)).map(DVector::from_vec));
+            of_time = (before? - after?) / (2.0 * deviation[0]);
+            factor[(0, 0)] = deviation[0];
+            factor[(1, 0)] = self.contact[(0, 1)] / deviation[0];
+        }
+        factor[(1, 1)] = (self.contact[(1, 1)] - factor[(1, 0)] * factor[(1, 0)]).max(0.0).sqrt();
+        let part = |column: usize| {
+            let error: Vector2<f64> = factor.column(column).into();
+            (error, &of_time * error[0] + &of_speed * error[1])
+        };
+        self.of_contact = [0, 1].map(part).into_iter().filter(|(_, own)| own.norm() > 0.0).collect();
+        self.spectrum = self.spectrum_of(self.shape);
+        Ok(())
+    }
+
+    /// The error of the time of contact (s) and of the impact speed (m/s) that differences over the noise show, for a model's
+    /// error of `share`.
+    pub(super) fn contact_found(&self, scaled: &DVector<f64>, share: f64) -> Vector2<f64> {
+        let whitened = DVector::from_vec(self.whitened(scaled, share));
+        let of_part = |(error, own): &(Vector2<f64>, DVector<f64>)| {
+            let own =
+                DVector::from_iterator(self.bins(), own.iter().zip(self.noises()).map(|(own, noise)| own / noise));
+            error * DVector::from_vec(self.whitened(&own, share)).dot(&whitened)
+        };
+        self.of_contact.iter().map(of_part).sum()
     }
 
     /// Takes the roughness of a simulated signal, which contact makes, as noise beside that of the recordings.
@@ -376,6 +446,10 @@ impl ErrorModel {
     pub(super) fn repeat(&mut self, recordings: usize) {
         let factor = (recordings as f64 / (recordings as f64 + 1.0)).sqrt();
         self.recorded.iter_mut().for_each(|own| *own *= factor);
+        for (error, own) in &mut self.of_contact {
+            *error *= factor;
+            *own *= factor;
+        }
         self.spectrum = self.spectrum_of(self.shape);
     }
 
@@ -424,8 +498,12 @@ impl ErrorModel {
 
     /// The same for an error that is independent from bin to bin.
     pub(super) fn plain(&self, scaled: &DVector<f64>, share: f64) -> Vec<f64> {
-        let residual = |(value, noise): (&f64, f64)| value / (1.0_f64).hypot(share * self.level / noise);
-        scaled.iter().zip(self.noises()).map(residual).collect()
+        let deviations: Vec<f64> = self.noises().map(|noise| noise.hypot(share * self.level)).collect();
+        let residual = |((value, noise), deviation): ((&f64, f64), &f64)| value * noise / deviation;
+        let residuals: Vec<f64> = scaled.iter().zip(self.noises()).zip(&deviations).map(residual).collect();
+        let mut residuals = DMatrix::from_column_slice(self.bins(), 1, &residuals);
+        self.take_contact_off(&mut residuals, &deviations);
+        residuals.as_slice().to_vec()
     }
 }
 

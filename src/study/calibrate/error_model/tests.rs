@@ -96,6 +96,49 @@ fn whitened_residuals_have_the_norm_of_the_covariance() {
     assert!((own - likelihood).abs() < 1e-6 * likelihood.abs());
 }
 
+/// The loading half of a pulse of unknown size, whose contact is found late or early with a known deviation: the size found with
+/// that in the covariance has the deviation that it says and its mean is right, and the shifts are found.
+#[test]
+fn a_contact_that_is_late_is_no_error_of_the_size() {
+    const DEVIATION: f64 = 5e-4;
+    let pulse = |t: f64, size: f64| size * 140.0 * (std::f64::consts::PI * t.max(0.0) / 0.1).sin();
+    let time: Vec<f64> = (0..=500).map(|sample| 1e-4 * f64::from(sample)).collect();
+    let series = |by: f64, mut noise: Box<dyn FnMut() -> f64>| {
+        Series::new(time.clone(), time.iter().map(|t| pulse(t + by, 1.0) + noise()).collect::<Vec<_>>())
+    };
+    let simulated = series(0.0, Box::new(|| 0.0));
+    let studies = 300;
+    let (mut squares, mut of_shifts, mut naive) = (0.0, 0.0, 0.0);
+    for seed in 0..studies {
+        let mut stream = Stream::new(seed);
+        let shift = DEVIATION * stream.normal();
+        let measured = series(shift, Box::new(move || 1.5 * stream.normal()));
+        let contact = Matrix2::new(DEVIATION * DEVIATION, 0.0, 0.0, 0.0);
+        let recorded = Recorded { contact, ..Recorded::new(&measured, [0.0, 0.05], None).unwrap() };
+        let mut model = ErrorModel::new(&[recorded], Noise::FromRecording, ROUGH).unwrap();
+        let size = |model: &ErrorModel| {
+            let over = |series: &Series| -> Vec<f64> {
+                let own = DVector::from_vec(model.means(series).unwrap());
+                let own = own.iter().zip(model.noises()).map(|(own, noise)| own / noise);
+                model.whitened(&DVector::from_iterator(model.bins(), own), 0.0)
+            };
+            let (own, one) = (DVector::from_vec(over(&measured)), DVector::from_vec(over(&simulated)));
+            (own.dot(&one) / one.norm_squared(), one.norm().recip())
+        };
+        let (without, exact) = size(&model);
+        naive += ((without - 1.0) / exact).powi(2);
+        model.add_contact(|by| series(by, Box::new(|| 0.0)), None).unwrap();
+        let (found, deviation) = size(&model);
+        squares += ((found - 1.0) / deviation).powi(2);
+        of_shifts += (model.contact_found(&model.scaled(&simulated).unwrap(), 0.0)[0] - shift).powi(2);
+    }
+    let [squares, naive] = [squares, naive].map(|sum| sum / f64::from(studies as u32));
+    assert!((squares - 1.0).abs() < 0.25, "{squares}");
+    assert!(naive > 3.0, "without the error of contact: {naive}");
+    let off = (of_shifts / f64::from(studies as u32)).sqrt();
+    assert!(off < 0.5 * DEVIATION, "shifts are found to {off} s");
+}
+
 /// An error of the law, drawn at the samples of a recording and not from the covariance of any bins.
 #[derive(Clone, Copy)]
 enum Process {
@@ -172,7 +215,7 @@ fn study(process: Process, recordings: usize, shapes: &[Shape], counted: Counted
     let mut recorded = || {
         let own = parts[0].values().iter().zip(&error);
         let values: Vec<f64> = own.map(|(v, e)| v + TRUE_SHARE * level * e + 0.3 * stream.normal()).collect();
-        Recorded { series: Series::new(parts[0].time().to_vec(), values), class: None }
+        Recorded { series: Series::new(parts[0].time().to_vec(), values), class: None, contact: Matrix2::zeros() }
     };
     let all: Vec<Recorded> = (0..recordings).map(|_| recorded()).collect();
     let groups: Vec<&[Recorded]> = if counted == Counted::Pooled { vec![&all[..]] } else { all.chunks(1).collect() };
