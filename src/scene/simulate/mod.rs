@@ -55,7 +55,7 @@ pub use pull::{Across, PullError, pull, pull_along, section_between_jaws};
 pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot, SpringDetail};
 pub use spring_step::SpringStep;
-pub use warning::{BodySize, CODES, ImpactorName, Warning};
+pub use warning::{BodySize, COARSE_CONTACT, CODES, ImpactorName, Warning};
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug)]

@@ -202,7 +202,7 @@ findings! {
             edge: f64, "longest edge in contact over the size of the impactor"
                 => ..size.figure(["edge_over_radius", "edge_over_half_extent"], *edge);
             size: BodySize, "what that size is";
-        } = "coarse-contact", Warning;
+        } = "coarse-contact" as COARSE_CONTACT, Warning;
             meaning "elements in contact are large compared with the impactor, so that the film takes its shape only \
                 approximately";
             remedy "use a smaller `specimen.mesh.size`";

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use super::error_model::{Correlation, Left, Shape, most_likely};
+use super::mesh;
 use super::objective::CalibrationObjective;
 use super::plan::Plan;
 use super::test::Test;
@@ -18,6 +19,7 @@ use crate::post::VIRTUAL_REFERENCE;
 use crate::script::{HostResult, Session, cause, check_stop, refuse};
 use base::finding::Finding;
 use lab::signal::Series;
+use scene::simulate::COARSE_CONTACT;
 
 /// Least error of the model in the searches that lead to the neighbourhood of the minimum.
 const LEAST_SMOOTH: f64 = 0.01;
@@ -107,6 +109,8 @@ impl Fit {
         findings.extend(over_travel(plan).map(|warning| Finding::new(&warning)));
         let Linear { jacobian, at_bounds } = linear(plan, &values, share, host, session, phases)?;
         let x = plan.coordinates(&values);
+        let runs = of_runs(plan, &values, session)?;
+        plan.mesh = mesh::Known { shifts: mesh::shifts(plan, &jacobian, share), coarse: coarse(plan, &runs) };
         let known = verdict::linear(plan, &x, &jacobian, &at_bounds);
         let objective = CalibrationObjective::new(plan, share, session);
         let trial = session.with_trial(session.cancellation());
@@ -115,7 +119,7 @@ impl Fit {
             None => Ok(Vec::new()),
         })?;
         findings.extend(doubts(plan, &known, LINEAR).map(|warning| Finding::new(&warning)));
-        findings.extend(of_runs(plan, &values, session)?.iter().map(Finding::new));
+        findings.extend(runs.iter().map(Finding::new));
         Ok(Fit { result, iterations, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
     }
 }
@@ -133,6 +137,7 @@ fn with_what_is_left(
     let mut simulated = simulated_at(plan, &values, session)?;
     add_roughness(plan, &simulated);
     so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
+    so_far.add_findings(&mesh::add(plan, &simulated, &values, session)?);
     let mut share = estimated(plan, &simulated)?;
     loop {
         let objective = CalibrationObjective::new(plan, share, session);
@@ -145,6 +150,7 @@ fn with_what_is_left(
         simulated = simulated_at(plan, &values, session)?;
         add_roughness(plan, &simulated);
         so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
+        so_far.add_findings(&mesh::add(plan, &simulated, &values, session)?);
         let changes = noises(plan).into_iter().zip(before).map(|(now, before)| (now / before).ln().abs());
         let then = estimated(plan, &simulated)?;
         let change = changes.fold((then.max(1e-4) / share.max(1e-4)).ln().abs(), f64::max);
@@ -396,6 +402,16 @@ fn over_travel(plan: &Plan) -> Option<Warning> {
     (!tests.is_empty()).then_some(Warning::CorrelationOverTravel { tests })
 }
 
+/// The tests whose runs have elements that are coarse in contact.
+fn coarse(plan: &Plan, runs: &[Warning]) -> Vec<usize> {
+    let names = runs.iter().filter_map(|own| match own {
+        Warning::OfRuns { tests, of, .. } if of == COARSE_CONTACT.name => Some(tests),
+        _ => None,
+    });
+    let names: Vec<&String> = names.flatten().collect();
+    (0..plan.tests.len()).filter(|test| names.contains(&&plan.tests[*test].name)).collect()
+}
+
 /// What the runs of the tests with these values warn of, each warning once with the tests that have it.
 fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Warning>> {
     let runs = of_tests(plan, |place| {
@@ -451,6 +467,17 @@ pub(super) fn doubts<'a>(plan: &'a Plan, known: &'a [Knowledge], basis: &'a str)
             Verdict::OnlyTogether(others) => {
                 let others = others.clone();
                 Some(Warning::DeterminedTogether { parameter, others, half_width, half_width_alone, basis })
+            }
+            Verdict::MeshLimited => {
+                let place = plan.unknowns.iter().position(|own| own.name == unknown.name)?;
+                let half = verdict::NORMAL_95 * known.deviation;
+                let moved = if plan.parameter_of(unknown).is_logarithmic {
+                    known.mesh_shift.exp_m1()
+                } else {
+                    known.mesh_shift
+                };
+                let sizes = mesh::sizes(plan, place, known.mesh_shift, half);
+                Some(Warning::MeshLimited { parameter, moved, half_width, sizes, basis })
             }
             Verdict::Determined | Verdict::AtBound(_) => None,
         }

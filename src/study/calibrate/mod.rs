@@ -14,6 +14,7 @@ mod distance;
 mod error_model;
 mod fit;
 mod left_out;
+mod mesh;
 mod objective;
 mod outcome;
 mod parameter;

@@ -6,6 +6,7 @@ use rhai::{Array, Dynamic, Map};
 
 use super::curve_parameter;
 use super::error_model::{Correlation, Noise, Shape};
+use super::mesh::{self, Elements};
 use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
 use super::parameter::{Parameter, Role, Unknown};
 use super::test::{self, Signal, Test, Tolerances};
@@ -45,6 +46,9 @@ pub(super) struct Plan {
     pub(super) precision: f64,
     /// Whether a run in which film breaks has a value.
     pub(super) keeps_ruptured: bool,
+    /// Whether simulated signals are corrected for their elements, and what these are off by.
+    pub(super) elements: Elements,
+    pub(super) mesh: mesh::Known,
 }
 
 /// The break strains of a test: what is known of them, and the unknowns that say the rest.
@@ -99,7 +103,7 @@ pub(super) struct SearchOptions {
 }
 
 /// Options of `calibrate`.
-pub(super) const OPTIONS: [&str; 15] = [
+pub(super) const OPTIONS: [&str; 16] = [
     "tests",
     "parameters",
     "noise",
@@ -114,6 +118,7 @@ pub(super) const OPTIONS: [&str; 15] = [
     "seed",
     "precision",
     "on_rupture",
+    "mesh",
     "name",
 ];
 
@@ -143,6 +148,16 @@ impl Plan {
                 return Err(refuse_key("on_rupture", &text, None));
             }
         };
+        let elements = match given.get("mesh").map(Dynamic::to_string).as_deref() {
+            None | Some("corrected") => Elements::Corrected,
+            Some("exact") => Elements::Exact,
+            Some(other) => {
+                let text = format!(
+                    "`mesh` is \"corrected\", or \"exact\" of virtual recordings on the same elements, not \"{other}\""
+                );
+                return Err(refuse_key("mesh", &text, None));
+            }
+        };
         let name = given.get("name").map(Dynamic::to_string);
         let mut plan = Plan {
             name,
@@ -155,6 +170,8 @@ impl Plan {
             search,
             precision,
             keeps_ruptured,
+            elements,
+            mesh: mesh::Known::default(),
         };
         plan.check_start(session)?;
         plan.stages = stages(given.get("stages"), &plan.tests, session).map_err(|error| at_key("stages", *error))?;

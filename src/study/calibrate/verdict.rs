@@ -25,6 +25,8 @@ pub(super) enum Verdict {
     AtBound(Side),
     /// Its interval is wide whatever the others are.
     NotDetermined,
+    /// The elements of its tests move it by more than its interval, or are coarse in contact.
+    MeshLimited,
 }
 
 impl fmt::Display for Verdict {
@@ -34,6 +36,7 @@ impl fmt::Display for Verdict {
             Verdict::OnlyTogether(others) => write!(f, "determined only together with {}", others.join(" and ")),
             Verdict::AtBound(side) => write!(f, "at its {side} bound"),
             Verdict::NotDetermined => f.write_str("not determined by these tests"),
+            Verdict::MeshLimited => f.write_str("limited by the mesh"),
         }
     }
 }
@@ -51,6 +54,8 @@ pub(super) struct Knowledge {
     pub(super) half_width_alone: f64,
     /// Standard deviation over that before the tests.
     pub(super) prior_share: f64,
+    /// By how much its coordinate is moved by the correction for the elements.
+    pub(super) mesh_shift: f64,
     pub(super) verdict: Verdict,
 }
 
@@ -136,9 +141,12 @@ pub(super) fn judged(
         let strong = partners.into_iter().filter(|other| Some(*other) == first || correlation(*other).abs() > PARTNER);
         strong.map(|other| plan.unknowns[other].name.clone()).collect::<Vec<_>>()
     };
+    let mesh_shift = plan.mesh.shifts.get(index).copied().unwrap_or(0.0);
+    let is_coarse = plan.mesh.coarse.iter().any(|test| plan.tests_of(unknown).contains(test));
     let bound = at_bounds.iter().find(|(own, _)| *own == index);
     let verdict = match bound {
         Some((_, side)) => Verdict::AtBound(*side),
+        None if mesh_shift.abs() > NORMAL_95 * deviation || is_coarse => Verdict::MeshLimited,
         None if wide <= plan.precision && prior_share < OF_PRIOR => Verdict::Determined,
         None if alone <= plan.precision && prior_share_alone < OF_PRIOR && x.len() > 1 => {
             Verdict::OnlyTogether(partners())
@@ -151,6 +159,7 @@ pub(super) fn judged(
         half_width: wide,
         half_width_alone: alone,
         prior_share,
+        mesh_shift,
         verdict,
     }
 }

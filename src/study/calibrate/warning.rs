@@ -31,6 +31,26 @@ findings! {
             remedy "add a test that separates them (`settles` of the result compares candidates), or fix one of them";
             message "{parameter} is determined only together with {}: 95 % half width {} of its value, {} if they were known ({basis})",
                 others.join(" and "), percent(*half_width), percent(*half_width_alone);
+        MeshLimited {
+            parameter: String, "the parameter" => "parameter";
+            moved: f64, "what the correction for the elements moves it by: of its value, of a parameter that is no factor in its unit" => "moved";
+            half_width: f64, "half width of its interval of 95 %, relative to its value" => "half_width";
+            sizes: Vec<String>, "sizes that the elements of its tests should have" => "sizes";
+            basis: String, "what that rests on" => "basis";
+        } = "mesh-limited", Warning;
+            meaning "the elements of the tests are so coarse that they move a parameter by more than its interval, or are coarse in contact: \
+                signals are corrected for that to the first order, which such a difference is beyond";
+            remedy "refine `specimen.mesh.size` as the finding says, and start from the values found; `mesh: \"exact\"` is for virtual \
+                recordings on the same elements";
+            message "{parameter} is limited by the mesh: correcting for the elements moves it by {}, its 95 % half width is {} of its value \
+                ({basis}); take elements of {}", signed(*moved), percent(*half_width), sizes.join(", ");
+        MeshNotChecked {
+            test: String, "the test" => "test";
+            cause: String, "why" => "cause";
+        } = "mesh-not-checked", Warning;
+            meaning "a test cannot be run on elements of half the size, so that nobody knows what its mesh moves the parameters by";
+            remedy "run it on a finer mesh by hand, and compare";
+            message "{test} was not run on finer elements, {cause}: intervals know nothing of the mesh";
         AnglesDoNotFollow {
             angles: Vec<String>, "angles of these coupons from MD, degrees" => "angles";
             least: f64, "least mean difference of the law from such a coupon, relative" => "least";

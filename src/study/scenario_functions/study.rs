@@ -23,6 +23,7 @@ use base::diagnostic::Diagnostic;
 use base::finding::Finding;
 use lab::experiment::coupon::Curve;
 use membrane::material::Law;
+use scene::mesh::Outline;
 use scene::model::{self, Model};
 use scene::scenario::{Assignment, Document, grammar};
 use scene::simulate::{self, Across, Cancellation, Outcome, PullError, RunOptions};
@@ -141,13 +142,45 @@ impl Study {
 
     /// The same scenario with an impactor, the one that is recorded, faster by so much (m/s); the scenario as written stays.
     pub(crate) fn faster(&self, by: f64, session: &Session) -> Study {
-        let Parts { document, model, plan, evaluations, .. } = &*self.0;
-        let mut model = model.clone();
+        let mut model = self.0.model.clone();
         let recorded = model.reference.as_ref().map_or(0, |reference| reference.impactor);
         if let Some(impactor) = model.impactors.get_mut(recorded) {
             let speed = impactor.velocity.iter().map(|own| own * own).sum::<f64>().sqrt();
             impactor.velocity = impactor.velocity.map(|own| own * (1.0 + by / speed));
         }
+        self.of_model(model, session)
+    }
+
+    /// The same scenario on elements of another size; none where a file has them.
+    pub(crate) fn with_elements(&self, factor: f64, session: &Session) -> Option<Study> {
+        if self.has_own_mesh() {
+            return None;
+        }
+        let mut model = self.0.model.clone();
+        for face in &mut model.faces {
+            face.meshing.size *= factor;
+            if let Some(grading) = &mut face.meshing.grading {
+                grading.fine *= factor;
+            }
+        }
+        Some(self.of_model(model, session))
+    }
+
+    /// Whether a file has its elements.
+    fn has_own_mesh(&self) -> bool {
+        matches!(self.0.model.specimen.shape, Outline::Mesh { .. })
+    }
+
+    /// Edge length of its smallest elements, m; none where a file has them.
+    pub(crate) fn smallest_element(&self) -> Option<f64> {
+        let of = |face: &model::Face| face.meshing.grading.as_ref().map_or(face.meshing.size, |grading| grading.fine);
+        let all = self.0.model.faces.iter().map(of);
+        all.reduce(f64::min).filter(|_| !self.has_own_mesh())
+    }
+
+    /// A variant whose checked scenario differs in what needs no other preparation.
+    fn of_model(&self, model: Model, session: &Session) -> Study {
+        let Parts { document, plan, evaluations, .. } = &*self.0;
         let _claim = session.budget().claim(MODEL_SIZE + document.size());
         let (document, plan, evaluations) = (document.clone(), plan.clone(), evaluations.clone());
         Study(Arc::new(Parts { document, model, plan, evaluations, _claim }))

@@ -18,6 +18,8 @@ use nalgebra::{DMatrix, DVector, Matrix2, SymmetricEigen, Vector2};
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::mesh::MeshError;
+
 /// Most bins of a signal.
 const MOST_BINS: usize = 120;
 /// Fewest bins of a signal.
@@ -217,6 +219,8 @@ pub(super) struct ErrorModel {
     contact: Matrix2<f64>,
     /// The independent parts of that error, each one standard deviation long, and what they add to the differences.
     of_contact: Vec<(Vector2<f64>, DVector<f64>)>,
+    /// The error of the elements of the simulation.
+    mesh: Option<MeshError>,
     /// The shape of the model's error with which residuals are independent.
     shape: Shape,
     spectrum: Spectrum,
@@ -325,6 +329,7 @@ impl ErrorModel {
             simulated: 0.0,
             contact: recordings.iter().map(|own| own.contact).sum::<Matrix2<f64>>() / (recordings.len() as f64).powi(2),
             of_contact: Vec::new(),
+            mesh: None,
             shape,
             spectrum: Spectrum::trivial(0),
         };
@@ -345,7 +350,7 @@ impl ErrorModel {
         let bin = window / bins as f64 / length;
         let scale: Vec<f64> = self.noises().map(|noise| self.level / noise).collect();
         let is_even = scale.iter().zip(&self.counts).all(|(own, count)| *own == scale[0] && *count == self.counts[0]);
-        if is_even && self.of_contact.is_empty() {
+        if is_even && self.directions().next().is_none() {
             let decomposed = decomposed(shape, bins, bin);
             let eigenvalue = |own: &f64| scale[0] * scale[0] * (own - rough / self.counts[0]);
             let eigenvalues = decomposed.1.iter().map(eigenvalue).collect();
@@ -355,24 +360,59 @@ impl ErrorModel {
         (0..bins).for_each(|row| matrix[(row, row)] -= rough / self.counts[row]);
         let scaled = DMatrix::from_fn(bins, bins, |row, column| scale[row] * matrix[(row, column)] * scale[column]);
         let mut white = DMatrix::identity(bins, bins);
-        self.take_contact_off(&mut white, &self.noises().collect::<Vec<_>>());
+        self.take_common_off(&mut white, &self.noises().collect::<Vec<_>>());
         let eigen = SymmetricEigen::new(&white * scaled * &white);
         let basis = eigen.eigenvectors.transpose() * white;
         Spectrum { basis: Arc::new(basis), eigenvalues: eigen.eigenvalues.as_slice().to_vec() }
     }
 
-    /// Multiplies columns of differences over these deviations by (I + U Uᵀ)^(−1/2), with the errors of contact over the deviations
-    /// as U (equation 331c).
-    fn take_contact_off(&self, columns: &mut DMatrix<f64>, deviations: &[f64]) {
-        if self.of_contact.is_empty() {
+    /// What all differences have in common, each part one standard deviation long: of contact, and of the elements.
+    fn directions(&self) -> impl Iterator<Item = &DVector<f64>> {
+        self.of_contact.iter().map(|(_, own)| own).chain(self.mesh.iter().map(|own| &own.remainder))
+    }
+
+    /// Multiplies columns of differences over these deviations by (I + U Uᵀ)^(−1/2), with the common parts over the deviations as
+    /// U (equation 331c).
+    fn take_common_off(&self, columns: &mut DMatrix<f64>, deviations: &[f64]) {
+        let all: Vec<&DVector<f64>> = self.directions().collect();
+        if all.is_empty() {
             return;
         }
-        let over = |row: usize, part: usize| self.of_contact[part].1[row] / deviations[row];
-        let parts = DMatrix::from_fn(self.bins(), self.of_contact.len(), over).svd(true, false);
+        let over = |row: usize, part: usize| all[part][row] / deviations[row];
+        let parts = DMatrix::from_fn(self.bins(), all.len(), over).svd(true, false);
         for (own, size) in parts.u.iter().flat_map(DMatrix::column_iter).zip(parts.singular_values.iter()) {
             let along = own.transpose() * &*columns;
             *columns += own * along * ((1.0 + size * size).sqrt().recip() - 1.0);
         }
+    }
+
+    /// Takes up the error of the elements; one that the noise hides counts as none.
+    pub(super) fn set_mesh(&mut self, error: MeshError) {
+        self.mesh = (error.correction.norm() > LEAST_NOISE * self.measured.norm()).then_some(error);
+        self.spectrum = self.spectrum_of(self.shape);
+    }
+
+    /// The order at which the signal converges with its elements.
+    pub(super) fn mesh_order(&self) -> Option<f64> {
+        self.mesh.as_ref().map(|own| own.order())
+    }
+
+    /// The correction for the elements as residuals.
+    pub(super) fn whitened_correction(&self, share: f64) -> Option<Vec<f64>> {
+        let of = |own: &MeshError| {
+            let scaled = own.correction.iter().zip(self.noises()).map(|(own, noise)| own / noise);
+            self.whitened(&DVector::from_iterator(self.bins(), scaled), share)
+        };
+        self.mesh.as_ref().map(of)
+    }
+
+    /// Differences of the means of a simulated signal, corrected for its elements, from the measured ones.
+    fn difference(&self, simulated: &Series) -> Result<DVector<f64>, SignalError> {
+        let difference = DVector::from_vec(self.means(simulated)?) - &self.measured;
+        Ok(match &self.mesh {
+            Some(own) => difference + &own.correction,
+            None => difference,
+        })
     }
 
     /// Whether recordings are uncertain in their times of contact, and in their impact speeds.
@@ -480,14 +520,13 @@ impl ErrorModel {
 
     /// Differences of the means of a simulated signal from the measured ones, each over the noise.
     pub(super) fn scaled(&self, simulated: &Series) -> Result<DVector<f64>, SignalError> {
-        let difference = DVector::from_vec(self.means(simulated)?) - &self.measured;
+        let difference = self.difference(simulated)?;
         Ok(DVector::from_iterator(self.bins(), difference.iter().zip(self.noises()).map(|(own, noise)| own / noise)))
     }
 
     /// ‖simulated − measured‖/‖measured‖ over the bins.
     pub(super) fn relative_error(&self, simulated: &Series) -> Result<f64, SignalError> {
-        let difference = DVector::from_vec(self.means(simulated)?) - &self.measured;
-        Ok(difference.norm() / self.measured.norm())
+        Ok(self.difference(simulated)?.norm() / self.measured.norm())
     }
 
     /// Independent residuals of unit variance of differences over the noise, for a model's error of `share`.
@@ -502,7 +541,7 @@ impl ErrorModel {
         let residual = |((value, noise), deviation): ((&f64, f64), &f64)| value * noise / deviation;
         let residuals: Vec<f64> = scaled.iter().zip(self.noises()).zip(&deviations).map(residual).collect();
         let mut residuals = DMatrix::from_column_slice(self.bins(), 1, &residuals);
-        self.take_contact_off(&mut residuals, &deviations);
+        self.take_common_off(&mut residuals, &deviations);
         residuals.as_slice().to_vec()
     }
 }

@@ -1,0 +1,173 @@
+//! What the elements of the tests are off by at the best point: each test is run on elements of half and of twice the size, the
+//! order of convergence follows, the limit corrects the simulated signals, and what the limit is uncertain by is an error of the
+//! whole signal (docs/methods.md, equation 331d).
+
+use base::number::significant;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::plan::Plan;
+use super::test::Test;
+use super::verdict::{information, inverse};
+use super::warning::Warning;
+use crate::script::{HostResult, Session, cause, check_stop};
+use lab::signal::Series;
+
+/// Factors of the size of elements: the check, and the run that shows the order.
+const FINER: f64 = 0.5;
+const COARSER: f64 = 2.0;
+/// Orders of convergence that are believed: contact is of the first, smooth film of the second.
+const ORDERS: [f64; 2] = [1.0, 2.0];
+
+/// Whether simulated signals are corrected for their elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Elements {
+    /// Recordings are of film, which has none.
+    Corrected,
+    /// Recordings are virtual ones on the same elements.
+    Exact,
+}
+
+/// What is known of the elements of all tests.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Known {
+    /// By how much the correction moves each unknown, in its coordinate.
+    pub(super) shifts: Vec<f64>,
+    /// Tests whose elements are coarse in contact.
+    pub(super) coarse: Vec<usize>,
+}
+
+/// The error of the means of a signal over its bins.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MeshError {
+    /// What is added to the simulated means.
+    pub(super) correction: DVector<f64>,
+    /// One standard deviation of what the correction is uncertain by, of all bins together.
+    pub(super) remainder: DVector<f64>,
+    /// The order of convergence.
+    order: f64,
+}
+
+impl MeshError {
+    /// The order of convergence.
+    pub(super) fn order(&self) -> f64 {
+        self.order
+    }
+
+    /// From means on elements as they are and of half the size, and of twice the size where there are any (Richardson).
+    fn new(own: &DVector<f64>, finer: &DVector<f64>, coarser: Option<&DVector<f64>>) -> MeshError {
+        let change = finer - own;
+        let before = coarser.map(|coarser| (own - coarser).dot(&change) / change.norm_squared());
+        let order = before.filter(|ratio| *ratio > 0.0).map_or(ORDERS[0], f64::log2);
+        let is_regular = order >= ORDERS[0];
+        let order = order.clamp(ORDERS[0], ORDERS[1]);
+        let beyond = (order.exp2() - 1.0).recip();
+        let correction = &change * (1.0 + beyond);
+        // Where elements are too coarse for an order, all of the correction is in doubt.
+        let remainder = if is_regular { change * beyond } else { correction.clone() };
+        MeshError { correction, remainder, order }
+    }
+}
+
+/// Takes the error of the elements at these values up into the signals of all tests; the findings of tests where that cannot be.
+pub(super) fn add(
+    plan: &mut Plan,
+    simulated: &[Vec<Series>],
+    values: &[f64],
+    session: &Session,
+) -> HostResult<Vec<Warning>> {
+    if plan.elements == Elements::Exact {
+        return Ok(Vec::new());
+    }
+    let trial = session.with_trial(session.cancellation());
+    let jobs: Vec<(usize, f64)> =
+        (0..plan.tests.len()).flat_map(|test| [FINER, COARSER].map(|factor| (test, factor))).collect();
+    let run = |(test, factor): &(usize, f64)| {
+        let own = &plan.tests[*test];
+        let is_compared = own.signals.iter().any(|signal| signal.distance.is_residuals());
+        if own.pull.is_some() || !is_compared {
+            return Ok(None);
+        }
+        let study = own.study.with(plan.changes_with_breaks(*test, values), session)?;
+        let Some(study) = study.with_elements(*factor, session) else {
+            return Ok(Some(Err("its mesh is a file".to_owned())));
+        };
+        Ok(Some(own.simulated(&study, &trial).map_err(|error| cause(&error))))
+    };
+    let runs = jobs.par_iter().map(run).collect::<HostResult<Vec<_>>>()?;
+    check_stop(session)?;
+    let mut warnings = Vec::new();
+    for ((test, simulated), runs) in plan.tests.iter_mut().zip(simulated).zip(runs.chunks_exact(2)) {
+        let finer = match &runs[0] {
+            None => continue,
+            Some(Ok(finer)) => finer,
+            Some(Err(cause)) => {
+                warnings.push(Warning::MeshNotChecked { test: test.name.clone(), cause: cause.clone() });
+                continue;
+            }
+        };
+        let coarser = runs[1].as_ref().and_then(|found| found.as_ref().ok());
+        for (place, (signal, simulated)) in test.signals.iter_mut().zip(simulated).enumerate() {
+            let means = |series: &Series| signal.errors.means(series).map(DVector::from_vec).ok();
+            // A signal that ends before its window, as of film that breaks, is compared with none.
+            let (Some(own), Some(finer)) = (means(simulated), means(&finer[place])) else { continue };
+            let coarser = coarser.and_then(|all| means(&all[place]));
+            signal.errors.set_mesh(MeshError::new(&own, &finer, coarser.as_ref()));
+        }
+    }
+    Ok(warnings)
+}
+
+/// By how much the corrections move the unknowns, in the linear model of residuals with this Jacobian.
+pub(super) fn shifts(plan: &Plan, jacobian: &DMatrix<f64>, share: f64) -> Vec<f64> {
+    let mut of_residuals = DVector::zeros(jacobian.nrows());
+    let mut from = 0;
+    for test in &plan.tests {
+        for signal in &test.signals {
+            if let Some(corrected) = signal.errors.whitened_correction(share).filter(|_| signal.distance.is_residuals())
+            {
+                let weight = (test.weight * test.of_signals).sqrt();
+                let rows = corrected.len().min(jacobian.nrows() - from);
+                of_residuals.rows_mut(from, rows).copy_from(&(DVector::from_vec(corrected) * weight).rows(0, rows));
+            }
+            from += signal.count();
+        }
+        from += test.outcomes.as_ref().map_or(0, super::outcome::Outcomes::residual_count);
+    }
+    let moved = inverse(&information(plan, jacobian)) * jacobian.transpose() * of_residuals;
+    moved.iter().map(|own| -own).collect()
+}
+
+/// The sizes that the elements of the tests of an unknown should have, where it may move by `half` and is moved by `shift`.
+pub(super) fn sizes(plan: &Plan, unknown: usize, shift: f64, half: f64) -> Vec<String> {
+    let size = |test: &Test| {
+        let order = test.signals.iter().filter_map(|signal| signal.errors.mesh_order()).fold(ORDERS[1], f64::min);
+        let factor = (half / shift.abs()).powf(order.recip()).clamp(0.1, FINER);
+        let own = test.study.smallest_element()?;
+        Some(format!("{} mm for {}", significant(1e3 * factor * own, 2), test.name))
+    };
+    plan.tests_of(&plan.unknowns[unknown]).into_iter().filter_map(|test| size(&plan.tests[test])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means that differ from their limit by c hᵖ: the limit is found, exactly where the order is one that is believed.
+    #[test]
+    fn the_limit_of_a_power_of_the_size_is_found() {
+        let limit = DVector::from_fn(20, |row, _| (0.3 * row as f64).sin());
+        let error = DVector::from_fn(20, |row, _| 0.1 * (0.1 * row as f64).cos());
+        for order in [1.0, 1.5, 2.0] {
+            let at = |size: f64| &limit + &error * size.powf(order);
+            let found = MeshError::new(&at(1.0), &at(0.5), Some(&at(2.0)));
+            assert!((at(1.0) + &found.correction - &limit).norm() < 1e-12, "{order}");
+            let left = &error * 0.5_f64.powf(order);
+            assert!((found.remainder.norm() - left.norm()).abs() < 1e-12 && (found.order - order).abs() < 1e-9);
+        }
+        // Slower than the first order, or not at all: as far as the first order goes, and all of that in doubt.
+        let slow = MeshError::new(&(&limit + &error), &(&limit + 0.8 * &error), Some(&(&limit + 1.1 * &error)));
+        assert_eq!((slow.remainder.clone(), slow.order), (slow.correction.clone(), 1.0));
+        assert!((slow.correction + 0.4 * error).norm() < 1e-12);
+    }
+}
