@@ -110,7 +110,7 @@ impl Fit {
         let Linear { jacobian, at_bounds } = linear(plan, &values, share, host, session, phases)?;
         let x = plan.coordinates(&values);
         let runs = of_runs(plan, &values, session)?;
-        plan.mesh = mesh::Known { shifts: mesh::shifts(plan, &jacobian, share), coarse: coarse(plan, &runs) };
+        plan.mesh = mesh::Known::new(plan, &jacobian, share, coarse(plan, &runs));
         let known = verdict::linear(plan, &x, &jacobian, &at_bounds);
         let objective = CalibrationObjective::new(plan, share, session);
         let trial = session.with_trial(session.cancellation());
@@ -477,7 +477,8 @@ pub(super) fn doubts<'a>(plan: &'a Plan, known: &'a [Knowledge], basis: &'a str)
                     known.mesh_shift
                 };
                 let sizes = mesh::sizes(plan, place, known.mesh_shift, half);
-                Some(Warning::MeshLimited { parameter, moved, half_width, sizes, basis })
+                let coarse = plan.mesh.coarse_of(plan, unknown).map(|test| plan.tests[test].name.clone()).collect();
+                Some(Warning::MeshLimited { parameter, moved, half_width, coarse, sizes, basis })
             }
             Verdict::Determined | Verdict::AtBound(_) => None,
         }

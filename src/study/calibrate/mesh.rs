@@ -6,6 +6,7 @@ use base::number::significant;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::parameter::Unknown;
 use super::plan::Plan;
 use super::test::Test;
 use super::verdict::{information, inverse};
@@ -34,7 +35,23 @@ pub(super) struct Known {
     /// By how much the correction moves each unknown, in its coordinate.
     pub(super) shifts: Vec<f64>,
     /// Tests whose elements are coarse in contact.
-    pub(super) coarse: Vec<usize>,
+    coarse: Vec<usize>,
+}
+
+impl Known {
+    /// At the end of a search with this Jacobian; of virtual recordings on the same elements nothing limits anything.
+    pub(super) fn new(plan: &Plan, jacobian: &DMatrix<f64>, share: f64, coarse: Vec<usize>) -> Known {
+        match plan.elements {
+            Elements::Exact => Known::default(),
+            Elements::Corrected => Known { shifts: shifts(plan, jacobian, share), coarse },
+        }
+    }
+
+    /// The tests of an unknown whose elements are coarse in contact.
+    pub(super) fn coarse_of(&self, plan: &Plan, unknown: &Unknown) -> impl Iterator<Item = usize> {
+        let tests = plan.tests_of(unknown);
+        self.coarse.iter().copied().filter(move |test| tests.contains(test))
+    }
 }
 
 /// The error of the means of a signal over its bins.
@@ -119,7 +136,7 @@ pub(super) fn add(
 }
 
 /// By how much the corrections move the unknowns, in the linear model of residuals with this Jacobian.
-pub(super) fn shifts(plan: &Plan, jacobian: &DMatrix<f64>, share: f64) -> Vec<f64> {
+fn shifts(plan: &Plan, jacobian: &DMatrix<f64>, share: f64) -> Vec<f64> {
     let mut of_residuals = DVector::zeros(jacobian.nrows());
     let mut from = 0;
     for test in &plan.tests {

@@ -142,7 +142,7 @@ pub(super) fn judged(
         strong.map(|other| plan.unknowns[other].name.clone()).collect::<Vec<_>>()
     };
     let mesh_shift = plan.mesh.shifts.get(index).copied().unwrap_or(0.0);
-    let is_coarse = plan.mesh.coarse.iter().any(|test| plan.tests_of(unknown).contains(test));
+    let is_coarse = plan.mesh.coarse_of(plan, unknown).next().is_some();
     let bound = at_bounds.iter().find(|(own, _)| *own == index);
     let verdict = match bound {
         Some((_, side)) => Verdict::AtBound(*side),

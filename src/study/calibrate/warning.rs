@@ -35,6 +35,7 @@ findings! {
             parameter: String, "the parameter" => "parameter";
             moved: f64, "what the correction for the elements moves it by: of its value, of a parameter that is no factor in its unit" => "moved";
             half_width: f64, "half width of its interval of 95 %, relative to its value" => "half_width";
+            coarse: Vec<String>, "its tests whose elements are coarse in contact" => "coarse";
             sizes: Vec<String>, "sizes that the elements of its tests should have" => "sizes";
             basis: String, "what that rests on" => "basis";
         } = "mesh-limited", Warning;
@@ -43,7 +44,7 @@ findings! {
             remedy "refine `specimen.mesh.size` as the finding says, and start from the values found; `mesh: \"exact\"` is for virtual \
                 recordings on the same elements";
             message "{parameter} is limited by the mesh: correcting for the elements moves it by {}, its 95 % half width is {} of its value \
-                ({basis}); take elements of {}", signed(*moved), percent(*half_width), sizes.join(", ");
+                ({basis}){}; take elements of {}", signed(*moved), percent(*half_width), coarse_in_contact(coarse), sizes.join(", ");
         MeshNotChecked {
             test: String, "the test" => "test";
             cause: String, "why" => "cause";
@@ -235,6 +236,15 @@ impl Warning {
             ) => one == two,
             _ => false,
         }
+    }
+}
+
+/// The tests that are coarse in contact, as a part of a sentence.
+fn coarse_in_contact(tests: &[String]) -> String {
+    if tests.is_empty() {
+        String::new()
+    } else {
+        format!(", and elements are coarse in contact in {}", tests.join(", "))
     }
 }
 
