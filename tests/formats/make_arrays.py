@@ -67,6 +67,8 @@ def hdf5(folder):
         group.create_dataset(
             "sides", data=numpy.column_stack([FORCES, -FORCES]).astype("f4"), shuffle=True, compression=9
         )
+        packed = group.create_dataset("packed", data=numpy.arange(12, dtype="i2"))
+        packed.attrs["scale_factor"], packed.attrs["add_offset"] = 0.01, 5.0
         group.create_dataset("is_on", data=FORCES > 5)
         group.create_dataset("remarks", data=["a", "b"])
         file.create_dataset("rate", data=1000.0)

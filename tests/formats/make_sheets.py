@@ -30,6 +30,14 @@ def make(folder):
     return sorted(folder.glob("*.xlsx"))
 
 
+def curve(folder):
+    """A workbook with a curve of stress over strain."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = [["Dehnung", "Spannung"], ["%", "MPa"], [1, 2.5], [10, 8], [300, 24]]
+    save(folder, "curve.xlsx", {"MD": rows})
+
+
 def of_machines(folder):
     """A workbook with a specimen a sheet, as testXpert exports it, and what is in it."""
     own = make_machines.three(["Probe 1", "Probe 2", "Probe 3"])

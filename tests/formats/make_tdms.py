@@ -159,6 +159,12 @@ def shapes():
     yield "cut-file", whole[:-13]
     yield "cut-within-list", whole + segment(first, long, b"")[:40]
     yield "cut-within-lead-in", whole + b"TDSm\x0e"
+    steps = [
+        (a, index("f8", 4), waveform() | {"wf_xname": "Time", "wf_xunit_string": "ms"}),
+        (b, index("f8", 4), waveform() | {"wf_xname": "Frequency", "wf_xunit_string": "Hz"}),
+        ("/'G'/'c'", index("f8", 4), waveform() | {"wf_xunit_string": "s"}),
+    ]
+    yield "steps-with-units", segment(first, steps, pack("f8", range(12)))
     yield "rest-of-chunk", segment(first, long, pack("f8", range(12)))
 
 

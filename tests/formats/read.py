@@ -25,7 +25,10 @@ def of_tdms(path):
                 continue
             if "wf_increment" in channel.properties:
                 start = channel.properties.get("wf_start_offset", 0.0)
-                time = start + channel.properties["wf_increment"] * numpy.arange(len(values))
+                second = {"": 1.0, "s": 1.0, "ms": 1e-3}.get(channel.properties.get("wf_xunit_string", ""))
+                if second is None:
+                    continue
+                time = second * (start + channel.properties["wf_increment"] * numpy.arange(len(values)))
             else:
                 time = numpy.asarray(times[0][:]) if times and channel.name != "Time" else None
             unit = factor(channel.name, channel.properties.get("unit_string"))
@@ -114,7 +117,8 @@ def of_hdf5(path):
                 if is_real(item[field]):
                     arrays[f"{name}/{field}"] = shaped(item[field])
         elif item.dtype.kind in "biuf" and item.size > 1 and kind != b"char":
-            arrays[name] = shaped(item[()].T if kind else item[()])
+            scale, offset = item.attrs.get("scale_factor", 1.0), item.attrs.get("add_offset", 0.0)
+            arrays[name] = scale * shaped(item[()].T if kind else item[()]) + offset
 
     with h5py.File(path) as file:
         file.visititems(visit)

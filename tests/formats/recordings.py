@@ -60,6 +60,7 @@ def compare(droptower, path, expected):
 
 def keep(folder):
     make_machines.make(folder / "machines")
+    make_sheets.curve(folder / "curves")
     for kind, (make, reader) in FORMATS.items():
         expected = {}
         for path in make(folder / kind):

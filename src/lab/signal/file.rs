@@ -114,6 +114,11 @@ pub fn columns(path: &Path, options: &ReadOptions) -> Result<csv::Table, ReadErr
     }
 }
 
+/// Whether the file at `path` is of a format that lists its channels (TDMS, workbook, MATLAB, HDF5, T01), and no text.
+pub fn lists_channels(path: &Path) -> bool {
+    !matches!(catalogue(path), Ok(None))
+}
+
 /// The specimens of the file at `path`, of a tensile machine; none where it holds no force over displacement.
 pub fn specimens(path: &Path) -> Result<Option<Export>, ReadError> {
     if isomme::is_part(path) {

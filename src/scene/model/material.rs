@@ -306,11 +306,20 @@ fn curve(
     };
     match error {
         CurveError::StrainNotIncreasing { index, strain, previous } => {
-            let hint = format!("{strain} follows {previous}");
+            let hint = match index {
+                0 => format!(
+                    "{strain} follows the point (0, 0), which is added before the first: leave out what is not above it"
+                ),
+                _ => format!("{strain} follows {previous}"),
+            };
             mistakes.report_with(&place(index), "the curve is not increasing in strain", hint);
             if let Some(before) = index.checked_sub(1) {
                 mistakes.label(&place(before), "the point before it");
             }
+        }
+        CurveError::StressFalls { index: 0, .. } => {
+            let hint = "the point (0, 0) is added before the first: film that is stretched without stress has no curve";
+            mistakes.report_with(&place(0), "the stress of the curve falls", hint);
         }
         CurveError::StressFalls { index, .. } => {
             mistakes.report(&place(index), "the stress of the curve falls");

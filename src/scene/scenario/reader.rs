@@ -11,6 +11,7 @@ use super::tree::{self, Node, Table, Value};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::file::{self, FileError};
 use base::units::percentage;
+use lab::signal;
 
 /// Most bytes of a scenario with the files that it names. They are written by hand; larger files are not scenarios.
 const MOST_BYTES: u64 = 32 << 20;
@@ -140,8 +141,22 @@ impl Reader {
     }
 
     fn curve(&mut self, path: &Path, named: &Span) -> Option<Node> {
-        let source = self.text(path, Some(named))?;
-        match curve_file::read(&source) {
+        let found = match signal::file::lists_channels(path) {
+            true => {
+                // What it holds is read where its columns are; it counts by its size.
+                self.bytes += fs::metadata(path).map_or(0, |file| file.len());
+                self.files.push(path.to_owned());
+                let source = Source::file(path, String::new());
+                match self.bytes > MOST_BYTES {
+                    true => {
+                        Err(vec![Diagnostic::new(format!("a scenario and its files may have {} MB", MOST_BYTES >> 20))])
+                    }
+                    false => curve_file::read_as_recording(path, &source).map_err(|mistake| vec![mistake]),
+                }
+            }
+            false => curve_file::read(path, &self.text(path, Some(named))?),
+        };
+        match found {
             Ok(node) => Some(node),
             Err(mistakes) => {
                 self.mistakes.extend(mistakes);

@@ -33,6 +33,8 @@ struct Source {
     start: usize,
     row: usize,
     column: usize,
+    /// What values are multiplied by, and what is added then (CF conventions, packed data).
+    scale: [f64; 2],
 }
 
 /// Most groups and data sets, and groups within groups.
@@ -97,6 +99,9 @@ impl Hdf5 {
         let shape = dataset.shape().map_err(Fault::of(path))?;
         let datatype = dataset.datatype().map_err(Fault::of(path))?;
         let width = datatype.type_size() as usize;
+        let packed =
+            |name: &str| attributes.get(name).and_then(|value| value.to_f64s()).and_then(|all| all.first().copied());
+        let scale = [packed("scale_factor").unwrap_or(1.0), packed("add_offset").unwrap_or(0.0)];
         let refused = match class {
             Some("char") => Some("it holds texts".to_owned()),
             Some("table" | "timetable" | "timeseries" | "string") => {
@@ -116,6 +121,7 @@ impl Hdf5 {
             start,
             row,
             column,
+            scale,
         };
         if let (Datatype::Compound { members, .. }, None) = (&datatype, &refused)
             && !is_complex(members.iter().map(|member| member.name.as_str()))
@@ -156,7 +162,8 @@ impl Hdf5 {
         };
         if let Ok([1, 1]) = found {
             let value = dataset.read_raw().map_err(Fault::of(path))?;
-            self.comments.extend(number(&datatype, &value).map(|value| format!("{path}: {value}")));
+            self.comments
+                .extend(number(&datatype, &value).map(|value| format!("{path}: {}", value * scale[0] + scale[1])));
             return Ok(());
         }
         let rows = found.as_ref().map_or(0, |[rows, _]| *rows);
@@ -197,9 +204,10 @@ impl Catalogue for Hdf5 {
         let source = &self.sources[array];
         let dataset = self.file.dataset(&source.path).map_err(Fault::of(&source.path))?;
         let bytes = dataset.read_raw().map_err(Fault::of(&source.path))?;
+        let [factor, offset] = source.scale;
         let value = |row: usize| {
             let at = source.start + row * source.row + column * source.column;
-            number(&source.datatype, bytes.get(at..)?)
+            number(&source.datatype, bytes.get(at..)?).map(|value| value * factor + offset)
         };
         let values: Option<Vec<f64>> = (0..source.rows).map(value).collect();
         let ends = || Fault::Ends { object: source.path.clone(), found: bytes.len() };

@@ -15,7 +15,7 @@ use super::{Fault, INDEX_TAG};
 use crate::signal::stored::{self, Axis, Catalogue, Entry};
 use crate::signal::{Annotations, Warning};
 use base::file;
-use base::units::Unit;
+use base::units::{Time, Unit};
 
 /// A TDMS file whose channels are listed.
 pub struct Tdms {
@@ -33,6 +33,8 @@ const UNITS: [&str; 2] = ["unit_string", "NI_UnitDescription"];
 const START: &str = "wf_start_offset";
 const INCREMENT: &str = "wf_increment";
 const START_TIME: &str = "wf_start_time";
+/// Unit of the steps of a waveform; seconds where there is none.
+const STEP_UNIT: &str = "wf_xunit_string";
 
 /// Longest text of a property that becomes a comment, characters.
 const LONGEST_COMMENT: usize = 200;
@@ -74,9 +76,13 @@ impl Tdms {
             if found[place].is_time && entry.column.unit.is_none() {
                 entry.column.unit = Unit::parse("s").ok();
             }
+            let mut not_over_time = None;
             if let Some(step) = number(&object.properties, INCREMENT) {
                 let start = number(&object.properties, START).unwrap_or(0.0);
-                entry.axis = Axis::Steps { start, step };
+                match seconds(text(&object.properties, STEP_UNIT)) {
+                    Ok(factor) => entry.axis = Axis::Steps { start: start * factor, step: step * factor },
+                    Err(why) => not_over_time = Some(why),
+                }
             }
             if let (Some(Value::Time(start)), Axis::Steps { .. }) = (object.properties.get(START_TIME), &entry.axis) {
                 let (first, earliest) = first_start.get_or_insert_with(|| (entry.label().to_owned(), *start));
@@ -89,6 +95,7 @@ impl Tdms {
             }
             let scales = self.scales(object);
             entry.unread = match (found[place].not_real, &scales) {
+                _ if not_over_time.is_some() => not_over_time,
                 (Some(what), _) => Some(format!("it holds {what}")),
                 (None, Err(why)) => Some(why.clone()),
                 (None, Ok(scales)) => self.unscaled(place, scales.as_ref()),
@@ -189,6 +196,13 @@ fn not_one(index: &Index) -> Option<&'static str> {
 }
 
 /// The scaler with this number, or the first.
+/// Seconds in the unit of the steps of a waveform.
+fn seconds(unit: Option<&str>) -> Result<f64, String> {
+    let Some(symbol) = unit.map(str::trim).filter(|unit| !unit.is_empty()) else { return Ok(1.0) };
+    let known = Unit::parse(symbol).ok().filter(|unit| unit.measures(Time::DIMENSION));
+    known.map(|unit| unit.to_si(1.0)).ok_or_else(|| format!("its steps are in `{symbol}`, which is no time"))
+}
+
 fn scaler(index: &Index, id: Option<u32>) -> Option<&Scaler> {
     let scalers = &index.daqmx.as_ref()?.scalers;
     id.and_then(|id| scalers.iter().find(|scaler| scaler.id == id)).or(scalers.first())

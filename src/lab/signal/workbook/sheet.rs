@@ -70,7 +70,8 @@ fn text(value: &DataRef) -> String {
         DataRef::String(text) => clean(text),
         DataRef::SharedString(text) => clean(text),
         DataRef::Bool(value) => value.to_string(),
-        // A date is no number of a recording; what it counts from is not known here.
+        // A date is no number of a recording; what it counts from, and the unit of a column of durations, are not known here.
+        DataRef::DateTime(time) if time.is_duration() => format!("a duration of {} s", 86400.0 * time.as_f64()),
         DataRef::DateTime(time) => format!("date {}", time.as_f64()),
         DataRef::DateTimeIso(time) | DataRef::DurationIso(time) => clean(time),
         DataRef::Error(error) => error.to_string(),
