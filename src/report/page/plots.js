@@ -136,7 +136,13 @@
       if (this.axes.y.log) return roundEnds(low < high ? [low / 1.05, high * 1.05] : [low / 3, high * 3]);
       const margin = 0.06 * (high - low) || 0.5 * Math.abs(high) || 1;
       // The name of what is marked stands above the bars, and the names of events above the curves.
-      const room = this.filled && this.marked ? 3 * margin : this.events.length > 0 ? 4 * margin : margin;
+      let room = this.filled && this.marked ? 3 * margin : margin;
+      if (this.events.length > 0) {
+        // As many rows as the names needed when they were drawn last, above the highest point.
+        const length = this.plot ? this.plot.bbox.height / uPlot.pxRatio : 220;
+        const share = Math.min((8 + 14 * (this.rows ?? 1)) / Math.max(length, 1), 0.5);
+        room = Math.max(room, ((high - low + margin) * share) / (1 - share));
+      }
       return [this.filled ? 0 : low - margin, high + room];
     }
 
@@ -383,6 +389,10 @@
         rows[row] = left + width;
         return { words, place, width, left, top: bbox.top + (3 + 14 * row) * ratio };
       });
+      if (rows.length !== this.rows) {
+        this.rows = rows.length;
+        queueMicrotask(() => plot.setScale("x", { min: low, max: high }));
+      }
       ctx.strokeStyle = color;
       ctx.lineWidth = ratio;
       ctx.setLineDash([3 * ratio, 3 * ratio]);

@@ -397,7 +397,7 @@ impl Signal {
     }
 
     /// A simulated signal as it is seen by one who takes the contact to be so much later than it was, with the same speed then
-    /// (docs/theory.md, equation 331c).
+    /// (docs/methods.md, equation 331c).
     fn later(&self, simulated: &Series, by: f64) -> Series {
         let time = simulated.time();
         let (Some(first), Some(last)) = (simulated.samples().next(), simulated.samples().last()) else {

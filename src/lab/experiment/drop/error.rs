@@ -75,6 +75,18 @@ pub enum DropError {
         /// As it was given.
         stated: f64,
     },
+    /// Something other than film stopped the fall.
+    #[error(
+        "acceleration: the reading leaves the fall at {time:.4} s, {} ms before the contact at {contact:.4} s that the rest of it shows: the \
+         impactor touched something there, or height, mass or column are others",
+        significant(1e3 * (contact - time), 3)
+    )]
+    NoFall {
+        /// When it leaves the fall, s.
+        time: f64,
+        /// Time of the contact that was found, s.
+        contact: f64,
+    },
     /// The recording has no samples after first contact.
     #[error("acceleration: the recording ends with first contact at {contact:.4} s")]
     EndsAtContact {

@@ -164,6 +164,19 @@ impl Model<'_> {
         self.residuals(u).iter().map(|r| r * r).sum::<f64>() - beforehand[FRICTION_ROW].powi(2)
     }
 
+    /// First time at which a mean of the reading over `length` (s), between release and contact, is off the fall by more than `most`
+    /// (m/s²).
+    pub(super) fn leaves_fall(&self, u: &Unknowns, length: f64, most: f64) -> Option<f64> {
+        let [from, to] = [u[of::RELEASE] + u[of::DURATION], self.contact(u)[0]];
+        let falling = self.samples.iter().zip(self.residuals(u)).filter(|(own, _)| (from..to).contains(&own.time));
+        let off: Vec<[f64; 2]> = falling.map(|(own, row)| [own.time, own.deviation * straight(row)]).collect();
+        off.chunk_by(|a, b| ((a[0] - from) / length).floor() == ((b[0] - from) / length).floor()).find_map(|bin| {
+            let mean = bin.iter().map(|[_, off]| off).sum::<f64>() / bin.len() as f64;
+            let is_whole = bin[0][0] + length < to;
+            (is_whole && mean.abs() > most).then_some(bin[0][0])
+        })
+    }
+
     /// Root mean square distance of motion and laser, m.
     pub(super) fn laser_residual(&self, u: &Unknowns) -> f64 {
         let rows = self.residuals(u);
@@ -279,6 +292,11 @@ fn runge_kutta([t, d, v]: [f64; 3], until: f64, acceleration: impl Fn(f64) -> f6
     let (v3, a3) = (v + 0.5 * h * a2, acceleration(d + 0.5 * h * v2));
     let (v4, a4) = (v + h * a3, acceleration(d + h * v3));
     [until, d + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a + 2.0 * a2 + 2.0 * a3 + a4)]
+}
+
+/// The residual that [`robust`] has made another of.
+fn straight(r: f64) -> f64 {
+    if r.abs() > OUTLIER { 0.5 * (r * r / OUTLIER + OUTLIER) * r.signum() } else { r }
 }
 
 /// A residual whose square is Huber's loss.

@@ -29,6 +29,9 @@ const CLASSES: [f64; 4] = [1000.0, 600.0, 180.0, 60.0];
 /// without it.
 const PULLS: f64 = 3.0;
 const MISFIT: f64 = 2.0;
+/// Length of the means of the fall, s, and by how much one may be off the model, m/s²: a tenth of gravity. Guides rub by less.
+const FALL_BIN: f64 = 0.01;
+const OFF_FALL: f64 = 1.0;
 /// Sum of squares, over the colour, and share of the value by which what is known contradicts the recording.
 const CONTRADICTS: f64 = 25.0;
 const DIFFERS: f64 = 0.01;
@@ -54,6 +57,9 @@ pub fn reduce(
     let known = Known::new(tower, reduction, step);
     let Explained { known, recorded, fit, disagreement } = explain(recorded, known, tower)?;
     let model = recorded.model(&known, tower.body.gravity);
+    if let Some(time) = model.leaves_fall(&fit.best, FALL_BIN, OFF_FALL) {
+        return Err(DropError::NoFall { time, contact: model.contact(&fit.best)[0] });
+    }
     finish(&recorded, &model, &fit, tower, reduction, class, [of_rate, disagreement])
 }
 
