@@ -11,6 +11,7 @@ pub mod deck;
 mod febio;
 mod film;
 mod kratos;
+mod layout;
 mod loss;
 mod ls_dyna;
 mod number;

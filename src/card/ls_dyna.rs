@@ -7,6 +7,11 @@ use super::film::{
     FabricCurves, Film, Refusal, Request, along_md, flow_curves, lost_hill, odd, ogden_terms, paths, rising,
     shear_modulus,
 };
+use super::layout::{
+    Field,
+    Field::{Blank, Real, Whole},
+    Format, Layout, line, written,
+};
 use super::loss::Loss;
 use super::number::in_columns;
 use super::sampled::Sampled;
@@ -18,50 +23,61 @@ const NAME: &str = "LS-DYNA";
 /// Terms of Ogden's law.
 const TERMS: usize = 8;
 
-/// A field of a card.
-#[derive(Clone, Copy)]
-pub(crate) enum Field {
-    /// Left to its default.
-    Blank,
-    Whole(i64),
-    Real(f64),
-}
-
-use Field::{Blank, Real, Whole};
+/// Materials that are written and read; their Prony terms are lines of their own.
+pub(crate) const ELASTIC: Layout = &["mid RO E PR DA DB K"];
+pub(crate) const FABRIC: Layout = &[
+    "mid RO ea eb - PRBA PRAB -",
+    "gab - - cse EL PRL LRATIO DAMP",
+    "aopt FLC FAC ELA LNRC FORM FVOPT TSRFAC",
+    "- RGBRTH A0REF a1 a2 a3 x0 x1",
+    "v1 v2 v3 - - - BETA ISREFG",
+    "LCA LCB LCAB LCUA LCUB LCUAB RL -",
+];
+/// Of FORM -14.
+pub(crate) const HYSTERETIC: &str = "LCAA LCBB H DT - ECOAT SCOAT TCOAT";
+pub(crate) const POLYNOMIAL: Layout = &["mid RO PR N nv G SIGF REF", "C10 C01 C11 C20 C02 C30 THERML"];
+pub(crate) const OGDEN: Layout = &[
+    "mid RO PR N nv G SIGF REF",
+    "MU1 MU2 MU3 MU4 MU5 MU6 MU7 MU8",
+    "ALPHA1 ALPHA2 ALPHA3 ALPHA4 ALPHA5 ALPHA6 ALPHA7 ALPHA8",
+];
+pub(crate) const PRONY: &str = "GI BETAI VFLAG";
+pub(crate) const PLASTIC: Layout = &[
+    "mid RO E PR SIGY ETAN FAIL TDEL",
+    "C P LCSS LCSR vp",
+    "EPS1 EPS2 EPS3 EPS4 EPS5 EPS6 EPS7 EPS8",
+    "ES1 ES2 ES3 ES4 ES5 ES6 ES7 ES8",
+];
+/// Curves and tables, below which their points are.
+pub(crate) const CURVE: &str = "LCID sidr SFA SFO OFFA OFFO dattyp lcint";
+pub(crate) const TABLE: &str = "TBID SFA OFFA";
 
 /// A keyword and its cards.
 pub(crate) struct Keyword<'a> {
     pub(crate) name: &'a str,
     /// In a line of its own.
     pub(crate) title: Option<&'a str>,
-    /// Names of the fields of each card, for a comment, and the fields.
+    /// Names of the fields of each card, and their values.
     pub(crate) cards: Vec<(&'static str, Vec<Field>)>,
 }
 
-impl Keyword<'_> {
+impl<'a> Keyword<'a> {
+    /// A keyword with these values in the lines of its layout.
+    pub(crate) fn of(name: &'a str, title: Option<&'a str>, layout: Layout, values: Vec<Vec<Field>>) -> Keyword<'a> {
+        let rest = std::iter::repeat_with(Vec::new);
+        Keyword { name, title, cards: layout.iter().copied().zip(values.into_iter().chain(rest)).collect() }
+    }
+
     pub(crate) fn text(&self) -> String {
         let fields = || self.cards.iter().flat_map(|(_, fields)| fields);
         let is_short = |field: &Field| !matches!(field, Real(value) if in_columns(*value, 10).is_none());
         let (width, plus) = if fields().all(is_short) { (10, "") } else { (20, "+") };
-        let mut text = match self.title {
+        let head = match self.title {
             Some(title) => format!("*{}_TITLE{plus}\n{title}\n", self.name),
             None => format!("*{}{plus}\n", self.name),
         };
-        for (names, fields) in &self.cards {
-            let names: String = names.split(' ').map(|name| format!("{name:>width$}")).collect();
-            let fields: String = fields.iter().map(|field| format!("{:>width$}", shown(*field, width))).collect();
-            // The `$` of a comment stands in the first column of the first name.
-            text += &format!("${}\n{}\n", &names[1..], fields.trim_end());
-        }
-        text
-    }
-}
-
-fn shown(field: Field, width: usize) -> String {
-    match field {
-        Blank => String::new(),
-        Whole(number) => number.to_string(),
-        Real(value) => in_columns(value, width).unwrap_or_default(),
+        let lines = self.cards.iter().map(|(names, fields)| line(names, Format::Equal(width), fields));
+        head + &lines.collect::<String>()
     }
 }
 
@@ -85,11 +101,8 @@ pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) 
 
 fn isotropic(film: &Film<'_>, elastic: &Elastic, request: &Request) -> String {
     let of = Units(request.system);
-    let cards = vec![(
-        "mid ro e pr da db k",
-        vec![of.id(request), of.density(film), of.stress(elastic.young), Real(elastic.poisson)],
-    )];
-    Keyword { name: "MAT_ELASTIC", title: Some(film.name), cards }.text()
+    let values = vec![of.id(request), of.density(film), of.stress(elastic.young), Real(elastic.poisson)];
+    Keyword::of("MAT_ELASTIC", Some(film.name), ELASTIC, vec![values]).text()
 }
 
 /// Fields of values in a system of units.
@@ -163,21 +176,17 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     losses.extend(film.lost_beside_the_law());
     let [along, across, shear] = curves.slopes.map(|slope| of.stress(slope));
     let md = request.md().map(Real);
-    let mut cards = vec![
-        (
-            "mid ro ea eb - prba prab -",
-            vec![of.id(request), of.density(film), along, across, Blank, Real(0.0), Real(0.0)],
-        ),
-        ("gab - - cse el prl lratio damp", vec![shear, Blank, Blank, Real(1.0)]),
-        ("aopt flc fac ela lnrc form fvopt tsrfac", vec![Real(2.0), Blank, Blank, Blank, Blank, Whole(form)]),
-        ("- rgbrth a0ref a1 a2 a3 x0 x1", vec![Blank, Blank, Blank, md[0], md[1], Real(0.0)]),
-        ("v1 v2 v3 - - - beta isrefg", vec![]),
-        ("lca lcb lcab lcua lcub lcuab rl -", below),
+    let values = vec![
+        vec![of.id(request), of.density(film), along, across, Real(0.0), Real(0.0)],
+        vec![shear, Real(1.0)],
+        vec![Real(2.0), Blank, Blank, Blank, Blank, Whole(form)],
+        vec![Blank, Blank, md[0], md[1], Real(0.0)],
+        vec![],
+        below,
     ];
-    if form == -14 {
-        cards.push(("lcaa lcbb h dt - ecoat scoat tcoat", vec![Blank, Blank, Real(hysteresis)]));
-    }
-    Ok(Keyword { name: "MAT_FABRIC", title: Some(film.name), cards }.text() + &text)
+    let mut keyword = Keyword::of("MAT_FABRIC", Some(film.name), FABRIC, values);
+    keyword.cards.extend((form == -14).then(|| (HYSTERETIC, vec![Blank, Blank, Real(hysteresis)])));
+    Ok(keyword.text() + &text)
 }
 
 /// Numbers of curves, one after the other from a hundred times that of the material on.
@@ -206,10 +215,9 @@ pub(crate) fn define_curve(number: i64, title: &str, points: &[[f64; 2]], units:
     /// Points of the curve that the solver reads off it: its own 100 would cut the corners.
     const READ: i64 = 2000;
     let fields = vec![Whole(number), Blank, Real(1.0), Real(1.0), Real(0.0), Real(0.0), Blank, Whole(READ)];
-    let cards = vec![("lcid sidr sfa sfo offa offo dattyp lcint", fields)];
-    let mut text = format!("$ {title}\n{}", Keyword { name: "DEFINE_CURVE", title: None, cards }.text());
+    let mut text = format!("$ {title}\n{}", Keyword::of("DEFINE_CURVE", None, &[CURVE], vec![fields]).text());
     for [x, y] in points {
-        let [x, y] = [x / units[0], y / units[1]].map(|value| shown(Real(value), 20));
+        let [x, y] = [x / units[0], y / units[1]].map(|value| written(Real(value), 20));
         text += &format!("{x:>20}{y:>20}\n");
     }
     text
@@ -231,12 +239,11 @@ fn stresses(
     let table = numbers.next();
     let mut rates = String::new();
     for (rate, _) in curves {
-        let rate = shown(Units(request.system).rate(rate.unwrap_or_default()), 20);
+        let rate = written(Units(request.system).rate(rate.unwrap_or_default()), 20);
         rates += &format!("{rate:>20}\n");
     }
-    let cards = vec![("tbid sfa offa", vec![Whole(table), Real(1.0), Real(0.0)])];
-    *text +=
-        &format!("$ {title}, by strain rate\n{}{rates}", Keyword { name: "DEFINE_TABLE", title: None, cards }.text());
+    let keyword = Keyword::of("DEFINE_TABLE", None, &[TABLE], vec![vec![Whole(table), Real(1.0), Real(0.0)]]);
+    *text += &format!("$ {title}, by strain rate\n{}{rates}", keyword.text());
     for (rate, sampled) in curves {
         let title = format!("{title} at {} 1/s", rate.unwrap_or_default());
         curve(numbers, text, &title, &sampled.points, [1.0, stress]);
@@ -264,16 +271,13 @@ fn rubber(
     losses.extend(film.lost_to_rupture_and_heat());
     // Prony moduli are added to the law, which is that of film that has relaxed.
     let relaxed = film.material.viscosity.as_ref().map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
-    let head = |name: &'static str| {
-        (name, vec![of.id(request), of.density(film), Real(poisson), Whole(0), Blank, Blank, Blank, Blank])
-    };
+    let head = vec![of.id(request), of.density(film), Real(poisson), Whole(0)];
     let mut keyword = match (law, ogden_terms(law)) {
         (HyperelasticLaw::Polynomial(rubber), _) => {
             let Polynomial { first: [c10, c20, c30], second } = rubber.energy;
             let [c10, c20, c30, c01] = [c10, c20, c30, second].map(|c| of.stress(relaxed * c));
             let coefficients = vec![c10, c01, Real(0.0), c20, Real(0.0), c30];
-            let cards = vec![head("mid ro pr n nv g sigf ref"), ("c10 c01 c11 c20 c02 c30 therml", coefficients)];
-            Keyword { name: "MAT_HYPERELASTIC_RUBBER", title: Some(film.name), cards }
+            Keyword::of("MAT_HYPERELASTIC_RUBBER", Some(film.name), POLYNOMIAL, vec![head, coefficients])
         }
         (_, Some(terms)) => {
             if terms.len() > TERMS {
@@ -281,12 +285,7 @@ fn rubber(
             }
             let mu = terms.iter().map(|term| of.stress(relaxed * term.mu)).collect();
             let alpha = terms.iter().map(|term| Real(term.alpha)).collect();
-            let cards = vec![
-                head("mid ro pr n nv g sigf ref"),
-                ("mu1 mu2 mu3 mu4 mu5 mu6 mu7 mu8", mu),
-                ("alpha1 alpha2 alpha3 alpha4 alpha5 alpha6 alpha7 alpha8", alpha),
-            ];
-            Keyword { name: "MAT_OGDEN_RUBBER", title: Some(film.name), cards }
+            Keyword::of("MAT_OGDEN_RUBBER", Some(film.name), OGDEN, vec![head, mu, alpha])
         }
         (_, None) => return Err(Refusal::NoLaw { target: NAME, law: "this energy" }),
     };
@@ -302,7 +301,7 @@ fn rubber(
 fn prony(viscosity: &Viscosity, shear: f64, of: Units) -> impl Iterator<Item = (&'static str, Vec<Field>)> {
     let instant = viscosity.instant() * shear;
     let terms = viscosity.terms().iter();
-    terms.map(move |term| ("gi betai vflag", vec![of.stress(instant * term.share), of.rate(1.0 / term.time)]))
+    terms.map(move |term| (PRONY, vec![of.stress(instant * term.share), of.rate(1.0 / term.time)]))
 }
 
 fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
@@ -318,14 +317,9 @@ fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<L
     let vp = if flow.len() > 1 { Real(1.0) } else { Blank };
     let Elastic { young, poisson } = law.elastic();
     let yields = flow[0].1.points[0][1];
-    let cards = vec![
-        (
-            "mid ro e pr sigy etan fail tdel",
-            vec![of.id(request), of.density(film), of.stress(*young), Real(*poisson), of.stress(yields)],
-        ),
-        ("c p lcss lcsr vp", vec![Blank, Blank, lcss, Blank, vp]),
-        ("eps1 eps2 eps3 eps4 eps5 eps6 eps7 eps8", vec![]),
-        ("es1 es2 es3 es4 es5 es6 es7 es8", vec![]),
+    let values = vec![
+        vec![of.id(request), of.density(film), of.stress(*young), Real(*poisson), of.stress(yields)],
+        vec![Blank, Blank, lcss, Blank, vp],
     ];
-    Ok(Keyword { name: "MAT_PIECEWISE_LINEAR_PLASTICITY", title: Some(film.name), cards }.text() + &text)
+    Ok(Keyword::of("MAT_PIECEWISE_LINEAR_PLASTICITY", Some(film.name), PLASTIC, values).text() + &text)
 }

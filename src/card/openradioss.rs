@@ -8,8 +8,12 @@
 use super::film::{
     FabricCurves, Film, Refusal, Request, along_md, flow_curves, lost_hill, odd, ogden_terms, paths, shear_modulus,
 };
+use super::layout::{
+    Field,
+    Field::{Real, Whole},
+    Format, Layout, line,
+};
 use super::loss::Loss;
-use super::number::in_columns;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic};
 
 const NAME: &str = "OpenRadioss";
@@ -20,39 +24,48 @@ const CRIMP: f64 = 1e-4;
 /// Share of their stiffness that bent fibres of LAW58 have; its default.
 const FLEX: f64 = 1e-3;
 
-/// Terms of Ogden's law.
-const TERMS: usize = 10;
+/// Terms of Ogden's law: before 2025 the second line of each five is blank.
+const TERMS: usize = 5;
 
-/// A line of fields.
-#[derive(Default)]
-pub(crate) struct Line(String);
+/// Materials that are written and read, as the configuration files have them; lines of each rate and Prony terms follow.
+pub(crate) const LAW19: Layout = &["RHO_I", "E11 E22 NU12", "G12 g23 g31", "R_E a_r ZEROSTRESS FSCALE_POR sensor#"];
+pub(crate) const LAW36: Layout = &[
+    "RHO_I",
+    "E NU EPS_P_MAX EPS_T EPS_M",
+    "N_FUNCT# f_smooth# C_HARD f_cut EPS_F - vp#",
+    "FCT_IDP# fscale FCT_IDE# einf ce",
+];
+pub(crate) const LAW42: Layout = &[
+    "RHO_I",
+    "NU SIGMA_CUT j# FUNIDBULK# fscale_bulk M# IFORM#",
+    "MU_1 MU_2 MU_3 MU_4 MU_5",
+    "MU_6 MU_7 MU_8 MU_9 MU_10",
+    "ALPHA_1 ALPHA_2 ALPHA_3 ALPHA_4 ALPHA_5",
+    "ALPHA_6 ALPHA_7 ALPHA_8 ALPHA_9 ALPHA_10",
+];
+pub(crate) const LAW43: Layout =
+    &["RHO_I", "E NU", "FCT_IDE# - einf ce", "R00 R45 R90 C_HARD I_YIELD0#", "EPS_P_MAX EPS_T EPS_M f_cut f_smooth#"];
+pub(crate) const LAW58: Layout = &[
+    "RHO_I",
+    "e1 B1 e2 B2 flex",
+    "g0 gt ALPHAT gsh - sensor#",
+    "DF DS GFROT - - ZEROSTRESS",
+    "n1# n2# S1 S2 flex1 flex2",
+    "FCT_ID1# - FSCALE1",
+    "FCT_ID2# - FSCALE2",
+    "FCT_ID3# - FSCALE3",
+    "FCT_ID4# FCT_ID5# FSCALE4 FSCALE5 FCT_ID6# FSCALE6",
+];
 
-impl Line {
-    pub(crate) fn real(self, value: f64) -> Line {
-        // Twenty columns hold every number within the promised digits.
-        let text = in_columns(value, 20).unwrap_or_default();
-        Line(format!("{}{text:>20}", self.0))
-    }
-
-    pub(crate) fn whole(self, value: i64) -> Line {
-        Line(format!("{}{value:>10}", self.0))
-    }
-
-    pub(crate) fn word(self, word: &str, width: usize) -> Line {
-        Line(format!("{}{word:>width$}", self.0))
-    }
-
-    pub(crate) fn blank(self, width: usize) -> Line {
-        Line(self.0 + &" ".repeat(width))
-    }
-
-    pub(crate) fn end(self) -> String {
-        self.0.trim_end().to_owned() + "\n"
-    }
-}
-
-/// Number and strain rate of a function.
-type Row = (i64, f64);
+/// Lines of five values, as LAW36 and LAW42 have them: of functions, and of anything else.
+pub(crate) const OF_FUNCTIONS: &str = "FUNCT_ID_1# FUNCT_ID_2# FUNCT_ID_3# FUNCT_ID_4# FUNCT_ID_5#";
+pub(crate) const OF_SCALES: &str = "FSCALE_1 FSCALE_2 FSCALE_3 FSCALE_4 FSCALE_5";
+pub(crate) const OF_RATES: &str = "EPS_DOT_1 EPS_DOT_2 EPS_DOT_3 EPS_DOT_4 EPS_DOT_5";
+pub(crate) const OF_MODULI: &str = "G_1 G_2 G_3 G_4 G_5";
+pub(crate) const OF_TIMES: &str = "TAU_1 TAU_2 TAU_3 TAU_4 TAU_5";
+/// A rate of LAW43.
+pub(crate) const OF_RATE: &str = "FCT_ID# - FSCALE EPS_DOT";
+pub(crate) const POINT: &str = "X Y";
 
 /// A block with its comments.
 pub(crate) struct Block(pub(crate) String);
@@ -63,10 +76,26 @@ impl Block {
     }
 
     /// Adds a line below the names of its fields.
-    pub(crate) fn line(mut self, names: &str, line: Line) -> Block {
-        self.0 += &format!("#{names}\n{}", line.end());
+    pub(crate) fn line(mut self, names: &str, values: &[Field]) -> Block {
+        self.0 += &line(names, Format::Mixed, values);
         self
     }
+
+    /// Adds lines of five values below the names of their fields; none without values.
+    fn fives(self, names: &str, values: &[Field]) -> Block {
+        values.chunks(5).fold(self, |block, five| block.line(names, five))
+    }
+}
+
+/// A function.
+pub(crate) fn function(number: i64, title: &str, points: impl IntoIterator<Item = [f64; 2]>) -> String {
+    let mut text = format!("/FUNCT/{number}\n{title}\n");
+    for (place, point) in points.into_iter().enumerate() {
+        let point = line(POINT, Format::Mixed, &point.map(Real));
+        // With names above the first point only.
+        text += if place == 0 { &point } else { point.split_once('\n').map_or("", |(_, values)| values) };
+    }
+    text
 }
 
 /// The card without its head.
@@ -84,33 +113,24 @@ pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) 
     Ok(format!("#RADIOSS STARTER\n{body}/END\n"))
 }
 
-fn begin(film: &Film<'_>, law: &str, request: &Request) -> Block {
+/// A material with these values in the lines of its layout below the density.
+fn material(film: &Film<'_>, request: &Request, law: &str, layout: Layout, values: &[&[Field]]) -> Block {
+    let density = [Real(film.material.density / request.system.density())];
+    let rest = std::iter::repeat(&[][..]);
+    let lines = std::iter::once(&density[..]).chain(values.iter().copied()).chain(rest);
     let block = Block::begin(&format!("/MAT/{law}/{}", request.id), film.name);
-    let density = film.material.density / request.system.density();
-    block.line("              RHO_I", Line::default().real(density))
+    layout.iter().zip(lines).fold(block, |block, (names, values)| block.line(names, values))
 }
 
 /// LAW19: linear, of isotropic film the same along both directions.
 fn orthotropic(film: &Film<'_>, elastic: &Elastic, request: &Request, losses: &mut Vec<Loss>) -> String {
     losses.push(Loss::strain_measure("LAW19, logarithmic", elastic));
     losses.extend(film.lost_beside_the_law());
-    let stress = request.system.stress();
-    let (young, shear) = (elastic.young / stress, elastic.young / (2.0 + 2.0 * elastic.poisson) / stress);
-    let block = begin(film, "LAW19", request)
-        .line(
-            "                E11                 E22                NU12",
-            Line::default().real(young).real(young).real(elastic.poisson),
-        )
-        .line(
-            "                G12                 G23                 G31",
-            Line::default().real(shear).real(shear).real(shear),
-        )
-        .line(
-            "                R_E                   ZEROSTRESS          FSCALE_POR             SENSOR",
-            // No reduction in compression.
-            Line::default().real(1.0),
-        );
-    block.0
+    let [young, shear] = [elastic.young, elastic.young / (2.0 + 2.0 * elastic.poisson)]
+        .map(|stress| Real(stress / request.system.stress()));
+    // No reduction in compression.
+    let values: [&[Field]; 3] = [&[young, young, Real(elastic.poisson)], &[shear; 3], &[Real(1.0)]];
+    material(film, request, "LAW19", LAW19, &values).0
 }
 
 /// LAW58. Its seven lines refer to functions by number, so that these are written first and stand behind it.
@@ -121,12 +141,9 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     let stress = request.system.stress();
     let [md, td] = &curves.fibres;
     let (mut functions, mut number) = (String::new(), 100 * i64::from(request.id));
-    let mut function = |title: &str, points: &[[f64; 2]], units: [f64; 2]| {
+    let mut add = |title: &str, points: &[[f64; 2]], units: [f64; 2]| {
         number += 1;
-        functions += &format!("/FUNCT/{number}\n{title}\n#                  X                   Y\n");
-        for [x, y] in points {
-            functions += &Line::default().real(x / units[0]).real(y / units[1]).end();
-        }
+        functions += &function(number, title, points.iter().map(|[x, y]| [x / units[0], y / units[1]]));
         number
     };
     let all =
@@ -140,46 +157,31 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     let both = [0, 1, 2].map(|place| paths(all[place].0, from[place], curves.absorption));
     let (mut loading, mut unloads) = ([0; 3], [0; 3]);
     for (place, ((_, title, units), (up, _))) in all.iter().zip(&both).enumerate() {
-        loading[place] = function(title, &whole(up.clone(), title), *units);
+        loading[place] = add(title, &whole(up.clone(), title), *units);
     }
     for (place, ((_, title, units), (_, down))) in all.iter().zip(&both).enumerate() {
         if let Some(down) = down {
-            unloads[place] = function(&format!("{title}, unloading"), &whole(down.clone(), title), *units);
+            unloads[place] = add(&format!("{title}, unloading"), &whole(down.clone(), title), *units);
         }
     }
     if curves.absorption > 0.0 {
         losses.extend([Loss::UnloadingFrom { md: from[0], td: from[1] }, Loss::ScaledUnloading]);
     }
     losses.push(Loss::ShearOfPresentArea);
-    let [e1, e2, shear] = curves.slopes.map(|slope| slope / stress);
-    let [fct1, fct2, fct3] = loading;
-    let [fct4, fct5, fct6] = unloads;
-    let scale = |function: i64| Line::default().whole(function).blank(10).real(1.0);
-    let block = begin(film, "LAW58", request)
-        .line(
-            "                 E1                  B1                  E2                  B2                FLEX",
-            Line::default().real(e1).real(0.0).real(e2).real(0.0).real(FLEX),
-        )
-        .line(
-            "                 G0                  GT              ALPHAT                 GSH              SENSOR",
-            Line::default().real(shear).real(shear).real(0.0).real(shear),
-        )
-        .line(
-            "                 DF                  DS               GFROT                          ZEROSTRESS",
-            Line::default().real(0.0).real(0.0).real(0.0),
-        )
-        .line(
-            "       N1        N2                  S1                  S2               FLEX1               FLEX2",
-            Line::default().whole(1).whole(1).real(CRIMP).real(CRIMP).real(FLEX).real(FLEX),
-        )
-        .line("  FCT_ID1                       FSCALE1", scale(fct1))
-        .line("  FCT_ID2                       FSCALE2", scale(fct2))
-        .line("  FCT_ID3                       FSCALE3", scale(fct3))
-        .line(
-            "  FCT_ID4   FCT_ID5             FSCALE4             FSCALE5   FCT_ID6             FSCALE6",
-            Line::default().whole(fct4).whole(fct5).real(1.0).real(1.0).whole(fct6).real(1.0),
-        );
-    Ok(block.0 + &functions)
+    let [e1, e2, shear] = curves.slopes.map(|slope| Real(slope / stress));
+    let [fct4, fct5, fct6] = unloads.map(Whole);
+    let (none, one) = (Real(0.0), Real(1.0));
+    let values: [&[Field]; 8] = [
+        &[e1, none, e2, none, Real(FLEX)],
+        &[shear, shear, none, shear],
+        &[none; 3],
+        &[Whole(1), Whole(1), Real(CRIMP), Real(CRIMP), Real(FLEX), Real(FLEX)],
+        &[Whole(loading[0]), one],
+        &[Whole(loading[1]), one],
+        &[Whole(loading[2]), one],
+        &[fct4, fct5, one, one, fct6, one],
+    ];
+    Ok(material(film, request, "LAW58", LAW58, &values).0 + &functions)
 }
 
 /// LAW42: Ogden's law, with Prony moduli.
@@ -206,54 +208,15 @@ fn rubber(
     let relaxed = viscosity.map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
     let prony = viscosity.map_or(&[][..], |viscosity| viscosity.terms());
     losses.extend(viscosity.map(|_| Loss::LinearViscosity));
-    let five = |value: &dyn Fn(usize) -> Option<f64>, from: usize| {
-        (from..from + 5).map_while(value).fold(Line::default(), Line::real)
-    };
-    let mu = |i: usize| terms.get(i).map(|term| relaxed * term.mu / stress);
-    let alpha = |i: usize| terms.get(i).map(|term| term.alpha);
-    let head = Line::default()
-        .real(request.poisson_of(law))
-        .real(0.0)
-        .whole(0)
-        .whole(0)
-        .real(1.0)
-        .whole(prony.len() as i64)
-        .whole(0);
-    let mut block = begin(film, "LAW42", request)
-        .line(
-            "                 NU           SIGMA_CUT         J FUNIDBULK         FSCALE_BULK         M     IFORM",
-            head,
-        )
-        .line(
-            "               MU_1                MU_2                MU_3                MU_4                MU_5",
-            five(&mu, 0),
-        )
-        .line(
-            "               MU_6                MU_7                MU_8                MU_9               MU_10",
-            five(&mu, 5),
-        )
-        .line(
-            "            ALPHA_1             ALPHA_2             ALPHA_3             ALPHA_4             ALPHA_5",
-            five(&alpha, 0),
-        )
-        .line(
-            "            ALPHA_6             ALPHA_7             ALPHA_8             ALPHA_9            ALPHA_10",
-            five(&alpha, 5),
-        );
+    let mu: Vec<Field> = terms.iter().map(|term| Real(relaxed * term.mu / stress)).collect();
+    let alpha: Vec<Field> = terms.iter().map(|term| Real(term.alpha)).collect();
+    let poisson = Real(request.poisson_of(law));
+    let head = [poisson, Real(0.0), Whole(0), Whole(0), Real(1.0), Whole(prony.len() as i64), Whole(0)];
     let instant = viscosity.map_or(1.0, |viscosity| viscosity.instant()) * shear_modulus(law);
-    for (title, value) in [
-        ("                G_1                 G_2                 G_3                 G_4                 G_5", true),
-        ("              TAU_1               TAU_2               TAU_3               TAU_4               TAU_5", false),
-    ] {
-        for five in prony.chunks(5) {
-            let of = |term: &membrane::material::PronyTerm| match value {
-                true => instant * term.share / stress,
-                false => term.time / request.system.time(),
-            };
-            block = block.line(title, five.iter().map(of).fold(Line::default(), Line::real));
-        }
-    }
-    Ok(block.0)
+    let moduli: Vec<Field> = prony.iter().map(|term| Real(instant * term.share / stress)).collect();
+    let times: Vec<Field> = prony.iter().map(|term| Real(term.time / request.system.time())).collect();
+    let block = material(film, request, "LAW42", LAW42, &[&head, &mu, &[], &alpha]);
+    Ok(block.fives(OF_MODULI, &moduli).fives(OF_TIMES, &times).0)
 }
 
 fn no_law(law: &'static str) -> Refusal {
@@ -268,74 +231,34 @@ fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<L
     losses.extend(film.lost_beside_the_law());
     let (stress, time) = (request.system.stress(), request.system.time());
     let Elastic { young, poisson } = law.elastic();
-    let elastic = Line::default().real(young / stress).real(*poisson);
-    let (mut functions, mut number) = (String::new(), 100 * i64::from(request.id));
-    let mut rows = vec![];
-    for (rate, sampled) in &flow {
-        number += 1;
-        functions += &format!("/FUNCT/{number}\ntrue stress over plastic strain");
-        functions += &rate.map_or_else(String::new, |rate| format!(" at {rate} 1/s"));
-        functions += "\n#                  X                   Y\n";
-        for [p, sigma] in &sampled.points {
-            functions += &Line::default().real(*p).real(sigma / stress).end();
-        }
-        rows.push((number, rate.unwrap_or_default() * time));
+    let elastic = [Real(young / stress), Real(*poisson)];
+    let (mut functions, mut numbers, mut rates) = (String::new(), vec![], vec![]);
+    for (number, (rate, sampled)) in (100 * i64::from(request.id) + 1..).zip(&flow) {
+        let at = rate.map_or_else(String::new, |rate| format!(" at {rate} 1/s"));
+        let points = sampled.points.iter().map(|[p, sigma]| [*p, sigma / stress]);
+        functions += &function(number, &format!("true stress over plastic strain{at}"), points);
+        numbers.push(Whole(number));
+        rates.push(Real(rate.unwrap_or_default() * time));
     }
     // No failure: neither by plastic strain nor by tension.
-    const NEVER: f64 = 1e30;
+    const NEVER: Field = Real(1e30);
+    let (none, one) = (Real(0.0), Real(1.0));
     let block = if is_hill {
-        let [r00, r45, r90] = [0.0, 45.0, 90.0_f64].map(|angle| law.hill().strain_ratio(angle.to_radians()));
-        let mut block = begin(film, "LAW43", request)
-            .line("                  E                  NU", elastic)
-            .line(
-                "  FCT_IDE                          EINF                  CE",
-                Line::default().whole(0).blank(10).real(0.0).real(0.0),
-            )
-            .line(
-                "                R00                 R45                 R90              C_HARD   I_YIELD0",
-                // Lankford values, and the curve of MD: a zero would make it the mean of all directions.
-                Line::default().real(r00).real(r45).real(r90).real(0.0).whole(1),
-            )
-            .line(
-                "          EPS_P_MAX               EPS_T               EPS_M              F_CUT  F_SMOOTH",
-                Line::default().real(NEVER).real(NEVER).real(NEVER).real(0.0).whole(0),
-            );
-        for (function, rate) in &rows {
-            let line = Line::default().whole(*function).blank(10).real(1.0).real(*rate);
-            block = block.line("   FCT_ID                        FSCALE             EPS_DOT", line);
-        }
-        block
+        let [r00, r45, r90] = [0.0, 45.0, 90.0_f64].map(|angle| Real(law.hill().strain_ratio(angle.to_radians())));
+        // Lankford values, and the curve of MD: a zero would make it the mean of all directions.
+        let ratios = [r00, r45, r90, none, Whole(1)];
+        let limits = [NEVER, NEVER, NEVER, none, Whole(0)];
+        let block = material(film, request, "LAW43", LAW43, &[&elastic, &[Whole(0), none, none], &ratios, &limits]);
+        numbers.iter().zip(&rates).fold(block, |block, (number, rate)| block.line(OF_RATE, &[*number, one, *rate]))
     } else {
-        let of_five = |block: Block, title: &str, line: &dyn Fn(&[Row]) -> Line| {
-            rows.chunks(5).fold(block, |block, five| block.line(title, line(five)))
-        };
-        let block = begin(film, "LAW36", request)
-            .line(
-                "                  E                  NU           EPS_P_MAX               EPS_T               EPS_M",
-                elastic.real(NEVER).real(NEVER).real(NEVER),
-            )
-            .line(
-                "  N_FUNCT  F_SMOOTH              C_HARD               F_CUT               EPS_F                  VP",
-                Line::default().whole(rows.len() as i64).whole(0).real(0.0).real(0.0).real(NEVER).blank(10).whole(1),
-            )
-            .line(
-                "  FCT_IDP              FSCALE   FCT_IDE                EINF                  CE",
-                Line::default().whole(0).real(1.0).whole(0).real(0.0).real(0.0),
-            );
-        let whole = |five: &[Row]| five.iter().fold(Line::default(), |line, (function, _)| line.whole(*function));
-        let ones = |five: &[Row]| five.iter().fold(Line::default(), |line, _| line.real(1.0));
-        let rates = |five: &[Row]| five.iter().fold(Line::default(), |line, (_, rate)| line.real(*rate));
-        let block = of_five(block, "  FUNCT_ID of each rate", &whole);
-        let block = of_five(
-            block,
-            "           FSCALE_1            FSCALE_2            FSCALE_3            FSCALE_4            FSCALE_5",
-            &ones,
-        );
-        of_five(
-            block,
-            "          EPS_DOT_1           EPS_DOT_2           EPS_DOT_3           EPS_DOT_4           EPS_DOT_5",
-            &rates,
-        )
+        let [young, poisson] = elastic;
+        let values: [&[Field]; 3] = [
+            &[young, poisson, NEVER, NEVER, NEVER],
+            &[Whole(rates.len() as i64), Whole(0), none, none, NEVER, Whole(1)],
+            &[Whole(0), one, Whole(0), none, none],
+        ];
+        let block = material(film, request, "LAW36", LAW36, &values);
+        block.fives(OF_FUNCTIONS, &numbers).fives(OF_SCALES, &vec![one; rates.len()]).fives(OF_RATES, &rates)
     };
     Ok(block.0 + &functions)
 }

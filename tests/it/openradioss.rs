@@ -24,7 +24,7 @@ impl Block {
                 let end = (end + 1).next_multiple_of(10);
                 let begin = from.max(end.saturating_sub(20)).min(line.len());
                 let text = &line[begin..end.min(line.len())];
-                found.push((name, text.trim().to_owned()));
+                found.push((name.to_uppercase(), text.trim().to_owned()));
                 from = end;
             }
         }
@@ -34,7 +34,7 @@ impl Block {
     fn field(&self, name: &str) -> f64 {
         let fields = self.fields();
         let (_, text) =
-            fields.iter().find(|(own, _)| own == name).unwrap_or_else(|| panic!("{name} in {}", self.keyword));
+            fields.iter().find(|(own, _)| own.eq_ignore_ascii_case(name)).unwrap_or_else(|| panic!("{name} in {}", self.keyword));
         text.parse().unwrap_or_else(|_| panic!("{name} of {} is {text:?}", self.keyword))
     }
 
@@ -90,11 +90,11 @@ fn named<'a>(all: &'a [Block], prefix: &str) -> impl Iterator<Item = &'a Block> 
 const MAY_BE_ZERO: &[(&str, &str)] = &[
     // No bending by compression, no damping, no friction between fibres, no sensor.
     ("MAT/LAW58", "B1 B2 ALPHAT DF DS GFROT SENSOR ZEROSTRESS FCT_ID4 FCT_ID5 FCT_ID6"),
-    ("MAT/LAW19", "ZEROSTRESS FSCALE_POR SENSOR NU12"),
+    ("MAT/LAW19", "A_R ZEROSTRESS FSCALE_POR SENSOR NU12"),
     // No cut of stress, the J of old versions, no bulk function, no relaxation, the first form; terms that are none.
     ("MAT/LAW42", "SIGMA_CUT J FUNIDBULK M IFORM MU_* ALPHA_* G_* TAU_*"),
     // No filter, no kinematic hardening, no decay of the modulus; quasi-static curves.
-    ("MAT/LAW36", "F_SMOOTH C_HARD F_CUT FCT_IDP FCT_IDE EINF CE EPS_DOT_* FUNCT_ID FSCALE_*"),
+    ("MAT/LAW36", "F_SMOOTH C_HARD F_CUT FCT_IDP FCT_IDE EINF CE EPS_DOT_* FUNCT_ID_* FSCALE_*"),
     ("MAT/LAW43", "FCT_IDE EINF CE C_HARD F_CUT F_SMOOTH EPS_DOT"),
     ("MAT/LAW1", ""),
     // Hourglass of other elements, the membrane damping of the law, no rotation about the normal; MD along an axis.
@@ -130,7 +130,7 @@ fn check(text: &str, what: &str) {
         for (name, field) in block.fields() {
             let is_free = free.iter().any(|one| match one.strip_suffix('*') {
                 Some(stem) => name.starts_with(stem),
-                None => *one == name,
+                None => name.eq_ignore_ascii_case(one),
             });
             let is_stated = field.parse::<f64>().is_ok_and(|value| value != 0.0);
             assert!(is_free || is_stated, "{what}: {name} of /{kind} is {field:?}, which is a default");
@@ -340,7 +340,7 @@ fn the_deck_of_1008_is_the_one_that_ran() {
             assert_eq!(own.len(), other.len(), "/{}", found.keyword);
             for ((name, own), (_, other)) in own.iter().zip(&other) {
                 let [own, other] = [own, other].map(|text| text.parse::<f64>().unwrap_or_default());
-                let stated = STATED.iter().find(|(of, field, _)| kind.starts_with(of) && field == name);
+                let stated = STATED.iter().find(|(of, field, _)| kind.starts_with(of) && field.eq_ignore_ascii_case(name));
                 let expected = if other == 0.0 { stated.map_or(0.0, |(.., value)| *value) } else { other };
                 assert!(
                     (own - expected).abs() <= 1e-9 * expected.abs(),

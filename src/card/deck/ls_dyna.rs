@@ -8,8 +8,8 @@ use membrane::material::Law;
 use super::finding::DeckLoss;
 use super::mounting::shares;
 use super::{Body, Face, Scene};
-use crate::ls_dyna::Field::{Blank, Real, Whole};
-use crate::ls_dyna::{Field, Keyword, define_curve};
+use crate::layout::Field::{self, Blank, Real, Whole};
+use crate::ls_dyna::{Keyword, define_curve};
 use crate::number::in_columns;
 
 /// Numbers of the curves of a deck; those of materials begin above 100.

@@ -9,7 +9,9 @@ use membrane::material::Law;
 use super::finding::DeckLoss;
 use super::mounting::shares;
 use super::{Body, DeckRefusal, Face, Scene};
-use crate::openradioss::{Block, Line};
+use crate::layout::Field::{self, Real, Whole, Word};
+use crate::layout::written;
+use crate::openradioss::{Block, function};
 use crate::system::System;
 
 /// Numbers of functions; those of materials begin above 100.
@@ -64,11 +66,12 @@ pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> Result
         text += &rigid(scene, body, place, &mut next, &mut groups);
     }
     text += &mounting(scene, &mut groups);
-    text += &function(GRAVITY, "gravity", scene.gravity().into_iter());
+    text += &function(GRAVITY, "gravity", scene.gravity());
     text += &groups.add("all", 1..next[0]);
-    let names = "#funct_IDT       DIR   skew_ID sensor_ID  grnod_ID                      Ascale_x            Fscale_Y";
-    let line = loaded(GRAVITY, "Z", groups.last).blank(10).real(1.0).real(-1.0);
-    text += &Block::begin("/GRAV/1", "gravity").line(&names[1..], line).0;
+    let [of, along, no_skew, no_sensor, on] = loaded(GRAVITY, "Z", groups.last);
+    let names = "funct_IDT# DIR# skew_ID# sensor_ID# grnod_ID# - Ascale_x Fscale_Y";
+    let values = [of, along, no_skew, no_sensor, on, Real(1.0), Real(-1.0)];
+    text += &Block::begin("/GRAV/1", "gravity").line(names, &values).0;
     for (place, body) in deck.bodies.iter().enumerate() {
         for face in 0..deck.faces.len() {
             text += &contact(scene, body, place, face);
@@ -110,19 +113,8 @@ impl Groups {
 }
 
 /// Function, direction, no skew, no sensor, group.
-fn loaded(function: i64, direction: &str, group: i64) -> Line {
-    Line::default().whole(function).word(direction, 10).whole(0).whole(0).whole(group)
-}
-
-fn function(number: i64, title: &str, points: impl Iterator<Item = [f64; 2]>) -> String {
-    let block = Block::begin(&format!("/FUNCT/{number}"), title);
-    points
-        .enumerate()
-        .fold(block, |Block(text), (place, [x, y])| {
-            let names = if place == 0 { "#                  X                   Y\n" } else { "" };
-            Block(text + names + &Line::default().real(x).real(y).end())
-        })
-        .0
+fn loaded(function: i64, direction: &'static str, group: i64) -> [Field; 5] {
+    [Whole(function), Word(direction), Whole(0), Whole(0), Whole(group)]
 }
 
 /// Part, property, nodes and elements of a face.
@@ -140,75 +132,58 @@ fn film(scene: &Scene<'_, '_>, face: &Face<'_>, place: usize, first: [usize; 2])
 }
 
 fn part(number: usize, title: &str, material: i64) -> String {
-    let line = Line::default().whole(number as i64).whole(material).whole(0);
-    Block::begin(&format!("/PART/{number}"), title).line("  prop_ID    mat_ID subset_ID", line).0
+    let values = [Whole(number as i64), Whole(material), Whole(0)];
+    Block::begin(&format!("/PART/{number}"), title).line("prop_ID# mat_ID# subset_ID#", &values).0
 }
 
-/// The property of a face: QEPH shells (24), large strain (4), and thickness that changes where the law is one of true stress.
+/// Lines that begin all properties of shells: elements of type 24 (QEPH), measure of strain, no damping but that of membranes.
+fn shell_property(kind: u32, number: usize, title: &str, strain: i64) -> Block {
+    let names = if kind == 16 {
+        "Ishell# Ismstr# Ish3n# - - - P_Thick_Fail"
+    } else {
+        "Ishell# Ismstr# Ish3n# Idrill# - - P_Thick_Fail"
+    };
+    let mut flags = vec![Whole(24), Whole(strain), Whole(2)];
+    flags.extend((kind != 16).then_some(Whole(0)));
+    flags.push(Real(1.0));
+    let none = Real(0.0);
+    Block::begin(&format!("/PROP/TYPE{kind}/{number}"), title)
+        .line(names, &flags)
+        .line("Hm Hf Hr Dm Dn", &[none, none, none, none, Real(NUMERICAL_DAMPING)])
+}
+
+/// The property of a face: large strain, and thickness that changes where the law is one of true stress.
 fn film_property(scene: &Scene<'_, '_>, face: &Face<'_>, number: usize, material: i64, title: &str) -> String {
     let kind = property(face);
-    let thickness = scene.length(face.thickness());
-    let (sin, cos) = face.md_angle.sin_cos();
-    let block = Block::begin(&format!("/PROP/TYPE{kind}/{number}"), title);
+    let thickness = Real(scene.length(face.thickness()));
+    let [vx, vy] = [face.md_angle.cos(), face.md_angle.sin()].map(Real);
     // Rubber has the strain of the whole motion: increments of it add up to another one where film is sheared.
     let strain = if matches!(face.film.material.law, Law::Hyperelastic(_)) { 10 } else { 4 };
-    let flags = Line::default().whole(24).whole(strain).whole(2);
-    let block = match kind {
-        16 => block.line(
-            "  Ishell    Ismstr     Ish3n                                      P_Thick_Fail",
-            flags.blank(30).real(1.0),
-        ),
-        _ => block.line(
-            "  Ishell    Ismstr     Ish3n    Idrill                            P_Thick_Fail",
-            flags.whole(0).blank(20).real(1.0),
-        ),
-    };
-    let zeros = (0..4).fold(Line::default(), |line, _| line.real(0.0));
-    let block = block.line(
-        "                 Hm                  Hf                  Hr                  Dm                  Dn",
-        zeros.real(NUMERICAL_DAMPING),
-    );
+    let block = shell_property(kind, number, title, strain);
     // One point: no bending. Strain is computed, as all that is read of it needs.
-    let head = Line::default().whole(1).whole(1).real(thickness).real(SHEAR_SHARE);
+    let [one, two, none, nil] = [Whole(1), Whole(2), Whole(0), Real(0.0)];
+    let shear = Real(SHEAR_SHARE);
     match kind {
         16 => block
-            .line(
-                "       N   Istrain               Thick              Ashear              Ithick",
-                // Forces per width of film without stress: its thickness stays.
-                head.blank(10).whole(2),
-            )
-            .line(
-                "                 Vx                  Vy                  Vz   Skew_ID      Ipos                  Ip",
-                Line::default().real(cos).real(sin).real(0.0).whole(0).whole(0).blank(10).whole(0),
-            )
-            .line(
-                "              Phi_i             Alpha_i                 T_i                 Z_i   mat_IDi",
-                Line::default().real(0.0).real(90.0).real(thickness).real(0.0).whole(material),
-            ),
+            // Forces per width of film without stress: its thickness stays.
+            .line("N# Istrain# Thick Ashear - Ithick#", &[one, one, thickness, shear, two])
+            .line("Vx Vy Vz Skew_ID# Ipos# - Ip#", &[vx, vy, nil, none, none, none])
+            .line("Phi_i Alpha_i T_i Z_i mat_IDi#", &[nil, Real(90.0), thickness, nil, Whole(material)]),
         9 => block
-            .line(
-                "       N   ISTRAIN               Thick              Ashear     Iskew    ITHICK     IPLAS",
-                head.whole(0).whole(1).whole(1),
-            )
-            .line(
-                "                 Vx                  Vy                  Vz                 Phi                  Ip",
-                Line::default().real(cos).real(sin).real(0.0).real(0.0).blank(10).whole(0),
-            ),
+            .line("N# Istrain# Thick Ashear Iskew# Ithick# Iplas#", &[one, one, thickness, shear, none, one, one])
+            .line("Vx Vy Vz Phi - Ip#", &[vx, vy, nil, nil, none]),
         // Film that flows thins as it does without volume: without Iplas it thins as elastic film.
-        _ => block.line(
-            "       N   Istrain               Thick              Ashear              Ithick     Iplas",
-            head.blank(10).whole(1).whole(1),
-        ),
+        _ => block.line("N# Istrain# Thick Ashear - Ithick# Iplas#", &[one, one, thickness, shear, one, one]),
     }
     .0
 }
 
 /// Nodes at places in m, numbered from `first`.
 fn nodes(scene: &Scene<'_, '_>, places: impl Iterator<Item = [f64; 3]>, first: usize) -> String {
-    let mut text = String::from("/NODE\n#  node_ID                  Xc                  Yc                  Zc\n");
+    let mut text = String::from("/NODE\n#  NODE_ID                  XC                  YC                  ZC\n");
     for (node, place) in places.enumerate() {
-        let line = Line::default().whole((first + node) as i64);
-        text += &place.iter().fold(line, |line, value| line.real(scene.length(*value))).end();
+        let place = place.map(|value| written(Real(scene.length(value)), 20));
+        text += &format!("{:>10}{:>20}{:>20}{:>20}\n", first + node, place[0], place[1], place[2]);
     }
     text
 }
@@ -220,8 +195,9 @@ fn elements(kind: &str, part: usize, first: usize, elements: &[Vec<usize>]) -> S
     }
     let mut text = format!("/{kind}/{part}\n");
     for (element, corners) in elements.iter().enumerate() {
-        let line = Line::default().whole((first + element) as i64);
-        text += &corners.iter().fold(line, |line, corner| line.whole(*corner as i64)).end();
+        let numbers = std::iter::once(first + element).chain(corners.iter().copied());
+        text += &numbers.map(|number| format!("{number:>10}")).collect::<String>();
+        text.push('\n');
     }
     text
 }
@@ -238,30 +214,14 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     let title = crate::title(&body.name);
     let mut text = part(number, &title, material);
     // Thin shells of any mass but none: what they have is not added to the main node.
-    let thickness = scene.length(inset);
-    let zeros = (0..4).fold(Line::default(), |line, _| line.real(0.0)).real(NUMERICAL_DAMPING);
-    text += &Block::begin(&format!("/PROP/TYPE1/{number}"), &title)
-        .line(
-            "  Ishell    Ismstr     Ish3n    Idrill                            P_Thick_Fail",
-            Line::default().whole(24).whole(2).whole(2).whole(0).blank(20).real(1.0),
-        )
-        .line(
-            "                 Hm                  Hf                  Hr                  Dm                  Dn",
-            zeros,
-        )
-        .line(
-            "       N   Istrain               Thick              Ashear              Ithick     Iplas",
-            Line::default().whole(1).whole(1).real(thickness).real(SHEAR_SHARE).blank(10).whole(2).whole(1),
-        )
-        .0;
-    let density = OF_SHELLS * body.mass / (surface.area() * inset);
+    let thickness = Real(scene.length(inset));
+    let values = [Whole(1), Whole(1), thickness, Real(SHEAR_SHARE), Whole(2), Whole(1)];
+    text += &shell_property(1, number, &title, 2).line("N# Istrain# Thick Ashear - Ithick# Iplas#", &values).0;
+    let density = Real(OF_SHELLS * body.mass / (surface.area() * inset) / scene.system.density());
     let [young, poisson] = STEEL;
     text += &Block::begin(&format!("/MAT/LAW1/{material}"), &title)
-        .line("              RHO_I", Line::default().real(density / scene.system.density()))
-        .line(
-            "                  E                  nu",
-            Line::default().real(young / scene.system.stress()).real(poisson),
-        )
+        .line("RHO_I", &[density])
+        .line("E nu", &[Real(young / scene.system.stress()), Real(poisson)])
         .0;
     let places = surface.points.iter().map(|point| [0, 1, 2].map(|axis| start[axis] + point[axis]));
     text += &nodes(scene, std::iter::once(start).chain(places), main);
@@ -270,23 +230,16 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     text += &elements("SH3N", number, next[1], &corners);
     *next = [main + 1 + surface.points.len(), next[1] + surface.corners.len()];
     text += &groups.add(&format!("{title}, surface"), main + 1..next[0]);
-    let [jxx, jyy, jzz] = body.inertia.map(|value| scene.inertia(value));
-    let head = Line::default().whole(main as i64).whole(0).whole(0).whole(0);
-    let head = head.real(scene.mass((1.0 - OF_SHELLS) * body.mass)).whole(groups.last).whole(0).whole(3).whole(0);
+    let inertia = body.inertia.map(|value| Real(scene.inertia(value)));
+    let mass = Real(scene.mass((1.0 - OF_SHELLS) * body.mass));
+    let (none, nil) = (Whole(0), Real(0.0));
+    // The centre is that of the main node.
+    let head = [Whole(main as i64), none, none, none, mass, Whole(groups.last), none, Whole(3), none];
     text += &Block::begin(&format!("/RBODY/{}", place + 1), &title)
-        .line(
-            " node_ID   sens_ID   Skew_ID    Ispher                Mass   grnd_ID     Ikrem      ICoG   surf_ID",
-            head,
-        )
-        .line(
-            "                Jxx                 Jyy                 Jzz",
-            Line::default().real(jxx).real(jyy).real(jzz),
-        )
-        .line(
-            "                Jxy                 Jyz                 Jxz",
-            Line::default().real(0.0).real(0.0).real(0.0),
-        )
-        .line(" Ioptoff   Iexpams", Line::default().whole(0).whole(0))
+        .line("node_ID# sens_ID# Skew_ID# Ispher# Mass grnd_ID# Ikrem# ICoG# surf_ID#", &head)
+        .line("Jxx Jyy Jzz", &inertia)
+        .line("Jxy Jyz Jxz", &[nil; 3])
+        .line("Ioptoff# Iexpams#", &[none; 2])
         .0;
     text += &format!("/SURF/PART/{number}\n{title}\n{number:>10}\n");
     text += &groups.add(&format!("{title}, main node"), [main]);
@@ -294,10 +247,9 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
         text += &constraint(place + 1, "110 111", groups.last, &format!("{title}, guide"));
     }
     text += &groups.add(&format!("{title}, all"), main..next[0]);
-    let [vx, vy, vz] = body.velocity.map(|value| scene.velocity(value));
-    let line = Line::default().real(vx).real(vy).real(vz).whole(groups.last).whole(0);
+    let [vx, vy, vz] = body.velocity.map(|value| Real(scene.velocity(value)));
     text += &Block::begin(&format!("/INIVEL/TRA/{}", place + 1), &title)
-        .line("                 Vx                  Vy                  Vz   Gnod_id   Skew_id", line)
+        .line("Vx Vy Vz Gnod_id# Skew_id#", &[vx, vy, vz, Whole(groups.last), none])
         .0;
     // By its end a time history is known as that of a test: lab's reader of them has its signals over the time of the test.
     let test = format!("{}; test from {} s", title.chars().take(60).collect::<String>(), scene.mounting.begin);
@@ -306,9 +258,9 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
 }
 
 /// Degrees of freedom of a group that are fixed.
-fn constraint(number: usize, fixed: &str, group: i64, title: &str) -> String {
-    let line = Line::default().word(fixed, 10).whole(0).whole(group);
-    Block::begin(&format!("/BCS/{number}"), title).line(" Tra rot   skew_ID  grnod_ID", line).0
+fn constraint(number: usize, fixed: &'static str, group: i64, title: &str) -> String {
+    let values = [Word(fixed), Whole(0), Whole(group)];
+    Block::begin(&format!("/BCS/{number}"), title).line("Tra_rot# skew_ID# grnod_ID#", &values).0
 }
 
 /// Groups of nodes, where they are fixed, and how they are moved to the frame.
@@ -329,7 +281,7 @@ fn mounting(scene: &Scene<'_, '_>, groups: &mut Groups) -> String {
     let (time, end) = (scene.time(mounting.time), 2.0 * scene.time(scene.end()));
     let motion = shares().map(|[share, moved]| [share * time, moved]).chain([[end, 1.0]]);
     text += &function(MOTION, "share of the motion to the frame", motion);
-    text += &function(REST, "no motion", [[0.0, 0.0], [end, 0.0]].into_iter());
+    text += &function(REST, "no motion", [[0.0, 0.0], [end, 0.0]]);
     for (place, one) in mounting.moves.iter().enumerate() {
         let direction = ["X", "Y", "Z"][one.axis];
         text += &groups.add(&format!("moved along {direction}"), counted(&one.nodes));
@@ -338,13 +290,10 @@ fn mounting(scene: &Scene<'_, '_>, groups: &mut Groups) -> String {
         let stop = if one.is_held { end } else { time };
         text += &Block::begin(&format!("/IMPDISP/{}", place + 1), "mounting")
             .line(
-                "funct_IDT       Dir   skew_ID sensor_ID  grnod_ID  frame_ID     Icoor",
-                loaded(curve, direction, groups.last).whole(0).whole(0),
+                "funct_IDT# Dir# skew_ID# sensor_ID# grnod_ID# frame_ID# Icoor#",
+                &[&loaded(curve, direction, groups.last)[..], &[Whole(0); 2]].concat(),
             )
-            .line(
-                "           Ascale_x            Fscale_Y              Tstart               Tstop",
-                Line::default().real(1.0).real(scale).real(0.0).real(stop),
-            )
+            .line("Ascale_x Fscale_Y Tstart Tstop", &[Real(1.0), Real(scale), Real(0.0), Real(stop)])
             .0;
     }
     text
@@ -355,34 +304,19 @@ fn contact(scene: &Scene<'_, '_>, body: &Body, place: usize, face: usize) -> Str
     let number = place * scene.deck.faces.len() + face + 1;
     let surface = (scene.deck.faces.len() + place + 1) as i64;
     let gap = scene.length(body.shape.inset() + scene.offset(face));
+    let (none, nil, one) = (Whole(0), Real(0.0), Real(1.0));
     // The group of a face has its number. The least of both stiffnesses, a constant gap.
-    let head = Line::default().whole(face as i64 + 1).whole(surface).whole(4).whole(0).whole(1000).blank(10);
+    let head = [Whole(face as i64 + 1), Whole(surface), Whole(4), none, Whole(1000), none, none, none, none];
+    let stiffness = [nil, Real(scene.stiffness(CONTACT)), nil, nil, Whole(1), none];
+    // Friction by increments: the default is viscous, and less.
+    let friction = [none, none, nil, Whole(2), none, none, one, none];
     Block::begin(&format!("/INTER/TYPE7/{number}"), &crate::title(&format!("{} on face {}", body.name, face + 1)))
-        .line(
-            " grnod_id   surf_id      Istf      Ithe      Igap                Ibag      Idel     Icurv      Iadm",
-            head.whole(0).whole(0).whole(0).whole(0),
-        )
-        .line(
-            "          Fscalegap             Gap_max             Fpenmax                         Itied",
-            Line::default().real(1.0).real(0.0).real(0.0).blank(20).whole(0),
-        )
-        .line(
-            "              Stmin               Stmax   Percent_mesh_size               dtmin  Irem_gap   Irem_i2",
-            Line::default().real(0.0).real(scene.stiffness(CONTACT)).real(0.0).real(0.0).whole(1).whole(0),
-        )
-        .line(
-            "              Stfac                Fric              GAPmin              Tstart               Tstop",
-            Line::default().real(1.0).real(body.friction[face]).real(gap).real(0.0).real(0.0),
-        )
-        .line(
-            "      IBC                        Inacti               VIS_S               VIS_F              Bumult",
-            Line::default().word("000", 10).blank(20).whole(0).real(0.05).real(1.0).real(0.0),
-        )
-        .line(
-            "    Ifric    Ifiltr               Xfreq     Iform   sens_ID   fct_IDF             AscaleF   fric_ID",
-            // Friction by increments: the default is viscous, and less.
-            Line::default().whole(0).whole(0).real(0.0).whole(2).whole(0).whole(0).real(1.0).whole(0),
-        )
+        .line("grnod_id# surf_id# Istf# Ithe# Igap# - Ibag# Idel# Icurv# Iadm#", &head)
+        .line("Fscalegap Gap_max Fpenmax - - Itied#", &[one, nil, nil, none])
+        .line("Stmin Stmax Percent_mesh_size dtmin Irem_gap# Irem_i2#", &stiffness)
+        .line("Stfac Fric GAPmin Tstart Tstop", &[one, Real(body.friction[face]), Real(gap), nil, nil])
+        .line("IBC# - - Inacti# VIS_S VIS_F Bumult", &[Word("000"), none, Real(0.05), one, nil])
+        .line("Ifric# Ifiltr# Xfreq Iform# sens_ID# fct_IDF# AscaleF fric_ID#", &friction)
         .0
 }
 

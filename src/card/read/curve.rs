@@ -1,6 +1,7 @@
 //! Curves of other solvers as curves of a film.
 
-use super::Points;
+use super::entry::Fields;
+use super::{Points, Reader};
 use crate::film::{at, unloading};
 
 /// What the ordinates of a curve are.
@@ -45,12 +46,17 @@ pub(super) fn of_film(points: Points, kind: Ordinate) -> Result<Points, &'static
     Ok(above)
 }
 
-/// The share of the stored energy that is lost, where each `(loading, unloading)` pair is a curve and the same curve compressed
-/// towards the strain from which film unloads (theory.md, equation 8), all by one share, within the digits of a card; none of
-/// other paths.
-pub(super) fn absorption(pairs: [(&Points, Option<Points>); 3]) -> Option<f64> {
-    let share = |(loading, path): (&Points, Option<Points>)| {
-        let path = path?;
+/// The share of the stored energy that is lost, where the curves of the fields `paths`, in order MD, TD and shear, are the loading
+/// ones compressed towards the strain from which film unloads (theory.md, equation 8), all by one share, within the digits of a card;
+/// other paths are no absorption, and warned of.
+pub(super) fn absorption(
+    reader: &mut Reader,
+    fields: &Fields<'_, '_>,
+    loading: &[Points; 3],
+    paths: [(&'static str, [f64; 2], Ordinate); 3],
+) -> f64 {
+    let share = |(loading, (name, units, kind)): (&Points, (&'static str, [f64; 2], Ordinate))| {
+        let path = reader.curve(fields.cell(name).ok()?, units, kind).ok()?;
         let (&[_, [slack, _], ..], &[from, top]) = (path.as_slice(), path.last()?) else { return None };
         let expected = unloading(loading, from, slack / from);
         let is_near = |(found, expected): (&[f64; 2], &[f64; 2])| {
@@ -59,8 +65,12 @@ pub(super) fn absorption(pairs: [(&Points, Option<Points>); 3]) -> Option<f64> {
         let is_compressed = path.len() == expected.len() && path.iter().zip(&expected).all(is_near);
         is_compressed.then_some(slack / from)
     };
-    let [md, td, shear] = pairs.map(share);
-    let shares = [md?, td?, shear?];
-    let is_one = shares.iter().all(|share| (share - shares[0]).abs() <= DIGITS);
-    is_one.then_some(shares.iter().sum::<f64>() / 3.0)
+    let shares: Vec<f64> = loading.iter().zip(paths).filter_map(share).collect();
+    if shares.len() == 3 && shares.iter().all(|share| (share - shares[0]).abs() <= DIGITS) {
+        return shares.iter().sum::<f64>() / 3.0;
+    }
+    let cells = paths.iter().filter_map(|(name, ..)| fields.cell(name).ok());
+    let written = cells.filter(|cell| cell.number() != Ok(0.0));
+    reader.warnings.extend(written.map(|cell| cell.ignored(cell.text.to_owned())));
+    0.0
 }

@@ -1,19 +1,23 @@
 //! Cards of other solvers, read back as films.
 //!
-//! Three steps, one a module each way: lines and fields of a format with their places, the fields of a material in the terms of
-//! its solver, and the film. What is not understood is named; what changes the film and is not understood is refused.
+//! Three steps: lines and fields of a format with their places ([`entry`]), the fields of a material in the terms of its solver, a
+//! module each, and the film. What is not understood is named; what changes the film and is not understood is refused.
 
-mod blocks;
 mod curve;
-mod fields;
+mod entry;
 mod ls_dyna;
 mod openradioss;
 mod text;
 
+use std::collections::BTreeMap;
+
 use thiserror::Error;
 
+use super::layout::Layout;
 use super::system::System;
 use base::findings;
+use curve::{Ordinate, of_film};
+use entry::{Cell, Entry};
 
 pub use text::material;
 
@@ -116,6 +120,13 @@ findings! {
     }
 }
 
+impl Warning {
+    /// Whether it is of the field of this name.
+    fn is_of(&self, field: &str) -> bool {
+        matches!(self, Warning::Field { name, .. } if name == field)
+    }
+}
+
 /// Why a card cannot be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
@@ -210,11 +221,89 @@ pub struct Mistake {
 /// # Errors
 /// [`Mistake`], the first.
 pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading, Mistake> {
-    match card.lines().find_map(|line| line.chars().next().filter(|first| ['*', '/'].contains(first))) {
-        Some('*') => ls_dyna::read(card, system, wanted),
-        Some('/') => openradioss::read(card, system, wanted),
-        _ => Err(Mistake { place: Place { line: 1, column: 1 }, fault: Fault::UnknownFormat }),
+    let nowhere = |fault: Fault| Mistake { place: Place { line: 1, column: 1 }, fault };
+    let first = card.lines().find_map(|line| line.chars().next().filter(|first| ['*', '/'].contains(first)));
+    let is_dyna = first.ok_or_else(|| nowhere(Fault::UnknownFormat))? == '*';
+    let all = if is_dyna { entry::keywords(card)? } else { entry::blocks(card)? };
+    let layout = |entry: &Entry<'_>| if is_dyna { ls_dyna::layout(entry) } else { openradioss::layout(entry) };
+    let known: Vec<(&Entry<'_>, Layout)> = all.iter().filter_map(|entry| Some((entry, layout(entry)?))).collect();
+    let number = |entry: &Entry<'_>| match is_dyna {
+        true => ls_dyna::number(entry).to_owned(),
+        false => entry.words.get(2).cloned().unwrap_or_default(),
+    };
+    let named = |(entry, _): &&(&Entry<'_>, Layout)| {
+        wanted.is_none_or(|wanted| entry.title == Some(wanted) || number(entry) == wanted)
+    };
+    let (entry, of_it) = *known.iter().find(named).ok_or_else(|| match (wanted, known.is_empty()) {
+        (Some(wanted), false) => nowhere(Fault::NoSuchMaterial(wanted.to_owned())),
+        _ => nowhere(Fault::NoMaterial),
+    })?;
+    let mut reader = Reader { system, curves: BTreeMap::new(), tables: BTreeMap::new(), warnings: vec![] };
+    let is_passed_over = if is_dyna { ls_dyna::is_passed_over } else { openradioss::is_passed_over };
+    let others = all.iter().filter(|entry| layout(entry).is_none() && !is_passed_over(entry));
+    let mark = if is_dyna { "*" } else { "/" };
+    let ignored =
+        others.map(|entry| Warning::Keyword { line: entry.line, name: format!("{mark}{}", entry.words.join("/")) });
+    reader.warnings.extend(ignored);
+    let (law, density, prony) = if is_dyna {
+        ls_dyna::add_curves(&mut reader, &all)?;
+        ls_dyna::film(&mut reader, entry, of_it)?
+    } else {
+        openradioss::add_curves(&mut reader, &all)?;
+        openradioss::film(&mut reader, entry, of_it)?
+    };
+    let name = entry.title.filter(|title| !title.is_empty()).map_or_else(|| number(entry), str::to_owned);
+    let film = Found { name, density: density * system.density(), law, prony };
+    if known.len() > 1 {
+        reader.warnings.push(Warning::Others { read: film.name.clone(), others: known.len() - 1 });
     }
+    Ok(Reading { film, warnings: reader.warnings })
+}
+
+/// Least Poisson's ratio that stands for incompressible film.
+const INCOMPRESSIBLE: f64 = 0.49;
+
+/// Law, density in the units of the card, and Prony series of a material.
+type Read = (FoundLaw, f64, Vec<[f64; 2]>);
+
+/// Reads one material.
+struct Reader {
+    system: System,
+    /// By number, as the solver has them.
+    curves: BTreeMap<i64, Points>,
+    /// Abscissas and numbers of curves, by number.
+    tables: BTreeMap<i64, Vec<(f64, i64)>>,
+    warnings: Vec<Warning>,
+}
+
+impl Reader {
+    /// The curve that a field names, abscissas and ordinates times `units`, without what lies below zero.
+    fn curve(&self, cell: Cell<'_>, units: [f64; 2], kind: Ordinate) -> Result<Points, Mistake> {
+        let number = cell.whole()?.ok_or_else(|| cell.missing())?;
+        self.numbered(cell, number, units, kind)
+    }
+
+    /// As [`Reader::curve`], of a curve whose number another curve or table names; mistakes are at the field.
+    fn numbered(&self, cell: Cell<'_>, number: i64, units: [f64; 2], kind: Ordinate) -> Result<Points, Mistake> {
+        let points = self.curves.get(&number).ok_or_else(|| cell.mistake(Fault::NoCurve(number)))?;
+        let scaled = points.iter().map(|[x, y]| [x * units[0], y * units[1]]).collect();
+        of_film(scaled, kind).map_err(|why| cell.mistake(Fault::BadCurve { curve: number, why: why.to_owned() }))
+    }
+
+    /// Warns of a Poisson's ratio that is not that of incompressible film.
+    fn incompressible(&mut self, poisson: Cell<'_>) -> Result<(), Mistake> {
+        let value = poisson.number()?;
+        self.warnings
+            .extend((value != 0.0 && value < INCOMPRESSIBLE).then(|| poisson.ignored(poisson.text.to_owned())));
+        Ok(())
+    }
+}
+
+/// Ogden's energy of the terms that are not zero, and its shear modulus.
+fn ogden(terms: Vec<[f64; 2]>) -> (FoundLaw, f64) {
+    let terms: Vec<[f64; 2]> = terms.into_iter().filter(|[mu, alpha]| mu * alpha != 0.0).collect();
+    let shear = 0.5 * terms.iter().map(|[mu, alpha]| mu * alpha).sum::<f64>();
+    (FoundLaw::Ogden(terms), shear)
 }
 
 /// The law of film strained at once, of which Prony shares are taken here, and its series (s), from that of relaxed film with
