@@ -148,6 +148,12 @@ impl<'a> Row<'a> {
         self.text.is_empty()
     }
 
+    /// The field at `place` among `names`.
+    pub(super) fn nth(&self, names: &'static str, place: usize) -> Cell<'a> {
+        let name = fields(names, self.format).nth(place).map_or("", |(name, ..)| name);
+        self.cell(names, name)
+    }
+
     /// The field called `name` among `names`.
     pub(super) fn cell(&self, names: &str, name: &'static str) -> Cell<'a> {
         let all = fields(names, self.format);
@@ -263,6 +269,14 @@ impl<'e, 'a> Fields<'e, 'a> {
 
     pub(super) fn positive(&self, name: &'static str) -> Result<f64, Mistake> {
         self.cell(name)?.positive()
+    }
+
+    /// All fields of a line of the layout without gaps and whole numbers.
+    pub(super) fn cells(&self, place: usize) -> Result<Vec<Cell<'a>>, Mistake> {
+        let row = self.entry.row(place)?;
+        let names: Vec<&'static str> = self.layout[place].split(' ').collect();
+        self.read.borrow_mut().extend(&names);
+        Ok(names.into_iter().map(|name| row.cell(self.layout[place], name)).collect())
     }
 
     /// The row at `place` below those of the layout.

@@ -154,11 +154,7 @@ fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>, is_ogden: bool) -> Resul
     reader.incompressible(fields.cell("PR")?)?;
     let stress = reader.system.stress();
     let (law, shear, first) = if is_ogden {
-        const MU: [&str; 8] = ["MU1", "MU2", "MU3", "MU4", "MU5", "MU6", "MU7", "MU8"];
-        const ALPHA: [&str; 8] = ["ALPHA1", "ALPHA2", "ALPHA3", "ALPHA4", "ALPHA5", "ALPHA6", "ALPHA7", "ALPHA8"];
-        let term = |(mu, alpha)| Ok([fields.number(mu)? * stress, fields.number(alpha)?]);
-        let terms = MU.into_iter().zip(ALPHA).map(term).collect::<Result<_, Mistake>>()?;
-        let (law, shear) = super::ogden(terms);
+        let (law, shear) = super::ogden(fields.cells(1)?, fields.cells(2)?, stress)?;
         (law, shear, "MU1")
     } else {
         for name in ["C11", "C02"] {
@@ -201,20 +197,18 @@ fn plastic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mis
 
 /// Hardening by points of the material itself, or by a tangent modulus.
 fn tabulated(reader: &Reader, fields: &Fields<'_, '_>, young: f64) -> Result<Points, Mistake> {
-    const STRAINS: [&str; 8] = ["EPS1", "EPS2", "EPS3", "EPS4", "EPS5", "EPS6", "EPS7", "EPS8"];
-    const STRESSES: [&str; 8] = ["ES1", "ES2", "ES3", "ES4", "ES5", "ES6", "ES7", "ES8"];
     let stress = reader.system.stress();
     let initial = fields.positive("SIGY")? * stress;
-    if let (Ok(_), Ok(first)) = (fields.cell("EPS1"), fields.cell("ES1")) {
-        let point = |(strain, stress_there)| Ok([fields.number(strain)?, fields.number(stress_there)? * stress]);
-        let points: Points = STRAINS.into_iter().zip(STRESSES).map(point).collect::<Result<_, Mistake>>()?;
+    if let (Ok(strains), Ok(stresses)) = (fields.cells(2), fields.cells(3)) {
+        let point = |(x, y): (&Cell<'_>, &Cell<'_>)| Ok([x.number()?, y.number()? * stress]);
+        let points: Points = strains.iter().zip(&stresses).map(point).collect::<Result<_, Mistake>>()?;
         // Strains after the last one are left out.
         let count = 1 + points.windows(2).take_while(|ends| ends[1][0] > ends[0][0]).count();
         if count > 1 {
             let points = points[..count].to_vec();
             let falls = points.windows(2).any(|ends| ends[1][1] < ends[0][1]);
             let fault = || Fault::Unknown("the stress falls, where film would localise in one row of elements".into());
-            return if falls { Err(first.mistake(fault())) } else { Ok(points) };
+            return if falls { Err(stresses[0].mistake(fault())) } else { Ok(points) };
         }
     }
     let cell = fields.cell("ETAN")?;

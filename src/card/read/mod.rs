@@ -300,10 +300,12 @@ impl Reader {
 }
 
 /// Ogden's energy of the terms that are not zero, and its shear modulus.
-fn ogden(terms: Vec<[f64; 2]>) -> (FoundLaw, f64) {
-    let terms: Vec<[f64; 2]> = terms.into_iter().filter(|[mu, alpha]| mu * alpha != 0.0).collect();
+fn ogden(mu: Vec<Cell<'_>>, alpha: Vec<Cell<'_>>, stress: f64) -> Result<(FoundLaw, f64), Mistake> {
+    let term = |(mu, alpha): (Cell<'_>, Cell<'_>)| Ok([mu.number()? * stress, alpha.number()?]);
+    let mut terms = mu.into_iter().zip(alpha).map(term).collect::<Result<Vec<[f64; 2]>, _>>()?;
+    terms.retain(|[mu, alpha]| mu * alpha != 0.0);
     let shear = 0.5 * terms.iter().map(|[mu, alpha]| mu * alpha).sum::<f64>();
-    (FoundLaw::Ogden(terms), shear)
+    Ok((FoundLaw::Ogden(terms), shear))
 }
 
 /// The law of film strained at once, of which Prony shares are taken here, and its series (s), from that of relaxed film with

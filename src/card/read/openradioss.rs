@@ -114,24 +114,19 @@ fn orthotropic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw,
 }
 
 fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<(FoundLaw, Points), Mistake> {
-    /// Until 2025 the second line of each five was blank.
-    const MU: [&str; 10] = ["MU_1", "MU_2", "MU_3", "MU_4", "MU_5", "MU_6", "MU_7", "MU_8", "MU_9", "MU_10"];
-    const ALPHA: [&str; 10] =
-        ["ALPHA_1", "ALPHA_2", "ALPHA_3", "ALPHA_4", "ALPHA_5", "ALPHA_6", "ALPHA_7", "ALPHA_8", "ALPHA_9", "ALPHA_10"];
-    const MODULI: [&str; 5] = ["G_1", "G_2", "G_3", "G_4", "G_5"];
-    const TIMES: [&str; 5] = ["TAU_1", "TAU_2", "TAU_3", "TAU_4", "TAU_5"];
     reader.incompressible(fields.cell("NU")?)?;
     let stress = reader.system.stress();
-    let term = |(mu, alpha)| Ok([fields.number(mu)? * stress, fields.number(alpha)?]);
-    let (law, shear) = super::ogden(MU.into_iter().zip(ALPHA).map(term).collect::<Result<_, Mistake>>()?);
+    // Until 2025 the second line of each five was blank.
+    let both = |first: usize| Ok([fields.cells(first)?, fields.cells(first + 1)?].concat());
+    let (law, shear) = super::ogden(both(2)?, both(4)?, stress)?;
     if shear <= 0.0 {
         return Err(fields.cell("MU_1")?.mistake(Fault::Missing { name: "a shear modulus above zero" }));
     }
     let count = fields.cell("M")?.whole()?.unwrap_or(0).clamp(0, 100) as usize;
     let rows = count.div_ceil(5);
     let term = |i: usize| {
-        let modulus = fields.below(i / 5)?.cell(OF_MODULI, MODULI[i % 5]);
-        let time = fields.below(rows + i / 5)?.cell(OF_TIMES, TIMES[i % 5]);
+        let modulus = fields.below(i / 5)?.nth(OF_MODULI, i % 5);
+        let time = fields.below(rows + i / 5)?.nth(OF_TIMES, i % 5);
         Ok([modulus.positive()? * stress, time.positive()? * reader.system.time()])
     };
     let moduli: Vec<[f64; 2]> = (0..count).map(term).collect::<Result<_, Mistake>>()?;
@@ -140,9 +135,6 @@ fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<(FoundLaw, Poi
 
 /// LAW36: von Mises.
 fn by_table(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mistake> {
-    const FUNCTIONS: [&str; 5] = ["FUNCT_ID_1", "FUNCT_ID_2", "FUNCT_ID_3", "FUNCT_ID_4", "FUNCT_ID_5"];
-    const SCALES: [&str; 5] = ["FSCALE_1", "FSCALE_2", "FSCALE_3", "FSCALE_4", "FSCALE_5"];
-    const RATES: [&str; 5] = ["EPS_DOT_1", "EPS_DOT_2", "EPS_DOT_3", "EPS_DOT_4", "EPS_DOT_5"];
     let counted = fields.cell("N_FUNCT")?;
     let count = counted.whole()?.unwrap_or(0).clamp(0, 100) as usize;
     if count == 0 {
@@ -150,11 +142,10 @@ fn by_table(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mi
     }
     let rows = count.div_ceil(5);
     let of_row = |i: usize| {
-        let cell = |line: usize, names: &str, of: [&'static str; 5]| -> Result<Cell<'_>, Mistake> {
-            Ok(fields.below(line * rows + i / 5)?.cell(names, of[i % 5]))
+        let cell = |line: usize, names: &'static str| -> Result<Cell<'_>, Mistake> {
+            Ok(fields.below(line * rows + i / 5)?.nth(names, i % 5))
         };
-        let scale = cell(1, OF_SCALES, SCALES)?.or(1.0)?;
-        row(reader, cell(0, OF_FUNCTIONS, FUNCTIONS)?, scale, cell(2, OF_RATES, RATES)?)
+        row(reader, cell(0, OF_FUNCTIONS)?, cell(1, OF_SCALES)?.or(1.0)?, cell(2, OF_RATES)?)
     };
     let found = (0..count).map(of_row).collect::<Result<Vec<_>, Mistake>>()?;
     plastic(reader, fields, found, None)
