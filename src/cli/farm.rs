@@ -17,7 +17,7 @@ use study::store::evaluations::Share;
 const TICK: Duration = Duration::from_millis(100);
 
 /// Part of the runs that one of several processes takes, and when it stops.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(super) struct ShardArgs {
     /// Take this part of the runs first, then what no other process has begun: 3/16
     #[arg(long, value_name = "K/N")]

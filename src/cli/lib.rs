@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 mod argument;
+mod calibrate;
 mod changes;
 mod check;
 mod checkpoint;
@@ -115,6 +116,8 @@ enum Command {
     Run(run::RunArgs),
     /// Run a scenario many times, with the values of its table [variation]
     Sweep(sweep::SweepArgs),
+    /// Find the parameters of a film from several tests, how well they are known, and what follows
+    Calibrate(calibrate::CalibrateArgs),
     /// Run a Rhai script over scenarios: one of yours, or a shipped one by its name
     Script(script::ScriptArgs),
     /// Check scenarios and materials without running them
@@ -163,7 +166,23 @@ enum Command {
 
 /// The commands under their headings in the help; each stands in the order of [`Command`].
 const GROUPS: [(&str, &[&str]); 3] = [
-    ("Jobs", &["run", "sweep", "script", "check", "new", "explain", "test", "compare", "watch", "view", "picture"]),
+    (
+        "Jobs",
+        &[
+            "run",
+            "sweep",
+            "calibrate",
+            "script",
+            "check",
+            "new",
+            "explain",
+            "test",
+            "compare",
+            "watch",
+            "view",
+            "picture",
+        ],
+    ),
     ("Recordings, materials, other solvers", &["reduce", "fit", "signal", "export", "import"]),
     ("More", &["schema", "completions", "man", "store", "list"]),
 ];
@@ -283,6 +302,7 @@ fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
         Command::Completions(args) => complete::run(args),
         Command::Man(args) => man::run(args),
         Command::Watch(args) => watch::run(args, shared),
+        Command::Calibrate(args) => calibrate::run(args, shared),
         Command::Script(args) => script::run(args, shared),
         Command::Reduce(command) => reduce::run(command, shared),
         Command::Fit(command) => fit::run(command, shared),

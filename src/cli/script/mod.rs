@@ -3,6 +3,7 @@
 mod help;
 mod shipped;
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use serde_json::{Map, Value, json};
 
 use self::shipped::Named;
 use super::complete;
+use super::failure::ExitStatus;
 use super::farm::{self, Ends, ShardArgs};
 use super::faults::{reading, script, storing};
 use super::given::Given;
@@ -25,7 +27,7 @@ use base::finding::Finding;
 use base::units::with_decimal_point;
 use report::StudyPage;
 use scene::scenario::Assignment;
-use study::calibrate;
+use study::calibrate::{self, StudyFile};
 use study::evaluate::{EvaluationError, Evaluations};
 use study::functions;
 use study::identify::{self, SearchEvent, SearchHost};
@@ -66,6 +68,9 @@ pub(super) struct ScriptArgs {
     /// Folder of the evaluations that are never computed twice
     #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
     pub store: PathBuf,
+    /// The file of a calibration, which stands in the place of the script
+    #[arg(skip)]
+    pub study: Option<Arc<StudyFile>>,
 }
 
 /// Names that belong to a study's summary.
@@ -83,12 +88,23 @@ struct ScriptRun {
     output: ScriptOutput,
     /// The finding that recordings behind it are virtual, which its output begins with.
     virtual_recordings: Option<Finding>,
+    /// Why it ended before its end, of a script that had results by then.
+    failure: Option<Failure>,
 }
 
 impl ScriptArgs {
     /// The script; there is one unless help is asked for.
     fn path(&self) -> &Path {
         self.path.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// A fault of the script, in a study at the line of its file.
+    fn fault(&self, fault: &Fault) -> Diagnostic {
+        let own = script(fault);
+        match self.study.as_ref().filter(|_| fault.file == self.path()) {
+            Some(study) => Diagnostic { span: None, ..own }.at(&study.place(fault.line)),
+            None => own,
+        }
     }
 }
 
@@ -100,9 +116,11 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     if args.list {
         return shipped::list(shared);
     }
-    if args.path().extension().is_some_and(|extension| extension == "toml") {
-        let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(args.path())));
-        return Err(mistake.hint(format!("run it with `droptower run {}`", shown_path(args.path()))).into());
+    if args.study.is_none() && args.path().extension().is_some_and(|extension| extension == "toml") {
+        let mistake = Diagnostic::new(format!("{} is no script", shown_path(args.path())));
+        let path = shown_path(args.path());
+        let hint = format!("`droptower run {path}` runs a scenario, `droptower calibrate {path}` a study");
+        return Err(mistake.hint(hint).into());
     }
     let name = args.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| storing(&error))?;
@@ -132,7 +150,12 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
             page.discard();
             return part(args, &evaluations, shared).map(|()| None);
         }
-        let files = store_results(&run, args, &place, origin).map_err(|error| Failure::output(storing(&error)))?;
+        let (files, stored) =
+            store_results(&run, args, &place, origin).map_err(|error| Failure::output(storing(&error)))?;
+        if let Some(Failure { diagnostics, .. }) = &run.failure {
+            tell(&format!("note: {} has what was found before", shown_path(&stored)), shared.quiet);
+            return Err(Failure { status: ExitStatus::OutputFailed, diagnostics: diagnostics.clone(), drawing: None });
+        }
         page.ended(&run.name);
         Ok(Some((run, files)))
     };
@@ -235,9 +258,9 @@ fn run_script(
     let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector);
     let Compiled { program, scope, call } = compiled(args, &engine, place)?;
     let stopped = |fault: Fault| match fault.numerical {
-        true => Failure::numerical(script(&fault)),
-        false if fault.may_pass => Failure::output(script(&fault)),
-        false => Failure::from(script(&fault)),
+        true => Failure::numerical(args.fault(&fault)),
+        false if fault.may_pass => Failure::output(args.fault(&fault)),
+        false => Failure::from(args.fault(&fault)),
     };
     let session = Session::of_engine(&engine);
     let (stop, given_up) = (session.stop().clone(), session.cancellation().clone());
@@ -254,9 +277,11 @@ fn run_script(
     }
     let run = || page.during(|| program.run(&engine, scope));
     let ran = farm::watched(evaluations, &given_up, deadline, run);
-    let is_stopped = match ran {
-        Err(_) if ends().is_over() => true,
-        ran => ran.map(|_| false).map_err(stopped)?,
+    let (is_stopped, failure) = match ran {
+        Err(_) if ends().is_over() => (true, None),
+        Err(fault) if collector.output().tables.is_empty() => return Err(stopped(fault)),
+        Err(fault) => (false, Some(stopped(fault))),
+        Ok(_) => (false, None),
     };
     let [cache_hits, computed] = evaluations.counts();
     if cache_hits > 0 {
@@ -275,7 +300,11 @@ fn run_script(
     let mut output = collector.output();
     output.findings.splice(..0, virtual_recordings.clone());
     output.findings.extend(of_runs);
-    Ok((ScriptRun { name, call, program, output, virtual_recordings }, is_stopped))
+    if let Some(failure) = &failure {
+        let cause = failure.diagnostics.first().map_or_else(String::new, |own| own.message.clone());
+        output.findings.insert(0, Finding::new(&Warning::EndedEarly { cause }));
+    }
+    Ok((ScriptRun { name, call, program, output, virtual_recordings, failure }, is_stopped))
 }
 
 /// The interpreter with all functions of studies, whose scenarios have these changes.
@@ -298,6 +327,11 @@ pub(super) fn engine(
     engine
 }
 
+/// The script that a study stands for.
+fn of_study(args: &ScriptArgs, study: &StudyFile) -> Named {
+    Named { path: args.path().to_owned(), text: Some(Cow::Owned(study.script.clone())) }
+}
+
 /// A script that can run.
 struct Compiled {
     program: Script,
@@ -312,11 +346,12 @@ fn compiled(args: &ScriptArgs, engine: &Engine, place: &Path) -> Result<Compiled
     let mut scope = Scope::new();
     // The arguments are checked against what the script declares, so its text comes first.
     scope.push_constant("args", Arguments::default());
-    let program = match shipped::named(args.path())? {
-        Named { path, text: Some(text) } => Script::compile(engine, &scope, &path, text)
-            .map_err(|faults| faults.iter().map(script).collect::<Vec<Diagnostic>>())?,
-        Named { path, text: None } => Script::read(engine, &scope, &path).map_err(|error| reading(&error))?,
-    };
+    let program =
+        match args.study.as_ref().map_or_else(|| shipped::named(args.path()), |study| Ok(of_study(args, study)))? {
+            Named { path, text: Some(text) } => Script::compile(engine, &scope, &path, &text)
+                .map_err(|faults| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>())?,
+            Named { path, text: None } => Script::read(engine, &scope, &path).map_err(|error| reading(&error))?,
+        };
     let about = About::read(args.path(), program.text())?;
     check_declared(&program, &about)?;
     let mistakes = about.check(&given);
@@ -417,14 +452,24 @@ fn summary(run: &ScriptRun) -> Map<String, Value> {
     summary
 }
 
-fn store_results(run: &ScriptRun, args: &ScriptArgs, place: &Path, origin: Origin) -> Result<Vec<String>, StoreError> {
+/// Writes the results; those of a script that ended before its end go to a folder of their own. Their files, and where they are.
+fn store_results(
+    run: &ScriptRun,
+    args: &ScriptArgs,
+    place: &Path,
+    origin: Origin,
+) -> Result<(Vec<String>, PathBuf), StoreError> {
     let ScriptRun { name, call, program, output, .. } = run;
     let draft = Draft::begin(place, origin, args.force)?;
     let modules: Vec<(&str, &str)> = program.modules().map(|(name, source)| (name, &*source.text)).collect();
-    let page = StudyPage { name, call, output, script: program.text(), modules: &modules };
+    let text = args.study.as_ref().map_or_else(|| program.text(), |study| &study.source.text);
+    let page = StudyPage { name, call, output, script: text, modules: &modules };
     let files = folder::fill_study(&draft, &page, &summary(run))?;
-    draft.publish()?;
-    Ok(files)
+    let place = match run.failure {
+        Some(_) => draft.publish_failed()?,
+        None => draft.publish().map(|_| place.to_owned())?,
+    };
+    Ok((files, place))
 }
 
 #[cfg(test)]
@@ -472,6 +517,7 @@ mod tests {
                 .expect("a script"),
             output: ScriptOutput::default(),
             virtual_recordings: Some(Finding::of_script("virtual-recording", "a recording is virtual")),
+            failure: None,
         };
         let fields: BTreeSet<String> = summary(&run).into_iter().map(|(name, _)| name).collect();
         assert_eq!(fields, RESERVED.map(String::from).into());

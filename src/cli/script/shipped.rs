@@ -1,5 +1,6 @@
 //! Scripts that are part of the program and run by their names: `droptower script failure-mass`.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -24,7 +25,7 @@ pub(super) struct Named {
     /// Where it is, or where a shipped one would be.
     pub(super) path: PathBuf,
     /// The text of a shipped script.
-    pub(super) text: Option<&'static str>,
+    pub(super) text: Option<Cow<'static, str>>,
 }
 
 /// The file that is named, with or without its ending, or else the shipped script of this name.
@@ -39,7 +40,7 @@ pub(super) fn named(given: &Path) -> Result<Named, Diagnostic> {
     }
     let name = given.file_stem().unwrap_or_default().to_string_lossy();
     if let Some((_, text)) = SHIPPED.iter().find(|(own, _)| *own == name) {
-        return Ok(Named { path: with_ending, text: Some(text) });
+        return Ok(Named { path: with_ending, text: Some(Cow::Borrowed(text)) });
     }
     let mistake =
         Diagnostic::new(format!("there is no script {}, neither a file nor a shipped one", shown_path(given)));
@@ -51,7 +52,7 @@ pub(super) fn named(given: &Path) -> Result<Named, Diagnostic> {
 pub(super) fn about(given: &Path) -> Result<About, Failure> {
     let Named { path, text } = named(given)?;
     let text = match text {
-        Some(text) => text.to_owned(),
+        Some(text) => text.into_owned(),
         None => file::read_text(&path, LONGEST_SCRIPT)
             .map_err(|error| Diagnostic::new(format!("cannot read {}: {error}", shown_path(&path))))?,
     };

@@ -64,7 +64,7 @@ pub use resolved::{Assumption, assumptions, leaves};
 pub use round::Round;
 pub use rupture::{Level, Rupture, RuptureCriterion};
 pub use specimen::{Around, AroundChoice, Element, Meshing, Polygon, Shape, Specimen, Symmetry};
-pub use tree::{Node, Table, Value};
+pub use tree::{Node, Table, Value, parse as parse_tree};
 pub use variation::{Correlation, Method, Variation, VariedKey};
 pub use viscous::{Arrhenius, PronyOf, PronyTerm, Shift, Wlf};
 

@@ -12,6 +12,7 @@ mod candidates;
 mod curve_parameter;
 mod distance;
 mod error_model;
+mod file;
 mod fit;
 mod left_out;
 mod mesh;
@@ -28,4 +29,5 @@ mod verdict;
 mod warning;
 
 pub use bindings::{REFERENCE, register};
+pub use file::StudyFile;
 pub use warning::CODES;

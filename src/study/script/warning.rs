@@ -37,6 +37,10 @@ findings! {
             message "of {runs} runs {} warnings: {}",
                 if *runs == 1 { "one has" } else { "some have" },
                 codes.iter().map(|(code, count)| format!("{code} ({count})")).collect::<Vec<_>>().join(", ");
+        EndedEarly { cause: String, "the mistake" => "cause" } = "ended-early", Warning;
+            meaning "a script or a study ended with a mistake after it had results: its tables and its page have what was found until then";
+            remedy "mend the mistake and start it again: its runs are kept";
+            message "ended before its end: {cause}";
         SearchesNotShown { shown: usize, "how many have plots" => "shown" } = "searches-not-shown", Note;
             meaning "a script makes more searches, or more correlations of estimated parameters, than report and \
                 recording show";
