@@ -851,3 +851,51 @@ fn a_plastic_law_is_found_again_from_its_coupons() {
         assert!((found / expected - 1.0).abs() < 0.01, "{found} instead of {expected}");
     }
 }
+
+/// A study in a file: its parameter is found, a scenario that is predicted is read before the search, and what was found before a
+/// mistake in a later line is kept.
+#[test]
+fn a_study_in_a_file_is_calibrated() {
+    use crate::workbench::{self, droptower};
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let base = workbench::root().join("scenarios/stretch/single-element.toml");
+    let strip = |name: &str, ke: f64| {
+        let text =
+            format!("extends = {base:?}\nloading.stretch.until = 0.2\nspecimen.material.fabric.scale.ke = {ke}\n");
+        std::fs::write(at.join(name), text).expect("a scenario");
+    };
+    strip("strip.toml", 1.0);
+    strip("film.toml", 1.3);
+    let made = droptower(at, &["run", "film.toml", "--quiet"]);
+    assert!(made.status.success(), "{}", workbench::error(&made));
+    let study = |more: &str| {
+        let text = format!(
+            "precision = 0.05\n[[test]]\nscenario = \"strip.toml\"\ncompare = \"force\"\nrecordings = \"runs/*/signals.csv\"\nnoise = 0.01\n\
+             [parameters]\nke = {{ key = \"specimen.material.fabric.scale.ke\", start = 1, within = [0.2, 5], log = true }}\n{more}"
+        );
+        std::fs::write(at.join("study.toml"), text).expect("a study");
+    };
+    study("");
+    let found = droptower(at, &["calibrate", "study.toml", "--json"]);
+    assert!(found.status.success(), "{}", workbench::error(&found));
+    let own = &workbench::figures(&found)["tables"]["parameters"][0];
+    assert!((own["value"].as_f64().expect("a value") - 1.3).abs() < 0.01, "{own}");
+    assert_eq!(own["verdict"], "determined");
+    // Before any run: a scenario that cannot be read.
+    study("[predict]\nscenarios = [\"head.toml\"]\n");
+    let refused = droptower(at, &["calibrate", "study.toml", "--force"]);
+    let error = workbench::error(&refused);
+    assert!(
+        refused.status.code() == Some(2) && error.contains("head.toml") && error.contains("study.toml:9"),
+        "{error}"
+    );
+    assert!(!error.contains("weighted by noise"), "no search began: {error}");
+    // After it: a test that is not there.
+    study("left_out = [\"nobody\"]\n");
+    let late = droptower(at, &["calibrate", "study.toml", "--force"]);
+    let error = workbench::error(&late);
+    assert!(late.status.code() == Some(1) && error.contains("nobody"), "{error}");
+    let page = std::fs::read_to_string(at.join("runs/study.failed/report.html")).expect("a page");
+    assert!(page.contains("ended before its end") && page.contains("determined"));
+}
