@@ -887,7 +887,7 @@ fn a_study_in_a_file_is_calibrated() {
     let refused = droptower(at, &["calibrate", "study.toml", "--force"]);
     let error = workbench::error(&refused);
     assert!(
-        refused.status.code() == Some(2) && error.contains("head.toml") && error.contains("study.toml:9"),
+        refused.status.code() == Some(2) && error.contains("head.toml") && error.contains("study.toml:10"),
         "{error}"
     );
     assert!(!error.contains("weighted by noise"), "no search began: {error}");

@@ -53,7 +53,12 @@ fn search_fits(search: &ConvergenceHistory) -> impl Iterator<Item = Fit<'_>> {
 
 /// The answer of a study in a few sentences; the first line of the script's description where it has no search.
 pub(super) fn sentence(output: &ScriptOutput, estimates: &[Estimate], script: &str) -> String {
-    let sentences: Vec<String> = [met(&fits(output)), known(estimates)].into_iter().flatten().collect();
+    let next = output.findings.iter().filter(|own| own.code == "measure-next").map(|own| {
+        let mut letters = own.message.chars();
+        letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
+    });
+    let answers = [met(&fits(output)), known(estimates)].into_iter().flatten();
+    let sentences: Vec<String> = answers.chain(next).collect();
     match sentences.is_empty() {
         true => described(script),
         false => sentences.join(" "),
@@ -91,10 +96,12 @@ fn from_one(is_virtual: bool) -> &'static str {
 
 /// How well the parameters are known.
 fn known(estimates: &[Estimate]) -> Option<String> {
-    let open: Vec<String> = estimates.iter().filter(|one| one.half_width().is_none()).map(Estimate::name).collect();
+    let is_sure = |one: &&Estimate| one.doubt.is_none();
+    let open = estimates.iter().filter(is_sure).filter(|one| one.half_width().is_none());
+    let open: Vec<String> = open.map(Estimate::name).collect();
     let share = |one: &Estimate| Some((one.half_width()? / one.value.abs(), one.name()));
     let mut shares: Vec<(f64, String)> =
-        estimates.iter().filter_map(share).filter(|(share, _)| share.is_finite()).collect();
+        estimates.iter().filter(is_sure).filter_map(share).filter(|(share, _)| share.is_finite()).collect();
     shares.sort_by(|a, b| a.0.total_cmp(&b.0));
     let width = |share: f64| digits(100.0 * share);
     let closed = match &shares[..] {
@@ -105,7 +112,19 @@ fn known(estimates: &[Estimate]) -> Option<String> {
         }
     };
     let open = (!open.is_empty()).then(|| format!("Without a bound: {}.", open.join(", ")));
-    let sentences: Vec<String> = [closed, open].into_iter().flatten().collect();
+    // What a calibration doubts has no width in the answer.
+    let mut doubts: Vec<(&str, Vec<String>)> = Vec::new();
+    for (doubt, name) in estimates.iter().filter_map(|one| Some((one.doubt.as_deref()?, one.name()))) {
+        match doubts.iter_mut().find(|(own, _)| *own == doubt) {
+            Some((_, names)) => names.push(name),
+            None => doubts.push((doubt, vec![name])),
+        }
+    }
+    let doubts = doubts.into_iter().map(|(doubt, names)| {
+        let verb = if names.len() == 1 { "is" } else { "are" };
+        format!("{} {verb} {doubt}.", names.join(" and "))
+    });
+    let sentences: Vec<String> = [closed, open].into_iter().flatten().chain(doubts).collect();
     (!sentences.is_empty()).then(|| sentences.join(" "))
 }
 
@@ -189,6 +208,7 @@ pub(super) fn cards(measures: &Row) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use base::finding::Finding;
 
     #[test]
     fn a_description_is_a_sentence_and_not_a_line() {
@@ -202,5 +222,29 @@ mod tests {
         ] {
             assert_eq!(described(script), expected);
         }
+    }
+
+    /// What a calibration doubts has no width in the answer, and what to measure next is its last sentence.
+    #[test]
+    fn doubts_stand_in_the_answer() {
+        let one = |parameter: &str, doubt: Option<&str>| Estimate {
+            test: None,
+            parameter: parameter.into(),
+            value: 2.0,
+            interval: [Some(1.9), Some(2.1)],
+            mark: None,
+            basis: None,
+            doubt: doubt.map(str::to_owned),
+        };
+        let output = ScriptOutput {
+            findings: vec![Finding::of_script("measure-next", "measure light next: it narrows ky")],
+            ..ScriptOutput::default()
+        };
+        let mesh = Some("limited by the mesh");
+        let all = [one("k1", None), one("ke", mesh), one("ky", mesh), one("kb", Some("at its upper bound"))];
+        assert_eq!(
+            sentence(&output, &all, ""),
+            "k1 is known to ±5 %. ke and ky are limited by the mesh. kb is at its upper bound. Measure light next: it narrows ky."
+        );
     }
 }

@@ -36,6 +36,8 @@ pub(super) struct Estimate {
     pub mark: Option<(f64, &'static str)>,
     /// What its interval rests on, where the table says so.
     pub basis: Option<String>,
+    /// What a calibration says of it in place of its interval; none of one that is determined.
+    pub doubt: Option<String>,
 }
 
 impl Estimate {
@@ -91,7 +93,8 @@ pub(super) fn estimates(output: &ScriptOutput) -> Vec<Estimate> {
         let test = text(row, TEST);
         let mark = mark(row, &parameter, &test);
         let basis = if is_posterior { Some("posterior".into()) } else { text(row, BASIS) };
-        Some(Estimate { interval: ENDS.map(|end| number(row, end)), test, parameter, value, mark, basis })
+        let doubt = text(row, "verdict").filter(|verdict| verdict != "determined");
+        Some(Estimate { doubt, interval: ENDS.map(|end| number(row, end)), test, parameter, value, mark, basis })
     };
     output
         .tables

@@ -277,7 +277,10 @@ impl Calibration {
     /// What each candidate would tell beside the tests.
     fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, scenarios, collector, .. } = &*self.0;
-        let rows = candidates::compared(given, plan, fit, scenarios, session)?;
+        let candidates::Compared { rows, advice } = candidates::compared(given, plan, fit, scenarios, session)?;
+        if let Some(advice) = advice {
+            collector.report(Finding::new(&advice)).map_err(refuse)?;
+        }
         let mut derived = self.derived();
         derived.candidates.extend(rows.clone());
         collector.table(&plan.table("candidates"), derived.candidates.clone()).map_err(refuse)?;

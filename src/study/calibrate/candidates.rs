@@ -11,7 +11,8 @@ use super::plan::Plan;
 use super::pulled;
 use super::rows::object;
 use super::test::{Test, Tolerances};
-use super::verdict;
+use super::verdict::{self, Verdict};
+use super::warning::Warning;
 use crate::scenario_functions::Scenarios;
 use crate::script::{HostResult, Row, Session, refuse};
 use nalgebra::DMatrix;
@@ -20,6 +21,16 @@ use scene::model::Identity;
 /// Noise of a signal that was not recorded, as a share of it (assumed).
 const ASSUMED_NOISE: f64 = 0.01;
 
+/// Part of an interval by which a candidate must narrow it to be worth a test.
+const WORTH: f64 = 0.1;
+
+/// What candidates would tell.
+pub(super) struct Compared {
+    pub(super) rows: Vec<Row>,
+    /// The one to measure next; none where none is worth it.
+    pub(super) advice: Option<Warning>,
+}
+
 /// One row a candidate and unknown: its half width now, and with the candidate beside the tests.
 pub(super) fn compared(
     candidates: &Array,
@@ -27,8 +38,10 @@ pub(super) fn compared(
     fit: &Fit,
     scenarios: &Scenarios,
     session: &Session,
-) -> HostResult<Vec<Row>> {
+) -> HostResult<Compared> {
     let mut rows = Vec::new();
+    // Whether an unknown is determined already, how much is gained, and of what.
+    let mut best: Option<(bool, f64, Warning)> = None;
     let ends = CalibrationObjective::new(plan, fit.share, session).ends();
     for given in candidates {
         let mut test = candidate(given, plan, fit, scenarios, session)?;
@@ -48,6 +61,12 @@ pub(super) fn compared(
             let alone = information[(index, index)].sqrt().recip();
             let then = verdict::judged(plan, &fit.x, index, &covariance, alone, &[]);
             let now = &fit.known[index];
+            let (open, gain) = (now.verdict != Verdict::Determined, 1.0 - then.deviation / now.deviation);
+            if gain > WORTH && best.as_ref().is_none_or(|(of_open, most, _)| (open, gain) > (*of_open, *most)) {
+                let (candidate, parameter) = (test.name.clone(), unknown.name.clone());
+                let (now, then) = (now.half_width, then.half_width);
+                best = Some((open, gain, Warning::MeasureNext { candidate, parameter, now, then }));
+            }
             rows.push(object(json!({
                 "candidate": test.name, "parameter": unknown.name, "half_width_now": now.half_width,
                 "half_width_then": then.half_width, "reduction": 1.0 - then.deviation / now.deviation,
@@ -55,7 +74,7 @@ pub(super) fn compared(
             })));
         }
     }
-    Ok(rows)
+    Ok(Compared { rows, advice: best.map(|(_, _, advice)| advice) })
 }
 
 /// Whether a candidate is a test that was made: the same run, compared by the same signals.

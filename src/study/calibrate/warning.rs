@@ -31,6 +31,16 @@ findings! {
             remedy "add a test that separates them (`settles` of the result compares candidates), or fix one of them";
             message "{parameter} is determined only together with {}: 95 % half width {} of its value, {} if they were known ({basis})",
                 others.join(" and "), percent(*half_width), percent(*half_width_alone);
+        MeasureNext {
+            candidate: String, "the candidate" => "candidate";
+            parameter: String, "the parameter that it tells most of" => "parameter";
+            now: f64, "half width of its interval of 95 %, relative to its value" => "half_width_now";
+            then: f64, "the same with the candidate" => "half_width_then";
+        } = "measure-next", Note;
+            meaning "of the candidates that were compared, this one narrows an interval most: of parameters that the tests do not determine where \
+                there are any";
+            remedy "make that test, and add its recording to the tests";
+            message "measure {candidate} next: it narrows the 95 % interval of {parameter} from ±{} to ±{} of its value", percent(*now), percent(*then);
         MeshLimited {
             parameter: String, "the parameter" => "parameter";
             moved: f64, "what the correction for the elements moves it by: of its value, of a parameter that is no factor in its unit" => "moved";

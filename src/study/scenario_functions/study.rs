@@ -86,7 +86,10 @@ impl Study {
         let document = Document::read(path).map_err(|mut found| {
             let folder = std::env::current_dir().ok().filter(|_| path.is_relative() && !path.exists());
             if let (Some(folder), Some(mistake)) = (folder, found.first_mut()) {
-                let hint = format!("paths in scripts are relative to the working directory, {}", folder.display());
+                let hint = format!(
+                    "paths of scripts are seen from the working directory, {}, those of studies from their file",
+                    folder.display()
+                );
                 mistake.hint.get_or_insert(hint);
             }
             mistakes(found)
