@@ -78,11 +78,22 @@ pub enum DropError {
     /// Something other than film stopped the fall.
     #[error(
         "acceleration: the reading leaves the fall at {time:.4} s, {} ms before the contact at {contact:.4} s that the rest of it shows: the \
-         impactor touched something there, or height, mass or column are others",
+         impactor touched something there, or height, time constant, mass or column are others",
         significant(1e3 * (contact - time), 3)
     )]
     NoFall {
         /// When it leaves the fall, s.
+        time: f64,
+        /// Time of the contact that was found, s.
+        contact: f64,
+    },
+    /// What the impactor met is not pressed as film is.
+    #[error(
+        "acceleration: from the contact at {contact:.4} s on no force that grows with the travel explains the reading at {time:.4} s: the impactor \
+         met something else first, or twice, or height, time constant, mass or column are others"
+    )]
+    NoOnset {
+        /// Where the reading is off, s.
         time: f64,
         /// Time of the contact that was found, s.
         contact: f64,

@@ -164,16 +164,28 @@ impl Model<'_> {
         self.residuals(u).iter().map(|r| r * r).sum::<f64>() - beforehand[FRICTION_ROW].powi(2)
     }
 
-    /// First time at which a mean of the reading over `length` (s), between release and contact, is off the fall by more than `most`
-    /// (m/s²).
-    pub(super) fn leaves_fall(&self, u: &Unknowns, length: f64, most: f64) -> Option<f64> {
-        let [from, to] = [u[of::RELEASE] + u[of::DURATION], self.contact(u)[0]];
-        let falling = self.samples.iter().zip(self.residuals(u)).filter(|(own, _)| (from..to).contains(&own.time));
-        let off: Vec<[f64; 2]> = falling.map(|(own, row)| [own.time, own.deviation * straight(row)]).collect();
-        off.chunk_by(|a, b| ((a[0] - from) / length).floor() == ((b[0] - from) / length).floor()).find_map(|bin| {
-            let mean = bin.iter().map(|[_, off]| off).sum::<f64>() / bin.len() as f64;
-            let is_whole = bin[0][0] + length < to;
-            (is_whole && mean.abs() > most).then_some(bin[0][0])
+    /// First time at which a mean of the reading over `length` (s), between two times, is off the model by more than `most` (m/s²), by
+    /// more than a `share` of itself, and by more than noise makes.
+    pub(super) fn leaves(
+        &self,
+        u: &Unknowns,
+        [from, to]: [f64; 2],
+        length: f64,
+        [most, share]: [f64; 2],
+    ) -> Option<f64> {
+        /// Standard deviations of a mean that noise does not reach.
+        const NOISE: f64 = 6.0;
+        let rows = self.residuals(u);
+        let inside: Vec<(&Sample, f64)> =
+            self.samples.iter().zip(rows).filter(|(own, _)| (from..to).contains(&own.time)).collect();
+        let bin = |own: &Sample| ((own.time - from) / length).floor();
+        inside.chunk_by(|a, b| bin(a.0) == bin(b.0)).find_map(|bin| {
+            let mean = |value: &dyn Fn(&(&Sample, f64)) -> f64| bin.iter().map(value).sum::<f64>() / bin.len() as f64;
+            let off = mean(&|(own, row)| own.deviation * straight(*row)).abs();
+            let noise = mean(&|(own, _)| own.deviation) / (bin.len() as f64).sqrt();
+            let start = bin[0].0.time;
+            let is_off = off > most && off > share * mean(&|(own, _)| own.reading).abs() && off > NOISE * noise;
+            (is_off && start + length < to).then_some(start)
         })
     }
 

@@ -32,6 +32,9 @@ const MISFIT: f64 = 2.0;
 /// Length of the means of the fall, s, and by how much one may be off the model, m/s²: a tenth of gravity. Guides rub by less.
 const FALL_BIN: f64 = 0.01;
 const OFF_FALL: f64 = 1.0;
+/// The same of the onset of the force, of which film is off by less than a tenth.
+const ONSET_BIN: f64 = 0.004;
+const OFF_ONSET: f64 = 0.1;
 /// Sum of squares, over the colour, and share of the value by which what is known contradicts the recording.
 const CONTRADICTS: f64 = 25.0;
 const DIFFERS: f64 = 0.01;
@@ -57,8 +60,13 @@ pub fn reduce(
     let known = Known::new(tower, reduction, step);
     let Explained { known, recorded, fit, disagreement } = explain(recorded, known, tower)?;
     let model = recorded.model(&known, tower.body.gravity);
-    if let Some(time) = model.leaves_fall(&fit.best, FALL_BIN, OFF_FALL) {
-        return Err(DropError::NoFall { time, contact: model.contact(&fit.best)[0] });
+    let [contact, _] = model.contact(&fit.best);
+    let released = fit.best[of::RELEASE] + fit.best[of::DURATION];
+    if let Some(time) = model.leaves(&fit.best, [released, contact], FALL_BIN, [OFF_FALL, 0.0]) {
+        return Err(DropError::NoFall { time, contact });
+    }
+    if let Some(time) = model.leaves(&fit.best, [contact, recorded.onset_end], ONSET_BIN, [OFF_FALL, OFF_ONSET]) {
+        return Err(DropError::NoOnset { time, contact });
     }
     finish(&recorded, &model, &fit, tower, reduction, class, [of_rate, disagreement])
 }
