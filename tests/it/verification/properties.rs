@@ -367,16 +367,23 @@ fn alike(one: &Recording, other: &Recording, factor: impl Fn(&str) -> f64) -> Re
     Ok(())
 }
 
+/// Steps from which on a run is as fine in time as contact needs: soft film on large elements is stable with a few steps, and
+/// the energy of contact is off by a share of the step (docs/limits.md).
+const RESOLVED: u64 = 32;
+
 /// By the table of energies alone, beside what the run found of itself.
 #[test]
 fn the_energy_balances_or_a_finding_says_that_it_does_not() {
-    let (scenes, balanced, unbalanced) = (Cell::new(0), Cell::new(0), Cell::new(0));
+    let (scenes, balanced) = (Cell::new(0), Cell::new(0));
+    let (resolved, unbalanced) = (Cell::new(0), Cell::new(0));
     every(setup(loading()), |setup| {
         scenes.set(scenes.get() + 1);
         let Some(outcome) = run(&setup.model()) else { return Ok(()) };
         balanced.set(balanced.get() + 1);
         let is_told = outcome.warnings.iter().any(|warning| warning.code().name == "energy-balance");
-        unbalanced.set(unbalanced.get() + u32::from(is_told));
+        let is_resolved = outcome.steps >= RESOLVED;
+        resolved.set(resolved.get() + u32::from(is_resolved));
+        unbalanced.set(unbalanced.get() + u32::from(is_resolved && is_told));
         let values =
             outcome.signals.channels.iter().chain(&outcome.energies.channels).flat_map(|channel| &channel.values);
         prop_assert!(values.clone().all(|value| value.is_finite()), "a value is not finite");
@@ -385,9 +392,12 @@ fn the_energy_balances_or_a_finding_says_that_it_does_not() {
         prop_assert!(error < 0.01 || is_told, "{error}, and {} by the run", outcome.energy_balance_error);
         Ok(())
     });
-    let [scenes, balanced, unbalanced] = [scenes, balanced, unbalanced].map(|count| count.get());
-    println!("{balanced} of {scenes} runs end with a balance, {unbalanced} of them with the finding that it is off");
-    assert!(20 * balanced >= 17 * scenes && 10 * unbalanced <= scenes, "{balanced}, {unbalanced} of {scenes}");
+    let [scenes, balanced, resolved, unbalanced] = [scenes, balanced, resolved, unbalanced].map(|count| count.get());
+    println!(
+        "{balanced} of {scenes} runs end with a balance, {unbalanced} of {resolved} resolved ones with one that is off"
+    );
+    assert!(20 * balanced >= 17 * scenes && 2 * resolved >= scenes, "{balanced}, {resolved} of {scenes}");
+    assert!(10 * unbalanced <= resolved, "{unbalanced} of {resolved}");
 }
 
 #[test]
