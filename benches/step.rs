@@ -11,9 +11,8 @@ use droptower::diagnostic;
 use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Unobserved, Vectors};
 use droptower::lane::Width;
 use droptower::material::{
-    CompressibleNeoHookean, Elastic, FlowCurve, FlowRate, Gent, Hardening, Hill, Hyperelastic, HyperelasticLaw, Law,
-    LawVisitor, MembraneLaw, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, RateTable, TensionField, Viscosity,
-    Voce,
+    CompressibleNeoHookean, Elastic, Gent, Hyperelastic, HyperelasticLaw, Law, LawVisitor, MembraneLaw, Ogden,
+    OgdenTerm, Polynomial, TensionField,
 };
 use droptower::mesh;
 use droptower::model::{self, Model};
@@ -29,14 +28,13 @@ type Section = fn(&Machine);
 fn main() {
     // The name of one section, which is then run alone.
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let sections: [(&str, Section); 9] = [
+    let sections: [(&str, Section); 8] = [
         ("kernel", |_| kernel()),
         ("laws", |_| laws()),
         ("drop", drop_test),
         ("parts", |_| parts()),
         ("sizes", |_| sizes()),
         ("faces", |_| faces()),
-        ("itself", |_| itself()),
         ("impactors", |_| impactors()),
         ("threads", |_| threads()),
     ];
@@ -188,7 +186,7 @@ fn laws() {
         type Output = f64;
 
         fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> f64 {
-            pass_of::<_, 8>(law, None, self.0, Width::best(), 0.0)
+            pass_of::<_, 8>(law, self.0, Width::best())
         }
     }
     let model = shipped(&["specimen.symmetry=none"]);
@@ -234,21 +232,6 @@ fn laws() {
         println!("| {name} | {taut:.1} | {:.2} | {wrinkling:.1} | {:.2} |", taut / fabric, wrinkling / fabric);
     }
     println!();
-    println!("| law | ns an element | with a Prony series of five terms, ns | times |\n|---|---|---|---|");
-    let of_fabric = shipped(&["specimen.symmetry=none"]).faces.remove(0).material.law;
-    let films: [(&str, Law); 5] = [
-        ("fabric", of_fabric),
-        ("elastic", elastic(false)),
-        ("neo-Hookean", neo_hookean(false)),
-        ("elastic, wrinkling", elastic(true)),
-        ("neo-Hookean, wrinkling", neo_hookean(true)),
-    ];
-    for (name, law) in films {
-        let [plain, viscous] = law.visit(Viscous(&model));
-        println!("| {name} | {plain:.1} | {viscous:.1} | {:.2} |", viscous / plain);
-    }
-    println!();
-    plastic(&model, fabric);
     laws_in_steps();
     rupture();
 }
@@ -272,79 +255,25 @@ fn rupture() {
     println!();
 }
 
-/// ns an element without and with a Prony series of five terms, the medians of measurements in turn.
-struct Viscous<'a>(&'a Model);
-
-impl LawVisitor for Viscous<'_> {
-    type Output = [f64; 2];
-
-    fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> [f64; 2] {
-        let term = |k: i32| PronyTerm { share: 0.1, time: 1e-4 * 10.0_f64.powi(k) };
-        let viscosity = Viscosity::new((0..5).map(term).collect()).expect("a series");
-        let pairs = (0..REPEATS)
-            .map(|_| [None, Some(&viscosity)].map(|film| pass_of::<_, 8>(law, film, self.0, Width::best(), 0.0)))
-            .collect::<Vec<_>>();
-        [0, 1].map(|film| median(pairs.iter().map(|pair| pair[film]).collect()))
-    }
-}
-
-/// Plastic film whose elements do not flow, and whose elements all flow in every step, at a strain rate of 10/s.
-fn plastic(model: &Model, fabric: f64) {
-    println!("| plastic | elastic steps, ns an element | over fabric | every element flows, ns | over fabric |");
-    println!("|---|---|---|---|---|");
-    let points = [[0.0, 8e6], [0.05, 10e6], [0.2, 12e6], [0.5, 20e6]];
-    let table = |factor: f64| FlowCurve::new(&points.map(|[p, stress]| [p, factor * stress])).expect("a flow curve");
-    let voce = Hardening::Voce(Voce { initial: 8e6, saturation: 20e6, rate: 6.0 });
-    let rates = [(0.1, table(1.3)), (10.0, table(1.8)), (1000.0, table(2.9))];
-    let (slowest, rates) = RateTable::new(rates.to_vec()).expect("a table of rates");
-    for (name, hardening, rate) in [
-        ("table of four points", Hardening::Table(table(1.0)), FlowRate::Independent),
-        ("Voce", voce, FlowRate::Independent),
-        ("tables of three rates", Hardening::Table(slowest), FlowRate::Table(rates)),
-    ] {
-        let elastic = Elastic { young: 2e8, poisson: 0.45 };
-        let law = Plastic::new(elastic, Hill::from_strain_ratios([1.0, 0.8, 1.2]), hardening, rate);
-        let [elastic, flowing] = [0.0, 1e-5].map(|growth| pass_of::<_, 8>(&law, None, model, Width::best(), growth));
-        println!("| {name} | {elastic:.1} | {:.2} | {flowing:.1} | {:.2} |", elastic / fabric, flowing / fabric);
-    }
-    println!();
-}
-
 fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
     let Law::Fabric(law) = &model.faces[0].material.law else { panic!("a fabric") };
-    pass_of::<_, L>(law, None, model, width, 0.0)
+    pass_of::<_, L>(law, model, width)
 }
 
-/// Forces of the elements of the first face of `model` with `law`, `viscous` or not, ns an element. Between two passes the
-/// film is stretched by the share `swing` or released again.
-fn pass_of<M: MembraneLaw + Clone, const L: usize>(
-    law: &M,
-    viscous: Option<&Viscosity>,
-    model: &Model,
-    width: Width,
-    growth: f64,
-) -> f64 {
+/// Forces of the elements of the first face of `model` with `law`, ns an element.
+fn pass_of<M: MembraneLaw + Clone, const L: usize>(law: &M, model: &Model, width: Width) -> f64 {
     let face = &model.faces[0];
     let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing).expect("a mesh");
     let stress_free = StressFree::new(face.md_angle, face.prestrain);
     let thickness = face.material.thickness * f64::from(face.layers);
     let mut patch = Patch::<_, L>::new(law.clone(), &mesh, &stress_free, thickness).expect("a patch");
-    if let Some(viscosity) = viscous {
-        patch = patch.with_viscosity(viscosity.clone());
-    }
     let mut position = Vectors::default();
     position.extend(mesh.nodes.iter().map(|p| [1.3 * p.x, 1.1 * p.y, 0.4 * p.x * p.y]));
     let mut force = Vectors::zero(mesh.nodes.len());
     let passes = 2_000_000 / mesh.quads.len();
     let mut once = || {
-        let mut pass = |_| {
-            if growth > 0.0 {
-                let next: Vec<[f64; 3]> = position.iter().map(|x| x.map(|x| (1.0 + growth) * x)).collect();
-                next.iter().enumerate().for_each(|(node, x)| position.set(node, *x));
-            }
-            patch.add_forces(width, &position, 1e-6, black_box(&mut force));
-        };
-        seconds(|| (0..passes).for_each(&mut pass)) / (passes * mesh.quads.len()) as f64 * 1e9
+        let pass = |_| patch.add_forces(width, &position, 1e-6, black_box(&mut force));
+        seconds(|| (0..passes).for_each(pass)) / (passes * mesh.quads.len()) as f64 * 1e9
     };
     once();
     median((0..REPEATS).map(|_| once()).collect())
@@ -533,35 +462,6 @@ fn faces() {
         let elements = simulate::engine(&with).expect("an engine").elements();
         let [plain, meeting] = [without, with].map(|model| whole(&model, 1, Width::best()).0);
         println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
-    }
-    println!();
-}
-
-/// Faces that meet themselves against those that do not: the drop test with changes each, in turn.
-fn itself() {
-    println!("## Film that meets itself, one thread: 1008 over 60 ms\n");
-    println!("| scene | elements | without, ns an element step | with, ns | times |\n|---|---|---|---|---|");
-    let scenes: [(&str, &[&str]); 3] = [
-        ("a quarter, 2 faces", &[]),
-        ("a quarter, 2 faces that meet each other", &["contact.film=true"]),
-        ("whole, 2 faces", &["specimen.symmetry=none"]),
-    ];
-    for (name, changes) in scenes {
-        let with = |value: bool| {
-            let own = [format!("contact.itself={value}"), "loading.impact.duration=60ms".to_owned()];
-            let own: Vec<&str> = own.iter().map(String::as_str).collect();
-            shipped(&[changes, &own].concat())
-        };
-        let models = [false, true].map(with);
-        let elements = simulate::engine(&models[0]).expect("an engine").elements();
-        let mut figures = [vec![], vec![]];
-        for _ in 0..REPEATS {
-            for (model, figures) in models.iter().zip(&mut figures) {
-                figures.push(whole(model, 1, Width::best()).0);
-            }
-        }
-        let [off, on] = figures.map(median);
-        println!("| {name} | {elements} | {off:.1} | {on:.1} | {:.2} |", on / off);
     }
     println!();
 }
