@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rhai::Engine;
 
 use super::{register_output, register_reading};
-use crate::script::{Entry, Limits, OutputCollector, ShippedModule, key_mistake};
+use crate::script::{Entry, Limits, OutputCollector, ShippedModule};
 
 /// The interpreter with every function of this module.
 pub(crate) fn engine() -> Engine {
@@ -13,15 +13,6 @@ pub(crate) fn engine() -> Engine {
     register_reading(&mut engine);
     register_output(&mut engine, &OutputCollector::new(vec!["steps".into()]));
     engine
-}
-
-/// Asserts that each script fails with a message that contains the words beside it.
-pub(crate) fn assert_refused(engine: &Engine, cases: &[(&str, &str)]) {
-    for (text, expected) in cases {
-        let error = engine.run(text).unwrap_err();
-        let error = key_mistake(&error).unwrap_or_else(|| error.to_string());
-        assert!(error.contains(expected), "{text} gave: {error}");
-    }
 }
 
 /// Asserts that the entries describe every function of the modules, and no others.

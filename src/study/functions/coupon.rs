@@ -276,28 +276,3 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let t = |d| #{ direction: d, velocity: 0.02, curve: c }; let r = reduce_coupons([t.call("MD"), t.call("TD")], #{ window: [0, 0.02] }); (r.modulus / 5e7 - 1).abs() < 1e-9 && r.directions[1].speeds[0].moduli.len() == 1 && r.directions[0].yield_points == () && r.recordings == 2 && r.virtual_recordings == 0"#,
     },
 ];
-
-#[cfg(test)]
-mod tests {
-    use crate::functions::check::{assert_refused, engine};
-
-    #[test]
-    fn mistakes_are_reported() {
-        let cases = [
-            (r#"coupon(#{ gauge: "5 kg", width: 1, thickness: 1 })"#, "gauge: expected a length, found \"5 kg\""),
-            (
-                "coupon(#{ gauge: 1, width: 1, thickness: -1 })",
-                "the thickness of a coupon is a positive length, not -1 m",
-            ),
-            ("coupon(#{ gauge: 1, width: 1 })", "coupon needs `thickness`"),
-            (
-                "coupon(#{ gauge: 1, width: 1, length: 1 })",
-                "coupon has no option `length`; it takes gauge, width, thickness",
-            ),
-            ("reduce_coupons([])", "there is no coupon to reduce"),
-            ("reduce_coupons([1])", "a coupon's test is a map of direction, velocity and curve, not i64"),
-            ("reduce_coupons([], #{ windov: 1 })", "reduce_coupons has no option `windov`; it takes window"),
-        ];
-        assert_refused(&engine(), &cases);
-    }
-}

@@ -226,26 +226,3 @@ pub const ENTRIES: &[Entry] = &[
         example: "let s = spread([1, 2, 3]); s.mean == 2.0 && s.deviation == 1.0 && s.count == 3",
     },
 ];
-
-#[cfg(test)]
-mod tests {
-    use crate::functions::check::{assert_refused, engine};
-
-    #[test]
-    fn mistakes_are_reported() {
-        let cases = [
-            ("curve([0, 1], [1])", "2 strains for 1 stresses"),
-            ("curve([0, 1, 0.5], [0, 1, 2])", "strain goes back at sample 3: 0.5 after 1"),
-            ("curve([0, 1], [0, 1]).at(2)", "the curve has no stress at the strain 2"),
-            ("curve([0, 1], [0, 1]).modulus()", "1 samples between the strains 0 and 0.04, where a slope needs 3"),
-            ("curve([0, 1], [1, 0]).rupture()", "the force never rises"),
-            ("mean_curve([1])", "expected a curve, found i64"),
-            ("mean_curve([])", "there is nothing to average"),
-            (
-                "mean_law([curve([0.8, 1], [0, 10]), curve([0, 0.2], [0, 10])])",
-                "the curves have no strain in common: one begins at 0.8, another ends at 0.2",
-            ),
-        ];
-        assert_refused(&engine(), &cases);
-    }
-}

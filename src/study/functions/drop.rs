@@ -217,10 +217,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use rhai::{Map, Scope};
-
-    use crate::functions::check::{assert_refused, engine};
-    use lab::signal::Series;
+    use crate::functions::check::engine;
 
     #[test]
     fn without_a_class_nothing_is_filtered() {
@@ -234,75 +231,5 @@ mod tests {
             engine().eval::<bool>(&script).unwrap()
         };
         assert_eq!(["()", "1000"].map(same), [true, false]);
-    }
-
-    /// A reading with a gap of 3 ms in the fall.
-    #[test]
-    fn gaps_are_bridged_and_known_contacts_are_used() {
-        let recorded = "let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
-                        virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 })";
-        let engine = engine();
-        let recorded: Map = engine.eval(recorded).unwrap();
-        let whole = recorded["accelerometer"].clone_cast::<Series>();
-        let gap = |[t, value]: [f64; 2]| if (0.3..0.303).contains(&t) { f64::NAN } else { value };
-        let gap = whole.with_values(whole.samples().map(gap).collect());
-        let contact: f64 = recorded["contact_time"].as_float().unwrap();
-        let mut scope = Scope::new();
-        scope.push("gap", gap).push("laser", recorded["laser"].clone()).push("contact", contact);
-        let mut reduced = |laser: &str, about: &str| {
-            let script = format!("reduce_drop(gap, {laser}, #{{ mass: 10.72, {about} }})");
-            engine.eval_with_scope::<Map>(&mut scope, &script)
-        };
-        let refused = reduced("()", "height: 1").unwrap_err().to_string();
-        assert!(refused.contains("nothing was measured at 0.3 s"), "{refused}");
-        for about in ["bridge: 0.005", "mask: [0.2995, 0.3035]", "mask: [[0.2, 0.201], [0.2995, 0.3035]]"] {
-            let drop = reduced("()", &format!("height: 1, {about}")).unwrap();
-            assert!(drop["notes"].to_string().contains("bridged by"), "{about}: {drop:?}");
-            assert!((drop["contact_time_s"].as_float().unwrap() - contact).abs() < 2e-4, "{about}: {drop:?}");
-            assert_eq!(drop["speed_from"].to_string(), "fall");
-        }
-        for known in ["speed: 4.16", "contact_time: contact", "speed: 4.16, contact_time: contact"] {
-            let given = reduced("()", &format!("{known}, bridge: 0.005")).unwrap();
-            assert!((given["impact_velocity_m_s"].as_float().unwrap() / 4.16 - 1.0).abs() < 0.01, "{known}: {given:?}");
-            assert!((given["contact_time_s"].as_float().unwrap() - contact).abs() < 2e-3, "{known}: {given:?}");
-            assert_eq!(given["speed_from"].to_string(), "given");
-        }
-        let refused = reduced("()", "height: 1, contact_time: contact - 0.1, bridge: 0.005").unwrap_err().to_string();
-        assert!(refused.contains("the fall that was recorded has"), "{refused}");
-    }
-
-    #[test]
-    fn mistakes_are_reported() {
-        let cases = [
-            ("reduce_drop(s, (), #{ mass: 1 })", "neither height, impact speed nor time of contact is known"),
-            (
-                "reduce_drop(s, (), #{ mass: 1, height: 1, colour: 2 })",
-                "reduce_drop has no option `colour`; it takes mass",
-            ),
-            ("reduce_drop(s, (), #{ mass: 1, height: 1, correction: \"x\" })", "expected \"coupling\" or \"ramp\""),
-            ("reduce_drop(s, (), #{ mass: -1, height: 1 })", "the mass is -1, but must be positive"),
-            ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: [2, 1] })", "a mask ends after it begins"),
-            ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: 3 })", "expected a window"),
-            ("reduce_drop(s, (), #{ mass: 1, height: 1, bridge: \"x\" })", "bridge"),
-            ("virtual_drop(s, s, #{ height: 1, velocity: 4 })", "virtual_drop needs `seed`"),
-            ("virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, friction_speed_share: 2 })", "must be 0 to 1"),
-            ("virtual_drop(s, s, #{ height: 1, velocity: 9, seed: 1 })", "does not reach 9 m/s"),
-            (
-                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, sample_rate: 1e12 })",
-                "more than 1000000 samples",
-            ),
-            (
-                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, sample_rate: 1e20 })",
-                "more than 1000000 samples",
-            ),
-            (
-                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, rest: [0, 1.0 / 0.0] })",
-                "must be a range of times",
-            ),
-            ("virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, laser: 2 })", "expected true or false"),
-        ];
-        let calls = cases.map(|(call, expected)| (format!("let s = signal([0, 0.1], [0, 1]); {call}"), expected));
-        let cases: Vec<(&str, &str)> = calls.iter().map(|(call, expected)| (call.as_str(), *expected)).collect();
-        assert_refused(&engine(), &cases);
     }
 }

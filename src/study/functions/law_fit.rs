@@ -224,27 +224,3 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"read_stresses(args.stresses).stretch.len() == 3"#,
     },
 ];
-
-#[cfg(test)]
-mod tests {
-    use crate::functions::check::{assert_refused, engine};
-
-    #[test]
-    fn mistakes_are_reported() {
-        let cases = [
-            ("fit_law([1], \"yeoh\")", "a test is a map of test, stretch and stress, not i64"),
-            ("fit_law([], \"yeoh\")", "no test has a weight above zero"),
-            ("fit_law([], \"hooke\")", "`hooke` is not a law that can be fitted"),
-            ("fit_law([#{ test: \"ut\", stretch: [1, 2], stress: [1] }], \"yeoh\")", "of different lengths"),
-            (
-                "fit_law([#{ test: \"ut\", stretch: [1, 2], stress: [0, 1] }], \"yeoh\")",
-                "more stresses than coefficients",
-            ),
-            ("fit_law([#{ test: \"x\" }], \"yeoh\")", "`x` is no kind of test"),
-            ("fit_law([], \"yeoh\", #{ residuals: 1 })", "residuals"),
-            ("fit_relaxation([1, 2], [2, 1], -1)", "expected a number of terms, found -1"),
-            ("read_stresses(\"no-ut.csv\")", "no-ut.csv: cannot be read"),
-        ];
-        assert_refused(&engine(), &cases);
-    }
-}

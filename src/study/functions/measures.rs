@@ -137,24 +137,3 @@ pub const ENTRIES: &[Entry] = &[
         example: "let s = signal([0, 2], [5, 6]); s.time().at(1) == 1.0 && s.time().len() == 2",
     },
 ];
-
-#[cfg(test)]
-mod tests {
-    use crate::functions::check::{assert_refused, engine};
-
-    #[test]
-    fn mistakes_are_reported() {
-        let cases = [
-            ("signal([0, 1], [-1, -2]).hic(1500)", "the mean acceleration is positive between no two samples"),
-            ("signal([0, 1], [-1, -2]).hic_d()", "the mean acceleration is positive between no two samples"),
-            ("signal([0, 1], [1, 2]).hic(-1)", "a window of -0.001 s is not positive"),
-            ("signal([0, 0.001], [1, 2]).clip(3)", "holds no level for 0.003 s"),
-            ("let s = signal([0, 1], [0, 0]); rate(s, s)", "the reference is zero everywhere"),
-            ("signal([0, 1], [1, 2]).resampled(0)", "is not positive"),
-            ("signal([0, 1], [1, 2]).resampled(1e-7)", "more than a million samples"),
-            ("signal([0, 1], [1, 2]).resampled(0.0000015).values()", "samples, a list holds"),
-            ("signal([0, 1], [1, 2]).shifted(1e30)", "times cannot be shifted"),
-        ];
-        assert_refused(&engine(), &cases);
-    }
-}

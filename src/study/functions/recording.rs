@@ -147,7 +147,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::functions::check::{assert_refused, engine};
+    use crate::functions::check::engine;
 
     #[test]
     fn options_complete_what_a_file_lacks() {
@@ -160,24 +160,5 @@ mod tests {
             );
             assert!(engine().eval::<bool>(&script).unwrap(), "{more}");
         }
-    }
-
-    #[test]
-    fn mistakes_are_reported() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("r.csv");
-        std::fs::write(&path, "time [ms],acceleration [g]\n0,1\n1,2\n").unwrap();
-        let misspelt = format!("read_recording({path:?})[\"accelration\"]");
-        let contradicted = format!("read_recording({path:?}, #{{ units: #{{ acceleration: \"N\" }} }})");
-        let cases = [
-            ("read_recording(\"no.csv\")", "no.csv: cannot be read: "),
-            (misspelt.as_str(), "(did you mean `acceleration`?)"),
-            ("read_recording(\"r.csv\", #{ tim: 1 })", "unknown key `tim`"),
-            ("read_recording(\"r.csv\", #{ time: 1 })", "expected the name of the column of time as text"),
-            ("read_recording(\"r.csv\", #{ columns: \"a\" })", "expected a list of columns"),
-            ("read_recording(\"r.csv\", #{ units: #{ a: \"furlong\" } })", "furlong"),
-            (contradicted.as_str(), "mixed units"),
-        ];
-        assert_refused(&engine(), &cases);
     }
 }

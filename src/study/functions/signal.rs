@@ -209,22 +209,3 @@ pub const ENTRIES: &[Entry] = &[
         example: "let r = signal([0, 1, 2], [1, 1, 1]); let d = relative_residuals(1.1 * r, r, [0, 2]); (d * d).integral() < 0.01",
     },
 ];
-
-#[cfg(test)]
-mod tests {
-    use crate::functions::check::{assert_refused, engine};
-
-    #[test]
-    fn mistakes_are_reported() {
-        let cases = [
-            ("signal([0, 0], [1, 2])", "time does not increase"),
-            ("signal([0], [1, 2])", "1 times for 2 values"),
-            ("signal([], []).max()", "the signal has no samples"),
-            ("signal([0, 1], [1, 2]).at(\"x\")", "expected a number for a time, found string"),
-            ("signal([0, 1], [1, 2]).at(2)", "the signal has no value at 2 s"),
-            ("signal([0, 1], [1, 2]).filtered(60)", "CFC 60 needs at least 600 samples a second"),
-            ("let s = signal([0, 1], [1, 2]); relative_error(s, s, 3)", "expected a window [from, to]"),
-        ];
-        assert_refused(&engine(), &cases);
-    }
-}

@@ -274,14 +274,4 @@ mod tests {
             assert_eq!(found, expected, "{x} in {bounds:?}");
         }
     }
-
-    #[test]
-    fn invalid_bounds_are_errors() {
-        let error = |lower, upper| Bounds::new(&unnamed(2), lower, upper).unwrap_err().to_string();
-        assert_eq!(error(Some(vec![1.0]), None), "`lower` has 1 entries for 2 unknowns");
-        assert_eq!(error(Some(vec![0.0; 2]), Some(vec![1.0, 0.0])), "the bounds of x1 are empty: 0 to 0");
-        let outside =
-            Bounds::new(&unnamed(1), Some(vec![0.5]), Some(vec![4.0])).unwrap().check(&[0.2], &unnamed(1)).unwrap_err();
-        assert_eq!(outside.to_string(), "the start lies outside the bounds: x0 = 0.2, which may be 0.5 to 4");
-    }
 }

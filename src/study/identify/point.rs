@@ -42,16 +42,3 @@ impl Serialize for Point {
 pub(super) fn unnamed(count: usize) -> Vec<String> {
     (0..count).map(|index| format!("x{index}")).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_point_shows_names_and_rounded_values() {
-        let point = Point::new(&["k1".into(), "ke".into()], &[2.749_999_9, 1.0 / 3.0]);
-        assert_eq!(point.to_string(), "k1 = 2.75, ke = 0.33333");
-        assert_eq!(serde_json::to_value(&point).unwrap()["k1"], 2.749_999_9);
-        assert_eq!(Point::new(&unnamed(1), &[0.0]).to_string(), "x0 = 0");
-    }
-}

@@ -85,21 +85,3 @@ findings! {
 fn listed(values: &[f64]) -> String {
     values.iter().map(|value| number::significant(*value, 5)).collect::<Vec<_>>().join(", ")
 }
-
-#[cfg(test)]
-mod tests {
-    use serde_json::{Value, json};
-
-    use super::*;
-    use base::finding::Report;
-
-    #[test]
-    fn the_figures_of_a_warning_are_its_fields() {
-        let warning = Warning::NotConverged { reason: StopReason::MaxEvaluations };
-        assert_eq!(warning.figures()["reason"], "max_evaluations was reached");
-        let warning = Warning::StartOnBound { start: 1, parameter: "k1".into(), side: Side::Lower };
-        assert_eq!(Value::Object(warning.figures()), json!({ "start": 1, "parameter": "k1", "side": "lower" }));
-        let warning = Warning::FailedTrials { count: 2, first: Point::new(&["k1".into()], &[1.0]), cause: "no".into() };
-        assert_eq!(warning.to_string(), "2 trials failed and counted as worst, the first at k1 = 1: no");
-    }
-}

@@ -156,19 +156,6 @@ mod tests {
     }
 
     #[test]
-    fn results_tell_of_the_film() {
-        for name in ["work_J", "peak_pressure_Pa", "peak_deflection_m", "head_peak_displacement_m", "ruptured"] {
-            assert!(is_result(name) && is_key_figure(name), "{name}");
-        }
-        for name in ["energy_balance_error", "acceleration_error", "settling"] {
-            assert!(!is_result(name) && is_key_figure(name), "{name}");
-        }
-        for name in ["film_energy_absorption", "elements", "my_share"] {
-            assert!(!is_result(name) && !is_key_figure(name), "{name}");
-        }
-    }
-
-    #[test]
     fn a_deep_run_is_worse_than_a_shallow_one() {
         assert!(badness("peak_displacement_m", -0.3) > badness("peak_displacement_m", -0.1));
         assert!(badness("overshoot", -0.3) < badness("overshoot", -0.1), "a script's figure has its own sign");

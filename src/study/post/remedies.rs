@@ -133,21 +133,6 @@ mod tests {
     }
 
     #[test]
-    fn the_remedy_of_a_code_follows_the_fact_once() {
-        let warnings = [
-            Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4, size: BodySize::Radius },
-            Warning::Penetration { impactor: ImpactorName::only(), time: 0.01, depth: 0.02, size: BodySize::Radius },
-            Warning::Unfinished(ImpactorName::only()),
-            Warning::FewerSnapshots { wanted: 200, taken: 50, memory: 1e9 },
-        ];
-        for warning in warnings {
-            let (fact, remedy) = (warning.to_string(), warning.code().remedy);
-            assert_eq!(with_remedy(&warning, &model(), None), format!("{fact}; {remedy}"));
-            assert!(!fact.contains('`') && remedy.contains('`'), "{fact}; {remedy}");
-        }
-    }
-
-    #[test]
     fn the_remedy_of_coarse_elements_names_what_gives_their_size() {
         let warning =
             Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4, size: BodySize::Radius };

@@ -6,12 +6,10 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::*;
-use crate::script::{Fault, ReadError};
+use crate::script::Fault;
 use lab::signal::{Channel, Recording};
-use membrane::engine::GuideFriction;
-use membrane::material::{Elastic, Law, Material};
-use scene::mesh::{Element, Meshing, Outline};
-use scene::model::*;
+use scene::model::{Model, Output};
+use scene::scenario::Document;
 use scene::simulate::{Outcome, RateHistogram};
 
 const MASS: f64 = 10.72;
@@ -19,55 +17,28 @@ const PEAK: f64 = 150.0;
 const PULSE: f64 = 0.09;
 const SPEED: f64 = 6.0;
 
+const SCENARIO: &str = r#"
+title = "A half-sine pulse"
+output.filter = "CFC1000"
+loading.impact = { velocity = 6, gravity = 0, duration = 0.12 }
+impactor = { shape = { sphere = { radius = 0.15 } }, mass = 10.72, friction = 0 }
+layers.count = 8
+[specimen]
+shape = { circle = { radius = 0.2 } }
+mesh.size = 0.01
+material = { name = "film", density = 915, thickness = 12e-6, elastic = { young = 50e6, poisson = 0.44 } }
+"#;
+
 pub(super) fn model() -> Model {
-    let material = Material::new(Law::Elastic(Elastic { young: 50e6, poisson: 0.44 }), 915.0, 12e-6);
-    let face = Face {
-        height: 0.0,
-        layers: 8,
-        film: None,
-        material,
-        break_is_moved: false,
-        unsourced_coupling: None,
-        md_angle: 0.0,
-        prestrain: [0.0; 2],
-        meshing: Meshing { element: Element::Quad4, size: 0.01, grading: None },
-        settle: true,
-    };
-    Model {
-        name: "drop/pulse".into(),
-        title: "A half-sine pulse".into(),
-        specimen: Specimen {
-            shape: Outline::Circle { radius: 0.2 },
-            symmetry: Symmetry::None,
-            damping: 0.0,
-            cuts: vec![],
-        },
-        faces: vec![face],
-        frame: Frame { hold: Hold::All, bars: None, clamp: None, springs: None },
-        impactors: vec![Impactor {
-            name: None,
-            shape: ImpactorShape::Sphere { radius: 0.15 },
-            mass: MASS,
-            guide: Guide::Z,
-            guide_friction: GuideFriction::default(),
-            friction: 0.0,
-            restitution: 0.0,
-            release: 0.0,
-            inertia: None,
-            position: [0.0; 2],
-            height: None,
-            orientation: [0.0; 3],
-            velocity: [0.0, 0.0, -SPEED],
-            spin: [0.0; 3],
-        }],
-        loading: Loading::Impact(loading::Impact { velocity: SPEED, gravity: 0.0, duration: 0.12 }),
-        contact: Contact::default(),
-        air: None,
-        solver: Solver { step_factor: 1.0, smallest_step: None },
-        output: Output { sample_rate: 10e3, frames: 0, filter: Some(1000.0), motion: None },
-        reference: None,
-        post: None,
-    }
+    let folder = tempfile::tempdir().unwrap();
+    written(folder.path(), "")
+}
+
+/// The model of the scenario with `more` at its end, written to `folder`.
+fn written(folder: &Path, more: &str) -> Model {
+    let path = folder.join("scenario.toml");
+    fs::write(&path, format!("{SCENARIO}{more}")).unwrap();
+    scene::model::check(&Document::read(&path).unwrap()).unwrap()
 }
 
 /// a = A sin(πt/T), and its integrals from −v₀ and 0.
@@ -193,24 +164,8 @@ fn reference(rows: impl Fn(f64) -> String, header: &str) -> (tempfile::TempDir, 
     let signals = folder.path().join("reference.csv");
     let rows = (0..=1100).map(|i| rows(f64::from(i) * 1e-4));
     fs::write(&signals, format!("{header}\n{}", rows.collect::<String>())).unwrap();
-    let window = Window::Loading;
-    let reference = Some(Reference {
-        impactor: 0,
-        signals: Some(signals),
-        acceleration: None,
-        displacement: None,
-        drop_height: None,
-        height_error: None,
-        speed: None,
-        speed_error: None,
-        contact_time: None,
-        contact_error: None,
-        time_constant: None,
-        guide_friction: None,
-        window,
-        field: None,
-    });
-    (folder, Model { reference, ..model() })
+    let model = written(folder.path(), "[reference]\nsignals = \"reference.csv\"\n");
+    (folder, model)
 }
 
 #[test]
@@ -289,23 +244,6 @@ fn a_post_script_can_neither_replace_a_figure_nor_read_a_missing_one() {
         assert!(message.contains(expected), "{text} gave: {message}");
         assert_eq!(line, 1);
     }
-}
-
-#[test]
-fn a_script_that_does_not_compile_is_refused_before_the_run() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("post.rhai");
-    fs::write(&path, "let a = 1;\nlet b = nosuch;").unwrap();
-    let error = Plan::prepare(&Model { post: Some(path), ..model() }).unwrap_err().to_string();
-    assert!(error.ends_with("post.rhai:2:9: undefined variable: nosuch"), "{error}");
-    fs::write(folder.path().join("post.rhai"), "let a = 1;\nlet b = run.summary.peak_acceleration;").unwrap();
-    let Err(PrepareError::Script(ReadError::Faults(faults))) =
-        Plan::prepare(&Model { post: Some(folder.path().join("post.rhai")), ..model() })
-    else {
-        panic!("the script was accepted");
-    };
-    assert_eq!(faults[0].message, "a summary has no `peak_acceleration`");
-    assert_eq!(faults[0].hint.as_deref(), Some("did you mean `peak_acceleration_m_s2`?"));
 }
 
 #[test]

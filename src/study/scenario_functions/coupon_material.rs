@@ -45,31 +45,3 @@ pub const ENTRIES: &[Entry] = &[Entry {
                 let m = coupon_material(reduce_coupons(t), c, #{ density: "0.915 g/cm3" });
                 m.material.contains("thickness = \"12 um\"") && m.shear.contains("VIRTUAL") && m.shear.contains("strain,stress_MPa")"#,
 }];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::functions::{engine, register_reading};
-    use crate::script::{Limits, cause};
-
-    #[test]
-    fn mistakes_are_reported() {
-        let mut engine = engine(Limits::STUDY);
-        register_reading(&mut engine);
-        register(&mut engine);
-        let unknown =
-            "let c = coupon(#{ gauge: 1, width: 1, thickness: 1 }); let u = curve([0, 0.01, 0.02, 1], [0, 1, 2, 3]);
-            let r = reduce_coupons([#{ direction: \"MD\", velocity: 1, curve: u }]); coupon_material(r, c";
-        for (end, expected) in [
-            (")", "there is none of TD"),
-            (
-                ", #{ depth: 1 })",
-                "coupon_material has no option `depth`; it takes density, shear_file, shear_by, elastic_corner",
-            ),
-            (", #{ density: \"5 m\" })", "density: expected a density"),
-        ] {
-            let error = cause(engine.run(&format!("{unknown}{end}")).unwrap_err().unwrap_inner());
-            assert!(error.contains(expected), "{error}");
-        }
-    }
-}

@@ -174,38 +174,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_with_signals_is_a_run() {
-        let folder = tempfile::tempdir().unwrap();
-        let place = folder.path();
-        let refusal = |place: &Path| StoredRun::read(place).unwrap_err().to_string();
-        assert!(refusal(&place.join("nowhere")).starts_with("there is no "));
-        assert!(refusal(place).ends_with("it has no signals.csv"));
-        fs::write(place.join("signals.csv"), "time_s,force_N\n0,1\n1,2\n").unwrap();
-        let run = StoredRun::read(place).unwrap();
-        assert_eq!(run.signals.channel("force_N"), Some([1.0, 2.0].as_slice()));
-        assert!(run.summary.is_empty() && run.failure.is_none());
-        fs::write(place.join("summary.json"), "{\"peak\": 1").unwrap();
-        assert!(refusal(place).contains("summary.json: EOF while parsing"), "{}", refusal(place));
-        fs::write(place.join("summary.json"), "[1]").unwrap();
-        assert!(refusal(place).contains("no figures"));
-        fs::write(place.join("summary.json"), "{\"peak\": 1}").unwrap();
-        fs::write(place.join("scenario.toml"), "[layers\n").unwrap();
-        assert!(refusal(place).contains("scenario.toml: TOML parse error"), "{}", refusal(place));
-        fs::write(place.join("scenario.toml"), "layers.count = 8\n").unwrap();
-        fs::write(place.join("failure.txt"), "lost\n").unwrap();
-        let run = StoredRun::read(place).unwrap();
-        assert_eq!((run.summary["peak"].as_f64(), run.failure.as_deref()), (Some(1.0), Some("lost")));
-        fs::write(place.join("signals.csv"), "time_s,force_N\n").unwrap();
-        assert!(
-            refusal(place).ends_with(" has no samples: the run failed before the first: lost"),
-            "{}",
-            refusal(place)
-        );
-        fs::remove_file(place.join("failure.txt")).unwrap();
-        assert!(refusal(place).contains("no samples: no line below the header"), "{}", refusal(place));
-    }
-
-    #[test]
     fn a_file_is_a_recording() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("test.csv");

@@ -266,28 +266,6 @@ mod tests {
     use super::*;
     use std::convert::Infallible;
 
-    struct Banana;
-
-    impl SimplexValues for Banana {
-        type Error = Infallible;
-        fn value(&mut self, x: &[f64]) -> Result<f64, Infallible> {
-            Ok(100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2))
-        }
-    }
-
-    /// The published run of `fminsearch` on Rosenbrock's function (MATLAB's documentation of `fminsearch` and
-    /// `optimset`).
-    #[test]
-    fn rosenbrock_takes_the_iterations_of_fminsearch() {
-        let limits = Limits { tol_x: 1e-4, tol_f: 1e-4, max_iterations: 400, max_evaluations: 400 };
-        let Ok(mut simplex) = Simplex::around(&[-1.2, 1.0], &mut Banana);
-        while !simplex.has_converged(&limits) {
-            let Ok(()) = simplex.advance(&mut Banana);
-        }
-        assert_eq!((simplex.iterations, simplex.evaluations), (85, 159));
-        assert!((simplex.vertices[0].f - 8.1777e-10).abs() < 1e-14);
-    }
-
     /// All points but the vertices are worse than they.
     #[test]
     fn a_simplex_without_better_points_shrinks_to_its_best_vertex() {
