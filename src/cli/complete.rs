@@ -100,27 +100,3 @@ fn words(path: &str, begun: &str) -> Vec<CompletionCandidate> {
     };
     words.filter(|(word, _)| word.starts_with(begun)).map(candidate).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn texts(found: Vec<CompletionCandidate>) -> Vec<String> {
-        found.iter().map(|candidate| candidate.get_value().to_string_lossy().into_owned()).collect()
-    }
-
-    #[test]
-    fn keys_are_completed_step_by_step() {
-        assert_eq!(texts(candidates(OsStr::new("imp"), "=")), ["impactor."]);
-        assert_eq!(texts(candidates(OsStr::new("impactor.ma"), "=")), ["impactor.mass="]);
-        assert_eq!(texts(candidates(OsStr::new("specimen.mesh.si"), "")), ["specimen.mesh.size"]);
-        assert!(texts(candidates(OsStr::new("nothing."), "")).is_empty());
-        assert!(texts(candidates(OsStr::new(""), "")).contains(&"specimen.".to_owned()));
-    }
-
-    #[test]
-    fn words_of_a_key_are_completed() {
-        assert_eq!(texts(words("specimen.symmetry", "qu")), ["specimen.symmetry=quarter"]);
-        assert!(words("impactor.mass", "1").is_empty());
-    }
-}

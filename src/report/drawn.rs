@@ -209,18 +209,13 @@ mod tests {
     }
 
     #[test]
-    fn marks_are_drawn_and_described() {
+    fn marks_and_windows_are_drawn_and_described() {
         let marks = vec![Mark { label: "contact <1>".into(), at: 0.5 }];
-        let html = figure(&Plot { marks, ..plot(vec![[0.0, 0.0], [1.0, 1.0]]) });
-        assert_eq!(block(&html)["marks"], json!([{ "words": "contact <1>", "at": 0.5 }]));
-        assert!(html.contains("; contact &lt;1&gt; at 0.5</figcaption>"), "{html}");
-    }
-
-    #[test]
-    fn a_window_is_marked_and_described() {
         let window = Some(Window { label: "error window".into(), range: [0.0, 57.3] });
-        let html = figure(&Plot { window, ..plot(vec![[0.0, 0.0], [1.0, 1.0]]) });
+        let html = figure(&Plot { marks, window, ..plot(vec![[0.0, 0.0], [1.0, 1.0]]) });
+        assert_eq!(block(&html)["marks"], json!([{ "words": "contact <1>", "at": 0.5 }]));
         assert_eq!(block(&html)["window"]["words"], "error window");
+        assert!(html.contains("contact &lt;1&gt; at 0.5"), "{html}");
         assert!(html.contains("marked: error window, 0 to 57.3"), "{html}");
     }
 }

@@ -145,12 +145,7 @@ mod tests {
             positions: vec![[0.0; 3]; 6],
             strains: vec![[0.1, 0.4, 0.3], [0.2, 0.0, -0.5], [7.0, 0.0, 0.0]],
             failed: vec![false, false, true],
-            thickness_ratio: vec![],
-            plastic_strain: vec![],
-            damage: vec![],
-            warming: vec![],
-            in_contact: vec![],
-            detail: None,
+            ..FilmState::default()
         };
         let at_nodes = |field: &Field| field.at_nodes(6, elements.into_iter(), &state);
         let strains = at_nodes(&FIELDS[0]);

@@ -43,28 +43,3 @@ findings! {
                 shown_path(damaged), file_name(used);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use serde_json::Value;
-
-    use super::*;
-    use base::finding::Report;
-
-    #[test]
-    fn the_folder_of_results_is_named_where_it_is_replaced() {
-        let of = |replaced| Warning::NoCheckpoint { run: "drop".into(), folder: "a.checkpoint".into(), replaced };
-        let text = "drop starts from its beginning: there is no checkpoint in a.checkpoint";
-        assert_eq!(of(None).to_string(), text);
-        assert!(of(Some("a".into())).to_string().starts_with(&format!("{text}; its results in a will be replaced")));
-        assert_eq!((&of(None).figures()["run"], &of(None).figures()["replaced"]), (&"drop".into(), &Value::Null));
-    }
-
-    #[test]
-    fn a_damaged_checkpoint_is_named_with_the_one_in_its_place() {
-        let (damaged, used) = ("a.checkpoint/2.state".into(), "a.checkpoint/1.state".into());
-        let warning = Warning::Damaged { run: "drop".into(), damaged, used };
-        let expected = "drop: a.checkpoint/2.state is damaged; the run resumes from 1.state, the one before it";
-        assert_eq!((warning.to_string().as_str(), warning.code().name), (expected, "damaged-checkpoint"));
-    }
-}

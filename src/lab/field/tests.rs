@@ -13,41 +13,19 @@ fn read_text(name: &str, text: &[u8], unit: Option<f64>) -> Result<FieldFile, Fi
 /// Files made after descriptions and printed headers of exports; none is an export itself.
 #[test]
 fn exports_of_each_program_are_read() {
-    let vic = "\"Index [1]\",\"X [mm]\",\"Y [mm]\",\"Z [mm]\",\"U [mm]\",\"V [mm]\",\"W [mm]\",\"Sigma_X [mm]\",\"sigma [pixel]\"\r\n\
-               0,10,-20,1.5,0.5,0,-2,0.01,0.02\r\n1,11,-20,1.5,0,0,0,0,-1\r\n2,12,-20,1.5,0.25,0,-2,0.01,0.015\r\n";
-    let vic_plain = "\"x\", \"y\", \"X\", \"Y\", \"Z\", \"U\", \"V\", \"W\", \"sigma\"\n\
-                     100, 200, 10, -20, 1.5, 0.5, 0, -2, 0.02\n101, 200, 11, -20, 1.5, 0, 0, 0, -1\n\
-                     102, 200, 12, -20, 1.5, 0.25, 0, -2, 0.015\n";
-    let matchid = "Coordinates.Image X [Pixel];Coordinates.Image Y [Pixel];coor.X [mm];coor.Y [mm];coor.Z [mm];\
-                   disp.Horizontal Displacement U [mm];disp.Vertical Displacement V [mm];disp.Out-Of-Plane: W [mm]\n\
-                   100;200;10,0;-20,0;1,5;0,5;0,0;-2,0\n101;200;11,0;-20,0;1,5;NaN;NaN;NaN\n\
-                   102;200;12,0;-20,0;1,5;0,25;0,0;-2,0\n";
-    let matchid_older = "Image X[Pixel],Image Y[Pixel],X[mm],Y[mm],Z[mm],Horizontal Displacement U[mm],\
-                         Vertical Displacement V[mm],Out-Of-Plane: W[mm]\n\
-                         100,200,10,-20,1.5,0.5,0,-2\n101,200,11,-20,1.5,Non Num\u{e9}rique,0,0\n102,200,12,-20,1.5,0.25,0,-2\n";
-    let aramis = "# GOM ASCII export\n# stage: 3\n# x;y;z;dx;dy;dz\n10,0;-20,0;1,5;0,5;0,0;-2,0\n\
-                  11,0;-20,0;1,5;;;\n12,0;-20,0;1,5;0,25;0,0;-2,0\n";
-    let aramis_deformed = "Projekt: Folie\nid;x [mm];y [mm];z [mm];x+dx [mm];y+dy [mm];z+dz [mm]\n\
-                           1;10,0;-20,0;1,5;10,5;-20,0;-0,5\n2;11;-20;1,5;;;\n3;12,0;-20,0;1,5;12,25;-20,0;-0,5\n";
-    let nodemap = "# ID ; x_undef [mm] ; y_undef [mm] ; z_undef [mm] ; ux [mm] ; uy [mm] ; uz [mm] ; eps_x [%]\n\
-                   1;10;-20;1.5;0.5;0;-2;0\n2;11;-20;1.5;nan;nan;nan;nan\n3;12;-20;1.5;0.25;0;-2;0\n";
-    let dice = "***\n*** Digital Image Correlation Engine\n*** Subset size: 27\n***\n\
-                SUBSET_ID,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,SIGMA,STATUS_FLAG,MODEL_COORDINATES_X,\
-                MODEL_COORDINATES_Y,MODEL_COORDINATES_Z,MODEL_DISPLACEMENT_X,MODEL_DISPLACEMENT_Y,MODEL_DISPLACEMENT_Z\n\
-                0,100,200,3,0,0.01,4,10,-20,1.5,0.5,0,-2\n1,110,200,0,0,-1,5,11,-20,1.5,0,0,0\n\
-                2,120,200,3,0,0.01,4,12,-20,1.5,0.25,0,-2\n";
-    for (program, text, unit) in [
-        ("VIC-3D", vic, None),
-        ("VIC-3D", vic_plain, Some(1e-3)),
-        ("MatchID", matchid, None),
-        ("MatchID", matchid_older, None),
-        ("ARAMIS", aramis, Some(1e-3)),
-        ("ARAMIS", aramis_deformed, None),
-        ("ARAMIS", nodemap, None),
-        ("DICe", dice, Some(1e-3)),
+    for (program, name, unit) in [
+        ("VIC-3D", "vic", None),
+        ("VIC-3D", "vic-plain", Some(1e-3)),
+        ("MatchID", "matchid", None),
+        ("MatchID", "matchid-older", None),
+        ("ARAMIS", "aramis", Some(1e-3)),
+        ("ARAMIS", "aramis-deformed", None),
+        ("ARAMIS", "nodemap", None),
+        ("DICe", "dice", Some(1e-3)),
     ] {
-        let found = read_text("field.csv", text.as_bytes(), unit).unwrap_or_else(|error| panic!("{program}: {error}"));
-        assert_eq!((found.program, found.missing), (program, 1), "{text}");
+        let path = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/it/formats/fields/{}.csv"), name);
+        let found = read(path.as_ref(), &FieldOptions { unit }).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!((found.program, found.missing), (program, 1), "{name}");
         let near = |found: &[[f64; 3]], expected: [[f64; 3]; 2]| {
             let pairs = found.iter().flatten().zip(expected.as_flattened());
             assert!(found.len() == 2 && pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12), "{program}: {found:?}");

@@ -95,13 +95,4 @@ mod tests {
         assert_eq!(marked.virtual_mark(), Some("VIRTUAL recording: nothing was pulled"));
         assert!(!Annotations::new(vec!["virtually nothing was pulled".into()]).is_virtual());
     }
-
-    #[test]
-    fn findings_are_the_mark_and_the_warnings() {
-        let mut annotations = Annotations::new(vec!["virtual".into()]);
-        annotations.warnings.push(Warning::TimeUnitAssumed { channel: "t".into() });
-        assert_eq!(annotations.notes(), ["virtual", "time (`t`) has no unit; seconds are assumed"]);
-        let codes: Vec<String> = annotations.findings().into_iter().map(|finding| finding.code).collect();
-        assert_eq!(codes, ["virtual-recording", "time-unit-assumed"]);
-    }
 }

@@ -190,20 +190,6 @@ mod tests {
     use study::store::StoredRun;
 
     #[test]
-    fn columns_are_shown_in_the_units_of_the_table() {
-        for (name, axis, factor) in [
-            ("displacement_m", "displacement (mm)", 1e3),
-            ("pressure_Pa", "pressure (kPa)", 1e-3),
-            ("max_strain_md", "max strain md (%)", 100.0),
-            ("laser_m", "laser (m)", 1.0),
-            ("count", "count", 1.0),
-        ] {
-            let shown = Shown::from_name(name);
-            assert_eq!((shown.axis().as_str(), shown.factor), (axis, factor));
-        }
-    }
-
-    #[test]
     fn the_page_of_many_long_runs_stays_small() {
         let time: Vec<f64> = (0..6_000).map(|i| f64::from(i) * 5e-5).collect();
         let run = |number: usize| {

@@ -152,11 +152,6 @@ fn film(places: &[[u8; 6]], strains: &[[u8; 3]], data: &Data) -> FilmState {
         positions: places.iter().map(position).collect(),
         strains: strains.iter().map(strain).collect(),
         failed: strains.iter().map(|steps| steps[0] == FAILED).collect(),
-        thickness_ratio: vec![],
-        plastic_strain: vec![],
-        damage: vec![],
-        warming: vec![],
-        in_contact: vec![],
-        detail: None,
+        ..FilmState::default()
     }
 }

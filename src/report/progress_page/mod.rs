@@ -461,11 +461,4 @@ mod tests {
         progress.set_state(StudyState::Failed("no disk".into()));
         assert!(progress.page(TIME).contains("Failed after 12 s: no disk"));
     }
-
-    #[test]
-    fn the_page_of_an_ended_study_leads_to_its_report() {
-        let html = ended_page("a <b>", "../a%20b/report.html");
-        assert!(html.contains("<meta http-equiv=\"refresh\" content=\"0; url=../a%20b/report.html\">"), "{html}");
-        assert!(html.contains("<a href=\"../a%20b/report.html\">") && !html.contains("<b>"), "{html}");
-    }
 }

@@ -322,12 +322,7 @@ mod tests {
             positions: vec![[0.0; 3]; 3],
             strains: vec![[strain; 3]],
             failed: vec![false],
-            thickness_ratio: vec![],
-            plastic_strain: vec![],
-            damage: vec![],
-            warming: vec![],
-            in_contact: vec![],
-            detail: None,
+            ..FilmState::default()
         };
         Snapshot { time: f64::from(strain), films: vec![state], impactors: vec![] }
     }

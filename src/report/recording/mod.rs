@@ -126,17 +126,7 @@ mod tests {
     #[test]
     fn snapshots_with_infinite_positions_are_not_drawn() {
         let snapshot = |place: f32| {
-            let state = FilmState {
-                positions: vec![[place; 3]],
-                strains: vec![],
-                failed: vec![],
-                thickness_ratio: vec![],
-                plastic_strain: vec![],
-                damage: vec![],
-                warming: vec![],
-                in_contact: vec![],
-                detail: None,
-            };
+            let state = FilmState { positions: vec![[place; 3]], ..FilmState::default() };
             Snapshot { time: 0.0, films: vec![state], impactors: vec![] }
         };
         let snapshots = [0.0, 1.0, 1e9, f32::NAN].map(snapshot);

@@ -290,29 +290,4 @@ mod tests {
         assert_eq!(with_corridor.signal("force_N").unwrap().corridor.as_ref().unwrap()[1].value_at(0.5), Some(1.5));
         assert!(with_corridor.signal("displacement_m").is_none());
     }
-
-    #[test]
-    fn mistakes_are_told() {
-        for (text, message) in [
-            ("", "nothing is expected"),
-            ("[signals.force_N]\nreason = \"x\"", "nothing bounds `force_N`"),
-            ("[signals.force_N]\nabsolute = \"5 mm\"", "expected a force, found \"5 mm\""),
-            ("[signals.force_N]\nabsolute = -1", "expected a distance of at least 0"),
-            ("[signals.force_N]\nabsolute = inf", "expected a finite number, found inf"),
-            ("[figures]\npeak_force_N = { absolute = \"-1 N\" }", "expected a distance of at least 0"),
-            ("[signals.max_strain_md]\nabsolute = \"5 mm\"", "expected a number, found \"5 mm\""),
-            ("[signals.force_N]\nabsolut = 1", "unknown key `absolut`"),
-            ("[figures]\npeak_force_N = { betwen = [1, 2] }", "unknown key `betwen`"),
-            ("[signals.\"*\"]\nabsolute = 1", "signals have different units: `*` cannot bound them by a value"),
-            (
-                "[signals.force_N]\nrelative = 0.1\nwindow = [\"2 ms\", \"1 ms\"]",
-                "expected a window that ends after it starts",
-            ),
-            ("[figures]\npeak_force_N = { between = [2, 1] }", "expected the least value first"),
-            ("[figures]\npeak_force_N = {}", "nothing bounds `peak_force_N`"),
-            ("[warnings]\nmust = [\"a\"]\nmust_not = [\"a\"]", "`a` must and must not come"),
-        ] {
-            assert_eq!(checked(text).unwrap_err(), [message], "{text}");
-        }
-    }
 }

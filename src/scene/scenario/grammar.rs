@@ -576,21 +576,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_have_titles() {
-        for (path, expected) in [
-            ("specimen.material.thickness", Some("Thickness of one layer")),
-            ("specimen.material.fabric.scale.k1", Some("Stiffness k1 to the first yield point")),
-            ("impactor.mass", Some("Mass of the impactor")),
-            ("impactor.0.friction", Some("Friction of impactor and film")),
-            ("layers.count", Some("Layers per face")),
-            ("output.sample_rate", Some("Samples per second in signals.csv")),
-            ("specimen.unknown", None),
-        ] {
-            assert_eq!(title(path).as_deref(), expected, "{path}");
-        }
-    }
-
-    #[test]
     fn a_hint_shows_how_a_table_is_written() {
         for (path, expected) in [
             ("impactor.shape.box", "`{ size = […], edge = … }`"),

@@ -20,7 +20,7 @@ pub struct Snapshot {
 }
 
 /// State of one face at one time.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct FilmState {
     /// m, one entry a node.
     pub positions: Vec<[f32; 3]>,

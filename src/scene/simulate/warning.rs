@@ -524,28 +524,4 @@ mod tests {
             assert_eq!([coarse.figures.len(), deep.figures.len()], [2; 2]);
         }
     }
-
-    #[test]
-    fn a_warning_states_the_fact_and_its_figures() {
-        let size = BodySize::Radius;
-        let finding =
-            Finding::new(&Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.0123, edge: 0.4, size });
-        let message =
-            "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
-        assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));
-        for (warning, expected) in [
-            (
-                Warning::StrainLocalisation { time: 0.0412, strain: 0.687, face: 1 },
-                "strain localisation: at 41.2 ms one element of face 1 is strained to 0.69, over 2.0 times its \
-                 neighbours; the result depends on the mesh from there on",
-            ),
-            (
-                Warning::BarelyQuasiStatic { share: 0.00213 },
-                "barely quasi-static: kinetic energy is up to 0.21 % of the energy that the film took up (bound 1 %)",
-            ),
-        ] {
-            assert_eq!(warning.to_string(), expected);
-        }
-        assert_eq!(serde_json::to_string(&finding.figures).unwrap(), r#"{"time_s":0.0123,"edge_over_radius":0.4}"#);
-    }
 }

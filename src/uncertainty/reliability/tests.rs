@@ -46,40 +46,6 @@ fn branches_at_exact([near, k]: [f64; 2]) -> f64 {
     2.0 * normal::cumulative(-0.5 * k) + (failing(0) + inner + failing(steps)) * width / 3.0
 }
 
-fn print(what: &str, found: &Probability, exact: f64) {
-    let interval = found.interval;
-    println!(
-        "{what}: {:.3e} (exact {exact:.3e}), c.o.v. {:.3}, 95 % {:.3e} … {:.3e}, {} evaluations",
-        found.value,
-        found.variation.unwrap(),
-        interval.low,
-        interval.high,
-        found.evaluations
-    );
-}
-
-#[test]
-fn the_four_branches_have_their_probability_by_subset_simulation() {
-    println!("exact: {:.5e} for k = 6, {:.5e} for k = 7", four_branches_exact(6.0), four_branches_exact(7.0));
-    for k in [6.0, 7.0] {
-        let exact = four_branches_exact(k);
-        let options = SubsetOptions { samples: 10_000, ..SubsetOptions::default() };
-        let subset = subset_simulation(2, &options, &mut four_branches(k)).unwrap();
-        print(&format!("subset simulation, k = {k}"), &subset.probability, exact);
-        assert!(subset.probability.interval.contains(exact));
-    }
-}
-
-#[test]
-fn a_linear_limit_state_has_its_probability_down_to_a_millionth() {
-    for exact in [1e-2, 1e-4, 1e-6] {
-        let index = -normal::quantile(exact);
-        let subset = subset_simulation(10, &SubsetOptions::default(), &mut linear(index)).unwrap();
-        print("subset simulation", &subset.probability, exact);
-        assert!(subset.probability.interval.contains(exact));
-    }
-}
-
 #[test]
 fn failure_that_is_the_rule_takes_one_level() {
     let often = subset_simulation(10, &SubsetOptions::default(), &mut linear(-1.5)).unwrap();

@@ -52,7 +52,6 @@ fn the_reduction_is_that_of_the_standard() {
     assert_eq!((reduction.counted, reduction.count), (F, 10));
     assert!((reduction.mean - 97.5).abs() < 1e-12 && (reduction.variance_ratio - 0.4).abs() < 1e-12);
     assert!((reduction.deviation.unwrap() - 10.4247).abs() < 1e-10);
-    println!("{reduction:?}");
 }
 
 #[test]
@@ -174,7 +173,6 @@ fn the_fit_of_blisss_beetles_is_the_published_one() {
     ];
     let counts = data.map(|(level, trials, failures)| Counts { level, trials, failures });
     let fit = probit(&counts, 0.95).unwrap();
-    println!("{fit:?}");
     assert!((1.0 / fit.deviation.value - 19.728).abs() < 1e-3, "{}", 1.0 / fit.deviation.value);
     assert!((fit.mean.value / fit.deviation.value - 34.935).abs() < 1e-3);
     assert!((fit.level(0.5) - fit.mean.value).abs() < 1e-15);

@@ -212,17 +212,4 @@ mod tests {
             assert!((found.unwrap() - expected).abs() < 1e-12, "{found:?} for {expected}");
         }
     }
-
-    #[test]
-    fn slack_is_compensated() {
-        let curve = Curve::new(vec![0.1, 0.2, 0.3], vec![0.0, 5.0, 10.0]).unwrap();
-        let taut = curve.toe_compensated(50.0, -5.0);
-        assert!((taut.stress_at(0.1).unwrap() - 5.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn resultants_are_stress_times_thickness() {
-        let curve = Curve::new(vec![0.26, 0.84], vec![8.4e6, 20e6]).unwrap();
-        assert_eq!(curve.resultant(12e-6), [8.4e6 * 12e-6, 20e6 * 12e-6]);
-    }
 }

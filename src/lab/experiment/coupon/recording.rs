@@ -265,34 +265,16 @@ mod tests {
         assert!((recorded.sample.rupture.strain - 0.8).abs() < 1e-12 && !recorded.sample.is_virtual);
     }
 
+    /// Others are in `tests/cmd/reduce-mistakes.trycmd`.
     #[test]
     fn mistakes_name_the_file() {
-        for (name, text, expected) in [
-            (
-                "x.csv",
-                format!("time_s,displacement_m,force_N\n{ROWS}"),
-                "x.csv: the direction of the coupon is not known",
-            ),
-            ("md-0.02.csv", format!("time_s,displacement_m,load_N\n{ROWS}"), "md-0.02.csv:1:1: no channel `force`"),
-            ("md-0.02.csv", format!("time_s,displacement_m,force_mm\n{ROWS}"), "md-0.02.csv: `force` is in mm"),
-            (
-                "md-0.02.csv",
-                format!("time_s,displacement_m,force\n{ROWS}"),
-                "md-0.02.csv: the unit of `force` is not known",
-            ),
-            (
-                "md-0.02.csv",
-                "time_s,displacement_m,force_N\n0,0,0\n1,1,\n".into(),
-                "md-0.02.csv: the force was not measured at 1 s",
-            ),
-            (
-                "md-0.02.csv",
-                "time_s,displacement_m,force_N\n0,0,0\n1,1,1\n".into(),
-                "md-0.02.csv: 1 samples between the strains",
-            ),
+        for (head, rows, expected) in [
+            ("load_N", ROWS, "md-0.02.csv:1:1: no channel `force`"),
+            ("force_mm", ROWS, "md-0.02.csv: `force` is in mm"),
+            ("force_N", "0,0,0\n1,1,\n", "md-0.02.csv: the force was not measured at 1 s"),
         ] {
-            let error = read(name, &text).unwrap_err().to_string();
-            assert!(error.contains(expected), "{text:?} gave: {error}");
+            let error = read("md-0.02.csv", &format!("time_s,displacement_m,{head}\n{rows}")).unwrap_err().to_string();
+            assert!(error.contains(expected), "{head} gave: {error}");
         }
     }
 }

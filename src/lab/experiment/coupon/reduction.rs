@@ -297,14 +297,6 @@ mod tests {
     }
 
     #[test]
-    fn both_fibre_directions_have_a_common_modulus() {
-        let samples = [sample(Direction::Td, 0.02, 40e6, 1.0), sample(Direction::Md, 0.02, 60e6, 1.0)];
-        let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
-        assert!((reduction.modulus.unwrap() / 50e6 - 1.0).abs() < 1e-9);
-        assert_eq!(reduction.directions[0].direction, Direction::Md);
-    }
-
-    #[test]
     fn virtual_coupons_are_counted() {
         let pulled = sample(Direction::Md, 0.02, 40e6, 1.0);
         let made_up = |direction| Sample { is_virtual: true, ..sample(direction, 0.2, 60e6, 1.0) };

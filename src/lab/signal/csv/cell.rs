@@ -196,12 +196,4 @@ mod tests {
         assert!(matches!(Mark::Point.number("1,5", "a"), Err(Fault::MixedMarks { .. })));
         assert!(matches!(Mark::Unknown.number("1.234,5", "a"), Err(Fault::Channel(ChannelFault::NotANumber { .. }))));
     }
-
-    #[test]
-    fn faults_of_numbers_are_distinguished() {
-        assert!(matches!(Mark::Unknown.number("5.2 g", "a"), Err(Fault::UnitInCell { .. })));
-        assert!(matches!(Mark::Unknown.number("3mm", "a"), Err(Fault::UnitInCell { .. })));
-        assert!(matches!(Mark::Unknown.number("x7", "a"), Err(Fault::Channel(ChannelFault::NotANumber { .. }))));
-        assert!(matches!(Mark::Unknown.number("-inf", "a"), Err(Fault::Channel(ChannelFault::NotFinite { .. }))));
-    }
 }

@@ -304,25 +304,4 @@ mod tests {
             assert!(notes.iter().zip(expected).all(|(note, expected)| note.ends_with(expected)), "{notes:?}");
         }
     }
-
-    /// A cost quadratic in the columns would take minutes.
-    #[test]
-    fn the_cost_of_many_columns_is_linear() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("wide.csv");
-        let header: String = (0..100_000).map(|place| format!(",a{place}")).collect();
-        std::fs::write(&path, format!("t{header}\n0{}\n", ",1".repeat(100_000))).unwrap();
-        assert_eq!(measure(&path, &ReadOptions::default()).unwrap().channels.len(), 100_000);
-    }
-
-    /// Memory is bounded: only the wanted columns are stored.
-    #[test]
-    fn only_wanted_columns_are_stored() {
-        let text = "time,a,b,c\n0,1,2,3\n1,2,3,4\n";
-        let mut lines = Lines::new(text.as_bytes());
-        let mut layout = Layout::read(&mut lines, &ReadOptions::default()).unwrap();
-        let rows = Rows::new(&layout, &[0, 2], Some(0));
-        assert_eq!(rows.slots, [vec![0], vec![], vec![1], vec![]]);
-        assert_eq!(rows.read(&mut layout, &mut lines).unwrap(), [[0.0, 1.0], [2.0, 3.0]]);
-    }
 }

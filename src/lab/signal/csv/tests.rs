@@ -27,33 +27,6 @@ fn a_written_recording_reads_back_to_the_same_bits() {
 }
 
 #[test]
-fn an_empty_cell_means_not_measured() {
-    let laser = read_text("# virtual\ntime_s, displacement_m\n0, \n1, 2.5\n").unwrap();
-    let values = laser.channel("displacement_m").unwrap();
-    assert!(values[0].is_nan());
-    assert_eq!(values[1], 2.5);
-}
-
-#[test]
-fn every_mistake_is_refused_by_name_and_place() {
-    for (text, expected) in [
-        ("", "no samples"),
-        ("time_s,a\n", "no samples"),
-        ("a,b\n1,2\n", "r.csv:1:1: no column of time among `a`, `b`"),
-        ("time_s,a,a\n0,1,2\n", "r.csv:1:10: two columns are called `a`"),
-        ("time_s,a\n0,1\n1,x7\n", "r.csv:3:3: expected a number for `a`, found `x7`"),
-        ("time_s,a\n0,1\n,2\n", "r.csv:3:1: the sample has no time"),
-        ("time_s,a\n0,NaN\n", "r.csv:2:3: `a` is not finite"),
-        ("time_s,a\n0,inf\n", "r.csv:2:3: `a` is not finite"),
-        ("time_s,a\n0,1\n1,1\n1,1\n", "r.csv:4:1: time does not increase: 1 after 1"),
-        ("time_s,a\n0,1\n1\n", "r.csv:3:1: expected 2 cells, found 1"),
-    ] {
-        let error = read_text(text).unwrap_err().to_string();
-        assert!(error.contains(expected), "{text:?} gave: {error}");
-    }
-}
-
-#[test]
 fn a_missing_file_is_named() {
     let error = read(Path::new("no/such.csv")).unwrap_err().to_string();
     assert!(error.starts_with("no/such.csv: cannot be read: "), "{error}");

@@ -191,12 +191,6 @@ mod tests {
     }
 
     #[test]
-    fn encodings_are_detected() {
-        assert_eq!(texts("\u{feff}a µ\r\nb".as_bytes()), ["a µ", "b"]);
-        assert_eq!(texts(b"a \xb5m\nb \xb0\n"), ["a µm", "b °"]);
-    }
-
-    #[test]
     fn utf_16_is_read_by_its_mark() {
         // The bytes of `\u{10a}` and `\u{a01}` hold that of a line feed.
         let text = "Zeit in ms;µ\u{10a}\u{a01}\r\n0,5;1\r\n\u{a01}";

@@ -356,26 +356,3 @@ fn held_elements_push_the_body_alone() {
 fn plain(name: &'static str, surface: Surface) -> Body {
     Body { name, surface, core: SharedShape::ball(1.0), place: Pose::IDENTITY, edge: 0.0 }
 }
-
-/// A run that is saved and restored on a rim and on facets has the bits of one that goes on.
-#[test]
-fn a_restored_run_goes_on_bit_by_bit() {
-    let bodies = [cylinder("cylinder", 0.06, 0.12, 0.0), icosphere("320 triangles", 0.08, 2)];
-    for drop in bodies.map(Drop::new).map(|drop| Drop { cells: 20, ..drop }) {
-        let mut engine = drop.engine();
-        for _ in 0..150 {
-            engine.step(&mut Unobserved).unwrap();
-        }
-        let state = engine.state();
-        let mut restored = drop.engine();
-        restored.restore(state).unwrap();
-        for _ in 0..100 {
-            engine.step(&mut Unobserved).unwrap();
-            restored.step(&mut Unobserved).unwrap();
-        }
-        let positions = |engine: &Engine| {
-            (0..engine.nodes.mass.len()).map(|n| engine.nodes.position.value_at(n)).collect::<Vec<_>>()
-        };
-        assert_eq!(positions(&engine), positions(&restored), "{}", drop.body.name);
-    }
-}

@@ -1,5 +1,4 @@
 use super::*;
-use crate::lane::{Width, at_width};
 use crate::material::tests::{check_bound, check_derivative, check_work, random, turned};
 use crate::material::{Gradient, History};
 
@@ -270,42 +269,4 @@ fn wrinkled_film_is_in_uniaxial_tension() {
     assert!(stress.tension[1][0].abs() < 1e-12 * expected);
     let thickness = law.thickness_ratio(&Deformation::from(d), &stress)[0];
     assert!((thickness * stretch.sqrt() - 1.0).abs() < 1e-12, "{thickness}");
-}
-
-fn forces_lanewise<M: MembraneLaw<History<L> = PeakStrains<L>>, const L: usize>(
-    law: &M,
-    f: &Gradient<L>,
-) -> Gradient<L> {
-    law.stress(&Deformation::from(*f), &mut History::virgin(), 0.0).p
-}
-
-at_width! {
-    fn forces[M: MembraneLaw<History<L> = PeakStrains<L>>, const L: usize](law: &M, f: &Gradient<L>) -> Gradient<L> = forces_lanewise
-}
-
-#[test]
-fn any_number_of_lanes_and_any_instructions_give_the_same_bits() {
-    let mut random = random(11);
-    let films: Vec<Gradient<1>> = (0..64)
-        .map(|_| turned([0.5 + 3.0 * random(), 0.5 + 2.0 * random()], [6.3 * random(), 6.3 * random()]))
-        .collect();
-    fn check<E: StrainEnergy, const L: usize>(law: &Hyperelastic<E>, films: &[Gradient<1>]) {
-        for films in films.chunks(L) {
-            let f = [0, 1].map(|i| [0, 1, 2].map(|axis| std::array::from_fn(|l| films[l][i][axis][0])));
-            for width in Width::available() {
-                let p: Gradient<L> = forces(width, law, &f);
-                for (l, alone) in films.iter().enumerate() {
-                    let alone = virgin_stress(law, *alone).p;
-                    let same =
-                        (0..2).all(|i| (0..3).all(|axis| p[i][axis][l].to_bits() == alone[i][axis][0].to_bits()));
-                    assert!(same, "{width:?}, lane {l} of {L}");
-                }
-            }
-        }
-    }
-    each_law!(|law| {
-        check::<_, 4>(law, &films);
-        check::<_, 8>(law, &films);
-        check::<_, 16>(law, &films);
-    });
 }

@@ -1,5 +1,4 @@
 use super::*;
-use crate::lane::{Width, at_width};
 use crate::material::tests::{random, turned};
 use crate::material::{Gradient, History};
 
@@ -376,50 +375,6 @@ fn energy_is_closed_over_load_cycles() {
         let [coarse, fine] = [10_000, 20_000].map(error);
         assert!(fine < 1e-6, "{law:?}: {fine}");
         assert!(fine < 0.3 * coarse || fine < 2e-8, "{law:?}: {coarse} {fine}");
-    }
-}
-
-fn forces_lanewise<const L: usize>(law: &Plastic, first: &Gradient<L>, second: &Gradient<L>) -> Gradient<L> {
-    let mut history = PlasticHistory::virgin();
-    law.stress(&Deformation::from(*first), &mut history, 0.0);
-    law.stress(&Deformation::from(*second), &mut history, 1e-4).p
-}
-
-at_width! {
-    fn forces[const L: usize](law: &Plastic, first: &Gradient<L>, second: &Gradient<L>) -> Gradient<L> = forces_lanewise
-}
-
-#[test]
-fn any_number_of_lanes_and_any_instructions_give_the_same_bits() {
-    fn check<const L: usize>(law: &Plastic, films: &[[Gradient<1>; 2]]) {
-        for films in films.chunks(L) {
-            let pack =
-                |k: usize| [0, 1].map(|i| [0, 1, 2].map(|axis| std::array::from_fn(|l| films[l][k][i][axis][0])));
-            let [first, second]: [Gradient<L>; 2] = [pack(0), pack(1)];
-            for width in Width::available() {
-                let p = forces(width, law, &first, &second);
-                for (l, film) in films.iter().enumerate() {
-                    let alone = forces_lanewise(law, &film[0], &film[1]);
-                    let same =
-                        (0..2).all(|i| (0..3).all(|axis| p[i][axis][l].to_bits() == alone[i][axis][0].to_bits()));
-                    assert!(same, "{width:?}, lane {l} of {L}");
-                }
-            }
-        }
-    }
-    let mut random = random(11);
-    // Some flow in both steps, some in one, some not at all.
-    let films: Vec<[Gradient<1>; 2]> = (0..64)
-        .map(|k| {
-            let size = [0.01, 0.1, 0.6][k % 3];
-            [0, 1]
-                .map(|_| turned([1.0 + size * (random() - 0.3), 1.0 + size * (random() - 0.5)], [0.3, 0.4 * random()]))
-        })
-        .collect();
-    for law in laws() {
-        check::<4>(&law, &films);
-        check::<8>(&law, &films);
-        check::<16>(&law, &films);
     }
 }
 
