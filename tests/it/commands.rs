@@ -1,7 +1,6 @@
 //! The built binary, for the commands that do not simulate.
 
 use std::fs;
-use std::path::Path;
 use std::process::Output;
 
 use droptower::scenario::grammar::{self, Rule};
@@ -83,35 +82,6 @@ fn the_schema_allows_no_further_keys_and_requires_none() {
     assert!(!schema.to_string().contains("\"required\""));
 }
 
-#[test]
-fn list_prints_scenarios_without_materials() {
-    let listed: Json =
-        serde_json::from_str(&standard_output(&["list", "tests/it/broken/parts", "--json"])).expect("JSON");
-    let listed = listed.as_array().expect("a list");
-    let named = |name: &str| listed.iter().find(|entry| entry["name"] == name);
-    assert_eq!(named("tower").map(|entry| &entry["title"]), Some(&Json::from("Drop tower")));
-    assert!(named("film").is_none());
-    assert!(!Path::new("runs").join("tower").exists());
-}
-
-#[test]
-fn equal_names_in_two_projects_are_two_scripts() {
-    let folder = tempfile::tempdir().expect("a folder");
-    for project in ["one", "other"] {
-        fs::create_dir(folder.path().join(project)).expect("a folder");
-        fs::write(folder.path().join(project).join("a.rhai"), "measure(\"a\", 1);").expect("a script");
-    }
-    let script = |project: &str| {
-        let out = folder.path().join("out").display().to_string();
-        workbench::droptower(&folder.path().join(project), &["script", "a.rhai", "--out", &out])
-    };
-    workbench::printed(&script("one"));
-    workbench::printed(&script("one"));
-    let refused = script("other");
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(workbench::error(&refused).contains("one/a.rhai and is not replaced"), "{}", workbench::error(&refused));
-}
-
 /// What a scenario hardly means is printed before its run and is a finding of a script; a rebound that says nothing is
 /// one of runs that rebound.
 #[test]
@@ -136,47 +106,4 @@ fn early_findings_are_printed_before_a_run_and_are_those_of_scripts() {
     let found = codes("runs/drop/summary.json");
     assert!(found.contains(&"implausible-value".to_owned()), "{found:?}");
     assert!(!found.contains(&"absorption-not-given".to_owned()), "no rebound: {found:?}");
-}
-
-#[test]
-fn a_study_with_a_module_shows_it_and_tells_its_mistakes() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = folder.path();
-    let module = |body: &str| {
-        fs::create_dir_all(at.join("modules")).expect("a folder");
-        fs::write(at.join("modules/double.rhai"), format!("fn doubled(args) {{\n    {body}\n}}\n")).expect("a module");
-    };
-    let script = "//! Doubles.\n//!\n//! --arg number=2  what is doubled\n\nimport \"double\" as double;\nmeasure(\"twice\", double::doubled(args));\n";
-    fs::write(at.join("study.rhai"), script).expect("a script");
-    module("2 * args.number");
-    assert_eq!(
-        workbench::figures(&workbench::droptower(at, &["script", "study.rhai", "--json", "--arg", "number=4"]))["twice"],
-        8
-    );
-    let page = fs::read_to_string(at.join("runs/study/report.html")).expect("the page");
-    assert!(page.contains("Module double") && page.contains("2 * args.number"));
-    module("2 * args.nummer.sqroot()");
-    let output = workbench::droptower(at, &["script", "--check", "study.rhai"]);
-    assert!(
-        output.status.code() == Some(2) && workbench::error(&output).contains("double.rhai:2:21"),
-        "{}",
-        workbench::error(&output)
-    );
-    fs::write(at.join("post.rhai"), "import \"double\" as double;\nmeasure(\"x\", 1);\n").expect("a script");
-    let scenario = workbench::root().join("scenarios/indent/rubber.toml");
-    let post = format!("post.script={}", at.join("post.rhai").display());
-    let output = workbench::droptower(at, &["check", scenario.to_str().expect("UTF-8"), "--set", &post]);
-    assert!(
-        output.status.code() == Some(2) && workbench::error(&output).contains("a post script imports only"),
-        "{}",
-        workbench::error(&output)
-    );
-    fs::write(
-        at.join("post.rhai"),
-        "import \"droptower/tables\" as tables;\nmeasure(\"x\", tables::rounded(1.26, 1));\n",
-    )
-    .expect("a script");
-    let coarse =
-        ["run", scenario.to_str().expect("UTF-8"), "--set", &post, "--set", "specimen.mesh.size=20mm", "--json"];
-    assert_eq!(workbench::figures(&workbench::droptower(at, &coarse))["x"], 1.3);
 }

@@ -10,7 +10,7 @@ use droptower::signal::{ReadOptions, file};
 use droptower::units::STANDARD_GRAVITY;
 use serde_json::Value as Json;
 
-use crate::workbench::{self, close, codes, data, figures, printed, unit};
+use crate::workbench::{self, codes, data, figures, printed, unit};
 
 fn droptower(folder: &Path, arguments: &[&str]) -> Output {
     workbench::droptower(folder, &[&["signal"], arguments].concat())
@@ -124,52 +124,6 @@ fn virtual_recordings_stay_virtual() {
     assert_eq!(filtered.lines().find(|line| !line.starts_with('#')), Some("time_s,value"));
 }
 
-#[test]
-fn info_lists_channels_units_and_sampling() {
-    let bench = tempfile::tempdir().expect("a folder");
-    let fixture = data("isomme_fixture");
-    let metal = data("tension_anisotropic_al6061/cleaned_CA-LT-01.csv");
-    let [fixture, metal] = [&fixture, &metal].map(|path| path.to_str().expect("UTF-8"));
-    let unit = "engineering_stress=ksi";
-    let info = figures(&droptower(bench.path(), &["info", metal, "--unit", unit, "--json"]));
-    assert_eq!(info[0]["channels"][0]["unit"], "Pa");
-    assert_eq!(info[0]["channels"][0]["start_s"], Json::Null);
-    let info = figures(&droptower(bench.path(), &["info", fixture, "--json"]));
-    let [head, chest] = [0, 1].map(|place| &info[0]["channels"][place]);
-    assert_eq!(
-        (&head["name"], &head["unit"], &head["written_unit"]),
-        (&"11HEADCG0000ACXP".into(), &"m/s2".into(), &"g".into())
-    );
-    assert_eq!((&chest["gaps"], &chest["samples"]), (&1.into(), &20.into()));
-    close(head["step_s"].as_f64().expect("even steps"), 1e-4, 1e-9);
-    assert_eq!(head["filtered"], 1000.0);
-    let output = droptower(bench.path(), &["info", fixture, metal]);
-    let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.contains("there is no column of time") && text.contains("11CHST0000H3DSXP"), "{text}");
-    assert!(text.contains("Head CG X acceleration") && text.contains("CFC 1000"), "{text}");
-    assert!(droptower(bench.path(), &["info", fixture, "--quiet"]).stdout.is_empty());
-}
-
-#[test]
-fn info_lists_channels_of_one_name_and_missing_samples() {
-    let bench = tempfile::tempdir().expect("a folder");
-    let row = |i: usize| format!("{},1,2\n", f64::from(u32::try_from(i).expect("small")) * 1e-3);
-    let rows: String = (0..100).filter(|i| !(48..=52).contains(i) && *i != 90 && *i != 91).map(row).collect();
-    fs::write(bench.path().join("a.csv"), format!("time_s,accel_g,accel_m_s2\n{rows}")).expect("written");
-    let text = workbench::printed(&droptower(bench.path(), &["info", "a.csv"]));
-    for expected in ["accel_g", "accel_m_s2", "hole of 6 ms after 0.047 s\n", "hole of 3 ms after 0.089 s\n", "uneven"]
-    {
-        assert_eq!(text.matches(expected).count(), if expected == "uneven" { 2 } else { 1 }, "{expected}: {text}");
-    }
-    let info = figures(&droptower(bench.path(), &["info", "a.csv", "--json"]));
-    let holes = &info[0]["channels"][1]["holes"];
-    assert_eq!(holes.as_array().map(Vec::len), Some(2));
-    assert_eq!((holes[0]["after_s"].as_f64(), holes[0]["duration_s"].as_f64()), (Some(0.047), Some(0.006)));
-    fs::write(bench.path().join("b.csv"), "time_s,a\n0,1\n1,2\n2,3\n").expect("written");
-    let text = workbench::printed(&droptower(bench.path(), &["info", "b.csv"]));
-    assert!(!text.contains("hole") && !text.contains("written as"), "{text}");
-}
-
 /// A cost quadratic in the columns would take minutes.
 #[test]
 fn info_lists_a_hundred_thousand_columns() {
@@ -188,9 +142,6 @@ fn letters_of_names_are_no_units() {
     printed(&droptower(bench.path(), &["convert", "a.csv", "-o", "b.csv"]));
     let text = fs::read_to_string(bench.path().join("b.csv")).expect("the table");
     assert!(text.ends_with("time_s,F/d,u/t,n/a,Sensor (a)\n0.0,1.0,2.0,3.0,4.0\n1.0,1.0,2.0,3.0,4.0\n"), "{text}");
-    fs::write(bench.path().join("c.csv"), "a title; of; three\nt;d;a\n0;1;2\n1;1;2\n").expect("written");
-    let info = figures(&droptower(bench.path(), &["info", "c.csv", "--json"]));
-    assert_eq!((&info[0]["channels"][0]["name"], &info[0]["channels"][1]["name"]), (&"d".into(), &"a".into()));
 }
 
 #[test]

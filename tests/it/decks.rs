@@ -53,29 +53,3 @@ fn a_folder_is_replaced_only_where_it_is_a_deck() {
     assert!(error(&foreign).contains("`d3plot`, which is no file of a deck"), "{}", error(&foreign));
     assert_eq!(fs::read_dir(bench.path()).expect("a folder").count(), 1, "nothing else is left");
 }
-
-#[test]
-fn what_has_no_counterpart_is_refused_and_nothing_is_written() {
-    let bench = tempfile::tempdir().expect("a folder");
-    let tower = root().join("scenarios/drop/1008.toml");
-    let write = |more: &str, target: &str| {
-        let text = format!("extends = {tower:?}\n{more}");
-        fs::write(bench.path().join("test.toml"), text).expect("a scenario");
-        droptower(bench.path(), &["export", "deck", "test.toml", "--for", target, "-o", "deck"])
-    };
-    for (more, target, words) in [
-        ("", "calculix", "no decks are written for CalculiX"),
-        ("", "febio", "no decks are written for FEBio"),
-        ("[impactor]\nguide = \"fixed\"\n", "ls-dyna", ""),
-        (
-            "[impactor]\nshape = { cone = { radius = \"50 mm\", length = \"50 mm\", edge = \"5 mm\" } }\n",
-            "ls-dyna",
-            "shape",
-        ),
-    ] {
-        let refused = write(more, target);
-        assert_eq!(refused.status.code(), Some(2), "{more}");
-        assert!(error(&refused).contains(words), "{}", error(&refused));
-        assert!(!bench.path().join("deck").exists());
-    }
-}

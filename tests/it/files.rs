@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::workbench::{droptower, error, figures, printed, root};
+use crate::workbench::{droptower, figures, printed, root};
 
 fn formats(path: &str) -> PathBuf {
     root().join("tests/it/formats").join(path)
@@ -35,23 +35,4 @@ fn channels_of_recorders_are_converted() {
             .unwrap_or_else(|| panic!("{whole}"));
         assert_eq!((&csv["smallest"], &csv["largest"]), (&own["smallest"], &own["largest"]), "{file}");
     }
-}
-
-#[test]
-fn specimens_of_machines_are_named_in_results() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = formats("machines/zwick-side-by-side.csv");
-    let path = path.to_str().expect("UTF-8");
-    let found = figures(&droptower(folder.path(), &["reduce", "coupon", "--json", path]));
-    let names: Vec<&str> =
-        found["specimens"].as_array().expect("specimens").iter().filter_map(|one| one["specimen"].as_str()).collect();
-    assert_eq!(names, ["Probe 1", "Probe 2", "Probe 3"]);
-    let stated = found["specimens"][0]["stated"].to_string();
-    assert!(stated.contains("Breite b0: 15,0000 mm") && stated.contains("Dicke a0: 50,0000 µm"), "{stated}");
-    let text = printed(&droptower(folder.path(), &["reduce", "coupon", path, "--width", "14 mm"]));
-    assert!(text.contains("note[head-replaced]") && text.contains("width: 14 mm for Breite b0: 15,0000 mm"), "{text}");
-    // The same file as a table has its columns twice.
-    let output = droptower(folder.path(), &["signal", "info", path]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("`droptower reduce coupon`"), "{}", error(&output));
 }

@@ -16,7 +16,7 @@ use rhai::Engine;
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use crate::workbench::await_of;
+use crate::workbench::{await_of, error};
 
 /// A search of some ten milliseconds a trial.
 const SEARCH: &str = r#"
@@ -108,10 +108,6 @@ fn shipped(path: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path).display().to_string()
 }
 
-fn error(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 /// A killed search that is started again takes its runs from the store.
 #[test]
 fn a_killed_search_continues_with_the_same_bits() {
@@ -143,21 +139,6 @@ fn a_killed_search_continues_with_the_same_bits() {
     assert!(error(&last).contains("runs were computed before"), "{}", error(&last));
     for name in ["history", "best"] {
         assert!(other.table("through", name) == bench.table("killed", name), "{name} differs");
-    }
-}
-
-#[test]
-fn known_multipliers_are_found_from_the_signals_of_a_run() {
-    let (bench, scenario) = (Bench::new("50 mm"), shipped("scenarios/drop/1008.toml"));
-    let script = shipped("scripts/identify.rhai");
-    let arguments = bench.over_the_recording(&script, &scenario, &["--json"]);
-    let output = bench.droptower(&arguments);
-    assert!(output.status.success(), "{}", error(&output));
-    let summary: Json = serde_json::from_slice(&output.stdout).expect("JSON");
-    let found = &summary["tables"]["coefficients"][0];
-    for (name, expected) in [("k1", 2.75), ("ke", 3.41), ("ky", 1.0)] {
-        let value = found[name].as_f64().expect("a number");
-        assert!((value - expected).abs() < 0.02 * expected, "{name} {value} for {expected}: {found}");
     }
 }
 
@@ -332,40 +313,6 @@ fn errors_in_a_search_are_reported() {
         let text = key_mistake(&error).unwrap_or_else(|| error.to_string());
         assert!(text.contains(expected), "{text}");
     }
-}
-
-/// Concurrent searches of two tests have the results of each alone, with any number of threads.
-#[test]
-fn concurrent_searches_find_what_each_does() {
-    let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
-    let both = r#"
-        let test = scenario(args.scenario);
-        let scaled = |k| test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: 1.0 } }).simulate();
-        let a = |k| relative_residuals(scaled.call(k).acceleration, test.reference.acceleration, test.window);
-        let d = |k| relative_error(scaled.call(k).displacement, test.reference.displacement, test.window);
-        let o = #{ max_evaluations: 40 };
-        let all = if "apart" in args { [minimize("nelder-mead", [2.0, 3.0], o, a), minimize("nelder-mead", [2.5, 3.0], o, d)] }
-                  else { minimize_all("nelder-mead", [[2.0, 3.0], [2.5, 3.0]], o, [a, d]) };
-        table("found", all.map(|best| #{ k1: best.x[0], ke: best.x[1], f: best.f, evaluations: best.evaluations }));
-    "#;
-    fs::write(bench.path("both.rhai"), both).expect("writable");
-    let window = ["--set", "reference.window=[0, \"8 ms\"]"];
-    let run = |out: &str, more: &[&str]| {
-        let arguments = [&window[..], &["--out", out], more].concat();
-        let output = bench.droptower(&bench.over_the_recording("both.rhai", &scenario, &arguments));
-        assert!(output.status.success(), "{}", error(&output));
-    };
-    run("apart", &["--arg", "apart=true"]);
-    run("together", &["--threads", "2"]);
-    assert!(bench.table("apart", "found") == bench.table("together", "found"), "they differ");
-
-    let before = bench.table("together", "found");
-    let page = || fs::read_to_string(bench.path("together/report.html")).expect("a page");
-    let pictures = page();
-    assert!(pictures.contains("Search: search 1") && pictures.contains("search 2: signal 1"));
-    run("together", &["--threads", "1"]);
-    assert!(bench.table("together", "found") == before, "they differ");
-    assert!(page() == pictures, "the pictures differ");
 }
 
 #[test]

@@ -18,6 +18,10 @@ fn read(path: &Path) -> Model {
 
 /// The model of a text as `scenarios/<name>.toml` in a folder of its own, beside the parts that it may extend.
 fn model(name: &str, text: &str) -> Model {
+    model_with(name, text, &[])
+}
+
+fn model_with(name: &str, text: &str, changes: &[&str]) -> Model {
     let folder = tempfile::tempdir().expect("a folder");
     let scenarios = folder.path().join("scenarios");
     let path = scenarios.join(format!("{name}.toml"));
@@ -27,7 +31,9 @@ fn model(name: &str, text: &str) -> Model {
         fs::copy(&part, copy).expect("writable");
     }
     fs::write(&path, text).expect("writable");
-    read(&path)
+    let changes: Vec<_> = changes.iter().map(|change| Assignment::from_argument(change).expect("a value")).collect();
+    let model = Document::read(&path).and_then(|document| model::check(&document.with(&changes)));
+    model.unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)))
 }
 
 #[test]
@@ -209,15 +215,7 @@ fn by_rate(changes: &[&str]) -> Law {
         ]
         td = { yield = [[0.1, 1e6], [0.2, 2e6]], break = [3, 5e6] }
         scale.ky = 2";
-    let folder = tempfile::tempdir().expect("a folder");
-    for part in glob::glob("tests/it/broken/parts/*").expect("a good pattern").flatten() {
-        fs::copy(&part, folder.path().join(part.file_name().expect("a file"))).expect("writable");
-    }
-    let path = folder.path().join("rates.toml");
-    fs::write(&path, text).expect("writable");
-    let changes: Vec<_> = changes.iter().map(|c| Assignment::from_argument(c).expect("a value")).collect();
-    let model = Document::read(&path).and_then(|document| model::check(&document.with(&changes)));
-    model.unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false))).faces[0].material.law.clone()
+    model_with("rates", text, changes).faces[0].material.law.clone()
 }
 
 /// Multipliers belong to a curve, its fibre set or the fabric, and the innermost apply; assignments change each.
@@ -249,12 +247,7 @@ fn curves_by_strain_rate() {
 /// `biaxial` changes the law at equal strains.
 #[test]
 fn what_couples_fibre_sets_is_in_the_law() {
-    let law = |change: &str| {
-        let document = Document::read(Path::new("tests/it/broken/parts/tower.toml")).expect("the tower reads");
-        let document = document.with(&[Assignment::from_argument(change).expect("a value")]);
-        let model = model::check(&document).unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)));
-        model.faces[0].material.law.clone()
-    };
+    let law = |change: &str| model_with("changed", "extends = \"tower.toml\"", &[change]).faces[0].material.law.clone();
     let plain = law("specimen.material.fabric.biaxial=0");
     let Law::Fabric(curves) = &plain else { panic!("a fabric") };
     let strained = [[[1.2], [0.0], [0.0]], [[0.0], [1.2], [0.0]]];
@@ -271,11 +264,7 @@ fn measured_rates_follow_from_curves_by_rate() {
     let read = |changes: &[&str]| {
         let td =
             "specimen.material.fabric.td.rates=[{ rate = 1, curve = [[1, 1e6]] }, { rate = 9, curve = [[1, 1e6]] }]";
-        let changes: Vec<_> =
-            [td].iter().chain(changes).map(|c| Assignment::from_argument(c).expect("a value")).collect();
-        let path = Path::new("tests/it/broken/parts/tower.toml");
-        let document = Document::read(path).expect("the tower reads").with(&changes);
-        let model = model::check(&document).unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)));
+        let model = model_with("changed", "extends = \"tower.toml\"", &[&[td], changes].concat());
         model.faces[0].material.measured_rates
     };
     let md = "specimen.material.fabric.md.rates=[{ rate = 0.1, curve = [[1, 1e6]] }, { rate = 5, curve = [[1, 1e6]] }]";

@@ -117,49 +117,6 @@ fn files_without_header_are_read_by_options() {
     assert_eq!(coefficients(&fit(folder.path(), &sheets, &kinds)), expected);
 }
 
-#[test]
-fn mistakes_have_a_hint_and_nothing_is_written() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let write = |name: &str, text: &str| {
-        fs::write(folder.path().join(name), text).expect("a file");
-        vec![name.to_owned()]
-    };
-    let unnamed = write("sheet.csv", "stretch,stress_MPa\n1,0\n2,1\n");
-    let unit = write("no-unit-ut.csv", "stretch,stress\n1,0\n2,1\n");
-    let other = write("x-ut.csv", "extension_mm,stress_MPa\n1,0\n2,1\n");
-    let contrary = write("y-ut.csv", "# test: equibiaxial\nstretch,stress_MPa\n1,0\n2,1\n");
-    let fallen = write("z-ut.csv", "stretch,stress_MPa\n2,-1\n3,-2\n4,-3\n");
-    let relaxed = write("r.csv", "time_s,modulus_MPa\n1,100\n2,90\n3,85\n");
-    let warm = write("w.csv", "time_s,modulus_MPa,temperature_degC\n1,100,20\n2,90,20\n1,85,30\n");
-    let law = |more: &[&'static str]| [&["--law", "neo-hookean", "-o", "film.toml"], more].concat();
-    for (files, more, expected) in [
-        (&unnamed, law(&[]), &["sheet.csv: the kind of test is not known", "# test: uniaxial"][..]),
-        (&unnamed, law(&["--test", "ut,et"]), &["--test has 2 kinds of tests for 1 files"]),
-        (&unit, law(&[]), &["the unit of `stress` is not known", "--unit stress=MPa"]),
-        (&other, law(&[]), &["no channel `stretch`", "the columns `stretch` (or `strain`) and `stress`"]),
-        (&contrary, law(&[]), &["its name states uniaxial tension, its header equibiaxial tension"]),
-        (&fallen, law(&[]), &["no coefficients that fit have a stiffness at rest", "check signs"]),
-        (&unnamed, law(&["--test", "ut", "--stable-to", "1"]), &["expected a largest stretch above 1"]),
-        (&unnamed, vec!["--law", "hooke"], &["`hooke` is not a law that can be fitted: expected neo-hookean"]),
-        (&unnamed, vec!["--law", "yeoh", "--test", "ut"], &["2 measured stresses for 3 coefficients"]),
-        (&unnamed, vec![], &["--law <LAW>"]),
-        (&unnamed, vec!["--law", "plastic:voce"], &["it was removed: `calibrate` fits plastic film"]),
-        (&relaxed, vec!["--terms", "3"], &["3 measured moduli for 3 terms"]),
-        (&warm, vec!["--terms", "1"], &["several temperatures", "the master curve"]),
-        (&relaxed, vec!["--terms", "2", "--shift", "wlf"], &["it was removed: the program of a DMA"]),
-        (&relaxed, vec!["--terms", "2", "--poisson", "0.5"], &["Poisson's ratio from -1 to 0.5"]),
-        (&relaxed, vec!["--terms", "2", "--law", "yeoh"], &["unexpected argument '--law'"]),
-    ] {
-        let kind = if more.contains(&"--terms") { "prony" } else { "rubber" };
-        let output = fit_of(folder.path(), kind, files, &more);
-        assert_eq!(output.status.code(), Some(2), "{files:?} {more:?}: {}", error(&output));
-        for part in expected {
-            assert!(error(&output).contains(part), "{part} in {}", error(&output));
-        }
-    }
-    assert!(!folder.path().join("film.toml").exists() && !folder.path().join("film.html").exists());
-}
-
 /// The master curve of NREL's film with 31 terms, beside NREL's own 31.
 #[test]
 fn a_master_curve_becomes_a_prony_series() {

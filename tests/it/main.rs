@@ -5,7 +5,6 @@ mod calibration;
 mod cards;
 mod cmd;
 mod commands;
-mod compare;
 mod conversions;
 mod coupling;
 mod coupon_materials;

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use droptower::mesh::{self, Element, Mesh, Meshing, Outline, Quality, Side};
 use droptower::model::Symmetry;
 
+use crate::workbench::{mistaken, root};
+
 const SYMMETRIES: [Symmetry; 4] = [Symmetry::None, Symmetry::HalfX, Symmetry::HalfY, Symmetry::Quarter];
 const SQUARE: Outline = Outline::Rectangle { x: 0.4, y: 0.4 };
 const DISC: Outline = Outline::Circle { radius: 0.1 };
@@ -196,103 +198,6 @@ fn import(path: &Path, symmetry: Symmetry, element: Element) -> Result<Mesh, mes
     )
 }
 
-fn as_obj(mesh: &Mesh) -> String {
-    let points = mesh.nodes.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
-    let corner = |node: &u32| format!(" {}", node + 1);
-    let outlines = outlines(mesh);
-    let faces = outlines.iter();
-    let faces = faces.map(|o| format!("f{}\n", o.iter().map(corner).collect::<String>()));
-    points.chain(faces).collect()
-}
-
-fn as_stl(mesh: &Mesh) -> String {
-    let vertex = |node: &u32| {
-        let p = mesh.nodes[*node as usize];
-        format!("vertex {} {} {}\n", p.x, p.y, p.z)
-    };
-    let facet = |tri: &[u32; 3]| {
-        let vertices: String = tri.iter().map(vertex).collect();
-        format!("facet normal 0 0 1\nouter loop\n{vertices}endloop\nendfacet\n")
-    };
-    let facets: String = mesh.tris.iter().map(facet).collect();
-    format!("solid film\n{facets}endsolid film\n")
-}
-
-fn as_vtu(mesh: &Mesh) -> String {
-    let points = mesh.nodes.iter().map(|p| format!("{} {} {} ", p.x, p.y, p.z));
-    let corners: Vec<String> = outlines(mesh).concat().iter().map(u32::to_string).collect();
-    let sizes: Vec<usize> = outlines(mesh).iter().map(Vec::len).collect();
-    let ends = sizes.iter().scan(0, |end, size| {
-        *end += size;
-        Some(format!("{end} "))
-    });
-    let types = sizes.iter().map(|size| if *size == 3 { "5 " } else { "9 " });
-    vtu(&points.collect::<String>(), &corners.join(" "), &ends.collect::<String>(), &types.collect::<String>())
-}
-
-/// Version 2.2 of Gmsh, with a line and a point of its model beside the elements.
-fn as_msh_2(mesh: &Mesh) -> String {
-    let nodes = mesh.nodes.iter().enumerate().map(|(n, p)| format!("{} {} {} {}\n", 3 * n + 5, p.x, p.y, p.z));
-    let tag = |node: &u32| format!(" {}", 3 * node + 5);
-    let element = |(e, corners): (usize, Vec<u32>)| {
-        let tags: String = corners.iter().map(tag).collect();
-        format!("{} {} 2 0 1{tags}\n", e + 3, corners.len() - 1)
-    };
-    let elements: String = outlines(mesh).into_iter().enumerate().map(element).collect();
-    format!(
-        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"film 2\"\n$EndPhysicalNames\n\
-         $Nodes\n{}\n{}$EndNodes\n$Elements\n{}\n1 15 2 0 1 5\n2 1 2 0 1 5 8\n{elements}$EndElements\n",
-        mesh.nodes.len(),
-        nodes.collect::<String>(),
-        outlines(mesh).len() + 2,
-    )
-}
-
-/// Version 4.1 of Gmsh: nodes in two blocks, one of them with coordinates on its surface, and elements by kind.
-fn as_msh_4(mesh: &Mesh) -> String {
-    let (first, second) = mesh.nodes.split_at(mesh.nodes.len() / 2);
-    let tags = |from: usize, count: usize| (from..from + count).map(|tag| format!("{tag}\n")).collect::<String>();
-    let points = |part: &[nalgebra::Point3<f64>], more: &str| {
-        part.iter().map(|p| format!("{} {} {}{more}\n", p.x, p.y, p.z)).collect::<String>()
-    };
-    let block = |kind: usize, all: Vec<&[u32]>| {
-        let line = |corners: &&[u32]| {
-            let tags: String = corners.iter().map(|node| format!(" {}", node + 1)).collect();
-            format!("7{tags}\n")
-        };
-        format!("2 1 {kind} {}\n{}", all.len(), all.iter().map(line).collect::<String>())
-    };
-    format!(
-        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n2 {} 1 {}\n1 1 0 {}\n{}{}2 1 1 {}\n{}{}$EndNodes\n\
-         $Elements\n3 {} 1 9\n1 1 1 1\n7 1 2\n{}{}$EndElements\n",
-        mesh.nodes.len(),
-        mesh.nodes.len(),
-        first.len(),
-        tags(1, first.len()),
-        points(first, ""),
-        second.len(),
-        tags(1 + first.len(), second.len()),
-        points(second, " 0.5 0.25"),
-        outlines(mesh).len() + 1,
-        block(2, mesh.tris.iter().map(|tri| tri.as_slice()).collect()),
-        block(3, mesh.quads.iter().map(|quad| quad.as_slice()).collect()),
-    )
-}
-
-fn vtu(points: &str, connectivity: &str, offsets: &str, types: &str) -> String {
-    format!(
-        r#"<?xml version="1.0"?>
-<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt32">
-<UnstructuredGrid><Piece NumberOfPoints="0" NumberOfCells="0">
-<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">{points}</DataArray></Points>
-<Cells>
-<DataArray type="Int64" Name="connectivity" format="ascii">{connectivity}</DataArray>
-<DataArray type="Int64" Name="offsets" format="ascii">{offsets}</DataArray>
-<DataArray type="UInt8" Name="types" format="ascii">{types}</DataArray>
-</Cells></Piece></UnstructuredGrid></VTKFile>"#
-    )
-}
-
 /// Where the rim, the sides and the mirror nodes are, bit by bit.
 fn labels(mesh: &Mesh) -> Vec<BTreeSet<[u64; 2]>> {
     let bits = |node: &u32| {
@@ -303,37 +208,35 @@ fn labels(mesh: &Mesh) -> Vec<BTreeSet<[u64; 2]>> {
     lists.map(|list| list.iter().map(bits).collect()).collect()
 }
 
+/// A mesh that the mesher made, in a format of others.
+fn stored(name: &str) -> PathBuf {
+    root().join("tests/it/formats/mesh").join(name)
+}
+
+/// The files hold what the mesher gives: of Gmsh with a point and a line of its model, and nodes in two blocks.
 #[test]
 fn meshes_are_read_back_from_files_unchanged() {
-    for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
+    for (stem, symmetry, element) in
+        [("half", Symmetry::HalfX, Element::Quad4), ("disc", Symmetry::None, Element::Tri3)]
+    {
         let mesh = build(&DISC, symmetry, element, 0.03);
-        let files = [
-            ("film.obj", as_obj(&mesh)),
-            ("film.VTU", as_vtu(&mesh)),
-            ("film.msh", as_msh_2(&mesh)),
-            ("blocks.msh", as_msh_4(&mesh)),
-        ];
-        for (name, text) in files {
-            let (_folder, path) = file(name, text);
-            let back = import(&path, symmetry, Element::Quad4).unwrap();
+        for ending in [".obj", ".VTU", "-2.msh", "-4.msh"] {
+            let name = format!("{stem}{ending}");
+            let back = import(&stored(&name), symmetry, Element::Quad4).unwrap();
             assert_eq!(elements(&back, [1.0; 2]), elements(&mesh, [1.0; 2]), "{name}");
-            assert_eq!(labels(&back), labels(&mesh), "{name} {symmetry:?}");
+            assert_eq!(labels(&back), labels(&mesh), "{name}");
         }
     }
     let mesh = build(&SQUARE, Symmetry::Quarter, Element::Tri3, 0.1);
-    let (_folder, path) = file("film.stl", as_stl(&mesh));
-    let back = import(&path, Symmetry::Quarter, Element::Tri3).unwrap();
-    assert_eq!(back.nodes.len(), mesh.nodes.len());
-    assert_eq!(back.tris.len(), mesh.tris.len());
+    let back = import(&stored("square.stl"), Symmetry::Quarter, Element::Tri3).unwrap();
+    assert_eq!((back.nodes.len(), back.tris.len()), (mesh.nodes.len(), mesh.tris.len()));
     assert_eq!(back.rim.len(), mesh.rim.len());
     assert!((Quality::from_mesh(&back).area - 0.04).abs() < 1e-8);
 }
 
 #[test]
 fn quads_of_a_file_become_triangles_where_asked() {
-    let mesh = build(&SQUARE, Symmetry::None, Element::Quad4, 0.1);
-    let (_folder, path) = file("film.obj", as_obj(&mesh));
-    let back = import(&path, Symmetry::None, Element::Tri3).unwrap();
+    let back = import(&stored("square.obj"), Symmetry::None, Element::Tri3).unwrap();
     assert_eq!((back.quads.len(), back.tris.len()), (0, 32));
 }
 
@@ -356,67 +259,38 @@ fn binary_arrays_are_read() {
         "BAAAAAMAAAA=",
         "AQAAAAU=",
     ];
-    let text = vtu(arrays[0], arrays[1], arrays[2], arrays[3])
-        .replace("ascii", "binary")
-        .replace("Float64", "Float32")
-        .replace("Int64", "Int32");
+    let array = |kind: &str, about: &str, data: &str| {
+        format!("<DataArray type=\"{kind}\" {about} format=\"binary\">{data}</DataArray>")
+    };
+    let points = array("Float32", "NumberOfComponents=\"3\"", arrays[0]);
+    let named = [("Int32", "connectivity"), ("Int32", "offsets"), ("UInt8", "types")];
+    let cells: String = named
+        .iter()
+        .zip(&arrays[1..])
+        .map(|((kind, name), data)| array(kind, &format!("Name=\"{name}\""), data))
+        .collect();
+    let text = format!(
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt32\"><UnstructuredGrid>\
+         <Piece NumberOfPoints=\"0\" NumberOfCells=\"0\"><Points>{points}</Points><Cells>{cells}</Cells></Piece></UnstructuredGrid></VTKFile>"
+    );
     let (_folder, path) = file("film.vtu", text);
     let mesh = import(&path, Symmetry::None, Element::Tri3).unwrap();
     assert_eq!(mesh.tris, [[0, 1, 2]]);
     assert_eq!(mesh.nodes[1].x, 1.0);
 }
 
-const TRIANGLE: &str = "0 0 0 1 0 0 0 1 0";
-const MSH_NODES: &str = "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n";
-
 #[test]
 fn faults_of_files_are_reported_with_their_path() {
-    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-    let obj = |faces: &str| ("film.obj", format!("{square}{faces}"));
-    let vtu = |c: &str, o: &str, t: &str| ("film.vtu", vtu(TRIANGLE, c, o, t));
-    let msh = |format: &str, rest: &str| ("film.msh", format!("$MeshFormat\n{format}\n$EndMeshFormat\n{rest}"));
-    let cases = [
-        (obj(""), "no triangles"),
-        (obj("f 1 2 9\n"), "out of bounds"),
-        (obj("f 1 2 2\n"), "element 0 has zero area"),
-        (obj("v 2 1 0\nf 1 2 3 5 4\n"), "a face with 5 corners"),
-        (obj("v 0.1 0.1 0\nf 1 2 5 4\n"), "concave"),
-        (obj("v 0 0 1\nf 1 2 5\n"), "element 0 is vertical"),
-        (obj("v 0.2 0.9 1\nf 1 2 3\nf 1 2 5\n"), "is folded"),
-        (obj("v 0 0 1\nv 0 1 1\nf 1 2 3\nf 1 2 5\nf 1 2 6\n"), "3 elements share"),
-        (obj("v 1 x 0\nf 1 2 5\n"), "position parse error"),
-        (obj("v 1 nan 0\nf 1 2 5\n"), "not finite"),
-        (vtu("0 1 2", "3", "10"), "VTK type 10"),
-        (vtu("0 1 7", "3", "5"), "refers to node 7 of 3"),
-        (vtu("0 1 2", "4", "5"), "do not match"),
-        (vtu("0 1 -1", "3", "5"), "expected a node number, found -1"),
-        (vtu("0 1 two", "3", "5"), "expected a number, found `two`"),
-        (("film.vtu", "<VTKFile/>".to_owned()), "`UnstructuredGrid` is missing"),
-        (("film.vtu", "<VTKFile compressor='vtkZLibDataCompressor'/>".to_owned()), "compressed"),
-        (("film.vtu", "solid".to_owned()), "film.vtu: "),
-        (("film.stl", "solid film\nfacet\n".to_owned()), "film.stl: "),
-        (msh("4.0 0 8", ""), "version 4.0 of the format is not supported"),
-        (msh("4.1 1 8", ""), "the file is binary"),
-        (msh("2.2 0 8", ""), "`$Nodes` is missing"),
-        (msh("2.2 0 8", "$Nodes\n2\n1 0 0 0\n$EndNodes\n"), "`$Nodes` ends too early"),
-        (msh("2.2 0 8", "$Nodes\n2\n1 0 0 0\n1 1 0 0\n$EndNodes\n"), "two nodes have the tag 1"),
-        (msh("2.2 0 8", "$Nodes\n1\n1 0 zero 0\n$EndNodes\n"), "expected a number in `$Nodes`, found `zero`"),
-        (msh("2.2 0 8", &format!("{MSH_NODES}$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n")), "found Gmsh type 4"),
-        (msh("2.2 0 8", &format!("{MSH_NODES}$Elements\n1\n1 2 0 1 2 9\n$EndElements\n")), "node 9, which is missing"),
-        (msh("2.2 0 8", &format!("{MSH_NODES}$Elements\n0\n$EndElements\n")), "no triangles"),
-        (("film.step", String::new()), "expected a file .stl, .obj, .vtu or .msh"),
-    ];
-    for ((name, text), expected) in cases {
-        let (_folder, path) = file(name, text);
+    for [name, expected, text] in mistaken("meshes.txt") {
+        let (_folder, path) = file(&name, text);
         let message = import(&path, Symmetry::None, Element::Quad4).unwrap_err().to_string();
-        assert!(message.contains(name) && message.contains(expected), "{message}");
+        assert!(message.contains(&name) && message.contains(&expected), "{message}");
     }
 }
 
 #[test]
 fn a_mesh_with_symmetry_is_the_computed_part_only() {
-    let (_folder, path) = file("film.obj", as_obj(&build(&SQUARE, Symmetry::None, Element::Quad4, 0.1)));
-    let message = import(&path, Symmetry::HalfY, Element::Quad4).unwrap_err().to_string();
+    let message = import(&stored("square.obj"), Symmetry::HalfY, Element::Quad4).unwrap_err().to_string();
     assert!(message.contains("beyond the mirror plane y = 0"), "{message}");
     let (_folder, path) = file("film.obj", "v 1 1 0\nv 2 1 0\nv 2 2 0\nf 1 2 3\n");
     let message = import(&path, Symmetry::HalfX, Element::Quad4).unwrap_err().to_string();

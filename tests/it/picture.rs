@@ -40,12 +40,7 @@ fn scene(is_torn: bool) -> RunScene {
         positions: vec![at(0.0, 0.0), at(1.0, 0.0), at(2.0, 0.0), at(0.0, 1.0), at(1.0, 1.0), at(2.0, 1.0)],
         strains: vec![[0.0, 0.1, 0.0], [0.3, 0.4, 0.0]],
         failed: vec![false, is_torn],
-        thickness_ratio: vec![],
-        plastic_strain: vec![],
-        damage: vec![],
-        warming: vec![],
-        in_contact: vec![],
-        detail: None,
+        ..FilmState::default()
     };
     let face = SceneFace { nodes: 6, patches: vec![[0, 1, 4, 3], [1, 2, 5, 4]], mirrored: [false; 2], springs: vec![] };
     let body = SceneBody { points: vec![[0.0; 3], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0]], patches: vec![[0, 1, 2, 2]] };
@@ -203,34 +198,8 @@ fn plots_of_comparisons_and_sheets_of_paper_are_drawn() {
 }
 
 #[test]
-fn mistakes_are_named_and_write_nothing() {
+fn a_picture_is_replaced_by_force() {
     fs::write(RUN.path().join("mine.png"), "mine").expect("a file");
-    fs::write(RUN.path().join("other.html"), "<title>other</title>").expect("a file");
-    for (arguments, expected) in [
-        (&["picture", "nowhere", "-o", "x.png"][..], "there is no nowhere"),
-        (&["picture", ".", "-o", "x.png"], "holds no report.html"),
-        (&["picture", "other.html"], "other.html is not a page of droptower"),
-        (&["picture", "run", "-o", "x.jpg"], "x.jpg does not end in .png, .svg or .glb"),
-        (&["picture", "run", "-o", "mine.png"], "mine.png already exists and is not replaced"),
-        (&["picture", "run", "-o", "x.png", "--plot", "accelerations"], "there is no plot `accelerations`"),
-        (&["picture", "run", "-o", "x.png", "--plot", "nothing"], "displacement-of-the-impactor, acceleration-of-the"),
-        (&["picture", "run", "-o", "x.png", "--at", "700 ms"], "700.0 ms is outside of the run"),
-        (&["picture", "run", "-o", "x.png", "--at", "57"], "expected a time with its unit"),
-        (&["picture", "run", "-o", "x.png", "--at", "lowes-point"], "did you mean `lowest-point`?"),
-        (&["picture", "run", "-o", "x.png", "--field", "tds"], "did you mean `td`?"),
-        (&["picture", "run", "-o", "x.png", "--field", "damage"], "--again"),
-        (&["picture", "run", "-o", "x.png", "--view", "behind"], "azimuth and elevation in degrees"),
-        (&["picture", "run", "-o", "x.png", "--font", "Times New Roman"], "a PNG has no font of the family"),
-        (&["picture", "run", "-o", "x.png", "--size", "100x100"], "leaves no room for the picture"),
-        (&["picture", "run", "-o", "x.png", "--width", "5 m", "--dpi", "2400"], "pixels is not drawn"),
-    ] {
-        let output = droptower(RUN.path(), arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", error(&output));
-        assert!(error(&output).contains(expected), "{arguments:?}: {}", error(&output));
-    }
-    let there = |name: &str| RUN.path().join(name).exists();
-    assert!(!there("x.png") && !there("x.jpg"));
-    assert_eq!(fs::read(RUN.path().join("mine.png")).expect("a file"), b"mine");
     printed(&droptower(RUN.path(), &["picture", "run", "-o", "mine.png", "--force", "--dpi", "50"]));
     assert_eq!(pixels(&RUN.path().join("mine.png")).dimensions(), (400, 250));
 }

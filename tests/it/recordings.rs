@@ -8,7 +8,7 @@ use droptower::signal::{ChannelSelection, ReadOptions, Series, file, integrate};
 use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_GRAVITY, Strain, Unit};
 use proptest::prelude::*;
 
-use crate::workbench::{SHOCK_NAMES, any_text, close, codes, data, shocks, unit};
+use crate::workbench::{SHOCK_NAMES, any_text, close, codes, data, mistaken, root, shocks, unit};
 
 fn units(pairs: &[(&str, &str)]) -> ReadOptions {
     let units = pairs.iter().map(|(name, symbol)| ((*name).to_owned(), unit(symbol))).collect();
@@ -154,69 +154,29 @@ fn the_measured_channel_has_the_extremes_of_its_header() {
     assert_eq!(read.annotations.notes(), ["there is no test (.mme)".to_owned(), absent]);
 }
 
+/// Changes of a channel, each of four lines: what is changed, into what (`-` is nothing), whether that is a note or a mistake in a
+/// line, and what is said.
 #[test]
 fn what_a_header_states_is_checked_against_the_samples() {
     let text = fs::read_to_string(data("isomme_real_channel/test.001")).expect("the channel");
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("T.001");
-    for (from, to, expected) in [
-        ("value  :2.171756E+0", "value  :2.271756E+0", "the header states the maximum 2.271756"),
-        (
-            "maximum value       :1.417000E-1",
-            "maximum value       :1.427000E-1",
-            "the header states the maximum at 0.1427 s",
-        ),
-        ("Reference channel           :implicit\n", "", "implicit is assumed"),
-        ("Time of first sample        :-0.1\n", "", "0 is assumed"),
-        (
-            "Unit                        :Nm",
-            "Unit                        :furlong",
-            "the unit `furlong` of `24NECKUP00P2MOZP` is not known",
-        ),
-    ] {
+    let changes = fs::read_to_string(root().join("tests/it/broken/files/headers.txt")).expect("changes");
+    for change in changes.split("\n\n").skip(1) {
+        let lines: Vec<String> = change.lines().map(|line| line.replace("\\n", "\n")).collect();
+        let [from, to, told, expected] = &lines[..] else { panic!("{change}") };
         assert!(text.contains(from), "{from}");
-        fs::write(&path, text.replacen(from, to, 1)).expect("written");
-        let notes = file::read(&path, &ReadOptions::default()).expect("readable").annotations.notes().join("; ");
-        assert!(notes.contains(expected), "{to}: {notes}");
-    }
-    for (from, to, place, expected) in [
-        (
-            "samples           :6000",
-            "samples           :6001",
-            Some(6033),
-            "`24NECKUP00P2MOZP` is truncated: 6000 of 6001 samples",
-        ),
-        ("samples           :6000", "samples           :10", Some(6033), "has 6000 samples, but its header states 10"),
-        ("samples           :6000", "samples           :x", Some(24), "`Number of samples` is not a number: `x`"),
-        (
-            "interval           :0.0001",
-            "interval           :0",
-            Some(21),
-            "the sampling interval of `24NECKUP00P2MOZP` is 0 s",
-        ),
-        (
-            "interval           :0.0001",
-            "interval           :NOVALUE",
-            Some(4),
-            "neither a sampling interval nor a reference",
-        ),
-        ("\n1.642828E-2\n", "\n1.6x\n", None, "expected a number for `24NECKUP00P2MOZP`, found `1.6x`"),
-        ("\n1.642828E-2\n", "\nNaN\n", None, "`24NECKUP00P2MOZP` is not finite"),
-        ("\n1.642828E-2\n", "\n\n", None, "expected a number for `24NECKUP00P2MOZP`, found ``"),
-        (
-            "channel           :implicit",
-            "channel           :explicit",
-            Some(4),
-            "neither a sampling interval nor a reference",
-        ),
-    ] {
-        assert!(text.contains(from), "{from}");
-        fs::write(&path, text.replacen(from, to, 1)).expect("written");
-        let error = file::read(&path, &ReadOptions::default()).expect_err("a mistake");
-        let (file, line, _) = error.place().expect("a place");
-        assert_eq!(file, path);
-        assert!(place.is_none_or(|expected| expected == line), "{to}: line {line}");
-        assert!(error.to_string().contains(expected), "{to}: {error}");
+        fs::write(&path, text.replacen(from, if to == "-" { "" } else { to }, 1)).expect("written");
+        let said = match file::read(&path, &ReadOptions::default()) {
+            Ok(read) if told == "note" => read.annotations.notes().join("; "),
+            Err(error) if told != "note" => {
+                let (file, line, _) = error.place().expect("a place");
+                assert!(file == path && (told == "a line" || told.parse() == Ok(line)), "{change}: line {line}");
+                error.to_string()
+            }
+            other => panic!("{change}: {other:?}"),
+        };
+        assert!(said.contains(expected), "{change}: {said}");
     }
 }
 
@@ -275,70 +235,34 @@ fn drop_tower_shocks_are_read_filtered_and_integrated() {
     close(smooth_change, change, 0.01);
 }
 
-/// Tables with a mistake, and the message.
 #[test]
 fn tables_with_mistakes_are_refused_in_place() {
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("r.csv");
-    let g = units(&[("a", "g")]);
-    let named = |name: &str| ReadOptions::one(Some(name));
-    let names = |names: &[&str]| ReadOptions {
-        names: names.iter().map(|name| (*name).into()).collect(),
-        ..ReadOptions::default()
-    };
-    for (text, wanted, expected) in [
-        ("", ReadOptions::default(), "r.csv: no samples: the file is empty"),
-        ("# only\n\n", ReadOptions::default(), "r.csv: no samples: the file is empty"),
-        ("time,a\n", ReadOptions::default(), "r.csv:1:1: no samples: no line below the header starts with a number"),
-        ("time,a\n0,1\n0,2\n", ReadOptions::default(), "r.csv:3:1: time does not increase: 0 after 0"),
-        ("time,a\n1,1\n0,2\n", ReadOptions::default(), "r.csv:3:1: time does not increase: 0 after 1"),
-        ("a,time\n1,\n", ReadOptions::default(), "r.csv:2:3: the sample has no time"),
-        ("time,a\n0,1\n", named("b"), "r.csv:1:1: no channel `b` among `time`, `a`"),
-        ("time,a [g],a [N]\n0,1,2\n", named("a"), "r.csv:1:1: several channels are called `a`: `a [g]`, `a [N]`"),
-        ("time,a,b\n0,1,2\n", ReadOptions::one(None), "r.csv:1:1: one channel is wanted, found 2: `a`, `b`"),
-        ("time\n0\n1\n", ReadOptions::default(), "r.csv:1:1: no channel beside the time"),
-        ("time,a\n0,nan\n", ReadOptions::default(), "r.csv:2:3: `a` is not finite"),
-        ("time,a\n0,-inf\n", ReadOptions::default(), "r.csv:2:3: `a` is not finite"),
-        ("time;ä;b\n0;1;2\n1; 2 ;x\n", ReadOptions::default(), "r.csv:3:7: expected a number for `b`, found `x`"),
-        ("time,a\nx,1\n1,2\n", ReadOptions::default(), "r.csv:2:1: expected a number for `time`, found `x`"),
-        ("time,a\n0,1\n1,2,3\n", ReadOptions::default(), "r.csv:3:1: expected 2 cells, found 3"),
-        ("time,a\n0,1\n1\n2,2\n", ReadOptions::default(), "r.csv:3:1: expected 2 cells, found 1"),
-        ("time,a\n0,1\n1", ReadOptions::default(), "r.csv:3:1: the file is truncated: its last line has 1 of 2 cells"),
-        (
-            "time,a\n0,1\n0.002,1\n0.00",
-            ReadOptions::default(),
-            "r.csv:4:1: the file is truncated: its last line has 1 of 2 cells",
-        ),
-        ("time,a,b\n0,1\n1,2\n", ReadOptions::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
-        ("0,1\n", names(&["time"]), "r.csv:1:1: 1 name (`time`) over 2 columns"),
-        ("time,a,a\n0,1,2\n", ReadOptions::default(), "r.csv:1:8: two columns are called `a`"),
-        ("time,,b\n0,1,2\n", ReadOptions::default(), "r.csv:1:6: column 2 has no name"),
-        (
-            "time,a [g]\ns,m/s2\n0,1\n",
-            ReadOptions::default(),
-            "r.csv:2:3: mixed units: the header states `g` of `a`, the line of units `m/s2`",
-        ),
-        ("time,a [m/s2]\n0,1\n", g.clone(), "r.csv:1:6: mixed units: the file states `m/s2` of `a`, but `g` is given"),
-        ("time,b\n0,1\n", g, "r.csv:1:1: no channel `a` among `time`, `b`"),
-        (
-            "time,a\n0,5.2 g\n",
-            ReadOptions::default(),
-            "r.csv:2:3: expected a number for `a`, found `5.2 g`, which carries a unit",
-        ),
-        ("time [g],a\n0,1\n", ReadOptions::default(), "r.csv:1:1: time (`time`) cannot be in `g`"),
-        ("time [fortnight],a\n0,1\n", ReadOptions::default(), "r.csv:1:1: time (`time`) cannot be in `fortnight`"),
-        ("t,time,a\n0,0,1\n", ReadOptions::default(), "r.csv:1:1: several columns of time among `t`, `time`, `a`"),
-        (
-            "time;a\n0,5;1,5\n1;2.5\n",
-            ReadOptions::default(),
-            "r.csv:3:3: decimal point and decimal comma in one file: `2.5`",
-        ),
-    ] {
+    let refused = |text: &str, wanted: &ReadOptions, expected: &str| {
         fs::write(&path, text).expect("written");
-        let error = file::read(&path, &wanted).expect_err(text);
+        let error = file::read(&path, wanted).expect_err(text);
         let message = error.to_string();
         assert!(message.contains(expected), "{text:?} gave: {message}");
         assert_eq!(error.place().is_some(), !expected.starts_with("r.csv: "), "{text:?}");
+    };
+    for [_, expected, text] in mistaken("tables.txt") {
+        refused(&text, &ReadOptions::default(), &expected);
+    }
+    let named = ReadOptions { names: vec!["time".into()], ..ReadOptions::default() };
+    for (text, wanted, expected) in [
+        ("time,a\n0,1\n", ReadOptions::one(Some("b")), "no channel `b` among `time`, `a`"),
+        ("time,a [g],a [N]\n0,1,2\n", ReadOptions::one(Some("a")), "several channels are called `a`: `a [g]`, `a [N]`"),
+        ("time,a,b\n0,1,2\n", ReadOptions::one(None), "r.csv:1:1: one channel is wanted, found 2: `a`, `b`"),
+        ("0,1\n", named, "r.csv:1:1: 1 name (`time`) over 2 columns"),
+        (
+            "time,a [m/s2]\n0,1\n",
+            units(&[("a", "g")]),
+            "r.csv:1:6: mixed units: the file states `m/s2` of `a`, but `g`",
+        ),
+        ("time,b\n0,1\n", units(&[("a", "g")]), "r.csv:1:1: no channel `a` among `time`, `b`"),
+    ] {
+        refused(text, &wanted, expected);
     }
 }
 
@@ -403,43 +327,9 @@ fn unwanted_columns_are_not_parsed() {
 
 /// Pieces that tables and containers are made of, in any order.
 fn pieces() -> impl Strategy<Value = String> {
-    let piece = prop::sample::select(vec![
-        "time",
-        "a [g]",
-        "0",
-        "1.5",
-        "-2,5e3",
-        "NaN",
-        "inf",
-        "1e999",
-        ",",
-        ";",
-        "\t",
-        " ",
-        "\n",
-        "\r\n",
-        "\"",
-        "#",
-        ":",
-        "[",
-        "]",
-        "(",
-        ")",
-        "/",
-        "_",
-        "µ",
-        "\u{feff}",
-        "Channel code",
-        "Number of samples",
-        "Sampling interval",
-        "Reference channel",
-        "explicit",
-        "implicit",
-        "NOVALUE",
-        "Unit",
-        "Name of channel 001",
-        "11HEADCG0000ACXP",
-    ]);
+    let pieces = "time|a [g]|0|1.5|-2,5e3|NaN|inf|1e999|,|;|\t| |\n|\r\n|\"|#|:|[|]|(|)|/|_|µ|\u{feff}|Channel code|Number of samples|\
+                  Sampling interval|Reference channel|explicit|implicit|NOVALUE|Unit|Name of channel 001|11HEADCG0000ACXP";
+    let piece = prop::sample::select(pieces.split('|').collect::<Vec<_>>());
     prop_oneof![prop::collection::vec(piece, 0..60).prop_map(|pieces| pieces.concat()), any_text(0..=80)]
 }
 

@@ -6,7 +6,6 @@ use std::process::{Output, Stdio};
 use std::time::{Duration, SystemTime};
 
 use serde_json::Value as Json;
-use tempfile::TempDir;
 use thorough::thorough;
 
 use droptower::diagnostic;
@@ -16,18 +15,11 @@ use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
 use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunError, RunOptions, Warning};
 
-use crate::workbench::{await_of, command, droptower, error};
+use crate::workbench::{await_of, command, drop_bench, droptower, error};
 
 /// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
 const SLOW: [&str; 6] =
     ["--set", "specimen.mesh.size=10mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=6ms"];
-
-/// A folder with the template of a drop test in it.
-fn bench() -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    assert!(droptower(folder.path(), &["new", "drop", "drop.toml"]).status.success());
-    folder
-}
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     droptower(folder, &[&["run", "drop.toml"], arguments].concat())
@@ -70,7 +62,7 @@ fn summary(folder: &Path) -> Json {
 
 #[test]
 fn a_killed_run_resumes_to_the_same_bits() {
-    let bench = bench();
+    let bench = drop_bench();
     let through = run(bench.path(), &[&SLOW[..], &["--out", "runs/through", "--quiet"]].concat());
     assert!(through.status.success(), "{}", error(&through));
     killed_after(1, bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
@@ -89,7 +81,7 @@ fn a_killed_run_resumes_to_the_same_bits() {
 
 #[test]
 fn a_checkpoint_of_another_run_is_refused() {
-    let bench = bench();
+    let bench = drop_bench();
     killed_after(1, bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     for (changed, expected) in [
         ("layers.count=9", "there `layers.count` is 8, here it is 9"),
@@ -119,7 +111,7 @@ fn a_checkpoint_of_another_run_is_refused() {
 
 #[test]
 fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
-    let bench = bench();
+    let bench = drop_bench();
     let [done, later] = ["done.toml", "later.toml"];
     for copy in [done, later] {
         fs::copy(bench.path().join("drop.toml"), bench.path().join(copy)).expect("a copy");
@@ -162,7 +154,7 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
 /// Whether a run of a batch is complete follows from what its files hold, not from their times.
 #[test]
 fn a_complete_run_is_known_by_the_content_of_its_files() {
-    let bench = bench();
+    let bench = drop_bench();
     let path = |name: &str| bench.path().join(name);
     let set_time = |name: &str, time: SystemTime| {
         let file = fs::File::options().append(true).open(path(name)).expect("a file");
@@ -185,7 +177,7 @@ fn a_complete_run_is_known_by_the_content_of_its_files() {
 
 #[test]
 fn a_run_resumes_from_the_checkpoint_before_a_damaged_one() {
-    let bench = bench();
+    let bench = drop_bench();
     killed_after(2, bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     let all = checkpoints(bench.path());
     let [rest @ .., older, newer] = &all[..] else { panic!("{all:?}") };
@@ -209,7 +201,7 @@ fn a_run_resumes_from_the_checkpoint_before_a_damaged_one() {
 
 #[test]
 fn a_failed_run_leaves_no_checkpoints() {
-    let bench = bench();
+    let bench = drop_bench();
     // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
     let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
     let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
@@ -223,7 +215,7 @@ fn a_failed_run_leaves_no_checkpoints() {
 /// A run that would take hours says so, and is killed.
 #[test]
 fn a_run_of_hours_has_a_forecast() {
-    let bench = bench();
+    let bench = drop_bench();
     let long = ["--set", "specimen.mesh.size=1mm", "--set", "specimen.symmetry=none"];
     let long = [&long[..], &["--set", "loading.impact.duration=5s", "--set", "output.filter=none"]].concat();
     let slow = [&long[..], &["--set", "output.sample_rate=1kHz"]].concat();
@@ -312,11 +304,13 @@ thorough::cases!(a_run_resumes_to_the_same_bits {
     rupture: "drop-1508", &[FEW];
     free_sphere: "free-sphere", &[FEW];
     biaxial: "drop-1508", &[FEW, SHORT, "specimen.material.fabric.biaxial=0.5"];
+    by_rate: "drop-1508", &[FEW, SHORT, "specimen.material=scenarios/materials/lldpe-rates.toml"];
     guided_box: "free-sphere", &[
         FEW,
         "impactor.guide={ line = [1, 0, -2] }",
         "impactor.shape={ box = { size = [0.1, 0.2, 0.1], edge = 0.02 } }",
     ];
+    cylinder: "free-sphere", &[FEW, "impactor.shape={ cylinder = { radius = 0.06, length = 0.12 } }"];
     two_impactors: "two-impactors", &[FEW, "impactor.1.at=20ms"];
     full_integration: "dart-disc", &["specimen.mesh.element=quad4-full"];
     different_faces: "drop-different-faces", &[];

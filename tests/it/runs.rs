@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use rhai::{Engine, Map, Scope};
 use serde_json::Value as Json;
-use tempfile::TempDir;
 
 use droptower::calibrate;
 use droptower::evaluate::Evaluations;
@@ -21,18 +20,10 @@ use droptower::script::{Arguments, Entry, Limits, OutputCollector, Script};
 use droptower::signal::csv;
 use droptower::sweep;
 
-use crate::workbench::{droptower, error, root};
+use crate::workbench::{drop_bench, droptower, error, root};
 
 /// Coarse and short: what is tested is everything around the simulation.
 const QUICK: [&str; 4] = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms"];
-
-/// A folder with the template of a drop test in it.
-fn bench() -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let made = droptower(folder.path(), &["new", "drop", "drop.toml"]);
-    assert!(made.status.success());
-    folder
-}
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     droptower(folder, &[&["run"], arguments, &QUICK].concat())
@@ -55,7 +46,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 #[test]
 fn a_run_writes_its_folder() {
-    let bench = bench();
+    let bench = drop_bench();
     let output = run(bench.path(), &["drop.toml"]);
     assert_eq!(code(&output), Some(0), "{}", error(&output));
     let folder = bench.path().join("runs/drop");
@@ -72,24 +63,10 @@ fn a_run_writes_its_folder() {
         )
     );
     let summary = json(&folder.join("summary.json"));
-    for name in [
-        "peak_acceleration_m_s2",
-        "time_of_peak_acceleration_s",
-        "peak_displacement_m",
-        "time_of_peak_displacement_s",
-        "rebound_velocity_m_s",
-        "energy_absorption",
-        "energy_balance_error",
-        "ruptured",
-        "rupture_time_s",
-        "acceleration_error",
-        "displacement_error",
-        "elements",
-        "steps",
-        "time_step_s",
-        "wall_s",
-        "ns_per_element_step",
-    ] {
+    let figures = "peak_acceleration_m_s2 time_of_peak_acceleration_s peak_displacement_m time_of_peak_displacement_s \
+                 rebound_velocity_m_s energy_absorption energy_balance_error ruptured rupture_time_s acceleration_error \
+                 displacement_error elements steps time_step_s wall_s ns_per_element_step";
+    for name in figures.split(' ') {
         assert!(summary.get(name).is_some(), "{name}");
     }
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
@@ -102,7 +79,7 @@ fn a_run_writes_its_folder() {
 /// Vector instructions can be chosen, and change no bit.
 #[test]
 fn a_width_is_in_the_summary_and_changes_no_bit() {
-    let bench = bench();
+    let bench = drop_bench();
     let [widest, baseline] = [&[][..], &["--width", "baseline"]].map(|width| {
         let output = run(bench.path(), &[&["drop.toml", "--force"], width].concat());
         assert_eq!(code(&output), Some(0), "{}", error(&output));
@@ -117,7 +94,7 @@ fn a_width_is_in_the_summary_and_changes_no_bit() {
 /// The largest force and elongation of a spring and the least distance of film from film stand on the terminal and in the summary.
 #[test]
 fn springs_and_contact_of_film_have_their_figures() {
-    let bench = bench();
+    let bench = drop_bench();
     let springs = "frame.springs={ stiffness = \"2 kN/m\", count = 80, length = \"50 mm\" }";
     let output = run(bench.path(), &["drop.toml", "--set", springs, "--set", "contact.film=true"]);
     assert_eq!(code(&output), Some(0), "{}", error(&output));
@@ -134,7 +111,7 @@ fn springs_and_contact_of_film_have_their_figures() {
 
 #[test]
 fn the_stored_scenario_gives_the_same_signals_elsewhere() {
-    let (bench, elsewhere) = (bench(), tempfile::tempdir().expect("a folder"));
+    let (bench, elsewhere) = (drop_bench(), tempfile::tempdir().expect("a folder"));
     let scenario = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
     fs::write(bench.path().join("drop.toml"), scenario + "\n[post]\nscript = \"own.rhai\"\n").expect("a scenario");
     fs::write(bench.path().join("own.rhai"), "measure(\"twice\", 2 * run.summary.steps);").expect("a script");
@@ -179,7 +156,7 @@ fn the_shipped_test_is_compared_with_its_reference() {
 
 #[test]
 fn the_page_shows_the_figures_of_the_summary() {
-    let bench = bench();
+    let bench = drop_bench();
     assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
     let folder = bench.path().join("runs/drop");
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
@@ -199,7 +176,7 @@ fn the_page_shows_the_figures_of_the_summary() {
 
 #[test]
 fn a_numerical_failure_stores_what_was_computed() {
-    let bench = bench();
+    let bench = drop_bench();
     // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
     let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
     let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
@@ -222,83 +199,6 @@ fn a_numerical_failure_stores_what_was_computed() {
     assert_eq!(names(&bench.path().join("runs")), ["drop"], "what failed is out of date");
 }
 
-#[test]
-fn several_scenarios_are_stored_below_one_folder() {
-    let bench = bench();
-    fs::copy(bench.path().join("drop.toml"), bench.path().join("other.toml")).expect("a copy");
-    let output = run(bench.path(), &["*.toml", "--out", "out", "--json"]);
-    assert_eq!(code(&output), Some(0), "{}", error(&output));
-    let summaries: Json = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(summaries[1]["scenario"], "other");
-    assert_eq!(names(&bench.path().join("out")), ["drop", "other"]);
-}
-
-#[test]
-fn nothing_is_written_where_one_scenario_is_wrong() {
-    let bench = bench();
-    let good = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
-    fs::write(bench.path().join("bad.rhai"), "let a = 1;\nlet b = nosuch;").expect("a script");
-    fs::write(bench.path().join("worse.rhai"), "mesure(\"a\", 1);\nrun.velocity.med();").expect("a script");
-    fs::write(bench.path().join("gap.csv"), "time_s,acceleration_m_s2\n0,1\n0,2\n").expect("a table");
-    for (added, expected) in [
-        ("[post]\nscript = \"bad.rhai\"", "bad.rhai:2:9"),
-        ("[post]\nscript = \"worse.rhai\"", "did you mean `measure`?"),
-        ("[post]\nscript = \"worse.rhai\"", "worse.rhai:2:14"),
-        ("[reference]\nsignals = \"gap.csv\"", "time does not increase"),
-        ("[reference]\nsignals = \"gap.csv\"", "gap.csv:3:1"),
-    ] {
-        fs::write(bench.path().join("bad.toml"), format!("{good}\n{added}\n")).expect("a scenario");
-        let output = run(bench.path(), &["drop.toml", "bad.toml"]);
-        assert_eq!(code(&output), Some(2));
-        assert!(error(&output).contains(expected), "{}", error(&output));
-        assert!(!bench.path().join("runs").exists());
-        let checked = droptower(bench.path(), &["check", "bad.toml"]);
-        assert_eq!(code(&checked), Some(2));
-        assert!(error(&checked).contains(expected), "{}", error(&checked));
-    }
-    let fast = run(bench.path(), &["drop.toml", "--set", "output.sample_rate=1kHz"]);
-    assert_eq!(code(&fast), Some(2), "{}", error(&fast));
-}
-
-#[test]
-fn a_run_whose_post_script_fails_is_kept() {
-    let bench = bench();
-    let good = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
-    fs::write(bench.path().join("post.rhai"), "let last = run.velocity.values();\nlast[10_000_000]").expect("a script");
-    fs::write(bench.path().join("drop.toml"), format!("{good}\n[post]\nscript = \"post.rhai\"\n")).expect("a scenario");
-    let output = run(bench.path(), &["drop.toml"]);
-    assert_eq!(code(&output), Some(2));
-    let said = error(&output);
-    assert!(
-        said.contains("post.rhai:2:") && said.contains("what was computed before is in runs/drop.failed"),
-        "{said}"
-    );
-    let kept = bench.path().join("runs/drop.failed");
-    assert!(csv::read(&kept.join("signals.csv")).expect("signals").time.len() > 100);
-    let cause = fs::read_to_string(kept.join("failure.txt")).expect("the cause");
-    assert!(cause.contains("post.rhai:2:") && kept.join("report.html").exists(), "{cause}");
-    // What it has is neither the result nor in the way of one.
-    assert!(!bench.path().join("runs/drop").exists());
-    fs::write(bench.path().join("post.rhai"), "measure(\"samples\", run.velocity.time().len())").expect("a script");
-    assert_eq!(code(&run(bench.path(), &["drop.toml", "--set", "output.sample_rate=1MHz"])), Some(0));
-    let samples = json(&bench.path().join("runs/drop/summary.json"))["samples"].as_f64();
-    assert!(samples.is_some_and(|samples| samples > 10_000.0), "{samples:?}");
-}
-
-#[test]
-fn folders_of_the_user_are_not_replaced() {
-    let bench = bench();
-    fs::create_dir(bench.path().join("own")).expect("a folder");
-    fs::write(bench.path().join("own/notes.txt"), "mine").expect("a file");
-    for (place, expected) in [("own", "is not a run folder of droptower"), (".", "does not name a run folder")] {
-        let output = run(bench.path(), &["drop.toml", "--out", place]);
-        assert_eq!(code(&output), Some(2), "{place}");
-        assert!(error(&output).contains(expected), "{}", error(&output));
-        assert_eq!(names(bench.path()), ["drop.toml", "droptower.schema.json", "own"]);
-        assert_eq!(names(&bench.path().join("own")), ["notes.txt"]);
-    }
-}
-
 const STUDY: &str = r#"
 let base = scenario(args.scenario);
 let runs = simulate_all([base, base.with(#{ "layers.count": args.layers })]);
@@ -309,7 +209,7 @@ measure("difference", relative_error(runs[1].displacement, runs[0].displacement,
 
 #[test]
 fn a_script_writes_its_tables() {
-    let bench = bench();
+    let bench = drop_bench();
     fs::write(bench.path().join("study.rhai"), STUDY).expect("a script");
     let arguments = ["script", "study.rhai", "--scenario", "drop.toml", "--arg", "layers=16"];
     let output = droptower(bench.path(), &[&arguments[..], &QUICK].concat());
@@ -329,7 +229,7 @@ fn a_script_writes_its_tables() {
 
 #[test]
 fn the_shipped_study_counts_layers() {
-    let bench = bench();
+    let bench = drop_bench();
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/layers.rhai");
     let arguments =
         ["script", shipped.to_str().expect("UTF-8"), "--scenario", "drop.toml", "--arg", "most=8", "--quiet", "--json"];
@@ -340,38 +240,6 @@ fn the_shipped_study_counts_layers() {
     assert_eq!(rows.iter().map(|row| row["layers"].as_i64()).collect::<Vec<_>>(), [Some(6), Some(8)]);
     let travel = |row: &Json| row["travel_mm"].as_f64().expect("a number");
     assert!(travel(&rows[0]) > travel(&rows[1]), "more layers stop earlier");
-}
-
-#[test]
-fn an_argument_that_no_script_reads_is_a_mistake() {
-    let bench = bench();
-    fs::write(bench.path().join("study.rhai"), STUDY).expect("a script");
-    let arguments = ["script", "study.rhai", "--scenario", "drop.toml", "--arg", "layers=16", "--arg", "layer=9"];
-    let output = droptower(bench.path(), &arguments);
-    assert_eq!(code(&output), Some(2));
-    assert!(error(&output).contains("the script does not read `args.layer`"), "{}", error(&output));
-    assert!(!bench.path().join("runs").exists());
-}
-
-#[test]
-fn mistakes_in_a_script_have_line_and_column() {
-    let bench = bench();
-    for (text, expected) in [
-        ("\nlet t = scenario(\"nosuch.toml\"); args.scenario", "study.rhai:2:9"),
-        ("let t = scenario(args.scenario).with(#{ \"layers.cuont\": 9 });", "unknown key `cuont`"),
-        ("let t = scenario(args.scenario).with(#{ \"layers.cont\": 9 });", "did you mean `count`?"),
-        ("scenario(args.nosuch); args.scenario", "study.rhai:1:14"),
-        ("scenario(args.nosuch); args.scenario", "the script needs `nosuch`: give --arg nosuch=…"),
-        ("let t = scenario(args.scenario);\nt.simulat()", "study.rhai:2:3"),
-        ("let t = scenario(args.scenario);\nt.simulat()", "did you mean `simulate`?"),
-        ("simulate_all([1]); args.scenario", "expected a list of scenarios"),
-    ] {
-        fs::write(bench.path().join("study.rhai"), text).expect("a script");
-        let output = droptower(bench.path(), &["script", "study.rhai", "--scenario", "drop.toml"]);
-        assert_eq!(code(&output), Some(2), "{text}");
-        assert!(error(&output).contains(expected), "{text} gave: {}", error(&output));
-        assert!(!bench.path().join("runs").exists());
-    }
 }
 
 /// An interpreter with every function of the reference, whose runs are stored in `folder`, and what collects its output.

@@ -1,24 +1,15 @@
-//! Shipped files: every scenario and material checks, every scenario starts, every script compiles.
+//! Shipped files: every scenario and material checks, every scenario starts.
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use droptower::calibrate;
 use droptower::diagnostic::{Diagnostic, render};
-use droptower::evaluate::Evaluations;
-use droptower::functions;
-use droptower::identify::{self, SearchHost};
 use droptower::model::loading::Test;
 use droptower::model::{self, Model};
 use droptower::post::{Plan, Results};
 use droptower::scenario::{Assignment, Document};
-use droptower::scenario_functions::{self, Scenarios};
-use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::simulate;
-use droptower::sweep;
 use droptower::units::DIMENSIONS;
-use rhai::Scope;
 
 fn files(pattern: &str) -> Vec<PathBuf> {
     let root = env!("CARGO_MANIFEST_DIR");
@@ -114,26 +105,6 @@ fn post_scripts_add_figures() {
     for script in files("scripts/post/*.rhai") {
         let model = Model { post: Some(script.clone()), ..shortened(&read(&path), &path) };
         assert!(!run(&model).script_output.measures.is_empty(), "{} adds nothing", script.display());
-    }
-}
-
-#[test]
-fn study_scripts_compile() {
-    let mut engine = functions::engine(Limits::STUDY);
-    let (collector, host) = (OutputCollector::new(Vec::new()), SearchHost::new(|_| {}));
-    functions::register_output(&mut engine, &collector);
-    scenario_functions::register(&mut engine, &Scenarios::default());
-    identify::register(&mut engine, &host);
-    calibrate::register(&mut engine, &Scenarios::default(), &host, &collector);
-    let folder = tempfile::tempdir().expect("a folder");
-    sweep::register(&mut engine, &Arc::new(Evaluations::open(folder.path()).expect("no records")));
-    functions::register_reading(&mut engine);
-    Arguments::register(&mut engine);
-    let mut scope = Scope::new();
-    scope.push_constant("args", Arguments::default());
-    for path in files("scripts/*.rhai") {
-        let compiled = Script::read(&engine, &scope, &path);
-        assert!(compiled.is_ok(), "{}", compiled.err().map(|error| error.to_string()).unwrap_or_default());
     }
 }
 

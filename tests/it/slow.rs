@@ -114,20 +114,6 @@ fn a_run_that_is_not_quasi_static_fails_and_is_stored() {
     assert!(cause.contains("load it more slowly"), "{cause}");
 }
 
-#[test]
-fn an_impactor_beside_the_film_is_a_mistake() {
-    let bench = bench("indent");
-    let arguments = ["run", "slow.toml", "--set", "impactor.position=['200 mm', 0]", "--set", "specimen.symmetry=none"];
-    let output = droptower(bench.path(), &arguments);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        standard_error_and_output(&output).contains("the impactor passes beside the film"),
-        "{}",
-        standard_error_and_output(&output)
-    );
-    assert!(!bench.path().join("runs").exists());
-}
-
 /// A film that breaks ends the test: its last sample is the last before the break.
 #[test]
 fn a_break_ends_the_test() {

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use serde_json::Value as Json;
 
-use crate::workbench::{command, droptower, error, root};
+use crate::workbench::{command, root};
 
 const BASE: &str = "
 extends = BASE
@@ -145,12 +145,4 @@ fn a_save_during_a_run_ends_it() {
     save("specimen.mesh.size = \"80 mm\"\nloading.impact.duration = \"10 ms\"");
     let run = watching.next();
     assert!(run["summary"]["elements"].as_f64().expect("a number") < 1000.0, "the long run gave no result");
-}
-
-#[test]
-fn what_cannot_be_watched_is_refused() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let output = droptower(folder.path(), &["watch", "none.toml"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("there is no scenario none.toml"));
 }

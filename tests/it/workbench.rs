@@ -35,6 +35,13 @@ pub fn droptower(folder: &Path, arguments: &[&str]) -> Output {
     command(folder, arguments).output().expect("the binary starts")
 }
 
+/// A folder with the template of a drop test in it.
+pub fn drop_bench() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    printed(&droptower(folder.path(), &["new", "drop", "drop.toml"]));
+    folder
+}
+
 /// Waits until something holds of what a program does; whether it did before the program ended. A machine may be as slow as
 /// it likes: only a program that hangs is given up, after a quarter of an hour.
 pub fn await_of(program: &mut Child, mut holds: impl FnMut() -> bool) -> bool {
@@ -74,6 +81,20 @@ pub fn printed_text(output: &Output) -> String {
 /// The figures that it prints where it succeeds.
 pub fn figures(output: &Output) -> Json {
     serde_json::from_str(&printed(output)).expect("JSON")
+}
+
+/// The files with a mistake in a list of `broken/files/`: name, what is said of it, and content, which a backslash ends where
+/// no line does.
+pub fn mistaken(list: &str) -> Vec<[String; 3]> {
+    let text = fs::read_to_string(root().join("tests/it/broken/files").join(list)).expect("a list");
+    let text = text.strip_prefix("=== ").and_then(|text| text.strip_suffix('\n')).expect("a head");
+    let blocks = text.split("\n=== ").map(|block| format!("{block}\n"));
+    let parts = blocks.map(|block| {
+        let (head, content) = block.split_once('\n').expect("a line");
+        let (name, said) = head.split_once(": ").expect("what is said");
+        [name, said, content.strip_suffix("\\\n").unwrap_or(content)].map(str::to_owned)
+    });
+    parts.collect()
 }
 
 /// The codes of what reading a file reported.

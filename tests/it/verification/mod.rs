@@ -10,6 +10,7 @@ mod tower;
 
 mod absorption;
 mod air;
+mod balanced;
 mod bending;
 mod bodies;
 mod contact;

@@ -10,6 +10,7 @@ use droptower::model::Face;
 
 use super::claims::Claims;
 use super::scene::{mounted, observe_step, positions, set_positions};
+use super::sheet;
 
 const DENSITY: f64 = 915.0;
 const YOUNG: f64 = 50e6;
@@ -69,19 +70,7 @@ impl Film {
             Film::Strip => 0.0,
             Film::Square => PRESTRAIN,
         };
-        let prestrain = [PRESTRAIN, across];
-        let face = Face {
-            height: 0.0,
-            layers: 1,
-            material,
-            break_is_moved: false,
-            unsourced_coupling: None,
-            md_angle: 0.0,
-            prestrain,
-            meshing,
-            settle: true,
-            film: None,
-        };
+        let face = Face { meshing, ..sheet::face(material, element, [PRESTRAIN, across]) };
         let shape = Outline::Rectangle { x: SPAN, y: self.width(edge) };
         let mesh = mesh::build(&shape, [false; 2], &face.meshing).expect("a mesh");
         let (film, mut nodes) = mounted(&mesh, &face);

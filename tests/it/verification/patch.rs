@@ -53,18 +53,7 @@ fn patch(element: Element) -> Mesh {
 
 fn face(material: Material, element: Element) -> Face {
     let meshing = Meshing { element, size: SIDE / 3.0, grading: None };
-    Face {
-        height: 0.0,
-        layers: 1,
-        material,
-        break_is_moved: false,
-        unsourced_coupling: None,
-        md_angle: 0.3,
-        prestrain: [0.0; 2],
-        meshing,
-        settle: true,
-        film: None,
-    }
+    Face { meshing, md_angle: 0.3, ..sheet::face(material, element, [0.0; 2]) }
 }
 
 fn elastic() -> Material {

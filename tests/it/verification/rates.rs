@@ -1,12 +1,9 @@
 //! Film whose curves depend on the strain rate.
 
-use droptower::engine::{Engine, StateMismatch, ThreadPool, Unobserved};
-use droptower::lane::Width;
 use droptower::model::Model;
-use droptower::simulate::{self, Outcome};
+use droptower::simulate::Outcome;
 
 use super::claims::Claims;
-use super::same_bits::after;
 use super::tower::{channel, impact, peaks, run, shipped};
 
 const MATERIAL: &str = "specimen.material=scenarios/materials/lldpe-rates.toml";
@@ -79,28 +76,6 @@ fn a_single_element_follows_the_curve_of_its_rate() {
     claims.judge();
 }
 
-/// The film of drop test 1008 written as equal curves at three rates.
-fn equal() -> Model {
-    let entry = |rate: &str, rest: &str| format!("{{ rate = \"{rate} 1/s\", {rest} }}");
-    let set = |fibre: &str, rest: &str| {
-        let entries: Vec<String> = ["0.04", "4", "40"].map(|rate| entry(rate, rest)).to_vec();
-        format!("specimen.material.fabric.{fibre}.rates=[{}]", entries.join(", "))
-    };
-    let md = set("md", "yield = [[0.26, \"8.4 MPa\"], [0.84, \"20 MPa\"]], break = [1.39, \"29.3 MPa\"]");
-    let td = set("td", "yield = [[0.33, \"8 MPa\"], [0.69, \"10 MPa\"]], break = [7.01, \"16.2 MPa\"]");
-    shipped("drop/1008.toml", &["specimen.mesh.size=20mm", &md, &td])
-}
-
-#[test]
-fn equal_curves_give_the_bits_of_one() {
-    let bits = |model: &Model| {
-        let outcome = run(model);
-        let of = |name: &str| channel(&outcome.signals, name).iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-        (outcome.steps, ["displacement_m", "acceleration_m_s2", "contact_force_N"].map(of))
-    };
-    assert!(bits(&equal()) == bits(&shipped("drop/1008.toml", &["specimen.mesh.size=20mm"])));
-}
-
 fn tower(changes: &[&str]) -> Model {
     shipped("drop/1008.toml", &[&[MATERIAL, "specimen.mesh.size=20mm"], changes].concat())
 }
@@ -114,40 +89,4 @@ fn energy_of_a_drop_is_balanced_and_its_peaks_do_not_depend_on_the_time_step() {
     claims.at_most("peak displacement, half the time step", (coarse[0] / fine[0] - 1.0).abs(), 1e-2);
     claims.at_most("peak acceleration, half the time step", (coarse[1] / fine[1] - 1.0).abs(), 2e-2);
     claims.judge();
-}
-
-#[test]
-fn the_same_bits_with_any_threads_and_vector_instructions() {
-    let elements = ["quad4", "quad4-full", "tri3"].map(|element| format!("specimen.mesh.element={element}"));
-    for element in &elements {
-        let model = tower(&[element]);
-        let expected = after(&model, ThreadPool::new(1).at_width(Width::Baseline), 300);
-        for threads in [1, 2, 3] {
-            for width in Width::available() {
-                let found = after(&model, ThreadPool::new(threads).at_width(width), 300);
-                assert!(found == expected, "{element}: {threads} threads, {width:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn a_restored_state_gives_the_same_bits() {
-    let steps = |engine: &mut Engine, count: usize| {
-        (0..count).for_each(|_| assert_eq!(engine.step(&mut Unobserved).expect("a step"), 0))
-    };
-    let text = |engine: &Engine| serde_json::to_string(&engine.state()).expect("a state");
-    let model = tower(&[]);
-    let mut uninterrupted = simulate::engine(&model).expect("an engine");
-    steps(&mut uninterrupted, 300);
-    let state = uninterrupted.state();
-    steps(&mut uninterrupted, 300);
-    let mut resumed = simulate::engine(&model).expect("an engine");
-    resumed.restore(state.clone()).expect("the same scene");
-    steps(&mut resumed, 300);
-    assert_eq!(text(&resumed), text(&uninterrupted));
-
-    let plain = shipped("drop/1008.toml", &["specimen.mesh.size=20mm"]);
-    let refused = simulate::engine(&plain).expect("an engine").restore(state).expect_err("another law");
-    assert!(matches!(refused, StateMismatch { what: "history variables", .. }), "{refused}");
 }

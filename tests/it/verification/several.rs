@@ -137,63 +137,6 @@ fn without_friction(film: &str, bodies: &[String]) -> Model {
     model
 }
 
-/// A stack on film, film pressed on a fixed ball and on a table, one body after the other.
-#[test]
-fn energy_is_balanced_where_bodies_share_film_and_meet() {
-    let mut claims = Claims::of("several");
-    let fixed = |name: &str, shape: &str, z: f64| {
-        format!("name = \"{name}\", shape = {{ {shape} }}, guide = \"fixed\", position = [0, 0, {z}]")
-    };
-    let free = "guide = \"free\"";
-    let cases: [(&str, Vec<String>, &str); 4] = [
-        (
-            "a ball on a ball",
-            vec![
-                ball("lower", 0.06, 3.0, &format!("{free}, restitution = 0.5, velocity = [0, 0, -1]")),
-                ball("upper", 0.04, 1.0, "restitution = 0.5, position = [0, 0, 0.18], velocity = [0, 0, -2]"),
-            ],
-            "duration = 0.15",
-        ),
-        (
-            "film between a ball and a fixed one",
-            vec![
-                fixed("anvil", "sphere = { radius = 0.08 }", -0.12),
-                ball("ball", 0.06, 3.0, "position = [0.01, 0], velocity = [0, 0, -3]"),
-            ],
-            "duration = 0.04",
-        ),
-        (
-            "film between a tilted block and a table",
-            vec![
-                fixed("table", "box = { size = [0.12, 0.12, 0.06], edge = 0.01 }", -0.06),
-                format!(
-                    "name = \"block\", shape = {{ box = {{ size = [0.08, 0.09, 0.06], edge = 0.01 }} }}, mass = 3, {free},
-                     position = [0.005, 0, 0.04], velocity = [0, 0, -1.5], orientation = {{ axis = [1, 0.3, 0], angle = \"7 deg\" }}"
-                ),
-            ],
-            "duration = 0.045",
-        ),
-        (
-            "a ball that rolls into one released later",
-            vec![
-                ball("head", 0.06, 3.0, &format!("{free}, position = [-0.07, 0], velocity = [1, 0, -2]")),
-                ball("hand", 0.05, 0.8, &format!("{free}, restitution = 0.3, position = [0.06, 0, 0.12], velocity = [0, 0, -3], at = 0.01")),
-            ],
-            "duration = 0.08",
-        ),
-    ];
-    for (name, bodies, loading) in cases {
-        let outcome = run(&model(&square(0.4), &bodies, loading));
-        claims.at_most(&format!("{name}, energy balance error"), outcome.energy_balance_error, 1e-3);
-        let collided = channel(&outcome.energies, "collision_J").last().copied().expect("a sample");
-        let forces = outcome.signals.channels.iter().filter(|channel| channel.name.ends_with("_contact_force_N"));
-        let pressed = forces.flat_map(|channel| &channel.values).fold(0.0_f64, |most, force| most.max(*force));
-        let figures = format!("{collided:.2} J lost in collisions, largest force of the film {pressed:.0} N");
-        claims.holds(&format!("{name}, they met"), &figures, collided > 1e-2 && pressed > 10.0);
-    }
-    claims.judge();
-}
-
 /// What overlaps is refused by name, at the start and at a release.
 #[test]
 fn bodies_inside_each_other_are_refused() {
