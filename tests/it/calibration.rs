@@ -869,21 +869,21 @@ fn a_study_in_a_file_is_calibrated() {
     strip("film.toml", 1.3);
     let made = droptower(at, &["run", "film.toml", "--quiet"]);
     assert!(made.status.success(), "{}", workbench::error(&made));
-    let study = |more: &str| {
+    let study = |first: &str, more: &str| {
         let text = format!(
-            "precision = 0.05\n[[test]]\nscenario = \"strip.toml\"\ncompare = \"force\"\nrecordings = \"runs/*/signals.csv\"\nnoise = 0.01\n\
+            "precision = 0.05\n{first}[[test]]\nscenario = \"strip.toml\"\ncompare = \"force\"\nrecordings = \"runs/*/signals.csv\"\nnoise = 0.01\n\
              [parameters]\nke = {{ key = \"specimen.material.fabric.scale.ke\", start = 1, within = [0.2, 5], log = true }}\n{more}"
         );
         std::fs::write(at.join("study.toml"), text).expect("a study");
     };
-    study("");
+    study("", "");
     let found = droptower(at, &["calibrate", "study.toml", "--json"]);
     assert!(found.status.success(), "{}", workbench::error(&found));
     let own = &workbench::figures(&found)["tables"]["parameters"][0];
     assert!((own["value"].as_f64().expect("a value") - 1.3).abs() < 0.01, "{own}");
     assert_eq!(own["verdict"], "determined");
     // Before any run: a scenario that cannot be read.
-    study("[predict]\nscenarios = [\"head.toml\"]\n");
+    study("", "[predict]\nscenarios = [\"head.toml\"]\n");
     let refused = droptower(at, &["calibrate", "study.toml", "--force"]);
     let error = workbench::error(&refused);
     assert!(
@@ -892,7 +892,7 @@ fn a_study_in_a_file_is_calibrated() {
     );
     assert!(!error.contains("weighted by noise"), "no search began: {error}");
     // After it: a test that is not there.
-    study("left_out = [\"nobody\"]\n");
+    study("left_out = [\"nobody\"]\n", "");
     let late = droptower(at, &["calibrate", "study.toml", "--force"]);
     let error = workbench::error(&late);
     assert!(late.status.code() == Some(1) && error.contains("nobody"), "{error}");
