@@ -42,33 +42,3 @@ fn decimal_comma(text: &str) -> Option<String> {
     let point = with_decimal_point(text)?;
     Some(format!("decimal comma in \"{text}\"; write it with a decimal point: \"{point}\""))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use base::units::Mass;
-
-    #[test]
-    fn mistakes_state_the_form_that_is_expected() {
-        for (text, expected) in [
-            ("10.72", "expected a mass with its unit, such as \"10.72 kg\", found \"10.72\""),
-            ("10,72 kg", "decimal comma in \"10,72 kg\"; write it with a decimal point: \"10.72 kg\""),
-            ("10 mm", "expected a mass with its unit, such as \"10.72 kg\", found \"10 mm\""),
-            ("10 qq", "unknown unit `qq` in \"10 qq\"; expected a mass with its unit, such as \"10.72 kg\""),
-        ] {
-            assert_eq!(quantity(Mass::DIMENSION, text).unwrap_err(), expected);
-        }
-        for text in ["15", "15 ms", "0.015 s"] {
-            assert!((milliseconds(text).unwrap() - 15.0).abs() < 1e-12);
-        }
-        for (text, expected) in [
-            ("15,5", "decimal comma in \"15,5\"; write it with a decimal point: \"15.5\""),
-            ("15,5 ms", "decimal comma in \"15,5 ms\"; write it with a decimal point: \"15.5 ms\""),
-            ("15 mm", "expected a time in ms, such as 15 or \"15 ms\", found \"15 mm\""),
-        ] {
-            assert_eq!(milliseconds(text).unwrap_err(), expected);
-        }
-        assert_eq!(number("0,5").unwrap_err(), "decimal comma in \"0,5\"; write it with a decimal point: \"0.5\"");
-        assert_eq!(number("5 %").unwrap_err(), "expected a number without unit, found \"5 %\"");
-    }
-}

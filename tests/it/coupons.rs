@@ -72,19 +72,6 @@ fn virtual_coupons() -> Vec<(String, CouponTest)> {
     paths.map(read).collect()
 }
 
-#[test]
-fn the_skewed_curves_lie_between_those_of_both_directions() {
-    let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
-    let reduction = Reduction::from_samples(&samples, &Rules::default()).unwrap();
-    let stress = |direction, strain| reduction.along(direction).unwrap().curve.stress_at(strain).unwrap();
-    for strain in [0.4, 0.6, 0.8, 1.0, 1.2] {
-        let [md, td] = [Direction::Md, Direction::Td].map(|direction| stress(direction, strain));
-        for skewed in [Direction::D3, Direction::D4] {
-            assert!((td..md).contains(&stress(skewed, strain)), "{skewed} at {strain}");
-        }
-    }
-}
-
 fn droptower(arguments: &[&str]) -> Output {
     workbench::droptower(&root(), arguments)
 }

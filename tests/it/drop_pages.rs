@@ -278,24 +278,6 @@ fn several_recordings_fail_as_a_whole_only_where_none_is_reduced() {
     // The same recording twice is one.
     let twice = figures(&drop(&[text(&good), text(&good), "--json"]));
     assert_eq!(twice["recordings"].as_array().map(Vec::len), Some(1));
-    for (with, expected) in [
-        (
-            &["--contact-time", "0.6 s", "--speed", "4.16 m/s"][..],
-            "--contact-time is a time on the clock of one recording",
-        ),
-        (&["--mask", "1 ms..2 ms"], "--mask is a time on the clock of one recording, and 2 are given"),
-    ] {
-        let refused = drop(&[&[text(&good), text(&first)][..], with].concat());
-        assert_eq!(refused.status.code(), Some(2));
-        assert!(error(&refused).contains(expected), "{}", error(&refused));
-    }
-    let empty = tempfile::tempdir().expect("a folder");
-    assert!(error(&drop(&[text(empty.path())])).contains("holds no recordings"));
-    assert!(error(&drop(&[text(&empty.path().join("*.csv"))])).contains("no file matches"));
-    fs::write(empty.path().join("README.txt"), "Nothing fell.\n").expect("a text");
-    let nothing = drop(&[text(empty.path())]);
-    assert_eq!(nothing.status.code(), Some(2));
-    assert!(error(&nothing).contains("the folders hold no recordings"), "{}", error(&nothing));
 }
 
 #[test]

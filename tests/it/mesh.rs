@@ -250,31 +250,10 @@ fn elements_of_a_file_are_turned_and_loose_nodes_left_out() {
     assert!(mesh.nodes.iter().all(|p| p.z == 1.0));
 }
 
+/// Points (0,0,0), (1,0,0), (0,1,0) as float32 and one triangle, each array behind its length in bytes.
 #[test]
 fn binary_arrays_are_read() {
-    // Points (0,0,0), (1,0,0), (0,1,0) as float32 and one triangle, each behind its length in bytes.
-    let arrays = [
-        "JAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAA==",
-        "DAAAAAAAAAABAAAAAgAAAA==",
-        "BAAAAAMAAAA=",
-        "AQAAAAU=",
-    ];
-    let array = |kind: &str, about: &str, data: &str| {
-        format!("<DataArray type=\"{kind}\" {about} format=\"binary\">{data}</DataArray>")
-    };
-    let points = array("Float32", "NumberOfComponents=\"3\"", arrays[0]);
-    let named = [("Int32", "connectivity"), ("Int32", "offsets"), ("UInt8", "types")];
-    let cells: String = named
-        .iter()
-        .zip(&arrays[1..])
-        .map(|((kind, name), data)| array(kind, &format!("Name=\"{name}\""), data))
-        .collect();
-    let text = format!(
-        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt32\"><UnstructuredGrid>\
-         <Piece NumberOfPoints=\"0\" NumberOfCells=\"0\"><Points>{points}</Points><Cells>{cells}</Cells></Piece></UnstructuredGrid></VTKFile>"
-    );
-    let (_folder, path) = file("film.vtu", text);
-    let mesh = import(&path, Symmetry::None, Element::Tri3).unwrap();
+    let mesh = import(&stored("binary.vtu"), Symmetry::None, Element::Tri3).unwrap();
     assert_eq!(mesh.tris, [[0, 1, 2]]);
     assert_eq!(mesh.nodes[1].x, 1.0);
 }

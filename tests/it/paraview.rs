@@ -17,7 +17,7 @@ use droptower::scenario::{Assignment, Document};
 use droptower::signal::csv;
 use droptower::simulate::{self, RunOptions};
 
-use crate::workbench::{close, droptower, error, printed, root};
+use crate::workbench::{close, droptower, printed, root};
 
 /// Coarse and short.
 const QUICK: [&str; 6] =
@@ -228,33 +228,6 @@ fn springs_are_lines_that_follow_the_film() {
         }
     }
     assert!(compared >= 3 * 4, "{compared} figures");
-}
-
-#[test]
-fn film_without_springs_has_no_series_of_them() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let run = |name: &str, more: &[&str]| {
-        let scenario = root().join(name).display().to_string();
-        printed(&droptower(folder.path(), &[&["run", &scenario, "--vtu", "--out", "results"], more].concat()));
-    };
-    let there = |name: &str| folder.path().join("results").join(name).exists();
-    run("scenarios/trampoline/bed.toml", &BED);
-    assert!(there("springs.pvd") && there("vtu/springs_0000.vtu"));
-    // What was written is ours: it is replaced by the next run.
-    run("scenarios/drop/1008.toml", &[&["--force"], &QUICK[..]].concat());
-    assert!(!there("springs.pvd") && !there("vtu/springs_0000.vtu"));
-}
-
-#[test]
-fn a_file_of_the_user_beside_the_snapshots_stays() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = root().join("scenarios/stretch/md-0.2.toml").display().to_string();
-    let arguments = ["run", &scenario, "--vtu", "--out", "results", "--set", "output.frames=2"];
-    printed(&droptower(folder.path(), &arguments));
-    fs::write(folder.path().join("results/vtu/mine.vtu"), "mine").expect("a file");
-    let refused = droptower(folder.path(), &arguments);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(error(&refused).contains("vtu/mine.vtu"), "{}", error(&refused));
 }
 
 /// A tetrahedron whose tip points down, m.

@@ -1,112 +1,17 @@
 //! Recordings of others, read by the functions that read the user's: values, units, counts, and every mistake in place.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use droptower::signal::filter::{self, Standard};
-use droptower::signal::{ChannelSelection, ReadOptions, Series, file, integrate};
-use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_GRAVITY, Strain, Unit};
+use droptower::signal::{ChannelSelection, ReadOptions, Series, file};
+use droptower::units::{Acceleration, Length, Moment, STANDARD_GRAVITY, Unit};
 use proptest::prelude::*;
 
-use crate::workbench::{SHOCK_NAMES, any_text, close, codes, data, mistaken, root, shocks, unit};
+use crate::workbench::{any_text, close, data, mistaken, root, unit};
 
 fn units(pairs: &[(&str, &str)]) -> ReadOptions {
     let units = pairs.iter().map(|(name, symbol)| ((*name).to_owned(), unit(symbol))).collect();
     ReadOptions { units, ..ReadOptions::default() }
-}
-
-/// The content of a cell, read without the reader under test.
-fn cell(text: &str, line: usize, column: usize, separator: impl Fn(char) -> bool + Copy) -> f64 {
-    let line = text.lines().nth(line - 1).expect("a line");
-    let cell = line.split(separator).filter(|cell| !cell.is_empty()).nth(column - 1);
-    cell.expect("a cell").trim().parse().expect("a number")
-}
-
-#[test]
-fn curves_without_a_header_are_over_time() {
-    let path = data("iso18571/reference.csv");
-    let text = fs::read_to_string(&path).expect("the file");
-    let read = file::read(&path, &ReadOptions::one(None)).expect("readable");
-    let series = &read.channels[0].series;
-    assert_eq!(series.len(), 600);
-    assert_eq!(series.values()[0], cell(&text, 1, 2, |c| c == ','));
-    close(series.time()[599], 0.0599, 1e-12);
-    assert!(read.channels[0].unit.is_none());
-    let found = codes(&read.annotations);
-    assert!(["no-header", "time-unit-assumed"].iter().all(|code| found.iter().any(|other| other == code)), "{found:?}");
-}
-
-#[test]
-fn steel_in_tension_is_read_in_customary_units() {
-    let wanted =
-        units(&[("displacement", "in"), ("load", "lbf"), ("engineering_strain", "-"), ("engineering_stress", "ksi")]);
-    for file in ["cleaned_SML4188-Ring1-17_Pull_0.01.csv", "cleaned_SML4188-Ring1-1_Pull_0.0001.csv"] {
-        let path = data("tension_rates_304L").join(file);
-        let text = fs::read_to_string(&path).expect("the file");
-        let read = file::read(&path, &wanted).expect("readable");
-        let channel = |name| read.channel(name).expect("a channel");
-        let travel = channel("displacement").quantity(Length::DIMENSION).expect("a length");
-        let load = channel("load").quantity(Force::DIMENSION).expect("a force");
-        let strain = channel("engineering_strain").quantity(Strain::DIMENSION).expect("a strain");
-        let stress = channel("engineering_stress").quantity(Pressure::DIMENSION).expect("a stress");
-        assert_eq!(load.len(), 99);
-        assert_eq!(load.time()[0], cell(&text, 3, 1, |c| c == ','));
-        // One pound-force is 4.4482216152605 N, one inch 25.4 mm (exact).
-        close(load.values()[0], cell(&text, 3, 3, |c| c == ',') * 4.448_221_615_260_5, 1e-14);
-        close(travel.values()[98], cell(&text, 101, 2, |c| c == ',') * 0.0254, 1e-14);
-        // Force over stress is one area, travel over strain one length: the units agree with one another.
-        let area = load.values()[50] / stress.values()[50];
-        for row in 0..99 {
-            close(load.values()[row] / stress.values()[row], area, 1e-9);
-            close(travel.values()[row] / strain.values()[row], 0.25 * 0.0254, 1e-6);
-        }
-        assert!(
-            read.annotations.notes().iter().any(|note| note.contains("'engineering_strain_rate'")),
-            "{:?}",
-            read.annotations.notes()
-        );
-    }
-}
-
-#[test]
-fn aluminium_in_three_directions_has_no_time() {
-    let wanted = units(&[("engineering_stress", "ksi"), ("engineering_strain", "-")]);
-    let folder = fs::read_dir(data("tension_anisotropic_al6061")).expect("the folder");
-    let files: Vec<PathBuf> = folder.map(|entry| entry.expect("an entry").path()).collect();
-    let files: Vec<&PathBuf> = files.iter().filter(|file| file.extension().is_some_and(|e| e == "csv")).collect();
-    assert_eq!(files.len(), 6);
-    for path in files {
-        let text = fs::read_to_string(path).expect("the file");
-        let table = file::columns(path, &wanted).expect("readable");
-        let [stress, strain] = &table.columns[..] else { panic!("two columns") };
-        assert_eq!(stress.values.len(), text.lines().filter(|line| !line.trim().is_empty()).count() - 2);
-        assert_eq!(strain.values[0], cell(&text, 3, 2, |c| c == ','));
-        // One ksi is 1000 · 4.4482216152605 N / (25.4 mm)².
-        close(stress.values[0], cell(&text, 3, 1, |c| c == ',') * 6.894_757_293_168_361e6, 1e-12);
-        assert!(table.annotations.notes()[0].contains("'direction'"), "{:?}", table.annotations.notes());
-        let error = file::read(path, &wanted).expect_err("no time").to_string();
-        assert!(error.contains("no column of time among `engineering_stress`, `engineering_strain`"), "{error}");
-    }
-}
-
-#[test]
-fn rubber_sheets_are_columns_between_blanks() {
-    let names = vec!["stress [MPa]".to_owned(), "stretch [-]".to_owned()];
-    let wanted = ReadOptions { names, ..ReadOptions::default() };
-    for author in ["Treloar_1944", "Kawabata_1981", "Meunier_2008"] {
-        for kind in ["UT", "ET", "PS"] {
-            let path = data("rubber_sheet").join(author).join(kind).with_extension("txt");
-            let text = fs::read_to_string(&path).expect("the file");
-            let table = file::columns(&path, &wanted).expect("readable");
-            let [stress, stretch] = &table.columns[..] else { panic!("two columns") };
-            let rows = text.lines().filter(|line| !line.trim().is_empty()).count();
-            assert_eq!([stress.values.len(), stretch.values.len()], [rows; 2], "{author} {kind}");
-            close(stress.values[1], cell(&text, 2, 1, char::is_whitespace) * 1e6, 1e-14);
-            assert_eq!(stretch.values[1], cell(&text, 2, 2, char::is_whitespace));
-            // Stress rises with stretch; it would not, were the columns changed over or the decimals lost.
-            assert!(stretch.values.windows(2).all(|pair| pair[0] < pair[1]), "{author} {kind}");
-        }
-    }
 }
 
 #[test]
@@ -210,29 +115,6 @@ fn a_container_with_mistakes_is_refused_by_name() {
     refused(bench.path(), "the time of `11HEAD000000ACXP` is in `11TIRS000000TIXX`, which is missing");
     fs::write(path("b.mme"), "").expect("written");
     refused(bench.path(), "several tests in the folder: `a.mme`, `b.mme`");
-}
-
-#[test]
-fn drop_tower_shocks_are_read_filtered_and_integrated() {
-    let Some(path) = shocks() else {
-        return;
-    };
-    let error = file::read(&path, &ReadOptions::default()).expect_err("7 names over 6 columns");
-    assert!(error.to_string().contains("7 names") && error.to_string().contains("over 6 columns"), "{error}");
-    assert!(error.hint().is_some_and(|hint| hint.contains("--columns")));
-    let names = SHOCK_NAMES.map(str::to_owned).to_vec();
-    let wanted = ReadOptions { names, ..ReadOptions::one(Some("accel 1")) };
-    let read = file::read(&path, &wanted).expect("readable");
-    let raw = read.channels[0].quantity(Acceleration::DIMENSION).expect("an acceleration");
-    let text = fs::read_to_string(&path).expect("the file");
-    assert_eq!(raw.len(), text.lines().count() - 2);
-    close(raw.values()[0], cell(&text, 3, 2, |c| c == ',') * 9806.65, 1e-14);
-    let smooth = filter::channel(raw, 1000.0, Standard::Iso6487).expect("filtered");
-    let [peak, smooth_peak] = [raw, &smooth].map(|series| series.largest().expect("samples")[1]);
-    assert!(0.0 < smooth_peak && smooth_peak < peak, "{smooth_peak} of {peak}");
-    // The filter passes what does not vibrate: both give the same change of velocity.
-    let [change, smooth_change] = [raw, &smooth].map(integrate::total);
-    close(smooth_change, change, 0.01);
 }
 
 #[test]

@@ -129,26 +129,6 @@ fn what_was_computed_is_taken_by_larger_sweeps_and_other_scripts() {
 }
 
 #[test]
-fn a_page_says_how_each_run_is_repeated() {
-    let scene = scene(VARIATION);
-    let folder = scene.path();
-    printed(&sweep(folder, &["-n", "4", "--set", "loading.impact.duration=5 ms", "--keep", "2,2"]));
-    let page = fs::read_to_string(folder.join("runs/drop.sweep/report.html")).expect("a page");
-    let single = "<pre>droptower run drop.toml --set &#39;loading.impact.duration=5 ms&#39; --set &#39;impactor.mass=";
-    assert!(page.contains(single), "the command of a run has the changes of the sweep, but not its number of runs");
-    let rows = table(folder);
-    for row in &rows {
-        let changes = format!("--set impactor.friction={} --set", row["impactor.friction"]);
-        assert!(page.contains(&changes), "{changes}");
-    }
-    let of_second = &rows[1];
-    let kept = fs::read_to_string(folder.join("runs/drop.sweep.runs/2/summary.json")).expect("a run folder");
-    let kept: Json = serde_json::from_str(&kept).expect("figures");
-    let peak = kept["peak_acceleration_m_s2"].as_f64().expect("a figure");
-    close(peak, number(of_second, "peak_acceleration_m_s2"), 1e-15);
-}
-
-#[test]
 fn what_varies_can_be_held() {
     let scene = scene(VARIATION);
     printed(&sweep(scene.path(), &["-n", "2", "--set", "variation.\"impactor.mass\"=[\"11 kg\"]"]));
@@ -375,21 +355,6 @@ fn a_script_is_computed_by_several_processes() {
     let table = fs::read_to_string(folder.join("runs/study/tables/runs.csv")).expect("a table");
     let rows: Vec<&str> = table.lines().collect();
     assert!(rows.len() == 6 && rows[3] == rows[5], "{table}");
-}
-
-#[test]
-fn a_script_stops_before_its_time_is_over() {
-    let scene = scene("");
-    let folder = scene.path();
-    fs::write(folder.join("study.rhai"), SCRIPT).expect("a script");
-    let stopped =
-        droptower(folder, &["script", "study.rhai", "--arg", "mesh=3", "--arg", "duration=60", "--stop-after", "1 s"]);
-    assert_eq!(stopped.status.code(), Some(1), "{}", error(&stopped));
-    assert!(error(&stopped).contains("was stopped before its end"), "{}", error(&stopped));
-    let long = ["--arg", "mesh=3", "--arg", "duration=60"];
-    let part =
-        droptower(folder, &[&["script", "study.rhai", "--stop-after", "1 s", "--shard", "1/2"], &long[..]].concat());
-    assert!(part.status.success(), "{}", error(&part));
 }
 
 /// Whatever the name of the scenario, its script gives the program the words that were meant: the task, and without one the merge.

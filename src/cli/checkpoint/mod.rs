@@ -255,21 +255,4 @@ mod tests {
             assert_eq!(error.to_string(), "no space left");
         }
     }
-
-    #[test]
-    fn an_interval_is_a_simulated_time() {
-        for (text, expected) in [("5 ms", 0.005), ("0.25", 0.25), ("1e-3 s", 0.001)] {
-            assert_eq!(interval(text).unwrap(), expected);
-        }
-        for (text, expected) in [
-            ("5 mm", "expected a time, found \"5 mm\""),
-            ("soon", "which does not start with a number"),
-            ("0 s", "no time passes"),
-            ("-1 ms", "no time passes"),
-            ("nan", "no time passes"),
-        ] {
-            let mistake = interval(text).unwrap_err();
-            assert!(mistake.message.contains(expected), "{}", mistake.message);
-        }
-    }
 }

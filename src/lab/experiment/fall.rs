@@ -274,22 +274,4 @@ mod tests {
         }
         assert_eq!([0, 1, 2, 3].map(|n| exponential_share(n, 0.0)), [1.0, 1.0, 0.5, 1.0 / 6.0]);
     }
-
-    #[test]
-    fn impossible_falls_are_refused() {
-        let impact = impact();
-        let made = |fall: Fall| Motion::new(&fall, &impact, &impact).map(|_| ());
-        assert!(matches!(made(Fall { speed: 4.6, ..FALL }), Err(FallError::TooFast { .. })));
-        assert!(matches!(made(Fall { height: 0.01, ..FALL }), Err(FallError::TooFast { .. })));
-        for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let refused = made(Fall { height: wrong, ..FALL });
-            assert!(matches!(refused, Err(FallError::NotPositive { what: "the height", .. })), "{refused:?}");
-        }
-        for share in [-0.1, 1.1, f64::NAN] {
-            assert!(matches!(made(Fall { speed_share: share, ..FALL }), Err(FallError::ShareOutside { .. })));
-        }
-        let late = impact.window([0.05, 0.1]);
-        let missing = Motion::new(&FALL, &late, &impact).map(|_| ());
-        assert_eq!(missing, Err(FallError::NoImpact { channel: "acceleration", time: 0.0 }));
-    }
 }

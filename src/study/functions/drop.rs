@@ -214,22 +214,3 @@ pub const ENTRIES: &[Entry] = &[
                    (drop.impact_velocity_m_s - 4.16).abs() < 0.02 && (drop.contact_time_s - v.contact_time).abs() < 0.0002",
     },
 ];
-
-#[cfg(test)]
-mod tests {
-    use crate::functions::check::engine;
-
-    #[test]
-    fn without_a_class_nothing_is_filtered() {
-        let same = |class: &str| {
-            let script = format!(
-                "let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
-                 let v = virtual_drop(a, d, #{{ height: 1, velocity: 4.16, seed: 1 }});
-                 let drop = reduce_drop(v.accelerometer, (), #{{ mass: 10.72, height: 1, class: {class} }});
-                 (drop.acceleration - drop.acceleration_raw).max() == 0.0"
-            );
-            engine().eval::<bool>(&script).unwrap()
-        };
-        assert_eq!(["()", "1000"].map(same), [true, false]);
-    }
-}

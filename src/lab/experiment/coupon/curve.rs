@@ -192,18 +192,6 @@ mod tests {
     }
 
     #[test]
-    fn invalid_curves_are_refused() {
-        for (strain, stress, expected) in [
-            (vec![0.0, 1.0], vec![0.0], "2 strains for 1 stresses"),
-            (vec![0.0, 0.0], vec![0.0, 1.0], "a curve needs two samples of different strain"),
-            (vec![0.0, 1.0], vec![0.0, f64::NAN], "sample 2 of the curve is not finite"),
-            (vec![0.0, 1.0, 0.9], vec![0.0; 3], "strain goes back at sample 3: 0.9 after 1"),
-        ] {
-            assert_eq!(Curve::new(strain, stress).unwrap_err().to_string(), expected);
-        }
-    }
-
-    #[test]
     fn a_curve_extends_along_its_last_piece_only() {
         let curve = Curve::new(vec![0.1, 0.2, 0.4], vec![1.0, 3.0, 4.0]).unwrap();
         let found = [0.05, 0.1, 0.3, 0.4, 0.6].map(|strain| curve.continued(strain));

@@ -157,36 +157,6 @@ fn the_friction_of_the_guide_is_that_of_the_fall() {
     }
 }
 
-/// What is known in place of the height, and what contradicts the recording.
-#[test]
-fn a_known_speed_or_contact_time_is_used_or_refused() {
-    let tower = Tower { height: None, ..TOWER };
-    for seed in 0..SEEDS {
-        let (recording, contact_time, absorption) = recorded(&Sensors { laser: None, ..Sensors::default() }, seed);
-        let with = |speed: Option<f64>, contact: Option<f64>| {
-            let reduction = Reduction { speed, contact_time: contact, ..Reduction::default() };
-            reduce(&reading(&recording), None, &tower, &reduction)
-        };
-        for (speed, contact) in [(Some(SPEED), None), (None, Some(contact_time)), (Some(SPEED), Some(contact_time))] {
-            let drop = with(speed, contact).unwrap();
-            // A speed is known to half a per cent, so that the soft onset of the force has its part.
-            assert!((drop.contact.time - contact_time).abs() < 2e-3, "seed {seed}: {:?}", drop.contact);
-            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 0.01, "seed {seed}: {:?}", drop.contact);
-            assert_eq!(drop.contact.speed_from, SpeedSource::Given);
-            assert!((drop.energy_absorption.unwrap() - absorption).abs() < 0.01, "seed {seed}");
-        }
-        for (speed, contact, what) in [
-            (Some(0.85 * SPEED), None, "impact speed"),
-            (Some(1.15 * SPEED), None, "impact speed"),
-            (None, Some(contact_time - 0.05), "time of contact"),
-            (None, Some(500.0), "time of contact"),
-        ] {
-            let refused = with(speed, contact).unwrap_err().to_string();
-            assert!(refused.contains(&format!("the fall that was recorded has {what}")), "seed {seed}: {refused}");
-        }
-    }
-}
-
 /// A sensor that holds a constant is found, as are 5 kHz, and the class that they allow.
 #[test]
 fn a_dc_coupled_sensor_is_found() {

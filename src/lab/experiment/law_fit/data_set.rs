@@ -182,26 +182,3 @@ pub fn range(sets: &[DataSet]) -> [f64; 2] {
     let all = sets.iter().flat_map(|set| set.measured.stretches());
     all.fold([f64::INFINITY, 0.0], |[low, high], stretch| [low.min(stretch), high.max(stretch)])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tests_that_show_nothing_are_refused() {
-        let uniaxial = |points: &[[f64; 2]]| Measured::Tension(Tension::Uniaxial, points.to_vec());
-        let biaxial = |stresses: [f64; 2]| BiaxialPoint { stretches: [1.2, 1.3], stresses };
-        for (measured, expected) in [
-            (uniaxial(&[[1.1, 2e5]]), "1 measured points"),
-            (uniaxial(&[[1.0, 1e5], [1.0, 2e5]]), "no stretch differs from 1"),
-            (uniaxial(&[[1.1, 1e5], [1e5, 2e5]]), "the stretch 100000 of row 2 is larger than 100"),
-            (uniaxial(&[[1.1, 0.0], [1.2, 0.0]]), "no stress differs from 0"),
-            (uniaxial(&[[1.1, 2e5], [1.2, 2e5]]), "all stresses are 200000 Pa"),
-            (Measured::Biaxial(vec![biaxial([3e5; 2]); 2]), "all stresses are 300000 Pa"),
-        ] {
-            let error = DataSet::new("test", measured).expect_err(expected).to_string();
-            assert!(error.contains(expected), "{error}");
-        }
-        assert!(DataSet::new("test", Measured::Biaxial(vec![biaxial([3e5, 2e5]); 2])).is_ok());
-    }
-}

@@ -10,6 +10,8 @@ use serde::Deserialize;
 use crate::signal::file::{self, ReadOptions};
 use crate::signal::{ChannelSelection, Measurement};
 
+const FORMATS: [&str; 5] = ["tdms", "xlsx", "mat", "hdf5", "t01"];
+
 /// What another reader finds in a channel, in SI where its unit is known.
 #[derive(Deserialize)]
 struct Expected {
@@ -79,48 +81,13 @@ fn damage(format: &str) {
     }
 }
 
+/// As npTDMS, pandas, SciPy and h5py read them; time histories as they were made.
 #[test]
-fn tdms_is_read_as_nptdms_reads_it() {
-    check("tdms");
+fn files_are_read_as_other_readers_read_them() {
+    FORMATS.iter().for_each(|format| check(format));
 }
 
 #[test]
-fn workbooks_are_read_as_pandas_reads_them() {
-    check("xlsx");
-}
-
-#[test]
-fn damaged_workbooks_are_read_or_refused() {
-    damage("xlsx");
-}
-
-#[test]
-fn damaged_tdms_is_read_or_refused() {
-    damage("tdms");
-}
-
-#[test]
-fn mat_files_are_read_as_scipy_reads_them() {
-    check("mat");
-}
-
-#[test]
-fn hdf5_is_read_as_h5py_reads_it() {
-    check("hdf5");
-}
-
-#[test]
-fn time_histories_are_read_as_they_were_made() {
-    check("t01");
-}
-
-#[test]
-fn damaged_time_histories_are_read_or_refused() {
-    damage("t01");
-}
-
-#[test]
-fn damaged_arrays_are_read_or_refused() {
-    damage("mat");
-    damage("hdf5");
+fn damaged_files_are_read_or_refused() {
+    FORMATS.iter().for_each(|format| damage(format));
 }
