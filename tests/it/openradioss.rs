@@ -299,80 +299,36 @@ fn decks_follow_the_rules_of_openradioss() {
     assert!(decks >= 15, "{decks} decks");
 }
 
-/// Fields that the deck which ran left to defaults, and which are stated now: they are these defaults.
-const STATED: &[(&str, &str, f64)] = &[
-    ("MAT/LAW58", "FLEX", 1e-3),
-    ("MAT/LAW58", "FLEX1", 1e-3),
-    ("MAT/LAW58", "FLEX2", 1e-3),
-    ("PROP/TYPE16", "P_Thick_Fail", 1.0),
-    ("PROP/TYPE16", "Dn", 0.015),
-    ("PROP/TYPE16", "Ashear", 5.0 / 6.0),
-    ("PROP/TYPE16", "Ithick", 2.0),
-    ("INTER/TYPE7", "Fscalegap", 1.0),
-    ("INTER/TYPE7", "Irem_gap", 1.0),
-    ("INTER/TYPE7", "Stfac", 1.0),
-    ("INTER/TYPE7", "VIS_S", 0.05),
-    ("INTER/TYPE7", "VIS_F", 1.0),
-    ("INTER/TYPE7", "AscaleF", 1.0),
-];
-
-/// Number by number: all but the mesh of the ball, its density, and defaults that are stated.
+/// Line by line, numbers within 1e-9: all but comments and the titles of outputs.
 #[test]
 fn the_deck_of_1008_is_the_one_that_ran() {
     let bench = tempfile::tempdir().expect("a folder");
     let scenario = root().join("scenarios/drop/1008.toml");
     let arguments = ["export", "deck", scenario.to_str().expect("UTF-8"), "--for", "openradioss", "-o", "deck"];
     printed(&droptower(bench.path(), &arguments));
-    let written = fs::read_to_string(bench.path().join("deck/film_0000.rad")).expect("the deck");
-    let ran = fs::read_to_string(data("openradioss/1008_0000.rad")).expect("the deck that ran");
-    let (found, expected) = (blocks(&written), blocks(&ran));
-    let keywords = |all: &[Block]| all.iter().map(|block| block.keyword.clone()).collect::<Vec<_>>();
-    assert_eq!(keywords(&found), keywords(&expected));
-    let mut compared = 0;
-    for (place, (found, expected)) in found.iter().zip(&expected).enumerate() {
-        // The ball: its nodes, elements and groups of nodes, density and property, and outputs by name.
-        let is_third_mesh = found.keyword == "NODE" && expected.lines.len() > 1000;
-        let of_ball = ["SH3N/3", "GRNOD/NODE/3", "GRNOD/NODE/5", "GRNOD/NODE/50", "MAT/LAW1/2", "PROP/TYPE1/3"];
-        if is_third_mesh
-            || of_ball.contains(&found.keyword.as_str())
-            || found.keyword.starts_with("TITLE")
-            || found.keyword.starts_with("BCS")
-        {
-            continue;
-        }
-        let kind = found.keyword.split('/').take(2).collect::<Vec<_>>().join("/");
-        if found.lines.iter().all(|(names, _)| !names.is_empty()) && !found.lines.is_empty() && kind != "FUNCT" {
-            let (own, other) = (found.fields(), expected.fields());
-            assert_eq!(own.len(), other.len(), "/{}", found.keyword);
-            for ((name, own), (_, other)) in own.iter().zip(&other) {
-                let [own, other] = [own, other].map(|text| text.parse::<f64>().unwrap_or_default());
-                let stated =
-                    STATED.iter().find(|(of, field, _)| kind.starts_with(of) && field.eq_ignore_ascii_case(name));
-                let expected = if other == 0.0 { stated.map_or(0.0, |(.., value)| *value) } else { other };
-                assert!(
-                    (own - expected).abs() <= 1e-9 * expected.abs(),
-                    "{name} of /{}: {own} and {expected}",
-                    found.keyword
-                );
-                compared += 1;
-            }
-            continue;
-        }
-        let (own, other) = (found.rows(), expected.rows());
-        assert_eq!(own.len(), other.len(), "/{} ({place})", found.keyword);
-        for (own, other) in own.iter().flatten().zip(other.iter().flatten()) {
-            let is_same = own == other || (own - other).abs() <= 1e-9 * other.abs() || own.is_nan() && other.is_nan();
-            assert!(is_same, "/{}: {own} and {other}", found.keyword);
-            compared += 1;
+    for file in ["film_0000.rad", "film_0001.rad"] {
+        let found = fs::read_to_string(bench.path().join("deck").join(file)).expect("the deck");
+        let ran = fs::read_to_string(data(&format!("openradioss/1008/{file}"))).expect("the deck that ran");
+        let [found, ran] =
+            [&found, &ran].map(|text| text.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>());
+        assert_eq!(found.len(), ran.len(), "{file}");
+        for (found, ran) in found.iter().zip(&ran) {
+            assert!(found == ran || is_near(found, ran), "{found} in place of {ran}");
         }
     }
-    assert!(compared > 10_000, "{compared} numbers");
-    let engine = fs::read_to_string(bench.path().join("deck/film_0001.rad")).expect("the engine file");
-    let ran = fs::read_to_string(data("openradioss/1008_0001.rad")).expect("the engine file that ran");
-    let after = |text: &str, keyword: &str| {
-        let line = text.lines().skip_while(|line| !line.starts_with(keyword)).nth(1).map(str::to_owned);
-        line.unwrap_or_else(|| panic!("{keyword} in {text}"))
+}
+
+/// Whether two lines have the same numbers in their fields of twenty columns, behind a number of ten where they begin with one.
+fn is_near(found: &str, expected: &str) -> bool {
+    let fields = |line: &str| -> Option<Vec<f64>> {
+        let (first, rest) = line.split_at((line.len() % 20).min(line.len()));
+        let rest = (0..rest.len()).step_by(20).map(|from| &rest[from..(from + 20).min(rest.len())]);
+        std::iter::once(first)
+            .filter(|first| !first.is_empty())
+            .chain(rest)
+            .map(|field| field.trim().parse().ok())
+            .collect()
     };
-    let [found, expected] = [&engine, &ran].map(|text| after(text, "/TFILE").parse::<f64>());
-    assert_eq!(found, expected, "the interval of outputs; it ran for 20 ms less");
+    let (Some(found), Some(expected)) = (fields(found), fields(expected)) else { return false };
+    found.len() == expected.len() && found.iter().zip(&expected).all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs().max(1e-9))
 }

@@ -10,7 +10,6 @@ configuration files `hm_cfg_files`. Without one only the signals are compared. E
 import csv
 import math
 import os
-import struct
 import subprocess
 import sys
 import tomllib
@@ -25,7 +24,7 @@ TESTS = [
     ("1008", 0.01, 0.003, 0.0015, ""),
     ("1008-without-absorption", 0.01, 0.003, 0.0015, ""),
     ("1510", 0.01, 0.003, 0.0015, ""),
-    ("rubber", 0.01, 0.012, 0.012, "that deck added up increments of strain (Ismstr 4)"),
+    ("rubber", 0.01, 0.003, 0.006, ""),
     ("elastic", 0.02, 0.015, 0.015, "LAW19 is linear in logarithmic strain"),
 ]
 
@@ -155,94 +154,18 @@ class Solver:
             if done.returncode != 0 or "ERROR TERMINATION" in said or "ERROR ID" in said:
                 at = said.find("ERROR ID")
                 sys.exit(f"{folder}: {stem}: status {done.returncode}\n{said[max(at - 200, 0):at + 1500] if at >= 0 else said[-2000:]}")
-        return History(folder / "filmT01")
+        return folder / "film_0001.thy"
 
 
-class History:
-    """A time history: times, and columns of values by group and element, as the file numbers them."""
-
-    def __init__(self, path):
-        self.content, self.at = path.read_bytes(), 0
-        version = self.numbers(self.record()[:4])[0]
-        self.record()
-        width = 80
-        if version > 3050:
-            self.record()
-            width = self.numbers(self.record())[0]
-            self.record()
-        parts, materials, properties, subsets, groups, model = self.numbers(self.record())
-        rows = [("", [("", range(model))])] if model else []
-        if model:
-            self.record()
-        total = 0
-        for _ in range(parts):
-            count = self.numbers(self.record()[-4:])[0]
-            total += count
-            if count:
-                self.record()
-        if total:
-            rows.append(("parts", [("", range(total))]))
-        for _ in range(materials + properties):
-            self.record()
-        total = 0
-        for _ in range(subsets):
-            _, _, inner, of, count = self.numbers(self.record()[:20])
-            for some in (inner, of, count):
-                if some:
-                    self.record()
-            total += count
-        if total:
-            rows.append(("subsets", [("", range(total))]))
-        for _ in range(groups):
-            record = self.record()
-            _, _, _, members, count = self.numbers(record[:20])
-            title = record[20:20 + width].decode("latin-1").strip()
-            names = [self.numbers(self.record()[:4])[0] for _ in range(members)]
-            codes = self.numbers(self.record()) if count else []
-            rows.append((title, [(name, codes) for name in names]))
-        self.times, self.values = [], {}
-        keys = [[(title, name, code) for name, codes in members for code in codes] for title, members in rows]
-        while self.at < len(self.content):
-            self.times.append(self.reals(self.record())[0])
-            for row in keys:
-                values = self.reals(self.record())
-                assert len(values) == len(row), f"{path}: {len(values)} values, expected {len(row)}"
-                for key, value in zip(row, values, strict=True):
-                    self.values.setdefault(key, []).append(value)
-        if not all(math.isfinite(value) for values in self.values.values() for value in values):
-            sys.exit(f"{path}: the motion is no number, and yet the run ended normally")
-
-    def record(self):
-        length = struct.unpack_from(">i", self.content, self.at)[0]
-        content = self.content[self.at + 4:self.at + 4 + length]
-        assert struct.unpack_from(">i", self.content, self.at + 4 + length)[0] == length
-        self.at += length + 8
-        return content
-
-    @staticmethod
-    def numbers(content):
-        return struct.unpack(f">{len(content) // 4}i", content)
-
-    @staticmethod
-    def reals(content):
-        return struct.unpack(f">{len(content) // 4}f", content)
-
-
-DISPLACEMENT, ACCELERATION, REACTION_X = 3, 9, 20
-
-
-def drop(history):
-    """The motion of the impactor over the time of the test, SI, of a deck in t, mm, s."""
-    title = next(title for title, _, _ in history.values if "; test from " in title)
-    begin = float(title.partition("; test from ")[2].removesuffix(" s"))
-    node = next(name for own, name, code in history.values if own == title and code == DISPLACEMENT)
-    first = next(place for place, time in enumerate(history.times) if time >= begin - 1e-9)
-    z, a = (history.values[title, node, code][first:] for code in (DISPLACEMENT, ACCELERATION))
-    return {
-        "time_s": [time - begin for time in history.times[first:]],
-        "displacement_m": [1e-3 * (value - z[0]) for value in z],
-        "acceleration_m_s2": [1e-3 * value for value in a],
-    }
+def motion(history):
+    """The motion of the impactor over the time of the test, SI: the signals of that name in a time history."""
+    names = "displacement_m", "acceleration_m_s2"
+    wanted = [word for name in names for word in ("--column", name)]
+    run(DROPTOWER, "--quiet", "signal", "convert", history, *wanted, "-o", history.with_suffix(".csv"), "--force")
+    found = channels(history.with_suffix(".csv"))
+    if not all(math.isfinite(value) for values in found.values() for value in values):
+        sys.exit(f"{history}: the motion is no number, and yet the run ended normally")
+    return found
 
 
 def decks(solver):
@@ -257,7 +180,7 @@ def decks(solver):
             scenario = Path("dart.toml")
         folder = Path(f"deck-{name}")
         run(DROPTOWER, "--quiet", "export", "deck", scenario, "--for", "openradioss", "-o", folder, "--force")
-        compare(name, drop(solver.run(folder)), (0.02, 0.02, 0.02, why), "OpenRadioss", scenario)
+        compare(name, motion(solver.run(folder)), (0.02, 0.02, 0.02, why), "OpenRadioss", scenario)
 
 
 def at_strain(curve, strain):
@@ -280,7 +203,10 @@ LAWS = [
     ("plastic", 0.9, None, {"uniaxial": 0.03, "equibiaxial": 0.05, "planar": 0.05}),
 ]
 MODES = {"uniaxial": "free", "equibiaxial": "equal", "planar": "held"}
-SYSTEMS = {"kg-m-s": (1.0, 1.0, 1.0), "t-mm-s": (1e-3, 1.0, 1e6), "g-mm-ms": (1e-3, 1e-3, 1e6), "kg-mm-ms": (1e-3, 1e-3, 1e9)}
+# Unit of length, m, and of time, s.
+SYSTEMS = {"kg-m-s": (1.0, 1.0), "t-mm-s": (1e-3, 1.0), "g-mm-ms": (1e-3, 1e-3), "kg-mm-ms": (1e-3, 1e-3)}
+# Laws that unload and load again on one path.
+ONE_PATH = ["neo-hookean", "ogden", "elastic"]
 
 
 def ours(film, strains):
@@ -329,6 +255,7 @@ def blocks(text, kinds):
 
 
 LOADING = 0.02
+SIDE = 0.01
 
 
 def element(solver, film, units, mode, largest):
@@ -343,10 +270,10 @@ def element(solver, film, units, mode, largest):
     run(DROPTOWER, "--quiet", "export", "deck", "one.toml", "--for", "openradioss", "-o", "whole", "--force", "--units", units, *more)
     text = Path("whole/film_0000.rad").read_text()
     property_of_film = next(line for line in text.splitlines() if line.startswith("/PROP/") and line.endswith("/1"))
-    length, time, stress = SYSTEMS[units]
-    side = 0.01 / (1.0 if units == "kg-m-s" else 1e-3)
+    length, time = SYSTEMS[units]
+    side = SIDE / length
     thickness = float(blocks(text, [property_of_film[1:]]).split("#")[3].splitlines()[1][20:40])
-    second = 1.0 if time == 1.0 else 1e3
+    second = 1.0 / time
     end = 3 * LOADING * second
     path = [(0.5 - 0.5 * math.cos(math.pi * i / 200)) for i in range(201)]
     path = [*path, *(1 - 0.5 * share for share in path[1:]), *(0.5 + 0.5 * share for share in path[1:])]
@@ -385,13 +312,23 @@ def element(solver, film, units, mode, largest):
     for old in folder.iterdir():
         old.unlink()
     (folder / "film_0000.rad").write_text(deck)
+    # LAW42 changes the thickness by no more than 1.5 % a step.
+    step = 0.02 if "MAT/LAW42" in deck else 0.5
     (folder / "film_0001.rad").write_text(
-        f"#RADIOSS ENGINE\n/VERS/2023\n/RUN/film/1\n{end}\n/TFILE\n{end / 600}\n/PRINT/-10000\n/DT\n0.5 0.0\n"
+        f"#RADIOSS ENGINE\n/VERS/2023\n/RUN/film/1\n{end}\n/TFILE\n{end / 600}\n/TH/VERS/2021\n/PRINT/-10000\n/DT\n{step} 0.0\n"
     )
     history = solver.run(folder)
-    pulled = [3, 4] if mode == "shear" else [2, 3]
-    force = [sum(values) for values in zip(*(history.values["nodes", n, REACTION_X] for n in pulled), strict=True)]
-    return [time / (LOADING * second) for time in history.times], [stress * abs(f) / (side * thickness) for f in force]
+    pulled = [f"nodes/{n}/REACX" for n in ([3, 4] if mode == "shear" else [2, 3])]
+    wanted = [word for name in pulled for word in ("--column", name)]
+    run(DROPTOWER, "--quiet", "signal", "convert", history, *wanted, "-o", "element.csv", "--force")
+    found = channels("element.csv")
+    times = found["time_s"]
+    # Reactions are summed over time.
+    impulse = [sum(values) for values in zip(*(found[name] for name in found if name.endswith("REACX_N_s")), strict=True)]
+    steps = [(b - a, 0.5 * (a + b)) for a, b in zip(times, times[1:], strict=False)]
+    forces = [(b - a) / step for a, b, (step, _) in zip(impulse, impulse[1:], steps, strict=False)]
+    area = SIDE * thickness * length
+    return [middle / LOADING for _, middle in steps], [abs(force) / area for force in forces]
 
 
 def elements(solver):
@@ -413,8 +350,12 @@ def elements(solver):
                 least = 0.01 * max(map(abs, stresses))
                 differences = []
                 for strain, stress in zip(path, stresses, strict=True):
-                    when = math.acos(1 - 2 * strain / path[-1]) / math.pi
-                    differences.append((at(times, found, min(when, 1.0)) - abs(stress)) / max(abs(stress), least))
+                    half = 2 * strain / path[-1] - 1
+                    legs = [(0, 0.5 + 0.5 * half)]
+                    legs += [(1, 1 - half), (2, half)] if law in ONE_PATH and half > 0 else []
+                    for leg, share in legs:
+                        when = leg + math.acos(1 - 2 * min(share, 1.0)) / math.pi
+                        differences.append((at(times, found, when) - abs(stress)) / max(abs(stress), least))
                 worst = max(differences, key=abs)
                 shown.append(f"{mode} {100 * worst:+.2f} %")
                 if not abs(worst) <= wider.get(mode, 0.01):

@@ -320,7 +320,7 @@ fn contact(scene: &Scene<'_, '_>, body: &Body, place: usize, face: usize) -> Str
         .0
 }
 
-/// The engine file: how long, and what is written how often.
+/// The engine file: how long, and what is written how often. Time histories of the format of 2021 name their units.
 fn engine(scene: &Scene<'_, '_>) -> String {
     let [end, interval] = [scene.end(), scene.deck.interval].map(|time| crate::number::whole(scene.time(time)));
     let states = crate::number::whole(scene.time(scene.deck.duration / 100.0));
@@ -328,6 +328,6 @@ fn engine(scene: &Scene<'_, '_>) -> String {
     let is_stiff = |face: &Face<'_>| property(face) != 16 && !matches!(face.film.material.law, Law::Hyperelastic(_));
     let step = if scene.deck.faces.iter().any(is_stiff) { 0.6 } else { 0.9 };
     format!(
-        "#RADIOSS ENGINE\n/VERS/2023\n/RUN/film/1\n{end}\n/TFILE\n{interval}\n/ANIM/DT\n0.0 {states}\n/PRINT/-1000\n/DT\n{step} 0.0\n"
+        "#RADIOSS ENGINE\n/VERS/2023\n/RUN/film/1\n{end}\n/TFILE\n{interval}\n/TH/VERS/2021\n/ANIM/DT\n0.0 {states}\n/PRINT/-1000\n/DT\n{step} 0.0\n"
     )
 }

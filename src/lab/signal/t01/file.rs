@@ -81,6 +81,9 @@ const OF_NODES: [(&str, Measure); 18] = [
     ("Y", LENGTH),
     ("Z", LENGTH),
 ];
+/// Reactions at nodes that are fixed or moved, summed over time, and the number of the first.
+const OF_REACTION: [(&str, Measure); 3] = [("REACX", IMPULSE), ("REACY", IMPULSE), ("REACZ", IMPULSE)];
+const FIRST_REACTION: i32 = 620;
 const OF_RIGID: [(&str, Measure); 3] = [("impulse FX", IMPULSE), ("impulse FY", IMPULSE), ("impulse FZ", IMPULSE)];
 
 /// Values along z of a node whose motion is that of a test, as droptower calls them.
@@ -136,7 +139,9 @@ impl T01 {
         }
         let mut file = T01 { entries: vec![], channels: vec![], instants: (first, step, count), annotations, bytes };
         let time = file.push("", "time", Ok(TIME), 4, head.units)?;
-        for value in head.values {
+        // Names of the signals of a test say that they are SI.
+        let are_si = head.units.is_some();
+        for value in head.values.into_iter().filter(|value| are_si || value.test.is_none()) {
             let unit = value
                 .measure
                 .map_err(|number| format!("a value of the number {number}, whose meaning is not known here"));
@@ -174,13 +179,13 @@ impl T01 {
         name: &str,
         measure: Result<Measure, String>,
         place: usize,
-        units: [f64; 3],
+        units: Option<[f64; 3]>,
     ) -> Result<usize, stored::Fault> {
         let (powers, symbol) = measure.clone().unwrap_or_default();
-        let mut entry = Entry::new(group, name, Some(symbol))?;
+        let mut entry = Entry::new(group, name, units.map(|_| symbol))?;
         entry.samples = self.instants.2 as u64;
         entry.unread = measure.err();
-        let factor = units.iter().zip(powers).map(|(unit, power)| unit.powi(power)).product();
+        let factor = units.unwrap_or([1.0; 3]).iter().zip(powers).map(|(unit, power)| unit.powi(power)).product();
         self.entries.push(entry);
         self.channels.push(Channel { place, factor, from: 0, less: 0.0 });
         Ok(self.entries.len() - 1)
@@ -223,8 +228,8 @@ struct Value {
 /// What the head says.
 struct Head {
     title: String,
-    /// Mass, length and time of the file, in SI.
-    units: [f64; 3],
+    /// Mass, length and time of the file, in SI; none before version 3050, unless `/TH/VERS` asks for a later one.
+    units: Option<[f64; 3]>,
     /// Bytes of the records of an instant, but that of its time.
     lengths: Vec<usize>,
     values: Vec<Value>,
@@ -238,14 +243,15 @@ impl Head {
         let version = first.whole();
         let title = first.text(80);
         records.of_length("the date", 80)?;
-        let (mut title_length, mut units) = (if version >= 3041 { 80 } else { 40 }, [1.0; 3]);
-        if version > 3050 {
+        let (mut title_length, mut units) = (if version >= 3041 { 80 } else { 40 }, None);
+        if version >= 3050 {
             let count = records.of_length("the number of records", 4)?.count("records")?;
             title_length = records.of_length("the length of titles", 4)?.count("characters")?;
             let mut factors = records.of_length("the units", 12)?;
             // A millimetre has seven digits in the file and is meant as 0.001.
-            units = [0; 3].map(|_| f32::from_bits(factors.whole() as u32).to_string().parse().unwrap_or(f64::NAN));
-            if !units.iter().all(|unit| unit.is_finite() && *unit > 0.0) {
+            let found = [0; 3].map(|_| f32::from_bits(factors.whole() as u32).to_string().parse().unwrap_or(f64::NAN));
+            units = Some(found);
+            if !found.iter().all(|unit| unit.is_finite() && *unit > 0.0) {
                 return Err(Fault::Units { at: records.at });
             }
             for _ in 2..count {
@@ -353,7 +359,11 @@ impl Head {
             let group = if members.len() == 1 { title.to_owned() } else { format!("{title}/{member}") };
             for (column, number) in numbers.iter().enumerate() {
                 let place = first + 4 * (row * numbers.len() + column);
-                let value = usize::try_from(*number - 1).ok().and_then(|number| known.get(number));
+                let (known, from) = match kind {
+                    NODES if *number >= FIRST_REACTION => (&OF_REACTION[..], FIRST_REACTION),
+                    _ => (known, 1),
+                };
+                let value = usize::try_from(*number - from).ok().and_then(|place| known.get(place));
                 let name = value.map_or_else(|| format!("value {number}"), |(name, _)| (*name).to_owned());
                 let measure = value.map(|(_, measure)| *measure).ok_or(*number);
                 let of_test = OF_TEST.iter().find(|(of, _)| of == number).filter(|_| test.is_some());

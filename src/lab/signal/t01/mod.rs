@@ -1,4 +1,4 @@
-//! Time histories of OpenRadioss (`filmT01`): the motion of nodes, energies, impulses of rigid bodies.
+//! Time histories of OpenRadioss (`filmT01`, and `film_0001.thy` where `/TH/VERS` asks for a format with units): the motion of nodes, energies, impulses of rigid bodies.
 //!
 //! Source: OpenRadioss, `engine/source/output/th/hist1.F` and `hist2.F`, which write them.
 
