@@ -6,11 +6,10 @@ use std::path::Path;
 
 use super::findings;
 use base::diagnostic::shown_path;
-use base::number::{self, duration, grouped};
-use report::G;
+use base::number::{self, grouped};
 use scene::model::Model;
 use scene::simulate::Outcome;
-use study::post::{Audit, BodyFigures, Impact, Indent, Inflation, Measures, Results, Stretch};
+use study::post::{self, Audit, Impact, Measures, Results};
 
 /// Significant digits of a figure.
 pub(super) const DIGITS: usize = 3;
@@ -18,25 +17,19 @@ pub(super) const DIGITS: usize = 3;
 /// Title, cost, figures and findings of a run; ends with a line break.
 pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
     let mut text = format!("{}  {}\n", model.name, model.subject());
+    let answer = results.script_output.answer.clone().unwrap_or_else(|| post::answer(model, results, false));
+    let _ = writeln!(text, "  {answer}");
     text += &cost(results.measures.audit());
-    text += &match &results.measures {
-        Measures::Impact(measures) => [impact(measures), errors(model, measures)].concat(),
-        Measures::Stretch(measures) => stretch(measures),
-        Measures::Indent(measures) => indent(measures),
-        Measures::Inflation(measures) => inflation(measures),
-    };
+    let _ = writeln!(text, "  {}", post::further(model, results).join(", "));
+    if let Measures::Impact(measures) = &results.measures {
+        text += &[errors(model, measures), springs_and_faces(measures)].concat();
+    }
     text += &steadiness(results.measures.audit());
     text += &field(results.measures.audit());
-    // Film that tears breaks by and by: its first element is not its end, and an element takes its tear before it is deleted.
-    let torn = outcome.torn.filter(|torn| torn.length > 0.0);
-    let torn = torn.map(|torn| format!("torn {} mm in the end", number::figure(1e3 * torn.length, DIGITS)));
-    if let Some(time) = outcome.rupture_time {
-        let torn = torn.map(|torn| format!(" first, {torn}")).unwrap_or_default();
-        let _ = writeln!(text, "  the film ruptured at {}{torn}", duration(time));
-    } else if let Some(torn) = torn {
-        let _ = writeln!(text, "  the film is {torn}");
+    if let Some(torn) = outcome.torn.filter(|torn| torn.length > 0.0) {
+        let _ = writeln!(text, "  the film is torn {} mm in the end", number::figure(1e3 * torn.length, DIGITS));
     }
-    text += &findings::lines("  ", results.measures.findings().iter());
+    text += &findings::lines_of_run("  ", results.measures.findings().iter());
     for line in &results.script_output.log {
         let _ = writeln!(text, "  {line}");
     }
@@ -45,7 +38,7 @@ pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String
 
 /// Title and findings of a run that failed; ends with a line break.
 pub(super) fn failed(model: &Model, results: &Results) -> String {
-    format!("{}  {}\n{}", model.name, model.subject(), findings::lines("  ", results.measures.findings().iter()))
+    format!("{}  {}\n{}", model.name, model.subject(), findings::lines_of_run("  ", results.measures.findings().iter()))
 }
 
 /// The folder and its files; ends with a line break.
@@ -100,22 +93,6 @@ fn field(audit: &Audit) -> String {
     )
 }
 
-fn impact(measures: &Impact) -> String {
-    let balance = balance(&measures.audit);
-    let of_bodies = match measures.bodies.as_slice() {
-        [body] => of_body(body, &format!("energy balance error {balance}")),
-        several => {
-            let of_one = |body: &BodyFigures| {
-                let name = body.prefix.trim_end_matches('_');
-                format!("  {name}\n{}", of_body(body, &format!("rebound       {}", rebound(body))))
-            };
-            let all: String = several.iter().map(of_one).collect();
-            format!("{all}  energy balance error {balance}\n")
-        }
-    };
-    [of_bodies, springs_and_faces(measures)].concat()
-}
-
 /// What the springs of the frame carried, and how near film came to film.
 fn springs_and_faces(measures: &Impact) -> String {
     let mut text = String::new();
@@ -130,25 +107,6 @@ fn springs_and_faces(measures: &Impact) -> String {
     text
 }
 
-/// The figures of one impactor, with `last` at their end.
-fn of_body(body: &BodyFigures, last: &str) -> String {
-    let BodyFigures { peak_acceleration_m_s2: peak, peak_displacement_m: travel, .. } = body;
-    let peak = with_time(peak.map(|a| format!("{:.1} g", a / G)), body.time_of_peak_acceleration_s);
-    let travel = with_time(travel.map(|d| format!("{:.1} mm", d * 1e3)), body.time_of_peak_displacement_s);
-    let none = match (body.had_film_contact, body.is_unfinished, body.rebound_velocity_m_s) {
-        (false, ..) => "none, no contact",
-        (_, true, _) => "not known, unfinished",
-        (_, _, None) => "not known, no rebound",
-        _ => "not known",
-    };
-    let absorbed = body.energy_absorption.map_or(none.into(), percent);
-    format!("  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} {last}\n")
-}
-
-fn rebound(body: &BodyFigures) -> String {
-    body.rebound_velocity_m_s.map_or("-".into(), |velocity| format!("{} m/s", number::figure(velocity, DIGITS)))
-}
-
 fn errors(model: &Model, measures: &Impact) -> String {
     let Some(signals) = model.reference.as_ref().and_then(|reference| reference.signals.as_ref()) else {
         return String::new();
@@ -156,50 +114,6 @@ fn errors(model: &Model, measures: &Impact) -> String {
     let shown = |error: Option<f64>| error.map_or("-".into(), percent);
     let (acceleration, displacement) = (shown(measures.acceleration_error), shown(measures.displacement_error));
     format!("  against {}:  E_a {acceleration}   E_d {displacement}\n", shown_path(signals))
-}
-
-fn stretch(measures: &Stretch) -> String {
-    let stress =
-        |pascal: Option<f64>| pascal.map_or("-".into(), |p| format!("{} MPa", number::figure(p * 1e-6, DIGITS)));
-    let strain = |strain: Option<f64>| strain.map_or("-".into(), percent);
-    let force = measures.peak_force.map_or("-".into(), |force| format!("{} N", number::figure(force, DIGITS)));
-    let peak = format!("{} at {}", stress(measures.peak_stress), strain(measures.strain_at_peak_stress));
-    let broke = match measures.strain_at_break {
-        Some(at) => format!("at {}, {}", percent(at), stress(measures.stress_at_break)),
-        None => "none".into(),
-    };
-    format!(
-        "  peak stress         {peak:<22} peak force    {force}\n  break               {broke:<22} energy balance error {}\n",
-        balance(&measures.audit),
-    )
-}
-
-fn indent(measures: &Indent) -> String {
-    let depth = |value| shown(value, 1e3, "mm");
-    let peak = format!("{} at {}", shown(measures.peak_force, 1.0, "N"), depth(measures.depth_at_peak_force));
-    let end = match measures.depth_at_break {
-        Some(_) => format!("break at {}", depth(measures.depth_at_break)),
-        None => depth(measures.final_depth),
-    };
-    format!(
-        "  peak force          {peak:<22} depth         {end}\n  work                {:<22} energy balance error {}\n",
-        shown(Some(measures.work), 1.0, "J"),
-        balance(&measures.audit),
-    )
-}
-
-fn inflation(measures: &Inflation) -> String {
-    let pressure = |value| shown(value, 1e-3, "kPa");
-    let end = match measures.burst_pressure {
-        Some(_) => format!("burst at {}", pressure(measures.burst_pressure)),
-        None => pressure(measures.peak_pressure),
-    };
-    format!(
-        "  deflection          {:<22} pressure      {end}\n  settled within      {:<22} energy balance error {}\n",
-        shown(measures.final_deflection, 1e3, "mm"),
-        measures.settling.map_or("-".into(), |share| format!("{:.3} %", share * 100.0)),
-        balance(&measures.audit),
-    )
 }
 
 /// The kinetic share of a slow test and the factor on its mass; the mass added to small elements.
@@ -221,23 +135,6 @@ fn steadiness(audit: &Audit) -> String {
         _ => String::new(),
     };
     format!("{scaled}{added}")
-}
-
-/// The value times a factor, with its unit.
-fn shown(value: Option<f64>, factor: f64, unit: &str) -> String {
-    value.map_or("-".into(), |value| format!("{} {unit}", number::figure(value * factor, DIGITS)))
-}
-
-fn with_time(value: Option<String>, time: Option<f64>) -> String {
-    match (value, time) {
-        (Some(value), Some(time)) => format!("{value} at {}", duration(time)),
-        _ => "-".into(),
-    }
-}
-
-fn balance(audit: &Audit) -> String {
-    let error = audit.energy_balance_error * 100.0;
-    if error < 0.01 { "below 0.01 %".into() } else { format!("{error:.2} %") }
 }
 
 fn percent(share: f64) -> String {

@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde_json::Value as Json;
 
 use super::export::card as solvers;
+use super::script::shipped;
 use super::{Failure, Shared, codes, columns, complete, figures, functions, print, print_json, readable};
 use base::diagnostic::{Diagnostic, closest};
 use base::removed;
@@ -67,6 +68,7 @@ pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
                 (Some(code), _) => return codes::run(Some(code), shared),
                 // A figure such as `peak_acceleration_m_s2` ends like a column.
                 (None, []) if figures::run(path, shared)? => return Ok(()),
+                (None, []) if shipped::explain(path, shared)? => return Ok(()),
                 (None, []) => match columns::find(path) {
                     Some(column) => return columns::run(path, column, shared),
                     None => return Err(with_code(mistake, path).into()),

@@ -116,6 +116,31 @@ pub(super) fn end_on_signals(ends: Ends, told: impl Fn() + Send + 'static) -> Re
     ctrlc::set_handler(handle).map_err(|error| unhandled(&error))
 }
 
+/// Cancels `work` at the first Ctrl-C from now on; a second one ends the program.
+pub(super) fn cancel_on_interrupt(work: Cancellation) -> Result<(), Failure> {
+    let handle = move || {
+        if work.is_cancelled() {
+            std::process::exit(ExitStatus::OutputFailed as i32);
+        }
+        work.cancel();
+    };
+    on_interrupt(handle)
+}
+
+#[cfg(unix)]
+fn on_interrupt(handle: impl Fn() + Send + 'static) -> Result<(), Failure> {
+    let found = signal_hook::iterator::Signals::new([signal_hook::consts::SIGINT]);
+    let mut found = found.map_err(|error| unhandled(&error))?;
+    let watch = move || found.forever().for_each(|_| handle());
+    let started = std::thread::Builder::new().name("signals".into()).spawn(watch);
+    started.map(drop).map_err(|error| unhandled(&error))
+}
+
+#[cfg(not(unix))]
+fn on_interrupt(handle: impl Fn() + Send + 'static) -> Result<(), Failure> {
+    ctrlc::set_handler(handle).map_err(|error| unhandled(&error))
+}
+
 fn unhandled(error: &impl std::fmt::Display) -> Failure {
     Failure::output(Diagnostic::new(format!("cannot handle signals: {error}")))
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Failure, Shared, print, print_json};
 use lab::signal::column;
-use study::post::{self, FigureName};
+use study::post::{self, FigureName, HEADLINES, Headline};
 
 /// The word in place of a key that lists all figures.
 pub(super) const WORD: &str = "figures";
@@ -24,6 +24,9 @@ struct Explanation {
 /// Prints what the figure `name` is; false where no run has one.
 pub(super) fn run(name: &str, shared: &Shared) -> Result<bool, Failure> {
     let all = post::figures();
+    // `E_a` of a page and of the terminal is `acceleration_error`.
+    let symbol = |headline: &&Headline| headline.words.rsplit(' ').next() == Some(name) && name.contains('_');
+    let name = HEADLINES.iter().find(symbol).map_or(name, |headline| headline.name);
     let exact = all.iter().filter(|figure| figure.name == name).map(|figure| (None, figure));
     let mut found: Vec<Explanation> = exact.map(|found| explanation(name, found)).collect();
     if found.is_empty() {

@@ -34,12 +34,12 @@ pub(crate) fn read(path: &Path, face: Option<usize>) -> Result<Source, Vec<Diagn
         }
         let named = document.material().0.and_then(|written| written.name);
         let name = named.unwrap_or_else(|| document.name());
-        return Ok(Source { name, material, layers: 1, origin: origin(&file)? });
+        return Ok(Source { name, material, layers: 1, origin: origin(&document)? });
     }
     let model = model::check(&document)?;
     let Face { film, material, layers, .. } = chosen(&model.faces, face, &file)?;
     let name = film.clone().unwrap_or_else(|| document.name());
-    Ok(Source { name, material: material.clone(), layers: *layers, origin: origin(&file)? })
+    Ok(Source { name, material: material.clone(), layers: *layers, origin: origin(&document)? })
 }
 
 /// The file of a film among the results of a study.
@@ -67,9 +67,16 @@ fn chosen<'a>(faces: &'a [Face], face: Option<usize>, file: &Path) -> Result<&'a
     })
 }
 
-/// The file and its checksum.
-pub(crate) fn origin(file: &Path) -> Result<Vec<String>, Vec<Diagnostic>> {
-    let content = fs::read(file).map_err(|error| vec![Diagnostic::new(format!("{}: {error}", shown_path(file)))])?;
-    let digest: String = Sha256::digest(&content).iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(vec![format!("from {}, SHA-256 {digest}", shown_path(file))])
+/// The file and its checksum, which also covers the files that it reads, one behind the other in their order.
+pub(crate) fn origin(document: &Document) -> Result<Vec<String>, Vec<Diagnostic>> {
+    let file = document.path();
+    let others: Vec<&PathBuf> = document.files().iter().filter(|other| *other != file).collect();
+    let mut digest = Sha256::new();
+    for path in std::iter::once(file).chain(others.iter().map(|path| path.as_path())) {
+        digest.update(fs::read(path).map_err(|error| vec![Diagnostic::new(format!("{}: {error}", shown_path(path)))])?);
+    }
+    let digest: String = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let names: Vec<String> = others.iter().map(|path| shown_path(path)).collect();
+    let others = if names.is_empty() { String::new() } else { format!(" and {}", names.join(", ")) };
+    Ok(vec![format!("from {}{others}, SHA-256 {digest}", shown_path(file))])
 }

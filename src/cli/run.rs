@@ -1,5 +1,6 @@
 //! `droptower run`: runs scenarios and writes their run folders.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -7,6 +8,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use super::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
+use super::farm;
 use super::faults::{evaluating, storing};
 use super::folder::{self, Contents};
 use super::forecast::Forecast;
@@ -14,11 +16,12 @@ use super::live::{self, Show, Viewer};
 use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
 use super::{Failure, Shared, digest, print, print_json};
-use base::diagnostic::{Diagnostic, printable};
+use base::diagnostic::{Diagnostic, listed, printable, shown_path};
 use base::file;
 use base::number::duration;
 use membrane::lane::Width;
 use report::RunPage;
+use scene::scenario::leaves;
 use scene::simulate::{
     self, Cancellation, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent,
 };
@@ -124,7 +127,9 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
         return Err(mistake.hint(hint).into());
     }
     let viewer = args.live.as_deref().map(live::viewer).transpose();
-    let (viewer, Batch { jobs, complete }) = both(viewer.map_err(|mistake| vec![mistake]), batch(args))?;
+    let stop = Cancellation::default();
+    let (viewer, Batch { jobs, complete }) = both(viewer.map_err(|mistake| vec![mistake]), batch(args, &stop))?;
+    farm::cancel_on_interrupt(stop)?;
     let bar = Bar::new(jobs.len(), shared.quiet);
     complete.iter().for_each(|warning| bar.report(warning));
     let warnings = jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.warnings);
@@ -180,7 +185,7 @@ struct Batch {
 }
 
 /// All scenarios checked, each with the folder of its results, or all their mistakes.
-fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
+fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Vec<Diagnostic>> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
     let width = args.width.map(WidthChoice::width).transpose();
     let options = both(every.map_err(|mistake| vec![mistake]), width.map_err(|mistake| vec![mistake]));
@@ -210,7 +215,7 @@ fn batch(args: &RunArgs) -> Result<Batch, Vec<Diagnostic>> {
     for (checked, place) in rest {
         match CheckpointWriter::new(policy, &checked, &place) {
             Ok(writer) => {
-                let cancellation = Cancellation::default();
+                let cancellation = stop.clone();
                 let (vtu, force) = (args.vtu, args.force);
                 jobs.push(Job { checked, place, writer, vtu, force, width, cancellation });
             }
@@ -232,6 +237,9 @@ fn is_complete(checked: &Checked, place: &Path) -> bool {
     let is_measured = place.join(run_files::SUMMARY).is_file();
     is_measured && stored.is_ok_and(|stored| resolved(checked, place).is_ok_and(|now| now == stored))
 }
+
+/// Most keys that are named of a run that is replaced.
+const MOST_KEYS: usize = 4;
 
 /// Most bytes of a stored scenario.
 const MOST_BYTES: u64 = 1 << 30;
@@ -283,10 +291,12 @@ impl Job {
                 return Done::failed(mistake.into());
             }
         };
+        self.note_replaced(&scenario, bar);
         let mut show = Show::begin(viewer, &self.checked, &scenario, bar);
         let done = match self.simulate(bar, index, &mut show) {
             Err(failure) => return Done::failed(failure),
             Ok(Ok(outcome)) => self.store(&outcome, &scenario, show),
+            Ok(Err(RunError::Cancelled)) => Done::failed(Failure::output(self.stopped())),
             Ok(Err(RunError::Failure(failure))) => self.store_failed(&failure, &scenario, show),
             Ok(Err(error)) => {
                 let mistake = Diagnostic::new(format!("{}: {error}", self.checked.model.name));
@@ -299,6 +309,32 @@ impl Job {
             writer.clear();
         }
         done
+    }
+
+    /// A run that Ctrl-C stopped: what of it is kept.
+    fn stopped(&self) -> Diagnostic {
+        let mistake = Diagnostic::new(format!("{} was stopped before its end", self.checked.model.name));
+        mistake.hint(match checkpoint::are_beside(&self.place) {
+            true => "its checkpoints are kept: the same command with --resume goes on from the last",
+            false => "nothing of it is kept; --checkpoint-every keeps what is computed",
+        })
+    }
+
+    /// Says which keys of a run that is about to be replaced were others.
+    fn note_replaced(&self, scenario: &str, bar: &Bar) {
+        let former = file::read_text(&self.place.join(run_files::SCENARIO), MOST_BYTES);
+        let Some(former) = former.ok().filter(|_| !self.force) else { return };
+        let [former, now] = [&former, scenario].map(leaves);
+        let keys: BTreeSet<&String> = former.keys().chain(now.keys()).collect();
+        let differs: Vec<String> = keys.into_iter().filter(|key| former.get(*key) != now.get(*key)).cloned().collect();
+        let named = match differs.len() {
+            0 => return,
+            count if count > MOST_KEYS => {
+                format!("{} and {} more keys", listed(&differs[..MOST_KEYS]), count - MOST_KEYS)
+            }
+            _ => listed(&differs),
+        };
+        bar.note(&format!("{} replaces a run with other {named}; --out keeps both", shown_path(&self.place)));
     }
 
     /// The run itself, from its checkpoint where it resumes, with its progress shown by `bar`.

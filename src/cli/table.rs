@@ -9,12 +9,13 @@ const MOST_ROWS: usize = 40;
 /// The rows of a longer table that are printed from its beginning; the others are from its end.
 const FIRST_ROWS: usize = 10;
 
-/// Figures and tables; every line ends with a line break.
+/// The answer, figures and tables; every line ends with a line break.
 pub(super) fn script_output(output: &ScriptOutput) -> String {
+    let answer = output.answer.iter().map(|answer| format!("  {answer}\n"));
     let figures = output.measures.iter().filter_map(|(name, value)| Figure::from_value(name, value));
     let figures = figures.map(|figure| format!("  {}\n", figure.cells().join(" ").trim_end()));
     let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", self::rows(rows)));
-    figures.chain(tables).collect()
+    answer.chain(figures).chain(tables).collect()
 }
 
 /// The rows under the names of their columns, aligned to the right.

@@ -101,14 +101,24 @@ fn whole(title: &str, body: &str, policy: &str, styles: &str, scripts: &[&str]) 
 
 /// Warnings in their frame below `facts`, which are not findings, and a section of the notes.
 pub(super) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item = &'f Finding>) -> String {
-    let (warned, noted): (Vec<&Finding>, Vec<&Finding>) =
-        findings.into_iter().partition(|finding| finding.is_warning());
+    let (open, own): (Vec<&Finding>, Vec<&Finding>) =
+        findings.into_iter().partition(|finding| codes::left_open(&finding.code).is_some());
+    let (warned, noted): (Vec<&Finding>, Vec<&Finding>) = own.into_iter().partition(|finding| finding.is_warning());
     let facts = facts.iter().map(|fact| escape(fact));
     let warnings = match items(facts.chain(grouped(&warned))) {
         empty if empty.is_empty() => empty,
         list => format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{list}</div>\n"),
     };
-    [warnings, section("Notes", &items(grouped(&noted).into_iter()))].concat()
+    let mut words: Vec<&str> = open.iter().filter_map(|finding| codes::left_open(&finding.code)).collect();
+    words.dedup();
+    let open = match items(grouped(&open).into_iter()) {
+        empty if empty.is_empty() => empty,
+        list => format!(
+            "<details class=\"open\">\n<summary>What this film's data leave open: {}</summary>\n{list}</details>\n",
+            words.join(", ")
+        ),
+    };
+    [warnings, open, section("Notes", &items(grouped(&noted).into_iter()))].concat()
 }
 
 /// A line (HTML) for each code: of several findings its meaning and their number, with the findings folded below.
@@ -263,6 +273,15 @@ mod tests {
         let lines = "<li>the run &lt;failed&gt;</li>\n<li>the peak is &gt; 500 m/s² <code>hard-impact</code></li>";
         assert_eq!(html, format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n<ul>\n{lines}\n</ul>\n</div>\n"));
         assert_eq!(findings(vec![], []), "");
+    }
+
+    #[test]
+    fn what_a_films_data_leave_open_is_folded() {
+        let open = ["uncoupled-biaxial", "strain-rate-outside"].map(|code| Finding::of_script(code, "65 %"));
+        let html = findings(vec![], &open);
+        assert!(!html.contains("<h2>Warnings</h2>"), "{html}");
+        let summary = "<summary>What this film's data leave open: coupling of MD and TD, strain rates</summary>";
+        assert!(html.contains(summary) && html.contains("65 % <code>uncoupled-biaxial</code>"), "{html}");
     }
 
     #[test]

@@ -6,7 +6,10 @@ use super::figure::DIGITS;
 use super::html::escape;
 use base::number::{self, duration, significant};
 use scene::model::Model;
-use study::post::{BodyFigures, HEADLINES, Headline, Measures, Results, TestKind, lowest_point};
+use study::post::{
+    BodyFigures, HEADLINES, Headline, LEAST_SHARE, Measures, Results, TestKind, descends, headlines_of, is_too_coarse,
+    reached,
+};
 
 /// Of a drop that was recorded: of a run it is an input.
 const IMPACT_SPEED: Headline = Headline {
@@ -34,16 +37,23 @@ pub(super) fn cards(model: &Model, results: &Results, failed: bool, summary: &Ma
     };
     let named = bodies.iter().map(|body| body.prefix.as_str()).filter(|prefix| !prefix.is_empty());
     let own = named.chain([""]).flat_map(|prefix| {
-        let descends = lowest_point(&results.signals, prefix).is_none();
-        let headlines = TestKind::of(model).headlines();
-        headlines.filter_map(move |headline| card(headline, words(headline, descends), prefix, summary))
+        let words = |headline: &Headline| headline.words_of(descends(results, prefix));
+        let card = |headline: &'static Headline| card(headline, words(headline), prefix, summary);
+        headlines_of(model, results, prefix).filter_map(card).collect::<Vec<_>>()
     });
     let is_shown = |headline: &&Headline| headline.test.is_none() && !(headline.name == TORN && holds(summary));
     let others = HEADLINES.iter().filter(is_shown).filter_map(|headline| card(headline, headline.words, "", summary));
     let unmet = bodies.iter().filter(|body| !body.had_film_contact && !failed).map(|body| not_met(&body.prefix));
     let cards: String = own.chain(others).chain(unmet).collect();
-    format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary, failed))
+    let film = film(summary, failed, is_too_coarse(results));
+    // A film that ruptured is what a reader asks for first.
+    let [first, last] =
+        if summary.contains_key(RUPTURE) && !summary[RUPTURE].is_null() { [&film, &cards] } else { [&cards, &film] };
+    format!("<ul class=\"cards\">\n{first}{last}</ul>\n")
 }
+
+/// When film first broke.
+const RUPTURE: &str = "rupture_time_s";
 
 /// Of film that tears: how far, which may be short of its end.
 const TORN: &str = "torn_length_m";
@@ -51,15 +61,6 @@ const TORN: &str = "torn_length_m";
 /// Whether no film is torn.
 fn holds(summary: &Map<String, Value>) -> bool {
     summary.get(TORN).and_then(Value::as_f64).is_none_or(|length| length == 0.0)
-}
-
-/// What a headline is called, also of an impactor that still descends at the end.
-fn words(headline: &Headline, descends: bool) -> &'static str {
-    match headline.name {
-        "peak_acceleration_m_s2" if descends => "largest deceleration so far",
-        "peak_displacement_m" if descends => "lowest so far, still descending",
-        _ => headline.words,
-    }
 }
 
 /// The card of an impactor that never met the film; `prefix` begins the names of its figures.
@@ -73,9 +74,6 @@ fn owner(prefix: &str) -> String {
     prefix.strip_suffix('_').map_or_else(String::new, |body| format!("{}: ", escape(body)))
 }
 
-/// Share in % below which a card shows no digits.
-const LEAST_SHARE: f64 = 0.01;
-
 /// The card of a figure whose name begins with `prefix`, where the summary has it.
 fn card(headline: &Headline, words: &str, prefix: &str, summary: &Map<String, Value>) -> Option<String> {
     let Headline { name, factor, unit, at, .. } = headline;
@@ -84,14 +82,7 @@ fn card(headline: &Headline, words: &str, prefix: &str, summary: &Map<String, Va
     let whose = owner(prefix);
     // A letter behind `_` is a subscript.
     let words = words.split_once('_').map_or(words.into(), |(before, index)| format!("{before}<sub>{index}</sub>"));
-    let beside = at.and_then(|at| {
-        let value = number(at)?;
-        Some(match at {
-            _ if at.ends_with("_s") => format!("at {}", duration(value)),
-            _ if at.ends_with("_m") => format!("at {} mm", significant(value * 1e3, DIGITS)),
-            _ => format!("at {} %", significant(value * 100.0, DIGITS)),
-        })
-    });
+    let beside = at.and_then(|at| Some(reached(at, number(at)?)));
     let shown = if *unit == "%" && (value * factor).abs() < LEAST_SHARE {
         format!("&lt; {LEAST_SHARE}")
     } else {
@@ -112,11 +103,12 @@ fn number_of(value: f64) -> String {
 }
 
 /// Whether the film ruptured, and when; of a failed run, that it held until then.
-fn film(summary: &Map<String, Value>, failed: bool) -> String {
-    let rupture = summary.get("rupture_time_s").and_then(Value::as_f64);
+fn film(summary: &Map<String, Value>, failed: bool, is_coarse: bool) -> String {
+    let rupture = summary.get(RUPTURE).and_then(Value::as_f64);
     let (shown, beside) = match rupture {
         Some(time) => ("ruptured", format!("<span class=\"beside\">at {}</span>", duration(time))),
         None if failed => ("held", "<span class=\"beside\">until the run failed</span>".into()),
+        None if is_coarse => ("not told", "<span class=\"beside\">elements too coarse</span>".into()),
         None => ("held", String::new()),
     };
     format!("<li><span class=\"words\">film</span><span class=\"value\">{shown}</span>{beside}</li>\n")
@@ -132,7 +124,7 @@ mod tests {
     fn a_card_shows_the_figure_in_its_unit_and_names_it_in_full() {
         let summary = json!({ "peak_displacement_m": -0.169854473, "time_of_peak_displacement_s": 0.0573 });
         let [peak, lowest] = [0, 1].map(|at| &HEADLINES[at]);
-        let html = card(lowest, words(lowest, false), "", summary.as_object().unwrap()).unwrap();
+        let html = card(lowest, lowest.words, "", summary.as_object().unwrap()).unwrap();
         assert!(html.contains("data-figure=\"peak_displacement_m\" data-value=\"-0.169854473\" data-factor=\"1000\""));
         assert!(html.contains("\u{2212}169.9</span> <span class=\"unit\">mm") && html.contains("at 57.3 ms"), "{html}");
         assert_eq!(card(peak, peak.words, "", &Map::new()), None);
@@ -140,11 +132,15 @@ mod tests {
 
     #[test]
     fn the_film_of_a_failed_run_held_until_it_failed() {
-        let whole = film(&Map::new(), false);
+        let whole = film(&Map::new(), false, false);
         assert!(whole.contains("held") && !whole.contains("run failed"));
-        assert!(film(&Map::new(), true).contains("until the run failed"));
+        assert!(film(&Map::new(), true, false).contains("until the run failed"));
+        assert!(film(&Map::new(), false, true).contains("too coarse"));
         let ruptured = json!({ "rupture_time_s": 0.04 });
-        assert!(film(ruptured.as_object().unwrap(), true).contains("ruptured</span><span class=\"beside\">at 40.0 ms"));
+        assert!(
+            film(ruptured.as_object().unwrap(), true, true)
+                .contains("ruptured</span><span class=\"beside\">at 40.0 ms")
+        );
     }
 
     #[test]

@@ -12,7 +12,7 @@ use plot::thinned;
 use scene::model::{Model, Window};
 use scene::scenario::{Assumption, assumptions};
 use scene::simulate::Outcome;
-use study::post::{COST, HEADER, ReferenceComparison, Results};
+use study::post::{self, COST, HEADER, ReferenceComparison, Results};
 use study::store::run_files::{RUN_FILES, SNAPSHOTS};
 
 /// The content of the page of a run.
@@ -59,7 +59,7 @@ pub fn run_page(run: &RunPage) -> String {
     html::page(&model.title, &body.concat())
 }
 
-/// The opening of the page: the subject of the run and its reference.
+/// The opening of the page: what the run answers, then its subject and its reference.
 fn lead(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
@@ -69,14 +69,18 @@ fn lead(run: &RunPage) -> String {
     let kind = if has_signals { "recording" } else { "field" };
     let kind = if is_virtual { format!("the virtual {kind}") } else { format!("the {kind}") };
     let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
-    format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, model.subject())))
+    let answer = match &results.script_output.answer {
+        Some(answer) => answer.clone(),
+        None => post::answer(model, results, run.failure.is_some()),
+    };
+    let subject = format!("{}: {}{against}", model.name, model.subject());
+    format!("<p class=\"lead\">{}</p>\n<p class=\"note\">{}</p>\n", escape(&answer), escape(&subject))
 }
 
-/// Failure, rupture and warnings, then notes.
+/// Failure and warnings, then notes.
 fn findings(run: &RunPage) -> String {
     let failure = run.failure.map(|cause| format!("The run failed: {cause}"));
-    let rupture = run.outcome.rupture_time.map(|time| format!("The film ruptured at {}", duration(time)));
-    html::findings(failure.into_iter().chain(rupture).collect(), run.results.measures.findings().iter())
+    html::findings(failure.into_iter().collect(), run.results.measures.findings().iter())
 }
 
 /// All figures of the summary, those of the machine after the others.

@@ -108,6 +108,23 @@ fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
     assert_eq!(names(&progress), ["progress.html"], "nothing of the stop is left");
 }
 
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_says_what_is_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    printed(&droptower(folder, &["new", "drop", "drop.toml"]));
+    let slow = ["run", "drop.toml", "--set", "specimen.mesh.size=5mm", "--set", "specimen.symmetry=none"];
+    let left = || fs::read_dir(folder.join("runs/drop.checkpoint")).is_ok_and(|files| files.count() > 0);
+    let mut child = start(folder, &[&slow[..], &["--checkpoint-every", "0.5 ms"]].concat());
+    wait_for(&mut child, left);
+    let output = interrupt(child);
+    let told = error(&output);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("drop was stopped before its end") && told.contains("with --resume goes on"), "{told}");
+    assert!(left(), "its checkpoints are kept");
+}
+
 /// A search of some ten milliseconds a trial, which compares with two signals.
 const SEARCH: &str = r#"
 let test = scenario(args.scenario);

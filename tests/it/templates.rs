@@ -179,10 +179,13 @@ fn the_failure_mass_of_a_dart_is_found(kind: &str) {
         let row = rows.iter().find(of).unwrap_or_else(|| panic!("{change}: {summary}"));
         1e-3 * row["mass_g"].as_f64().expect("a mass")
     };
-    assert_eq!(rows.len(), 7);
+    // On so coarse a mesh the threshold of none is not told.
+    assert!(rows.len() == 7 && summary["threshold_fine_mesh_kg"].is_null(), "{summary}");
+    let answer = summary["answer"].as_str().expect("an answer");
+    assert!(answer.starts_with("The film begins to break at ") && answer.contains("leave open"), "{answer}");
     for (lower, higher) in [
         ("friction of the dart 0 ", "as in the scenario"),
-        ("break strain times 0.7", "as in the scenario"),
+        ("break strain times 0.2", "as in the scenario"),
         ("softened by its own heat", "as in the scenario"),
         ("as in the scenario", "friction of the dart 0.5"),
         ("as in the scenario", "break strain times 1.76"),

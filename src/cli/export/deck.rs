@@ -52,7 +52,7 @@ pub(super) fn run(args: &DeckArgs, shared: &Shared) -> Result<(), Failure> {
     check_folder(&args.out, args.force)?;
     let file = if args.scenario.is_dir() { film::in_folder(&args.scenario)? } else { args.scenario.clone() };
     let test = Test::read(&file)?;
-    let origin = film::origin(&file)?;
+    let origin = film::origin(&Document::read(&file)?)?;
     let deck = test.deck(&origin)?;
     let written = deck::write(&deck, &args.request.request()).map_err(|refusal| {
         let mistake = Diagnostic::new(format!("{}: {refusal}", shown_path(&file)));

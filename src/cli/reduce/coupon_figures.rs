@@ -189,7 +189,7 @@ impl DirectionFigures {
         let moduli = self.speeds.iter().map(|speed| {
             let single = speed.young_moduli_pa.iter().map(|modulus| format!("{:6.1}", modulus * 1e-6));
             let mean = speed.young_modulus_pa.text(1e-6, "MPa");
-            format!("  {:>8} m/s  E{}  mean {mean}\n", speed.velocity_m_s, single.collect::<String>())
+            format!("  {:>8} m/s  E{}  mean {mean}\n", significant(speed.velocity_m_s, 4), single.collect::<String>())
         });
         let points = match self.yield_points {
             Some(points) => points.map(|[strain, stress]| format!("{strain:.3}, {:.2} MPa", stress * 1e-6)).join("; "),

@@ -1,7 +1,7 @@
 //! `droptower script`: a Rhai script over scenarios.
 
 mod help;
-mod shipped;
+pub(crate) mod shipped;
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -74,8 +74,8 @@ pub(super) struct ScriptArgs {
 }
 
 /// Names that belong to a study's summary.
-const RESERVED: [&str; 9] =
-    ["script", "droptower", "study", "warning", "warnings", "findings", "tables", "plots", "files"];
+const RESERVED: [&str; 10] =
+    ["script", "droptower", "study", "answer", "warning", "warnings", "findings", "tables", "plots", "files"];
 
 /// A script that was run, and its output.
 struct ScriptRun {
@@ -440,6 +440,7 @@ fn summary(run: &ScriptRun) -> Map<String, Value> {
     summary.insert("script".into(), json!(name));
     summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
     summary.insert("study".into(), Value::Object(call.clone()));
+    summary.extend(output.answer.iter().map(|answer| ("answer".into(), json!(answer))));
     summary.extend(virtual_recordings.iter().map(|finding| ("warning".into(), json!(finding.message))));
     let warnings = output.findings.iter().filter(|finding| finding.is_warning());
     summary.insert("warnings".into(), warnings.map(|warning| json!(warning.message)).collect());
@@ -515,7 +516,7 @@ mod tests {
             call: Map::new(),
             program: Script::compile(&script::engine(Limits::STUDY), &Scope::new(), Path::new("s.rhai"), "")
                 .expect("a script"),
-            output: ScriptOutput::default(),
+            output: ScriptOutput { answer: Some("yes".into()), ..ScriptOutput::default() },
             virtual_recordings: Some(Finding::of_script("virtual-recording", "a recording is virtual")),
             failure: None,
         };

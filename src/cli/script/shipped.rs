@@ -59,6 +59,31 @@ pub(super) fn about(given: &Path) -> Result<About, Failure> {
     Ok(About::read(&path, &text)?)
 }
 
+/// A figure of a shipped script as it is explained.
+#[derive(Serialize)]
+struct Explained<'a> {
+    figure: &'a str,
+    script: &'static str,
+    sentence: String,
+}
+
+/// Prints which shipped script measures a figure, and what it is; false where none does.
+pub(crate) fn explain(figure: &str, shared: &Shared) -> Result<bool, Failure> {
+    let line = |(script, text): &(&'static str, &'static str)| {
+        let line = text.lines().find_map(|line| line.strip_prefix("//! figure ")?.strip_prefix(figure))?;
+        Some(Explained { figure, script, sentence: line.strip_prefix("  ")?.trim().to_owned() })
+    };
+    let found: Vec<Explained> = SHIPPED.iter().filter_map(line).collect();
+    if found.is_empty() {
+        return Ok(false);
+    }
+    let text = |one: &Explained| {
+        format!("{}\n    {}\n    figure of `droptower script {}`", one.figure, one.sentence, one.script)
+    };
+    print_figures(shared, &found, || found.iter().map(text).collect::<Vec<_>>().join("\n\n"))?;
+    Ok(true)
+}
+
 /// A shipped script as it is listed.
 #[derive(Serialize)]
 struct Listed {
@@ -70,8 +95,9 @@ struct Listed {
 pub(super) fn list(shared: &Shared) -> Result<(), Failure> {
     let listed = SHIPPED.iter().map(|(name, text)| {
         let about = About::read(Path::new(name), text)?.text;
-        let end = about.find(": ").into_iter().chain(about.find(". ")).min().unwrap_or(about.len());
-        Ok(Listed { name, about: about[..end].trim_end_matches('.').replace('\n', " ") })
+        let about = about.split("\n\n").next().unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ");
+        let end = [": ", ". ", "? "].iter().filter_map(|end| about.find(end)).min().unwrap_or(about.len());
+        Ok(Listed { name, about: about[..end].trim_end_matches('.').to_owned() })
     });
     let listed = listed.collect::<Result<Vec<Listed>, Vec<Diagnostic>>>()?;
     print_figures(shared, &listed, || {

@@ -63,23 +63,25 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
             let build = match segment.build.as_deref() {
                 Some(build) if build == build_name() => "this build".to_owned(),
                 Some(build) => format!("droptower {build}"),
-                None => "damaged".to_owned(),
+                None => "no build: damaged".to_owned(),
             };
             let SegmentFigures { path, evaluations, bytes, runs, run_bytes, age_s, .. } = segment;
-            let kept = match runs {
-                0 => String::new(),
-                runs => format!("  {} whole runs  {} kB", grouped(*runs as u64), grouped(run_bytes.div_ceil(1024))),
-            };
             format!(
-                "{}  {} evaluations  {} kB{kept}  {} old  {build}",
+                "{}: figures of {} runs and {} whole runs, {} kB, {} old, of {build}",
                 shown_path(path),
                 grouped(*evaluations as u64),
-                grouped(bytes.div_ceil(1024)),
+                grouped(*runs as u64),
+                grouped((bytes + run_bytes).div_ceil(1024)),
                 wall_time(*age_s)
             )
         });
-        let total = segments.iter().map(|segment| segment.evaluations as u64).sum();
-        let lines: Vec<String> = lines.chain([format!("{} evaluations in all", grouped(total))]).collect();
+        let sum = |of: fn(&SegmentFigures) -> usize| grouped(segments.iter().map(|segment| of(segment) as u64).sum());
+        let total = format!(
+            "in all figures of {} runs and {} whole runs, which no command computes again; `droptower store prune` removes those of other builds",
+            sum(|segment| segment.evaluations),
+            sum(|segment| segment.runs)
+        );
+        let lines: Vec<String> = lines.chain([total]).collect();
         lines.join("\n")
     })
 }

@@ -20,6 +20,9 @@ use study::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};
 /// Most points of all curves, so that the page can be sent by mail.
 const MOST_POINTS: usize = 100_000;
 
+/// Relative difference from which it is said as a multiple.
+const MOST_SHARE: f64 = 9.0;
+
 /// `report.html` of a comparison; with bounds, how far runs are outside of them.
 pub fn compare_page(comparison: &RunComparison, outside: Option<&[Outside]>) -> String {
     let title = comparison.title();
@@ -120,7 +123,14 @@ fn quantity(name: &str) -> String {
     }
 }
 
+/// A relative difference in percent; of a value that is many times the first one how many, and of one with the other sign that.
 fn signed_percent(share: f64) -> String {
+    if share < -1.0 {
+        return "other sign".into();
+    }
+    if share >= MOST_SHARE {
+        return format!("{} times", significant(1.0 + share, 3));
+    }
     let text = significant(100.0 * share, 3);
     format!("{}{text} %", if share > 0.0 { "+" } else { "" })
 }

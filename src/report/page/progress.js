@@ -79,7 +79,8 @@
     return isTouched || getSelection().type === "Range" || document.hidden;
   };
 
-  if (lives !== "true") {
+  // `?once` is for what takes a picture of it, or reads it once.
+  if (lives !== "true" || new URLSearchParams(location.search).has("once")) {
     said.textContent = `Written at ${clock(Number(written))}.`;
     return;
   }

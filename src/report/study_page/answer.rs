@@ -3,6 +3,7 @@
 use super::super::ranges::{Line, Look, ranges};
 use super::super::{convergence, drawn};
 use super::estimates::Estimate;
+use base::units::Unit;
 use base::written::{Reading, digits, figure};
 use plot::{Plot, thinned};
 use serde_json::Value;
@@ -51,8 +52,11 @@ fn search_fits(search: &ConvergenceHistory) -> impl Iterator<Item = Fit<'_>> {
     search.fits.iter().filter_map(move |fit| Some(Fit { search, fit, error: error(fit)? }))
 }
 
-/// The answer of a study in a few sentences; the first line of the script's description where it has no search.
+/// The answer of a study in a few sentences: its own, else what its searches found, else the first line of its description.
 pub(super) fn sentence(output: &ScriptOutput, estimates: &[Estimate], script: &str) -> String {
+    if let Some(answer) = &output.answer {
+        return answer.clone();
+    }
     let next = output.findings.iter().filter(|own| own.code == "measure-next").map(|own| {
         let mut letters = own.message.chars();
         letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
@@ -187,28 +191,58 @@ fn line(one: &Estimate, is_alone: bool) -> Line {
     }
 }
 
-/// The first figures that the script measured, large (HTML).
+/// The first figures that the script measured, large (HTML); those of the ends of an interval stand beside their figure.
 pub(super) fn cards(measures: &Row) -> String {
-    let card = |(name, value): (&String, &Value)| {
+    let number = |name: &str| measures.get(name).and_then(Value::as_f64);
+    let ends = |name: &str| Some((number(&beside(name, "low"))?, number(&beside(name, "high"))?));
+    let is_end = |name: &&String| {
+        let of = |end: &str| name.contains(end) && ends(&name.replacen(end, "", 1)).is_some();
+        !of("_low") && !of("_high")
+    };
+    let card = |name: &String| {
+        let value = &measures[name.as_str()];
         let (words, _) = Reading::of_name(name, 0.0);
-        let value = match value {
+        let shown = match value {
             Value::Number(number) => figure(name, number.as_f64()?),
             Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
             _ => return None,
         };
-        let [name, words, value] = [name, &words, &value].map(|text| super::html::escape(text));
+        let beside = ends(name).map_or_else(String::new, |(low, high)| {
+            let reading = Reading::of_name(name, value.as_f64().unwrap_or(high)).1;
+            let range = reading.with_unit(&format!("{} to {}", reading.digits(low), reading.digits(high)));
+            format!("<span class=\"beside\">{}</span>", super::html::escape(&range))
+        });
+        let [name, words, shown] = [name, &words, &shown].map(|text| super::html::escape(text));
         Some(format!(
-            "<li><span class=\"words\" title=\"{name}\">{words}</span><span class=\"value\">{value}</span></li>\n"
+            "<li><span class=\"words\" title=\"{name}\">{words}</span><span class=\"value\">{shown}</span>{beside}</li>\n"
         ))
     };
-    let cards: String = measures.iter().filter_map(card).take(MOST_CARDS).collect();
+    let cards: String = measures.keys().filter(is_end).filter_map(card).take(MOST_CARDS).collect();
     if cards.is_empty() { cards } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
+}
+
+/// The name of the figure's `end`, which stands before its unit: `mass_low_kg` of `mass_kg`.
+fn beside(name: &str, end: &str) -> String {
+    let unit = Unit::of_name(name).map_or(0, |(stem, _)| name.len() - stem.len());
+    let (stem, unit) = name.split_at(name.len() - unit);
+    format!("{stem}_{end}{unit}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use base::finding::Finding;
+
+    #[test]
+    fn the_ends_of_an_interval_stand_beside_their_figure() {
+        let measures = serde_json::json!({
+            "probit_mass_low_kg": 0.05, "probit_mass_kg": 0.06, "probit_mass_high_kg": 0.07, "share_low": 0.1, "share": 0.2, "lowest_m": 1
+        });
+        let html = cards(measures.as_object().expect("figures"));
+        assert_eq!(html.matches("<li>").count(), 4, "{html}");
+        assert!(html.contains("60 g</span><span class=\"beside\">50 to 70 g</span>"), "{html}");
+        assert!(html.contains("20 %</span></li>") && html.contains("lowest"), "an open end is no interval: {html}");
+    }
 
     #[test]
     fn a_description_is_a_sentence_and_not_a_line() {

@@ -195,17 +195,17 @@ pub struct Shear {
 /// The multipliers of a dynamic curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Scale {
-    /// Stiffness of the first part, up to the first yield point.
+    /// Stiffness of the first part, up to the first yield point: strains there are divided by it, besides `ke`.
     #[serde(default = "unchanged")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     #[schemars(title = "Stiffness k1 to the first yield point")]
     pub k1: f64,
-    /// Stiffness up to the second yield point.
+    /// Stiffness up to the second yield point: strains there are divided by it, so that both yield points move.
     #[serde(default = "unchanged")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     #[schemars(title = "Stiffness ke to the second yield point")]
     pub ke: f64,
-    /// Stress up to the second yield point.
+    /// Stress up to the second yield point is multiplied by it, and what follows moves along.
     #[serde(default = "unchanged")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     #[schemars(title = "Stress ky to the second yield point")]

@@ -5,8 +5,10 @@ use rhai::{Array, Dynamic, Engine, Map};
 use crate::script::{Entry, HostResult, OutputCollector, Row, refuse, to_json};
 use base::finding::Finding;
 
-/// Offers `measure`, `table`, `log`, `print` and `warn` to scripts.
+/// Offers `answer`, `measure`, `table`, `log`, `print` and `warn` to scripts.
 pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
+    let own = collector.clone();
+    engine.register_fn("answer", move |sentence: &str| own.answer(sentence));
     let own = collector.clone();
     engine
         .register_fn("measure", move |name: &str, value: Dynamic| own.measure(name, to_json(&value)?).map_err(refuse));
@@ -61,6 +63,11 @@ fn row_of(map: &Map, columns: Option<&Array>) -> HostResult<Row> {
 
 /// The reference of these functions.
 pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "answer(text)",
+        gives: "the answer in one or two sentences, with which terminal and report begin; `answer` of the summary",
+        example: r#"answer("The film holds up to 169 g.")"#,
+    },
     Entry {
         call: "measure(name, value)",
         gives: "adds a figure to the summary; its name has letters, digits and _",

@@ -1,7 +1,13 @@
 //! The figures by which runs are judged, compared and ranked, and that pages begin with.
 
+use serde_json::{Map, Value};
+
 use super::figures::{SUMMARY, is_of_script};
+use super::{Measures, Results, lowest_point};
+use base::finding::Finding;
+use base::number::duration;
 use base::units::STANDARD_GRAVITY;
+use base::written::digits;
 use scene::model::Model;
 use scene::model::loading::Test;
 
@@ -110,6 +116,125 @@ impl TestKind {
     pub fn headlines(self) -> impl Iterator<Item = &'static Headline> {
         HEADLINES.iter().filter(move |headline| headline.test == Some(self))
     }
+}
+
+impl Headline {
+    /// What it is called of an impactor that still descends at the end, or not.
+    pub fn words_of(&self, descends: bool) -> &'static str {
+        match self.name {
+            "peak_acceleration_m_s2" if descends => "largest deceleration so far",
+            "peak_displacement_m" if descends => "lowest so far, still descending",
+            _ => self.words,
+        }
+    }
+
+    /// Its value and where it was reached, with their units: `14.3 g at 57.0 ms`. None where `figures` have no such figure of
+    /// the impactor whose names begin with `prefix`.
+    pub fn text(&self, prefix: &str, figures: &Map<String, Value>) -> Option<String> {
+        let number = |name: &str| figures.get(&format!("{prefix}{name}"))?.as_f64();
+        let value = number(self.name)? * self.factor;
+        let is_least = self.unit == "%" && value.abs() < LEAST_SHARE;
+        let shown =
+            if is_least { format!("below {LEAST_SHARE} %") } else { format!("{} {}", digits(value), self.unit) };
+        Some(match self.at.and_then(|at| Some(reached(at, number(at)?))) {
+            Some(at) => format!("{shown} {at}"),
+            None => shown,
+        })
+    }
+}
+
+/// The time, length or strain `value`, as its name `at` says, at which a figure was reached: `at 57.0 ms`.
+pub fn reached(at: &str, value: f64) -> String {
+    match at {
+        _ if at.ends_with("_s") => format!("at {}", duration(value)),
+        _ if at.ends_with("_m") => format!("at {} mm", digits(value * 1e3)),
+        _ => format!("at {} %", digits(value * 100.0)),
+    }
+}
+
+/// Share in % below which a figure shows no digits.
+pub const LEAST_SHARE: f64 = 0.01;
+
+/// Most figures of an impactor in a sentence.
+const MOST_TOLD: usize = 3;
+
+/// What a run answers: whether the film held, and the first figures of each impactor.
+pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
+    let figures = results.measures.figures();
+    let film = match figures.get("rupture_time_s").and_then(Value::as_f64) {
+        Some(time) => format!("The film ruptured at {}", duration(time)),
+        None if failed => "The film held until the run failed".into(),
+        None if is_too_coarse(results) => {
+            "No film broke, but its elements are too coarse to tell whether it holds".into()
+        }
+        None => "The film held".into(),
+    };
+    let of_body = |prefix: &String| {
+        let told = headlines_of(model, results, prefix).filter(|headline| headline.judges);
+        let text = |one: &Headline| {
+            Some(format!("{} {}", one.words_of(descends(results, prefix)), one.text(prefix, &figures)?))
+        };
+        let told: Vec<String> = told.filter_map(text).take(MOST_TOLD).collect();
+        let whose = prefix.strip_suffix('_').map_or_else(String::new, |name| format!("{name}, "));
+        (!told.is_empty()).then(|| format!("{whose}{}", told.join(", ")))
+    };
+    let told: Vec<String> = prefixes(results).iter().filter_map(of_body).collect();
+    if told.is_empty() { format!("{film}.") } else { format!("{film}: {}.", told.join("; ")) }
+}
+
+/// The headlines of an impactor's test beyond those of its answer, in words, and those of every test.
+pub fn further(model: &Model, results: &Results) -> Vec<String> {
+    let figures = results.measures.figures();
+    let of_body = |prefix: &String| {
+        let told = headlines_of(model, results, prefix).filter(|headline| headline.judges);
+        let told: Vec<&str> =
+            told.filter(|one| one.text(prefix, &figures).is_some()).map(|one| one.name).take(MOST_TOLD).collect();
+        let whose = prefix.replace('_', " ");
+        let rest = headlines_of(model, results, prefix)
+            .filter(move |one| !told.contains(&one.name) && !one.name.ends_with("_error"));
+        rest.filter_map(|one| Some(format!("{whose}{} {}", one.words, one.text(prefix, &figures)?))).collect::<Vec<_>>()
+    };
+    let own: Vec<String> = prefixes(results).iter().flat_map(of_body).collect();
+    let every = HEADLINES.iter().filter(|one| one.test.is_none() && !one.name.starts_with("field_"));
+    let every = every.filter_map(|one| {
+        let is_none = figures.get(one.name).and_then(Value::as_f64) == Some(0.0) && one.judges;
+        (!is_none).then(|| one.text("", &figures)).flatten().map(|text| format!("{} {text}", one.words))
+    });
+    own.into_iter().chain(every).collect()
+}
+
+/// The headlines of the test of a run, without the deceleration of an impactor that only fell.
+pub fn headlines_of(model: &Model, results: &Results, prefix: &str) -> impl Iterator<Item = &'static Headline> + use<> {
+    let is_falling = descends(results, prefix);
+    let peak = |body: &super::BodyFigures| {
+        body.prefix == prefix && body.peak_acceleration_m_s2.is_some_and(|peak| peak <= 0.0)
+    };
+    let fell = is_falling && matches!(&results.measures, Measures::Impact(impact) if impact.bodies.iter().any(peak));
+    TestKind::of(model).headlines().filter(move |headline| !(fell && headline.name == "peak_acceleration_m_s2"))
+}
+
+/// Whether an impactor still descends at the end.
+pub fn descends(results: &Results, prefix: &str) -> bool {
+    lowest_point(&results.signals, prefix).is_none()
+}
+
+/// What the names of the impactors' figures begin with; one empty text where there is one, or none.
+fn prefixes(results: &Results) -> Vec<String> {
+    match &results.measures {
+        Measures::Impact(impact) if !impact.bodies.is_empty() => {
+            impact.bodies.iter().map(|body| body.prefix.clone()).collect()
+        }
+        _ => vec![String::new()],
+    }
+}
+
+/// Elements over the radius of a sphere from which three of them span it.
+const COARSE: f64 = 0.67;
+
+/// Whether the elements are too coarse to tell whether the film holds.
+pub fn is_too_coarse(results: &Results) -> bool {
+    let edge = |finding: &Finding| finding.figures.get("edge_over_radius").and_then(Value::as_f64);
+    results.measures.findings().iter().filter_map(edge).any(|edge| edge > COARSE)
 }
 
 /// The figure by which runs of `model` are ranked where none is named.

@@ -24,7 +24,10 @@ pub use audit::{Audit, COST, Histogram, MeshFigures, OF_THE_MACHINE};
 pub use comparison::RunComparison;
 pub use field::{FieldFigures, FieldTime};
 pub use figures::{FigureName, figures, is_known, is_of_script};
-pub use headline::{HEADLINES, Headline, TestKind, badness, is_result, ranking_figure};
+pub use headline::{
+    HEADLINES, Headline, LEAST_SHARE, TestKind, answer, badness, descends, further, headlines_of, is_result,
+    is_too_coarse, ranking_figure, reached,
+};
 pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;
 pub use inflation::Inflation;

@@ -20,7 +20,7 @@ use scene::simulate::Outcome;
 pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
 /// Entries of a summary that a post script adds.
-pub(super) const OUTPUT: [&str; 3] = ["tables", "plots", "files"];
+pub(super) const OUTPUT: [&str; 4] = ["answer", "tables", "plots", "files"];
 
 /// Figures by kind of loading.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,7 +113,8 @@ impl Results {
         let mut summary = header(model);
         summary.extend(self.measures.figures());
         summary.extend(self.script_output.measures.clone());
-        let [tables, plots, files] = OUTPUT.map(String::from);
+        let [answer, tables, plots, files] = OUTPUT.map(String::from);
+        summary.extend(self.script_output.answer.iter().map(|sentence| (answer.clone(), json!(sentence))));
         if !self.script_output.tables.is_empty() {
             let rows = self.script_output.tables.iter();
             let rows = rows.map(|(name, rows)| (name.clone(), json!(rows)));

@@ -26,6 +26,8 @@ const MOST_SEARCHES: usize = 100;
 /// Figures, tables, plots, files, findings and lines of the log, in the order in which the script gave them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScriptOutput {
+    /// What it answers, in a sentence.
+    pub answer: Option<String>,
     /// Figures by name.
     pub measures: Row,
     /// Tables: name and rows.
@@ -150,6 +152,11 @@ impl OutputCollector {
             drop(output);
             (self.listener)(Message::Finding(&finding));
         }
+    }
+
+    /// Sets the answer, in place of an earlier one.
+    pub fn answer(&self, sentence: &str) {
+        self.lock().answer = Some(sentence.into());
     }
 
     /// Adds a figure, or replaces the one of this name.

@@ -34,8 +34,8 @@ findings! {
             meaning "runs of a study have warnings of their own, which put its figures in doubt as they do those of a single run";
             remedy "`droptower explain` with each code says what it means and what to do; run one of the scenarios alone to see its \
                 warning";
-            message "of {runs} runs {} warnings: {}",
-                if *runs == 1 { "one has" } else { "some have" },
+            message "{}: {}",
+                if *runs == 1 { "the run has warnings".to_owned() } else { format!("of {runs} runs some have warnings") },
                 codes.iter().map(|(code, count)| format!("{code} ({count})")).collect::<Vec<_>>().join(", ");
         EndedEarly { cause: String, "the mistake" => "cause" } = "ended-early", Warning;
             meaning "a script or a study ended with a mistake after it had results: its tables and its page have what was found until then";
