@@ -299,7 +299,7 @@ fn decks_follow_the_rules_of_openradioss() {
     assert!(decks >= 15, "{decks} decks");
 }
 
-/// Line by line, numbers within 1e-9: all but comments and the titles of outputs.
+/// Line by line, numbers within 1e-9.
 #[test]
 fn the_deck_of_1008_is_the_one_that_ran() {
     let bench = tempfile::tempdir().expect("a folder");
