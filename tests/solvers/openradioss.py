@@ -324,7 +324,7 @@ def element(solver, film, units, mode, largest):
     found = channels("element.csv")
     times = found["time_s"]
     # Reactions are summed over time.
-    impulse = [sum(values) for values in zip(*(found[name] for name in found if name.endswith("REACX_N_s")), strict=True)]
+    impulse = [sum(values) for values in zip(*(found[name] for name in found if "REACX" in name), strict=True)]
     steps = [(b - a, 0.5 * (a + b)) for a, b in zip(times, times[1:], strict=False)]
     forces = [(b - a) / step for a, b, (step, _) in zip(impulse, impulse[1:], steps, strict=False)]
     area = SIDE * thickness * length
