@@ -34,7 +34,7 @@ enum Kind {
     Case(case::CaseArgs),
     /// A material file of one layer of film: a law to fill in, or a film by name
     Material(material::MaterialArgs),
-    /// A study that calibrates a film with several tests: STUDY.toml for `droptower calibrate`, STUDY.rhai for `droptower script`
+    /// A study that calibrates a film with several tests, for `droptower calibrate`
     Study(Target),
     /// An array job of Slurm that computes a sweep, for `sbatch`
     Slurm(slurm::SlurmArgs),
@@ -48,7 +48,6 @@ struct Target {
 }
 
 const STUDY: &str = include_str!("templates/study.toml");
-const STUDY_SCRIPT: &str = include_str!("templates/study.rhai");
 
 /// A script that is written beside a scenario: its file and its text.
 type Script = (&'static str, &'static str);
@@ -93,17 +92,19 @@ pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     print(&format!("wrote {files}; try: {next}"))
 }
 
-/// Writes a study, as a script where the file's ending says so.
+/// Writes a study.
 fn write_study(path: &Path, shared: &Shared) -> Result<(), Failure> {
+    if path.extension().is_none_or(|ending| ending != "toml") {
+        let mistake = Diagnostic::new(format!("{} does not end in .toml", shown_path(path)));
+        return Err(mistake.hint("a study is a TOML file; docs/calibration.md has the same in a script").into());
+    }
     check_new(path)?;
-    let is_script = path.extension().is_some_and(|ending| ending == "rhai");
-    let (text, command) = if is_script { (STUDY_SCRIPT, "script") } else { (STUDY, "calibrate") };
-    write_new(path, text)?;
+    write_new(path, STUDY)?;
     if shared.quiet {
         return Ok(());
     }
     let path = shown_path(path);
-    print(&format!("wrote {path}; name your scenarios in it, then: droptower {command} {path}"))
+    print(&format!("wrote {path}; name your scenarios in it, then: droptower calibrate {path}"))
 }
 
 /// Writes a new file whose first line names the schema beside it, by which editors know its keys.

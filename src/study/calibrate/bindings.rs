@@ -492,7 +492,8 @@ const ENTRIES: &[Entry] = &[
         gives: "the parameters with which all tests agree with their recordings, and what the tests tell of each. A test is \
                 #{ scenario, compare, over, window, recordings, own, weight, shared_error, noise, distance, error, pull, set, name, \
                 outcome, failure_mass, rupture_time }: its signals (`acceleration` of an impact, else `force` or `pressure`) over time, travel \
-                or depth; `recordings` beside the [reference] of an impact are files or maps of signals; `own` names parameters that \
+                or depth; `recordings` beside the [reference] of an impact are files or maps of signals, which may have the standard deviations \
+                contact_error (s) and speed_error (m/s) of their contact; `own` names parameters that \
                 have a value of their own there; tests with one word as `shared_error` have the model's error in common; with `pull: \"strip\"` (or \"free\", \"held\") a coupon is pulled as by \
                 `scenario.pull` and not run, its recordings are curves, compared over strain; `distance` is \"residuals\", \
                 \"error-norm\" or \"rating\"; of a drop `outcome` is \"held\", \"broke\" or an array of \
@@ -506,7 +507,8 @@ const ENTRIES: &[Entry] = &[
                 `discrepancy` the error of the model, #{ share, correlation }, of which a share \"estimated\" follows from \
                 what the best parameters leave; `stages` are changes of the tests for searches at less cost, the last #{}; \
                 further method, starts, max_evaluations, tol_x, tol_f, difference, seed, precision (relative half width up to \
-                which a parameter counts as determined, 0.2), on_rupture and name. Its tables `parameters` and `tests` are \
+                which a parameter counts as determined, 0.2), on_rupture, mesh (\"corrected\" for elements, or \"exact\" of virtual recordings on the \
+                same elements) and name. Its tables `parameters` and `tests` are \
                 results of the script",
         example: r#"let film = calibrate(#{
                         tests: [#{ scenario: scenario("scenarios/stretch/single-element.toml").with(#{ "loading.stretch.until": 0.2 }),
