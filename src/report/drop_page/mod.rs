@@ -70,6 +70,7 @@ fn one(page: &DropPage<'_>, test: &DropTest) -> String {
     let body = [
         format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&title), escape(&answer::of_one(test))),
         test.outcome.as_ref().err().map(remedy).unwrap_or_default(),
+        html::findings(Vec::new(), &test.findings),
         key_figures::of_drop(&figures),
         drawn::figures(&whole),
         match &test.outcome {
@@ -77,7 +78,6 @@ fn one(page: &DropPage<'_>, test: &DropTest) -> String {
             Err(_) => html::section("Laser", &drawn::figures(&plots)),
         },
         html::section(heading, &html::table(&[], &rows)),
-        html::findings(Vec::new(), &test.findings),
         html::section("Comments of the file", &html::list(&comments(test))),
         html::section("What was reduced", &html::table(&[], &origin(test))),
         html::section("Run it again", &html::verbatim(page.command)),
