@@ -641,6 +641,8 @@ fn contacts_and_speeds_that_are_off_move_no_parameter_beyond_its_interval() {
     assert!(parameters.iter().all(|place| (0.0..=1.0).contains(place)), "k1, ke, ky within their intervals: {found:?}");
     let late = contacts.iter().step_by(2).map(|off| off * off).sum::<f64>() / 5.0;
     assert!(late.sqrt() < 3e-4, "contacts are found to {} s of 0.7 ms", late.sqrt());
+    let fast = contacts.iter().skip(1).step_by(2).map(|off| off * off).sum::<f64>() / 5.0;
+    assert!(fast.sqrt() < 0.025, "speeds are found to {} m/s of 0.032", fast.sqrt());
 }
 
 /// A recording of film on elements of a third of the size: on coarse elements no parameter is determined, unless the recording is
@@ -883,13 +885,14 @@ fn a_study_in_a_file_is_calibrated() {
     assert!((own["value"].as_f64().expect("a value") - 1.3).abs() < 0.01, "{own}");
     assert_eq!(own["verdict"], "determined");
     // Before any run: a scenario that cannot be read.
-    study("", "[predict]\nscenarios = [\"head.toml\"]\n");
+    study("", "[predict]\nscenarios = [\"head.toml\"]\n[posterior]\nhierarchy = [\"kx\"]\n");
     let refused = droptower(at, &["calibrate", "study.toml", "--force"]);
     let error = workbench::error(&refused);
     assert!(
         refused.status.code() == Some(2) && error.contains("head.toml") && error.contains("study.toml:10"),
         "{error}"
     );
+    assert!(error.contains("there is no parameter `kx`"), "{error}");
     assert!(!error.contains("weighted by noise"), "no search began: {error}");
     // After it: a test that is not there.
     study("left_out = [\"nobody\"]\n", "");

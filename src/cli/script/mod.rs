@@ -147,6 +147,9 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
             return unfinished(&run, args, &evaluations, &page, shared).map(|()| None);
         }
         if share != Share::WHOLE {
+            if let Some(failure) = run.failure {
+                return Err(failure);
+            }
             page.discard();
             return part(args, &evaluations, shared).map(|()| None);
         }

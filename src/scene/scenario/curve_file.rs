@@ -17,6 +17,8 @@ use lab::signal::file;
 
 /// Words in the names of strains, in lower case.
 const STRAINS: [&str; 5] = ["strain", "dehnung", "stauchung", "scherung", "verformung"];
+/// Words in the names of what is over the present length or section, which a curve is not of.
+const TRUE: [&str; 4] = ["true", "wahre", "cauchy", "hencky"];
 /// Words in the names of stresses.
 const STRESSES: [&str; 2] = ["stress", "spannung"];
 
@@ -71,6 +73,10 @@ pub fn read_as_recording(path: &Path, source: &Arc<Source>) -> Result<Node, Diag
         )
     };
     let of_file = |text: String| Diagnostic::new(format!("{}: {text}", shown_path(path))).at(&at);
+    if let Some(own) = [&strain, &stress].into_iter().flatten().find(|own| is_named(own, &TRUE)) {
+        let hint = "a curve has engineering strain and stress, over the length and the section before the test";
+        return Err(of_file(format!("`{}` is no engineering value", own.label)).hint(hint));
+    }
     let (strain, stress) =
         strain.and_then(|strain| Ok((strain, stress?))).map_err(|text| of_file(text).hint(known()))?;
     if stress.unit.is_none() {
@@ -82,8 +88,11 @@ pub fn read_as_recording(path: &Path, source: &Arc<Source>) -> Result<Node, Diag
         Node::new(Value::List(items.into()), at.clone())
     };
     // Rows in which nothing was measured are no points.
-    let rows =
-        strain.values.iter().zip(&stress.values).filter(|(strain, stress)| strain.is_finite() && stress.is_finite());
+    let rows = || strain.values.iter().zip(&stress.values);
+    if let Some(row) = rows().position(|(strain, stress)| strain.is_finite() != stress.is_finite()) {
+        return Err(of_file(format!("row {} has only one of `{}` and `{}`", row + 1, strain.label, stress.label)));
+    }
+    let rows = rows().filter(|(strain, _)| strain.is_finite());
     let points: Vec<Node> = rows.map(point).collect();
     if points.is_empty() {
         return Err(of_file("the curve has no points".into()));
@@ -186,6 +195,8 @@ mod tests {
             ("strain [%],force [N]\n1,2\n", "no column is a stress"),
             ("strain [%],true strain,stress [MPa]\n1,1,2\n", "`strain [%]` and `true strain` may both be the strain"),
             ("Strain [%],Stress\n1,2\n", "the stress `Stress` has no unit"),
+            ("True strain [%],True stress [MPa]\n1,2\n", "`True strain [%]` is no engineering value"),
+            ("Strain [%],Stress [MPa]\n1,2\n2,\n", "row 2 has only one"),
             ("Strain [mm],Stress [MPa]\n1,2\n", "no column is a strain"),
             ("Strain [%],Stress [MPa]\n", ""),
             ("strain,stress\n0.1,x\n", "expected a number"),

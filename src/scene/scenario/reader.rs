@@ -141,18 +141,19 @@ impl Reader {
     }
 
     fn curve(&mut self, path: &Path, named: &Span) -> Option<Node> {
+        // A file that is no text is read where its columns are; it counts by its size.
+        let size = fs::metadata(path).map_or(0, |file| file.len());
+        if size > MOST_BYTES.saturating_sub(self.bytes) {
+            let why = format!("a scenario and its files may have {} MB", MOST_BYTES >> 20);
+            self.report(Diagnostic::new(format!("cannot read {}: {why}", shown_path(path))), Some(named));
+            return None;
+        }
         let found = match signal::file::lists_channels(path) {
             true => {
-                // What it holds is read where its columns are; it counts by its size.
-                self.bytes += fs::metadata(path).map_or(0, |file| file.len());
+                self.bytes += size;
                 self.files.push(path.to_owned());
                 let source = Source::file(path, String::new());
-                match self.bytes > MOST_BYTES {
-                    true => {
-                        Err(vec![Diagnostic::new(format!("a scenario and its files may have {} MB", MOST_BYTES >> 20))])
-                    }
-                    false => curve_file::read_as_recording(path, &source).map_err(|mistake| vec![mistake]),
-                }
+                curve_file::read_as_recording(path, &source).map_err(|mistake| vec![mistake])
             }
             false => curve_file::read(path, &self.text(path, Some(named))?),
         };
@@ -166,7 +167,7 @@ impl Reader {
     }
 
     fn text(&mut self, path: &Path, named: Option<&Span>) -> Option<Arc<Source>> {
-        match file::read_text(path, MOST_BYTES - self.bytes) {
+        match file::read_text(path, MOST_BYTES.saturating_sub(self.bytes)) {
             Ok(text) => {
                 self.bytes += text.len() as u64;
                 self.files.push(path.to_owned());

@@ -40,7 +40,7 @@ pub(super) fn compared(
     session: &Session,
 ) -> HostResult<Compared> {
     let mut rows = Vec::new();
-    // Whether an unknown is determined already, how much is gained, and of what.
+    // Whether the tests leave an unknown open, how much is gained, and of what.
     let mut best: Option<(bool, f64, Warning)> = None;
     let ends = CalibrationObjective::new(plan, fit.share, session).ends();
     for given in candidates {
@@ -61,8 +61,12 @@ pub(super) fn compared(
             let alone = information[(index, index)].sqrt().recip();
             let then = verdict::judged(plan, &fit.x, index, &covariance, alone, &[]);
             let now = &fit.known[index];
-            let (open, gain) = (now.verdict != Verdict::Determined, 1.0 - then.deviation / now.deviation);
-            if gain > WORTH && best.as_ref().is_none_or(|(of_open, most, _)| (open, gain) > (*of_open, *most)) {
+            let open = matches!(now.verdict, Verdict::NotDetermined | Verdict::OnlyTogether(_));
+            let gain = 1.0 - then.deviation / now.deviation;
+            if gain > WORTH
+                && now.verdict != Verdict::MeshLimited
+                && best.as_ref().is_none_or(|(of_open, most, _)| (open, gain) > (*of_open, *most))
+            {
                 let (candidate, parameter) = (test.name.clone(), unknown.name.clone());
                 let (now, then) = (now.half_width, then.half_width);
                 best = Some((open, gain, Warning::MeasureNext { candidate, parameter, now, then }));

@@ -19,7 +19,7 @@ const MOST_BYTES: u64 = 4 << 20;
 /// Keys of the file that are no options of `calibrate`.
 const OWN: [&str; 6] = ["test", "parameters", "posterior", "predict", "candidate", "left_out"];
 /// Keys whose texts are paths, seen from the file.
-const PATHS: [&str; 3] = ["scenario", "scenarios", "recordings"];
+const PATHS: [&str; 4] = ["scenario", "scenarios", "candidate", "recordings"];
 
 /// A study that was read.
 #[derive(Debug)]
@@ -94,6 +94,7 @@ impl Writer {
                 self.mistakes.push(mistake.hint(example.replace('\n', " ")));
             }
         }
+        self.check_shapes(table);
         if let Some(candidates) = table.get("candidate") {
             self.line("let candidates =", &candidates.key_span);
             self.value(&candidates.node, "candidate", true);
@@ -151,6 +152,49 @@ impl Writer {
         self.line("study.page();", &first);
     }
 
+    /// What is known to be wrong before a search that takes long: tables that are none, and names that nothing has.
+    fn check_shapes(&mut self, table: &Table) {
+        let is_table = |node: &Node| matches!(node.value, Value::Table(_));
+        for key in ["parameters", "posterior"] {
+            if let Some(entry) = table.get(key).filter(|entry| !is_table(&entry.node)) {
+                self.mistakes.push(Diagnostic::new(format!("`{key}` is a table: [{key}]")).at(&entry.node.span));
+            }
+        }
+        for key in ["test", "candidate"] {
+            if let Some(entry) = table.get(key).filter(|entry| !matches!(entry.node.value, Value::List(_))) {
+                self.mistakes
+                    .push(Diagnostic::new(format!("`{key}` is a list of tables: [[{key}]]")).at(&entry.key_span));
+            }
+        }
+        let tests = table.get("test").map_or(&[][..], |entry| items(&entry.node));
+        let names: Option<Vec<&str>> = tests.iter().map(|test| test.find("name").and_then(text)).collect();
+        let parameters: Vec<&str> = match table.get("parameters").map(|entry| &entry.node.value) {
+            Some(Value::Table(table)) => table.entries.iter().map(|entry| entry.key.as_str()).collect(),
+            _ => Vec::new(),
+        };
+        // Tests without a name have that of their scenario.
+        if let (Some(names), Some(left_out)) = (names, table.get("left_out")) {
+            let groups = items(&left_out.node).iter().flat_map(|own| match items(own) {
+                [] => std::slice::from_ref(own),
+                group => group,
+            });
+            self.known(groups, &names, "test");
+        }
+        if let Some(hierarchy) = table.get("posterior").and_then(|entry| entry.node.find("hierarchy")) {
+            self.known(items(hierarchy).iter(), &parameters, "parameter");
+        }
+    }
+
+    /// Refuses names that are none of those that are known.
+    fn known<'n>(&mut self, names: impl Iterator<Item = &'n Node>, known: &[&str], what: &str) {
+        for own in names {
+            let Some(name) = text(own).filter(|name| !known.contains(name)) else { continue };
+            let mistake = Diagnostic::new(format!("there is no {what} `{name}`")).at(&own.span);
+            let hint = closest(name, known.iter().copied()).map(|close| format!("did you mean `{close}`?"));
+            self.mistakes.push(Diagnostic { hint, ..mistake });
+        }
+    }
+
     /// `begin argument);`
     fn call(&mut self, begin: &str, argument: Node, place: &Span) {
         self.line(begin, place);
@@ -173,14 +217,29 @@ impl Writer {
 
     /// A value as a script writes it; of scenarios that are `read` the call that reads them.
     fn value(&mut self, node: &Node, key: &str, read: bool) {
+        self.item(node, key, read, false);
+    }
+
+    /// The same of an entry of a list, which a pattern may stand for several of.
+    fn item(&mut self, node: &Node, key: &str, read: bool, in_list: bool) {
         let place = &node.span;
         match &node.value {
             Value::Text(text) => {
                 let is_path = PATHS.contains(&key);
-                let shown = if is_path { self.folder.join(text).to_string_lossy().into_owned() } else { text.clone() };
+                let path = self.folder.join(text);
+                let shown = if is_path { path.to_string_lossy().into_owned() } else { text.clone() };
                 let is_scenario = matches!(key, "scenario" | "scenarios" | "candidate") && read;
-                match is_path && key == "recordings" && text.contains('*') {
-                    true => self.files(&shown, place),
+                let is_pattern = key == "recordings" && text.contains('*');
+                if is_path && !is_pattern && !path.exists() {
+                    self.mistakes.push(Diagnostic::new(format!("there is no file {shown}")).at(place));
+                }
+                match is_pattern {
+                    true if in_list => self.files(text, place),
+                    true => {
+                        self.line("[", place);
+                        self.files(text, place);
+                        self.line("]", place);
+                    }
                     false if is_scenario => self.line(&format!("scenario({})", quoted(&shown)), place),
                     false => self.line(&quoted(&shown), place),
                 }
@@ -193,7 +252,7 @@ impl Writer {
             Value::List(items) => {
                 self.line("[", place);
                 for item in items {
-                    self.value(item, key, read);
+                    self.item(item, key, read, true);
                     self.line(",", &item.span);
                 }
                 self.line("]", place);
@@ -210,21 +269,37 @@ impl Writer {
         }
     }
 
-    /// The files of a pattern, in the order of their names.
+    /// The files of a pattern in the study's folder, in the order of their names; in a list among others.
     fn files(&mut self, pattern: &str, place: &Span) {
-        let found: Vec<String> = match glob::glob(pattern) {
-            Ok(paths) => paths.filter_map(|path| Some(path.ok()?.to_string_lossy().into_owned())).collect(),
-            Err(error) => {
-                self.mistakes.push(Diagnostic::new(format!("no pattern of files: {error}")).at(place));
-                return;
+        let folder = glob::Pattern::escape(&self.folder.to_string_lossy());
+        let whole = Path::new(&folder).join(pattern);
+        let mut found = Vec::new();
+        match glob::glob(&whole.to_string_lossy()) {
+            Ok(paths) => {
+                for path in paths {
+                    match path {
+                        Ok(path) => found.push(quoted(&path.to_string_lossy())),
+                        Err(error) => self.mistakes.push(Diagnostic::new(error.to_string()).at(place)),
+                    }
+                }
             }
-        };
+            Err(error) => self.mistakes.push(Diagnostic::new(format!("no pattern of files: {error}")).at(place)),
+        }
         if found.is_empty() {
             self.mistakes.push(Diagnostic::new(format!("no file matches {pattern}")).at(place));
         }
-        let list: Vec<String> = found.iter().map(|path| quoted(path)).collect();
-        self.line(&format!("[{}]", list.join(", ")), place);
+        self.line(&found.join(", "), place);
     }
+}
+
+/// The entries of a list; none of another value.
+fn items(node: &Node) -> &[Node] {
+    if let Value::List(items) = &node.value { items } else { &[] }
+}
+
+/// A text.
+fn text(node: &Node) -> Option<&str> {
+    if let Value::Text(text) = &node.value { Some(text) } else { None }
 }
 
 /// A number with a point, which a script takes as a fraction.
@@ -261,7 +336,9 @@ mod tests {
         let path = folder.path().join("study.toml");
         std::fs::write(&path, text).unwrap();
         std::fs::write(folder.path().join("b.csv"), "").unwrap();
-        std::fs::write(folder.path().join("a.csv"), "").unwrap();
+        for name in ["a.csv", "drop \"1\".toml", "head.toml"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
         StudyFile::read(&path)
     }
 
@@ -314,6 +391,14 @@ mod tests {
             ("[[test]]\n[parameters]\n[predict]\nsamples = 3\n", "`predict` names no `scenarios`", "scenarios = "),
             ("[[test]]\nprecision = nan\n[parameters]\n", "expected a finite number", ""),
             ("[[test]\n", "", ""),
+            ("posterior = 3\n[[test]]\n[parameters]\n", "`posterior` is a table", ""),
+            ("[candidate]\n[[test]]\n[parameters]\n", "`candidate` is a list of tables", ""),
+            (
+                "left_out = [[\"a\"], \"c\"]\n[[test]]\nname = \"a\"\n[[test]]\nname = \"b\"\n[parameters]\n",
+                "there is no test `c`",
+                "",
+            ),
+            ("[[test]]\nscenario = \"none.toml\"\n[parameters]\n", "there is no file ", ""),
         ] {
             let found = read(text).expect_err(text);
             let is = |own: &Diagnostic| {

@@ -137,7 +137,7 @@ fn with_what_is_left(
     let mut simulated = simulated_at(plan, &values, session)?;
     add_roughness(plan, &simulated);
     so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
-    so_far.add_findings(&mesh::add(plan, &simulated, &values, session)?);
+    so_far.add_findings(&mesh::add(plan, &simulated, &values, session)?.warnings);
     let mut share = estimated(plan, &simulated)?;
     loop {
         let objective = CalibrationObjective::new(plan, share, session);
@@ -150,10 +150,12 @@ fn with_what_is_left(
         simulated = simulated_at(plan, &values, session)?;
         add_roughness(plan, &simulated);
         so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
-        so_far.add_findings(&mesh::add(plan, &simulated, &values, session)?);
+        let of_mesh = mesh::add(plan, &simulated, &values, session)?;
+        so_far.add_findings(&of_mesh.warnings);
         let changes = noises(plan).into_iter().zip(before).map(|(now, before)| (now / before).ln().abs());
         let then = estimated(plan, &simulated)?;
-        let change = changes.fold((then.max(1e-4) / share.max(1e-4)).ln().abs(), f64::max);
+        // A correction for the elements that moves by the noise is another fit.
+        let change = changes.fold((then.max(1e-4) / share.max(1e-4)).ln().abs(), f64::max).max(SAME * of_mesh.change);
         share = then;
         if change < SAME {
             return Ok((found, simulated, share));

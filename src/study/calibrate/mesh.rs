@@ -32,8 +32,9 @@ pub(super) enum Elements {
 /// What is known of the elements of all tests.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Known {
-    /// By how much the correction moves each unknown, in its coordinate.
-    pub(super) shifts: Vec<f64>,
+    /// By how much the correction moves each unknown, and its standard deviation without what the correction is uncertain by, both in
+    /// its coordinate.
+    shifts: Vec<(Unknown, [f64; 2])>,
     /// Tests whose elements are coarse in contact.
     coarse: Vec<usize>,
 }
@@ -45,6 +46,15 @@ impl Known {
             Elements::Exact => Known::default(),
             Elements::Corrected => Known { shifts: shifts(plan, jacobian, share), coarse },
         }
+    }
+
+    /// By how much the correction moves an unknown, and its deviation without the correction's own; of a parameter whose tests had
+    /// values of their own, the largest of them.
+    pub(super) fn shift(&self, unknown: &Unknown) -> Option<[f64; 2]> {
+        let own = self.shifts.iter().find(|(own, _)| own == unknown);
+        let of_tests = || self.shifts.iter().filter(|(own, _)| own.parameter == unknown.parameter);
+        let largest = || of_tests().max_by(|(_, a), (_, b)| (a[0].abs() / a[1]).total_cmp(&(b[0].abs() / b[1])));
+        own.or_else(largest).map(|(_, shift)| *shift)
     }
 
     /// The tests of an unknown whose elements are coarse in contact.
@@ -76,7 +86,8 @@ impl MeshError {
         let change = finer - own;
         let before = coarser.map(|coarser| (own - coarser).dot(&change) / change.norm_squared());
         let order = before.filter(|ratio| *ratio > 0.0).map_or(ORDERS[0], f64::log2);
-        let is_regular = order >= ORDERS[0];
+        // Rounding aside, and not where a refinement turns back, or where there is no coarser run.
+        let is_regular = before.is_some_and(|ratio| ratio >= ORDERS[0].exp2() * (1.0 - 1e-9));
         let order = order.clamp(ORDERS[0], ORDERS[1]);
         let beyond = (order.exp2() - 1.0).recip();
         let correction = &change * (1.0 + beyond);
@@ -86,15 +97,18 @@ impl MeshError {
     }
 }
 
+/// What came of the runs on other elements.
+#[derive(Default)]
+pub(super) struct Added {
+    pub(super) warnings: Vec<Warning>,
+    /// Largest change of a correction, root mean square over the bins, over the noise.
+    pub(super) change: f64,
+}
+
 /// Takes the error of the elements at these values up into the signals of all tests; the findings of tests where that cannot be.
-pub(super) fn add(
-    plan: &mut Plan,
-    simulated: &[Vec<Series>],
-    values: &[f64],
-    session: &Session,
-) -> HostResult<Vec<Warning>> {
+pub(super) fn add(plan: &mut Plan, simulated: &[Vec<Series>], values: &[f64], session: &Session) -> HostResult<Added> {
     if plan.elements == Elements::Exact {
-        return Ok(Vec::new());
+        return Ok(Added::default());
     }
     let trial = session.with_trial(session.cancellation());
     let jobs: Vec<(usize, f64)> =
@@ -111,53 +125,76 @@ pub(super) fn add(
         };
         Ok(Some(own.simulated(&study, &trial).map_err(|error| cause(&error))))
     };
-    let runs = jobs.par_iter().map(run).collect::<HostResult<Vec<_>>>()?;
+    // Of several errors always the first.
+    let runs: Vec<HostResult<_>> = jobs.par_iter().map(run).collect();
+    let runs = runs.into_iter().collect::<HostResult<Vec<_>>>()?;
     check_stop(session)?;
-    let mut warnings = Vec::new();
+    let (mut warnings, mut change) = (Vec::new(), 0.0_f64);
     for ((test, simulated), runs) in plan.tests.iter_mut().zip(simulated).zip(runs.chunks_exact(2)) {
         let finer = match &runs[0] {
             None => continue,
             Some(Ok(finer)) => finer,
             Some(Err(cause)) => {
                 warnings.push(Warning::MeshNotChecked { test: test.name.clone(), cause: cause.clone() });
+                for signal in &mut test.signals {
+                    signal.errors.set_mesh(None);
+                }
                 continue;
             }
         };
         let coarser = runs[1].as_ref().and_then(|found| found.as_ref().ok());
         for (place, (signal, simulated)) in test.signals.iter_mut().zip(simulated).enumerate() {
             let means = |series: &Series| signal.errors.means(series).map(DVector::from_vec).ok();
-            // A signal that ends before its window, as of film that breaks, is compared with none.
-            let (Some(own), Some(finer)) = (means(simulated), means(&finer[place])) else { continue };
+            let (Some(own), Some(finer)) = (means(simulated), means(&finer[place])) else {
+                let cause = format!("its {} ends before the window", signal.name);
+                warnings.push(Warning::MeshNotChecked { test: test.name.clone(), cause });
+                signal.errors.set_mesh(None);
+                continue;
+            };
             let coarser = coarser.and_then(|all| means(&all[place]));
-            signal.errors.set_mesh(MeshError::new(&own, &finer, coarser.as_ref()));
+            change = change.max(signal.errors.set_mesh(Some(MeshError::new(&own, &finer, coarser.as_ref()))));
         }
     }
-    Ok(warnings)
+    Ok(Added { warnings, change })
 }
 
-/// By how much the corrections move the unknowns, in the linear model of residuals with this Jacobian.
-fn shifts(plan: &Plan, jacobian: &DMatrix<f64>, share: f64) -> Vec<f64> {
-    let mut of_residuals = DVector::zeros(jacobian.nrows());
+/// By how much the corrections move the unknowns, in the linear model of residuals with this Jacobian, and their deviations. What the
+/// corrections are uncertain by is taken out of the covariance again (Sherman and Morrison 1950): it would hide them.
+fn shifts(plan: &Plan, jacobian: &DMatrix<f64>, share: f64) -> Vec<(Unknown, [f64; 2])> {
+    let mut known = information(plan, jacobian);
+    let mut pull = DVector::zeros(jacobian.ncols());
     let mut from = 0;
     for test in &plan.tests {
         for signal in &test.signals {
-            if let Some(corrected) = signal.errors.whitened_correction(share).filter(|_| signal.distance.is_residuals())
-            {
+            let parts = signal.errors.whitened_mesh(share).filter(|_| signal.distance.is_residuals());
+            if let Some([correction, remainder]) = parts {
                 let weight = (test.weight * test.of_signals).sqrt();
-                let rows = corrected.len().min(jacobian.nrows() - from);
-                of_residuals.rows_mut(from, rows).copy_from(&(DVector::from_vec(corrected) * weight).rows(0, rows));
+                let slopes = jacobian.rows(from, correction.len());
+                pull += slopes.tr_mul(&correction) * weight;
+                let (along, left) = (slopes.tr_mul(&remainder), 1.0 - remainder.norm_squared());
+                if left > 0.0 {
+                    pull += &along * (weight * remainder.dot(&correction) / left);
+                    known += &along * along.transpose() / left;
+                }
             }
             from += signal.count();
         }
         from += test.outcomes.as_ref().map_or(0, super::outcome::Outcomes::residual_count);
     }
-    let moved = inverse(&information(plan, jacobian)) * jacobian.transpose() * of_residuals;
-    moved.iter().map(|own| -own).collect()
+    let covariance = inverse(&known);
+    let moved = &covariance * pull;
+    let of =
+        |(index, unknown): (usize, &Unknown)| (unknown.clone(), [-moved[index], covariance[(index, index)].sqrt()]);
+    plan.unknowns.iter().enumerate().map(of).collect()
 }
 
 /// The sizes that the elements of the tests of an unknown should have, where it may move by `half` and is moved by `shift`.
 pub(super) fn sizes(plan: &Plan, unknown: usize, shift: f64, half: f64) -> Vec<String> {
     let size = |test: &Test| {
+        let is_meshed = test.pull.is_none() && test.signals.iter().any(|signal| signal.distance.is_residuals());
+        if !is_meshed {
+            return None;
+        }
         let order = test.signals.iter().filter_map(|signal| signal.errors.mesh_order()).fold(ORDERS[1], f64::min);
         let factor = (half / shift.abs()).powf(order.recip()).clamp(0.1, FINER);
         let own = test.study.smallest_element()?;
@@ -182,7 +219,13 @@ mod tests {
             let left = &error * 0.5_f64.powf(order);
             assert!((found.remainder.norm() - left.norm()).abs() < 1e-12 && (found.order - order).abs() < 1e-9);
         }
-        // Slower than the first order, or not at all: as far as the first order goes, and all of that in doubt.
+        // A refinement that turns back, and one without a coarser run: all of it is in doubt.
+        let own = &limit + &error;
+        let back = MeshError::new(&own, &(&limit - 0.2 * &error), Some(&(&limit - &error)));
+        assert_eq!(back.remainder, back.correction);
+        let alone = MeshError::new(&own, &(&limit + 0.5 * &error), None);
+        assert_eq!(alone.remainder, alone.correction);
+        // Slower than the first order: as far as the first order goes, and all of that in doubt.
         let slow = MeshError::new(&(&limit + &error), &(&limit + 0.8 * &error), Some(&(&limit + 1.1 * &error)));
         assert_eq!((slow.remainder.clone(), slow.order), (slow.correction.clone(), 1.0));
         assert!((slow.correction + 0.4 * error).norm() < 1e-12);

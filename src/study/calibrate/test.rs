@@ -259,8 +259,20 @@ impl Reading<'_> {
 
     /// Signals that the script gives, over time or over what is asked for.
     fn given(&self, study: &Study, map: &Map, columns: &[&'static Column]) -> HostResult<(Study, f64, Vec<Recorded>)> {
-        let error = |key: &str| map.get(key).map_or(Ok(0.0), |value| number(value, key));
-        let [of_time, of_speed] = [error("contact_error")?, error("speed_error")?];
+        const ERRORS: [&str; 2] = ["contact_error", "speed_error"];
+        let known: Vec<&str> = columns.iter().map(|column| column.short).chain(ERRORS).collect();
+        Options { of: "a recording of signals", map }.check(&known)?;
+        let is_impact = matches!(study.model().loading, Loading::Impact(_)) && self.over.is_none();
+        let error = |key: &str| {
+            let Some(given) = map.get(key) else { return Ok(0.0) };
+            let value = number(given, key)?;
+            match is_impact && value > 0.0 && value.is_finite() {
+                true => Ok(value),
+                false if !is_impact => Err((self.in_test)(format!("`{key}` is of an impact over time"))),
+                false => Err((self.in_test)(format!("`{key}` is a standard deviation above zero, not {value}"))),
+            }
+        };
+        let [of_time, of_speed] = [error(ERRORS[0])?, error(ERRORS[1])?];
         let contact = Matrix2::from_diagonal(&[of_time * of_time, of_speed * of_speed].into());
         let signals = columns.iter().map(|column| {
             let series =

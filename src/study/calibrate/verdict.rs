@@ -141,12 +141,12 @@ pub(super) fn judged(
         let strong = partners.into_iter().filter(|other| Some(*other) == first || correlation(*other).abs() > PARTNER);
         strong.map(|other| plan.unknowns[other].name.clone()).collect::<Vec<_>>()
     };
-    let mesh_shift = plan.mesh.shifts.get(index).copied().unwrap_or(0.0);
+    let [mesh_shift, without_mesh] = plan.mesh.shift(unknown).unwrap_or([0.0, deviation]);
     let is_coarse = plan.mesh.coarse_of(plan, unknown).next().is_some();
     let bound = at_bounds.iter().find(|(own, _)| *own == index);
     let verdict = match bound {
         Some((_, side)) => Verdict::AtBound(*side),
-        None if mesh_shift.abs() > NORMAL_95 * deviation || is_coarse => Verdict::MeshLimited,
+        None if mesh_shift.abs() > NORMAL_95 * without_mesh || is_coarse => Verdict::MeshLimited,
         None if wide <= plan.precision && prior_share < OF_PRIOR => Verdict::Determined,
         None if alone <= plan.precision && prior_share_alone < OF_PRIOR && x.len() > 1 => {
             Verdict::OnlyTogether(partners())

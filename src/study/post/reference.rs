@@ -88,7 +88,7 @@ pub enum ReferenceError {
     },
     /// A raw recording whose reduction finds what an error was given of.
     #[error(
-        "{}: `{error}` is the error of `{given}`, which is not given: the reduction finds both; {RAW}",
+        "{}: `{error}` is the error of `{given}`, which is not given: write both, or neither; {RAW}",
         path.display()
     )]
     ErrorAlone {

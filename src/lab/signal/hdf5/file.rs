@@ -35,6 +35,8 @@ struct Source {
     column: usize,
     /// What values are multiplied by, and what is added then (CF conventions, packed data).
     scale: [f64; 2],
+    /// The value that stands where nothing was measured, before that.
+    fill: Option<f64>,
 }
 
 /// Most groups and data sets, and groups within groups.
@@ -99,10 +101,16 @@ impl Hdf5 {
         let shape = dataset.shape().map_err(Fault::of(path))?;
         let datatype = dataset.datatype().map_err(Fault::of(path))?;
         let width = datatype.type_size() as usize;
+        let is_text = |name: &str| attributes.get(name).is_some_and(|value| value.as_str().is_some());
+        let unpacked = ["scale_factor", "add_offset", "_FillValue", "missing_value"];
         let packed =
             |name: &str| attributes.get(name).and_then(|value| value.to_f64s()).and_then(|all| all.first().copied());
         let scale = [packed("scale_factor").unwrap_or(1.0), packed("add_offset").unwrap_or(0.0)];
+        let fill = packed("_FillValue").or_else(|| packed("missing_value"));
         let refused = match class {
+            _ if unpacked.iter().any(|name| is_text(name)) => {
+                Some("its attributes of packed values are texts".to_owned())
+            }
             Some("char") => Some("it holds texts".to_owned()),
             Some("table" | "timetable" | "timeseries" | "string") => {
                 let why = "it is an object; save the struct of it instead: table2struct(T, \"ToScalar\", true)";
@@ -122,6 +130,7 @@ impl Hdf5 {
             row,
             column,
             scale,
+            fill,
         };
         if let (Datatype::Compound { members, .. }, None) = (&datatype, &refused)
             && !is_complex(members.iter().map(|member| member.name.as_str()))
@@ -207,7 +216,8 @@ impl Catalogue for Hdf5 {
         let [factor, offset] = source.scale;
         let value = |row: usize| {
             let at = source.start + row * source.row + column * source.column;
-            number(&source.datatype, bytes.get(at..)?).map(|value| value * factor + offset)
+            number(&source.datatype, bytes.get(at..)?)
+                .map(|value| if source.fill == Some(value) { f64::NAN } else { value * factor + offset })
         };
         let values: Option<Vec<f64>> = (0..source.rows).map(value).collect();
         let ends = || Fault::Ends { object: source.path.clone(), found: bytes.len() };

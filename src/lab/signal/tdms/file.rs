@@ -195,7 +195,6 @@ fn not_one(index: &Index) -> Option<&'static str> {
     index.daqmx.as_ref().filter(|daqmx| daqmx.scalers.is_empty()).map(|_| "data of DAQmx without a scaler")
 }
 
-/// The scaler with this number, or the first.
 /// Seconds in the unit of the steps of a waveform.
 fn seconds(unit: Option<&str>) -> Result<f64, String> {
     let Some(symbol) = unit.map(str::trim).filter(|unit| !unit.is_empty()) else { return Ok(1.0) };
@@ -203,6 +202,7 @@ fn seconds(unit: Option<&str>) -> Result<f64, String> {
     known.map(|unit| unit.to_si(1.0)).ok_or_else(|| format!("its steps are in `{symbol}`, which is no time"))
 }
 
+/// The scaler with this number, or the first.
 fn scaler(index: &Index, id: Option<u32>) -> Option<&Scaler> {
     let scalers = &index.daqmx.as_ref()?.scalers;
     id.and_then(|id| scalers.iter().find(|scaler| scaler.id == id)).or(scalers.first())

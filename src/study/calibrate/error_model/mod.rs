@@ -386,10 +386,17 @@ impl ErrorModel {
         }
     }
 
-    /// Takes up the error of the elements; one that the noise hides counts as none.
-    pub(super) fn set_mesh(&mut self, error: MeshError) {
-        self.mesh = (error.correction.norm() > LEAST_NOISE * self.measured.norm()).then_some(error);
+    /// Takes up the error of the elements, or none; one that is far below the noise counts as none. By how much the correction
+    /// changes, root mean square over the bins, over the noise.
+    pub(super) fn set_mesh(&mut self, error: Option<MeshError>) -> f64 {
+        let none = || DVector::zeros(self.bins());
+        let before = self.mesh.as_ref().map_or_else(none, |own| own.correction.clone());
+        let error = error.filter(|error| error.correction.norm() > LEAST_NOISE * self.measured.norm());
+        let change = error.as_ref().map_or_else(none, |own| own.correction.clone()) - before;
+        let over: Vec<f64> = change.iter().zip(self.noises()).map(|(own, noise)| own / noise).collect();
+        self.mesh = error;
         self.spectrum = self.spectrum_of(self.shape);
+        root_mean_square(&over)
     }
 
     /// The order at which the signal converges with its elements.
@@ -397,13 +404,13 @@ impl ErrorModel {
         self.mesh.as_ref().map(|own| own.order())
     }
 
-    /// The correction for the elements as residuals.
-    pub(super) fn whitened_correction(&self, share: f64) -> Option<Vec<f64>> {
-        let of = |own: &MeshError| {
-            let scaled = own.correction.iter().zip(self.noises()).map(|(own, noise)| own / noise);
-            self.whitened(&DVector::from_iterator(self.bins(), scaled), share)
+    /// The correction for the elements, and what it is uncertain by, as residuals.
+    pub(super) fn whitened_mesh(&self, share: f64) -> Option<[DVector<f64>; 2]> {
+        let residuals = |own: &DVector<f64>| {
+            let scaled = own.iter().zip(self.noises()).map(|(own, noise)| own / noise);
+            DVector::from_vec(self.whitened(&DVector::from_iterator(self.bins(), scaled), share))
         };
-        self.mesh.as_ref().map(of)
+        self.mesh.as_ref().map(|own| [&own.correction, &own.remainder].map(residuals))
     }
 
     /// Differences of the means of a simulated signal, corrected for its elements, from the measured ones.
