@@ -124,7 +124,7 @@ fn a_break_ends_the_test() {
     assert_eq!(summary["ruptured"], true);
     assert_eq!(figure(&summary, "burst_pressure_Pa"), last(&signals, "pressure_Pa"));
     assert!(
-        last(&signals, "pressure_Pa") < 5e3 && standard_error_and_output(&output).contains("burst at"),
+        last(&signals, "pressure_Pa") < 5e3 && standard_error_and_output(&output).contains("burst pressure"),
         "{}",
         standard_error_and_output(&output)
     );
