@@ -173,13 +173,16 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 /// Finds mistakes without running anything; no store of evaluations is opened.
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
-    let engine = engine(
-        args.given.changes.assignments()?,
-        &Arc::new(Evaluations::without_loading(&args.store)),
-        &host,
-        &collector,
-    );
+    let changes = args.given.changes.assignments()?;
+    let mut engine = engine(changes.clone(), &Arc::new(Evaluations::without_loading(&args.store)), &host, &collector);
     compiled(args, &engine, place)?;
+    if let Some(study) = &args.study {
+        // What a study reads before its first run is read.
+        calibrate::register_check(&mut engine, &Scenarios { changes, evaluations: None });
+        let faults = |faults: Vec<Fault>| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>();
+        let program = Script::compile(&engine, &Scope::new(), args.path(), study.beginning()).map_err(faults)?;
+        program.run(&engine, Scope::new()).map_err(|fault| Failure::from(args.fault(&fault)))?;
+    }
     let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
     print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
 }

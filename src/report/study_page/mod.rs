@@ -85,6 +85,9 @@ fn again(call: &Map<String, Value>) -> String {
         list.map(|change| format!("--{name} {}", quoted(change))).collect::<Vec<String>>()
     };
     let arguments = call.get("args").and_then(Value::as_object).into_iter().flatten().map(argument);
+    // A calibration in a file is no script.
+    let is_study = text("script").is_some_and(|path| path.ends_with(".toml"));
+    let command = if is_study { "calibrate" } else { "script" };
     let script = text("script").map(quoted);
     let scenario = text("scenario").map(|scenario| format!("--scenario {}", quoted(scenario)));
     let arguments = arguments.map(|argument| format!("--arg {}", quoted(&argument)));
@@ -93,7 +96,7 @@ fn again(call: &Map<String, Value>) -> String {
     format!(
         "<p>Where it was run, with droptower {}:</p>\n{}",
         env!("CARGO_PKG_VERSION"),
-        html::verbatim(&format!("droptower script {}", words.join(" ")))
+        html::verbatim(&format!("droptower {command} {}", words.join(" ")))
     )
 }
 

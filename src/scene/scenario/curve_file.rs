@@ -73,7 +73,10 @@ pub fn read_as_recording(path: &Path, source: &Arc<Source>) -> Result<Node, Diag
         )
     };
     let of_file = |text: String| Diagnostic::new(format!("{}: {text}", shown_path(path))).at(&at);
-    if let Some(own) = [&strain, &stress].into_iter().flatten().find(|own| is_named(own, &TRUE)) {
+    // A flow curve is of true stress over plastic strain; every other is of engineering values.
+    let is_flow = strain.as_ref().is_ok_and(|own| is_named(own, &["plast"]));
+    let is_true = |own: &&&Column| !is_flow && is_named(own, &TRUE);
+    if let Some(own) = [&strain, &stress].into_iter().flatten().find(is_true) {
         let hint = "a curve has engineering strain and stress, over the length and the section before the test";
         return Err(of_file(format!("`{}` is no engineering value", own.label)).hint(hint));
     }
@@ -175,6 +178,7 @@ mod tests {
             "strain [%],stress [MPa]\n1,2.5\n10,8\n300,24\n",
             "Strain,Stress_MPa\n0.01,2.5\n0.1,8\n3,24\n",
             "Dehnung;Spannung\n%;MPa\n1,0;2,5\n10;8\n300;24\n",
+            "True plastic strain [%],True stress [MPa]\n1,2.5\n10,8\n300,24\n",
             "# a coupon\ntime_s,Eng. strain (%),Force [N],Tensile stress in kPa\n0,1,5,2500\n1,10,6,8000\n2,300,7,24000\n",
         ] {
             let found = points(text).unwrap_or_else(|error| panic!("{text}: {error}"));

@@ -128,6 +128,14 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_fn("page", |own: &mut Calibration| own.page());
 }
 
+/// Makes `calibrate` read its tests, parameters and options and search for nothing: a study is checked so.
+pub fn register_check(engine: &mut Engine, scenarios: &Scenarios) {
+    let scenarios = scenarios.clone();
+    engine.register_fn("calibrate", move |context: NativeCallContext, options: Map| -> HostResult<()> {
+        Plan::read(&options, &scenarios, &Session::from_context(&context)).map(drop)
+    });
+}
+
 impl Calibration {
     fn new(
         options: &Map,

@@ -26,6 +26,8 @@ const PATHS: [&str; 4] = ["scenario", "scenarios", "candidate", "recordings"];
 pub struct StudyFile {
     /// The script that it stands for.
     pub script: String,
+    /// Bytes of it until the end of the call that calibrates.
+    called: usize,
     /// Of each of its lines the place in the file.
     places: Vec<Span>,
     /// The file.
@@ -46,6 +48,7 @@ impl StudyFile {
         let node = parse_tree(&source)?;
         let mut writer = Writer {
             script: String::new(),
+            called: 0,
             places: Vec::new(),
             mistakes: Vec::new(),
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
@@ -54,8 +57,13 @@ impl StudyFile {
         if let Value::Table(table) = &node.value {
             writer.study(table);
         }
-        let Writer { script, places, mistakes, .. } = writer;
-        if mistakes.is_empty() { Ok(StudyFile { script, places, source }) } else { Err(mistakes) }
+        let Writer { script, called, places, mistakes, .. } = writer;
+        if mistakes.is_empty() { Ok(StudyFile { script, called, places, source }) } else { Err(mistakes) }
+    }
+
+    /// The script until the call that calibrates: what reads scenarios, recordings, parameters and options.
+    pub fn beginning(&self) -> &str {
+        &self.script[..self.called]
     }
 
     /// The place in the file of a line of the script.
@@ -68,6 +76,7 @@ impl StudyFile {
 /// Writes the script, a line an entry.
 struct Writer {
     script: String,
+    called: usize,
     places: Vec<Span>,
     mistakes: Vec<Diagnostic>,
     folder: std::path::PathBuf,
@@ -132,6 +141,7 @@ impl Writer {
             self.entry(name, &entry.node, &entry.key_span);
         }
         self.line("});", &first);
+        self.called = self.script.len();
         if let Some(posterior) = table.get("posterior") {
             self.call("study.posterior(", posterior.node.clone(), &posterior.key_span);
         }

@@ -28,6 +28,6 @@ mod test;
 mod verdict;
 mod warning;
 
-pub use bindings::{REFERENCE, register};
+pub use bindings::{REFERENCE, register, register_check};
 pub use file::StudyFile;
 pub use warning::CODES;

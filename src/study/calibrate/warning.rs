@@ -53,8 +53,13 @@ findings! {
                 signals are corrected for that to the first order, which such a difference is beyond";
             remedy "refine `specimen.mesh.size` as the finding says, and start from the values found; `mesh: \"exact\"` is for virtual \
                 recordings on the same elements";
-            message "{parameter} is limited by the mesh: correcting for the elements moves it by {}, its 95 % half width is {} of its value \
-                ({basis}){}; take elements of {}", signed(*moved), percent(*half_width), coarse_in_contact(coarse), sizes.join(", ");
+            message "{parameter} is limited by the mesh: {}, and its interval does not hold ({basis}); take elements of {}",
+                if coarse.is_empty() {
+                    format!("correcting for the elements moves it by {} where its 95 % half width is {}", signed(*moved), percent(*half_width))
+                } else {
+                    format!("elements are coarse in contact in {}, beyond what a correction reaches", coarse.join(", "))
+                },
+                sizes.join(", ");
         MeshNotChecked {
             test: String, "the test" => "test";
             cause: String, "why" => "cause";
@@ -246,15 +251,6 @@ impl Warning {
             ) => one == two,
             _ => false,
         }
-    }
-}
-
-/// The tests that are coarse in contact, as a part of a sentence.
-fn coarse_in_contact(tests: &[String]) -> String {
-    if tests.is_empty() {
-        String::new()
-    } else {
-        format!(", and elements are coarse in contact in {}", tests.join(", "))
     }
 }
 
