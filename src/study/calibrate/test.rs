@@ -116,7 +116,7 @@ impl Test {
         if !(weight > 0.0 && weight.is_finite()) {
             return Err(in_test(format!("`weight` is {weight}, which must be above zero")));
         }
-        let outcomes = outcome::read(&map, &study, session).map_err(|error| in_test(error.to_string()))?;
+        let outcomes = outcome::read(&map, &study, session).map_err(|error| in_test(cause(&error)))?;
         check_together(&map, outcomes.as_ref()).map_err(in_test)?;
         let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
         let pull = map.get("pull").map(|given| pulled::across(given, &study).map_err(in_test)).transpose()?;
@@ -134,9 +134,9 @@ impl Test {
     fn compared(self, options: &Options<'_>, tolerances: Tolerances, session: &Session) -> HostResult<Test> {
         let Options { map, .. } = options;
         let in_test = |text: String| refuse(format!("test `{}`: {text}", self.name));
-        let names = signals_of(map, &self.study).map_err(|error| in_test(error.to_string()))?;
+        let names = signals_of(map, &self.study).map_err(|error| in_test(cause(&error)))?;
         let columns = names.iter().map(|name| found_column(name).map_err(in_test)).collect::<HostResult<Vec<_>>>()?;
-        let over = abscissa_of(map, &self.study).map_err(|error| in_test(error.to_string()))?;
+        let over = abscissa_of(map, &self.study).map_err(|error| in_test(cause(&error)))?;
         let tolerances = match map.get("noise") {
             Some(given) => Tolerances { noise: noise(given).map_err(in_test)?, ..tolerances },
             None => tolerances,
