@@ -254,6 +254,8 @@ impl Writer {
                     false => self.line(&quoted(&shown), place),
                 }
             }
+            // A script has no such literal: its minus stands before a number that is too large.
+            Value::Whole(i64::MIN) => self.mistakes.push(Diagnostic::new("the number is too large").at(place)),
             Value::Whole(number) => self.line(&number.to_string(), place),
             Value::Number(number) if number.is_finite() => self.line(&float(*number), place),
             Value::Number(_) => self.mistakes.push(Diagnostic::new("expected a finite number").at(place)),
