@@ -408,35 +408,6 @@ impl Signal {
         }
     }
 
-    /// A simulated signal as it is seen by one who takes the contact to be so much later than it was, with the same speed then
-    /// (docs/methods.md, equation 331c).
-    fn later(&self, simulated: &Series, by: f64) -> Series {
-        let time = simulated.time();
-        let (Some(first), Some(last)) = (simulated.samples().next(), simulated.samples().last()) else {
-            return simulated.clone();
-        };
-        let slope_at = |place: usize| match (simulated.samples().nth(place), simulated.samples().nth(place + 1)) {
-            (Some(a), Some(b)) => (b[1] - a[1]) / (b[0] - a[0]),
-            _ => 0.0,
-        };
-        // A travel counts from contact, and its speed there is what was measured; an acceleration counts as it is.
-        let is_travel = self.column.short == column::DISPLACEMENT.short;
-        let start = if is_travel { slope_at(0) } else { 0.0 };
-        let end = slope_at(time.len().saturating_sub(2));
-        let at = |t: f64| match simulated.value_at(t) {
-            Some(value) => value,
-            None if t < first[0] => first[1] + start * (t - first[0]),
-            None => last[1] + end * (t - last[0]),
-        };
-        let [zero, turn] = match time.partition_point(|t| *t <= first[0] + by) {
-            _ if !is_travel => [0.0, 0.0],
-            0 => [at(first[0] + by) - first[1], 0.0],
-            place => [at(first[0] + by) - first[1], start - slope_at(place - 1)],
-        };
-        let value = |t: &f64| at(t + by) - zero + turn * (t - first[0]);
-        Series::new(time.to_vec(), time.iter().map(value).collect::<Vec<_>>())
-    }
-
     /// Takes the errors of its recordings' contacts as errors of its differences, by the simulated signal and by that of an
     /// impactor which is faster by so much.
     pub(super) fn add_contact(
@@ -457,7 +428,8 @@ impl Signal {
             Ok(change)
         });
         let mut errors = self.errors.clone();
-        errors.add_contact(|by| self.later(simulated, by), of_speed.transpose()?)?;
+        let is_travel = self.column.short == column::DISPLACEMENT.short;
+        errors.add_contact(|by| later(simulated, by, is_travel), of_speed.transpose()?)?;
         self.errors = errors;
         Ok(())
     }
@@ -491,6 +463,34 @@ impl Signal {
     pub(super) fn abscissa(&self) -> (&'static str, f64) {
         self.over.map_or(("time (ms)", 1e3), |over| (over.axis, over.factor))
     }
+}
+
+/// A simulated signal as it is seen by one who takes the contact to be so much later than it was, with the same speed then
+/// (docs/methods.md, equation 331c).
+fn later(simulated: &Series, by: f64, is_travel: bool) -> Series {
+    let time = simulated.time();
+    let (Some(first), Some(last)) = (simulated.samples().next(), simulated.samples().last()) else {
+        return simulated.clone();
+    };
+    let slope_at = |place: usize| match (simulated.samples().nth(place), simulated.samples().nth(place + 1)) {
+        (Some(a), Some(b)) => (b[1] - a[1]) / (b[0] - a[0]),
+        _ => 0.0,
+    };
+    // A travel counts from contact, and its speed there is what was measured; an acceleration counts as it is.
+    let start = if is_travel { slope_at(0) } else { 0.0 };
+    let end = slope_at(time.len().saturating_sub(2));
+    let at = |t: f64| match simulated.value_at(t) {
+        Some(value) => value,
+        None if t < first[0] => first[1] + start * (t - first[0]),
+        None => last[1] + end * (t - last[0]),
+    };
+    let [zero, turn] = match time.partition_point(|t| *t <= first[0] + by) {
+        _ if !is_travel => [0.0, 0.0],
+        0 => [at(first[0] + by) - first[1], 0.0],
+        place => [at(first[0] + by) - first[1], start - slope_at(place - 1)],
+    };
+    let value = |t: &f64| at(t + by) - zero + turn * (t - first[0]);
+    Series::new(time.to_vec(), time.iter().map(value).collect::<Vec<_>>())
 }
 
 /// Refuses options of a test that do not go together.
@@ -608,4 +608,33 @@ pub(super) fn noise(given: &Dynamic) -> Result<Noise, String> {
     }
     let share = number(given, "noise").map_err(|_| wrong())?;
     if share > 0.0 && share < 1.0 { Ok(Noise::Share(share)) } else { Err(wrong()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A travel under a constant deceleration is the same again from a later contact with the same speed; from an earlier one on the
+    /// impactor first goes on as it came; an acceleration that rises evenly is shifted.
+    #[test]
+    fn a_later_contact_has_the_closed_form() {
+        let time: Vec<f64> = (0..=500).map(|sample| 1e-4 * f64::from(sample)).collect();
+        let series =
+            |of: &dyn Fn(f64) -> f64| Series::new(time.clone(), time.iter().map(|t| of(*t)).collect::<Vec<_>>());
+        let off = |found: &Series, of: &dyn Fn(f64) -> f64| {
+            found.samples().map(|[t, value]| (value - of(t)).abs()).fold(0.0, f64::max)
+        };
+        let travel = |t: f64| -4.0 * t + 50.0 * t * t;
+        // Slopes are those of samples: the speed is off by its change within one, over all of the time.
+        let bound = 100.0 * 1e-4 * 0.05;
+        for by in [2e-3, 5e-4] {
+            let found = off(&later(&series(&travel), by, true), &travel);
+            assert!(found < bound, "{by}: {found}");
+        }
+        let expected = |t: f64| -4.0 * t + if t < 1e-3 { 0.0 } else { 50.0 * (t - 1e-3).powi(2) };
+        let found = off(&later(&series(&travel), -1e-3, true), &expected);
+        assert!(found < bound, "{found}");
+        let ramp = |t: f64| 2000.0 * t;
+        assert!(off(&later(&series(&ramp), 1e-3, false), &|t| ramp(t + 1e-3)) < 1e-6);
+    }
 }

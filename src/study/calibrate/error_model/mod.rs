@@ -428,7 +428,7 @@ impl ErrorModel {
     }
 
     /// Takes what the recordings are uncertain in at contact as an error of the differences: how these change with the time of
-    /// contact, by the signal of [`Signal::later`](super::test::Signal::later) for a time, and with the speed (per m/s).
+    /// contact, by the signal that is seen `later` by a time, and with the speed (per m/s).
     pub(super) fn add_contact(
         &mut self,
         later: impl Fn(f64) -> Series,
