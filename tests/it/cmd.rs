@@ -8,7 +8,6 @@ fn commands_print_what_their_pages_say() {
     let droptower = std::path::PathBuf::from(env!("CARGO_BIN_EXE_droptower"));
     trycmd::TestCases::new()
         .register_bin("droptower", droptower)
-        .case("tests/cmd/*.md")
         .case("tests/cmd/*.trycmd")
         .run();
 }
