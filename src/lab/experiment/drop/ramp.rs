@@ -59,7 +59,7 @@ impl GravityRamp {
         if a.is_nan() || a <= 0.0 || depth <= 0.0 || vertex <= 0.0 {
             return Err(RampError::NotParabolic { from, to });
         }
-        // Equation 44 in the form a (u − vertex)² − depth, which is zero a width before its vertex.
+        // The parabola in the form a (u − vertex)² − depth, which is zero a width before its vertex.
         let width = (depth / a).sqrt();
         Ok(GravityRamp { start: from + length * (vertex - width), duration: length * width, depth })
     }

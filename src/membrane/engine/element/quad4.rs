@@ -1,4 +1,4 @@
-//! The four-node membrane element (theory.md, equation 10), with nodes counter-clockwise.
+//! The four-node membrane element (theory.md, section 3), with nodes counter-clockwise.
 
 use super::gauss::GaussElement;
 use super::one_point::OnePointElement;
