@@ -58,7 +58,7 @@ pub enum FilterError {
     },
 }
 
-/// The recursion yᵢ = b·(xᵢ, xᵢ₋₁, xᵢ₋₂) + a·(yᵢ₋₁, yᵢ₋₂), equation 60.
+/// The recursion yᵢ = b·(xᵢ, xᵢ₋₁, xᵢ₋₂) + a·(yᵢ₋₁, yᵢ₋₂) of both standards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelFilter {
     b: [f64; 3],

@@ -1,5 +1,4 @@
-//! The magnitude rating E_M of ISO/TS 18571, equations 66 and 67: what remains between the curves when their time is
-//! warped.
+//! The magnitude rating E_M of ISO/TS 18571, equation 64: what remains between the curves when their time is warped.
 //!
 //! Sakoe and Chiba, IEEE Transactions on Acoustics, Speech, and Signal Processing 26 (1978): squared differences, steps
 //! of (1, 0), (0, 1) and (1, 1) of equal weight, a band about the diagonal. The rating only needs two sums along the
@@ -30,7 +29,7 @@ fn warped_lanewise(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 
     let padding = [0.0; LANES];
     let reversed: Vec<f64> = reference.iter().rev().chain(&padding).copied().collect();
     let comparison: Vec<f64> = comparison.iter().chain(&padding).copied().collect();
-    // Equation 67 reaches back to the last antidiagonal but one.
+    // A diagonal step comes from the last antidiagonal but one.
     let mut fronts = [Front::new(count), Front::new(count), Front::new(count)];
     fronts[1].start(comparison[0] - reference[0], reference[0]);
     for diagonal in 1..2 * count - 1 {
@@ -73,7 +72,7 @@ impl Front {
         for block in (0..cells.len()).step_by(LANES) {
             let below = cells.start + block;
             let [comparison, reference] = curves.map(|curve| lane(curve, block));
-            // In the order of equation 67: of paths of equal cost the first counts.
+            // Steps (1, 0), (0, 1), (1, 1): of paths of equal cost the first counts.
             let before = cheaper(cheaper(last.paths(below), last.paths(below + 1)), before_last.paths(below));
             self.store(below + 1, step(before, comparison, reference));
         }

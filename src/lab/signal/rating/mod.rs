@@ -1,6 +1,6 @@
 //! How well one signal follows another: the objective rating of ISO/TS 18571 for signals without ambiguity.
 //!
-//! Four ratings between 0 and 1 and their weighted sum, equations 64 to 69. The curves are compared at 10 kHz and equal
+//! Four ratings between 0 and 1 and their weighted sum, equation 64. The curves are compared at 10 kHz and equal
 //! length, as the specification requires; the warnings of the rating report how they were resampled.
 
 mod magnitude;

@@ -1,4 +1,4 @@
-//! The phase rating E_P of ISO/TS 18571, equation 65: the shift at which the curves correlate best.
+//! The phase rating E_P of ISO/TS 18571, equation 64: the shift at which the curves correlate best.
 
 use base::cancellation::stop_if_cancelled;
 use membrane::lane::{LANES, Lane, Width, at_width, splat};

@@ -1,7 +1,7 @@
 //! Logarithmic strain in the plane and the stress that does work on it.
 //!
 //! `E = ½ ln C` and `S = T : 2 ∂E/∂C` without principal directions, which equal stretches do not have (theory.md,
-//! equations 250 to 252). With the mean `m` and the deviator `q = (½(C₁₁ − C₂₂), C₁₂)` of C, its radius `ρ = |q|`, `r =
+//! equation 250). With the mean `m` and the deviator `q = (½(C₁₁ − C₂₂), C₁₂)` of C, its radius `ρ = |q|`, `r =
 //! ρ/m`:
 //!
 //! ```text
@@ -88,7 +88,7 @@ impl<const L: usize> Logarithm<L> {
             let far = (0.5 * std::f64::consts::LN_2 * f64::from(exponent as i32) + t * whole) / r;
             let a = if is_near { whole } else { far };
             let inverse = mean * mean * out.per_det[l];
-            // B of equation 251: the difference over r² cancels as r → 0, where the series has it term by term.
+            // B: the difference over r² cancels as r → 0, where the series has it term by term.
             let b = if is_near { inverse - second_part } else { (inverse - a) / (r * r) };
             out.across[l] = a * per_mean;
             out.bent[l] = b * per_mean * per_mean * per_mean;
@@ -111,7 +111,7 @@ impl<const L: usize> Logarithm<L> {
         for l in 0..L {
             let (mean, apart, shear) = (0.5 * (t[0][l] + t[1][l]), 0.5 * (t[0][l] - t[1][l]), t[2][l]);
             let [q, w] = [self.deviator[0][l], self.deviator[1][l]];
-            // theory.md, equation 252, with d·q of the deviators as two components.
+            // d·q of the deviators as two components.
             let along = apart * q + shear * w;
             let level = (mean * self.mean[l] - along) * self.per_det[l];
             let turned = self.bent[l] * along - mean * self.per_det[l];
@@ -124,7 +124,15 @@ impl<const L: usize> Logarithm<L> {
     }
 
     /// Bound on the eigenvalues of the second derivative by F of the energy ½ E_e·T with the moduli `plane` = Y/(1 −
-    /// ν²) and `shear` = G (Pa), at the stress `t` (theory.md, equation 265).
+    /// ν²) and `shear` = G (Pa), at the stress T = t ± d: of `d²W = dE·ℂ dE + T·d²E`
+    ///
+    /// ```text
+    /// max { a + τ/c₂ , G θ² (c₁ + c₂) + τ (1/c₂ + 2 (φ₁ + φ₂)(c₁ + c₂)) } + |d| (θ + 4 √((c₁ + c₂)(φ₁² c₁ + φ₂² c₂)))
+    /// a = Y/(1 − ν²) ( ½ (1/c₁ + 1/c₂) + √(¼ (1/c₁ − 1/c₂)² + ν²/det C) ) ,   τ = |t| + |d|
+    /// θ = ln(c₁/c₂)/(c₁ − c₂) = A/m ,   φ₁,₂ = ¼ (1/det C ∓ B ρ/m³)
+    /// ```
+    ///
+    /// with the eigenvalues c₁ ≥ c₂ of C.
     #[inline(always)]
     pub(super) fn bound(&self, t: &Plane<L>, [plane, poisson, shear]: [f64; 3]) -> Lane<L> {
         let mut out = splat(0.0);
