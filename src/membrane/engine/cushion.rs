@@ -87,7 +87,7 @@ impl Cushion {
     }
 
     /// Remainder of `mass` (kg) in `volume` (m³) after `dt` (s): an implicit step, so that air does not flow beyond
-    /// the equal pressure in one step (theory.md, equation 192).
+    /// the equal pressure in one step (theory.md, equation 191).
     fn vented(&self, mass: f64, volume: f64, dt: f64) -> f64 {
         if self.vent == 0.0 {
             return mass;

@@ -120,7 +120,7 @@ fn length_of(mesh: &Mesh, [a, b]: [u32; 2]) -> f64 {
 }
 
 /// Refuses a clamp that cannot hold the pre-strain of the face with `mesh` and the `held` edges, the last of `faces`:
-/// it would let go of the film as a shock at the start (theory.md, equation 73a).
+/// it would let go of the film as a shock at the start (theory.md, equation 73).
 ///
 /// # Errors
 /// [`RunError::ClampTooWeak`].

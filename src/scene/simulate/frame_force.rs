@@ -1,4 +1,4 @@
-//! Force of the film on the mounting frame (theory.md, equation 160).
+//! Force of the film on the mounting frame (theory.md, section 17).
 
 use std::collections::BTreeSet;
 

@@ -16,7 +16,7 @@ pub(super) fn of_face(face: &Face, stretch: f64) -> Gradient<1> {
 }
 
 /// Force of the pre-strain of `face` over the length of an edge as mounted with the outward `normal` in the plane of the
-/// frame, N/m (theory.md, equation 73a).
+/// frame, N/m.
 pub(super) fn line_force(face: &Face, normal: &Vector2<f64>) -> Vector2<f64> {
     let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
     let stress = of_face(face, 1.0);

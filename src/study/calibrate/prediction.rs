@@ -410,7 +410,7 @@ fn loading(run: &Run, all: [f64; 2]) -> [f64; 2] {
 
 /// Ends of 95 % of what one more run would have, of some runs' values, each with the deviation of its model's error: ends at the
 /// ranks p (n + 1), or those of a mixture of normal distributions of equal weight where there are errors, by bisection
-/// (methods.md, equations 337b and 337c).
+/// (methods.md, equation 337c).
 fn ends(own: &[(f64, f64)]) -> [f64; 2] {
     let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();
     if own.iter().all(|(_, deviation)| *deviation == 0.0)

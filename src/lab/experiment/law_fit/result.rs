@@ -90,8 +90,7 @@ impl Coefficient {
 /// Figures of one test beside a law.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
-    /// R² = 1 − Σ (P − P̂)²/Σ (P − mean P)² over all stresses of the test, which differ (methods.md, equation
-    /// 233).
+    /// R² = 1 − Σ (P − P̂)²/Σ (P − mean P)² over all stresses of the test, which differ.
     pub r_squared: f64,
     /// Root mean square of P − P̂, Pa.
     pub rms: f64,

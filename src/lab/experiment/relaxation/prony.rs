@@ -1,4 +1,4 @@
-//! Prony series: a modulus that relaxes in terms, each with a share and a time (methods.md, equation 234).
+//! Prony series: a modulus that relaxes in terms, each with a share and a time (theory.md, equation 280).
 
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;

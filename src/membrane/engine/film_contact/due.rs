@@ -2,9 +2,9 @@
 //!
 //! From one detection to the next each node moves by some distance, and the sum of twice the largest of these is the
 //! *path* of the film: two points have come nearer to each other by at most the path since. A pair that is farther apart
-//! than allowed is therefore not due before film has covered half of what is left between them (theory.md, equation
-//! 57a). Half, since a node may pass to a neighbouring triangle meanwhile, whose plane is nearer by the cosine of the
-//! angle between both, and edges come to cross each other: that is found out while the rest of the distance is left.
+//! than allowed is therefore not due before film has covered half of what is left between them. Half, since a node may
+//! pass to a neighbouring triangle meanwhile, whose plane is nearer by the cosine of the angle between both, and edges
+//! come to cross each other: that is found out while the rest of the distance is left.
 
 use super::FilmContact;
 use super::constraint::Source;

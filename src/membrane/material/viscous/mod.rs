@@ -1,7 +1,7 @@
 //! Viscous film: a Prony series on the stress of an elastic, hyperelastic or fibre law.
 //!
 //! The stress of a law, of film that is strained at once, relaxes by the shares `g_i` with the times `τ_i`
-//! (quasi-linear viscoelasticity; Simo 1987, Holzapfel 2000, section 6.10; theory.md, equations 280 to 289):
+//! (quasi-linear viscoelasticity; Simo 1987, Holzapfel 2000, section 6.10; theory.md, equations 280 to 288):
 //!
 //! ```text
 //! S = (1 − Σ g_i) S° + Σ q_i ,   dq_i/dt = g_i dS°/dt − q_i/τ_i
