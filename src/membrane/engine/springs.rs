@@ -118,7 +118,7 @@ impl Springs {
     }
 
     /// Stiffness of a spring across its own direction over that along it, and the square of its slope, the largest of
-    /// any (theory.md, equation 345).
+    /// any (theory.md, equation 173).
     pub(super) fn vertical_share(&self, nodes: &Nodes) -> f64 {
         let of_spring = |spring: &Spring| {
             let Stretched { direction, elongation } = spring.stretched(nodes);
