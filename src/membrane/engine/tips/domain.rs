@@ -30,6 +30,8 @@ impl Tips {
         moved.sort_unstable();
         moved.dedup();
         let mut nodes = self.nodes_of_all(&moved);
+        // An outer edge stays: film ahead of the tip that moved with it to the edge would release nothing.
+        nodes.retain(|(node, _)| !self.outer[*node as usize]);
         // A tear as short as this has its other tip in here.
         let is_within = |image: &Image| moved.binary_search(image).is_ok();
         let body = self.connected(element, |image| self.place(image.0) == Place::Open, is_within);

@@ -112,6 +112,8 @@ pub(super) struct Tips {
     mirrors: Vec<u8>,
     /// Normals of the planes.
     normals: [[f64; 2]; 2],
+    /// Which nodes lie on an outer edge of the film.
+    outer: Vec<bool>,
     places: Vec<Vec<Place>>,
     at_tip: Vec<Element>,
 }
@@ -135,8 +137,10 @@ impl Tips {
         for (axis, plane) in planes.iter().enumerate() {
             plane.nodes.iter().for_each(|node| mirrors[*node as usize] |= 1 << axis);
         }
+        let outer = outer_nodes(&nodes, &mirrors);
         Tips {
             first,
+            outer,
             around: pairs.into_iter().map(|(_, element)| element).collect(),
             places: nodes.iter().map(|of_chunk| vec![Place::Whole; of_chunk.len()]).collect(),
             nodes,
@@ -150,7 +154,10 @@ impl Tips {
     pub(super) fn bytes(&self) -> usize {
         let of_element = |corners: &Vec<u32>| size_of::<Vec<u32>>() + size_of_val(&corners[..]) + size_of::<Place>();
         let elements: usize = self.nodes.iter().flatten().map(of_element).sum();
-        let arrays = size_of_val(&self.first[..]) + size_of_val(&self.around[..]) + size_of_val(&self.mirrors[..]);
+        let arrays = size_of_val(&self.first[..])
+            + size_of_val(&self.around[..])
+            + size_of_val(&self.mirrors[..])
+            + size_of_val(&self.outer[..]);
         elements + arrays + size_of_val(&self.at_tip[..])
     }
 
@@ -336,6 +343,27 @@ impl Tips {
         let (own, _) = film.tear(element);
         width.min((film.energy / own.stored).max(extent))
     }
+}
+
+/// Which nodes lie on an edge that one element alone has and no mirror plane: cut and deleted elements count, so that tears
+/// have none.
+fn outer_nodes(elements: &[Vec<Vec<u32>>], mirrors: &[u8]) -> Vec<bool> {
+    let edges_of = |corners: &Vec<u32>| -> Vec<[u32; 2]> {
+        (0..corners.len())
+            .map(|k| [corners[k], corners[(k + 1) % corners.len()]])
+            .map(|[a, b]| [a.min(b), a.max(b)])
+            .collect()
+    };
+    let mut edges: Vec<[u32; 2]> = elements.iter().flatten().flat_map(edges_of).collect();
+    edges.sort_unstable();
+    let mut outer = vec![false; mirrors.len()];
+    for same in edges.chunk_by(|one, other| one == other) {
+        let [a, b] = same[0].map(|node| node as usize);
+        if same.len() == 1 && mirrors[a] & mirrors[b] == 0 {
+            (outer[a], outer[b]) = (true, true);
+        }
+    }
+    outer
 }
 
 /// Length of a vector.

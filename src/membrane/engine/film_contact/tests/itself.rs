@@ -256,7 +256,7 @@ fn the_lips_of_a_tear_meet() {
         friction: 0.3,
         rupture: vec![Some(rupture)],
         sphere: Some((0.03, 8.0, 0.5)),
-        loads: Loads { step_factor: 0.4, ..Loads::default() },
+        loads: Loads { step_factor: 0.5, ..Loads::default() },
         ..Scene::default()
     };
     let mut run = scene.with(&[(square(0.2, 20, 0.0), 0.0, [0.0; 3])]);
