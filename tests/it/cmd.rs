@@ -6,8 +6,5 @@
 #[test]
 fn commands_print_what_their_pages_say() {
     let droptower = std::path::PathBuf::from(env!("CARGO_BIN_EXE_droptower"));
-    trycmd::TestCases::new()
-        .register_bin("droptower", droptower)
-        .case("tests/cmd/*.trycmd")
-        .run();
+    trycmd::TestCases::new().register_bin("droptower", droptower).case("tests/cmd/*.trycmd").run();
 }
